@@ -1,0 +1,23 @@
+"""The analyses, by kind."""
+
+from __future__ import annotations
+
+from fiv_cli.analyses import eigenvalues, equilibrium, history, response
+from fiv_cli.analyses.base import Analysis
+
+_ANALYSES: tuple[Analysis, ...] = (
+    history.ANALYSIS,
+    equilibrium.ANALYSIS,
+    eigenvalues.ANALYSIS,
+    response.ANALYSIS,
+)
+
+
+def all_analyses() -> dict[str, Analysis]:
+    """Every analysis, by kind (a copy)."""
+    return {analysis.kind: analysis for analysis in _ANALYSES}
+
+
+def get_analysis(kind: str) -> Analysis:
+    """The analysis of this kind; KeyError when there is none."""
+    return all_analyses()[kind]

@@ -1,0 +1,88 @@
+"""One run from plain values: what a worker process executes.
+
+A `Request` holds names and numbers only, so it pickles cheaply and hashes exactly; the compiled
+system is looked up (or loaded from the per-user cache) inside the worker.
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+
+
+@dataclass(frozen=True)
+class Request:
+    """One point of one analysis.
+
+    Attributes
+    ----------
+    model, law : contract names (``tanh of coulomb`` for a regularised law)
+    options : every option of the model
+    parameters : every parameter of the model and of the law, SI
+    analysis : kind
+    settings : every setting of the analysis
+    solver : integrator settings
+    start : None where the analysis has no starts
+    """
+
+    model: str
+    law: str
+    options: Mapping[str, str]
+    parameters: Mapping[str, float]
+    analysis: str
+    settings: Mapping[str, object]
+    solver: SolverSettings = field(default_factory=SolverSettings)
+    start: Start | None = None
+
+
+def execute(request: Request) -> Outcome:
+    """Run one point; whatever goes wrong is an `Outcome`, never an exception."""
+    from fiv_cli.analyses import get_analysis
+
+    try:
+        analysis = get_analysis(request.analysis)
+        system = _system(request)
+        return analysis.run(
+            system, request.parameters, request.start, request.settings, request.solver
+        )
+    except Exception as error:
+        return Outcome(
+            status="failed",
+            reason="internal_error",
+            message=f"{type(error).__name__}: {error}\n{traceback.format_exc()}",
+        )
+
+
+def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:
+    """Generate and compile every system that `requests` need, once, before workers start.
+
+    `announce` is called with a sentence when something must be generated or compiled.
+    """
+    from fiv_cli.dynamics.system import build_system, system_key
+
+    seen = set()
+    for request in requests:
+        key = system_key(
+            request.model, request.law, request.options, request.parameters, request.solver
+        )
+        if key not in seen:
+            seen.add(key)
+            build_system(
+                request.model,
+                request.law,
+                request.options,
+                request.parameters,
+                request.solver,
+                announce,
+            )
+
+
+def _system(request: Request):  # type: ignore[no-untyped-def]
+    from fiv_cli.dynamics.system import build_system
+
+    return build_system(
+        request.model, request.law, request.options, request.parameters, request.solver
+    )

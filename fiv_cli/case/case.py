@@ -1,0 +1,133 @@
+"""A case, clean and complete: what a case file means once nothing in it is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from fiv_cli.analyses.base import SolverSettings
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of the grid.
+
+    Attributes
+    ----------
+    name : canonical name: a parameter, an option, ``friction`` or ``initial.STATE``
+    kind : "parameter", "option", "law" or "start"
+    values : numbers in SI (the doubles nearest to the decimals written), or names
+    """
+
+    name: str
+    kind: str
+    values: tuple[Any, ...]
+
+    @property
+    def dim(self) -> str:
+        """Name of the axis as a dim of the dataset (``initial.x_dot`` -> ``initial_x_dot``)."""
+        return self.name.replace(".", "_")
+
+
+@dataclass(frozen=True)
+class StartSpec:
+    """One ``[[initial]]`` table.
+
+    Attributes
+    ----------
+    label : unique; a random start yields labels ``label-000`` ...
+    kind : "equilibrium", "state", "random" or "continue"
+    offset : state -> SI value (equilibrium, continue)
+    state : state -> SI value or name of a parameter whose value is taken (state)
+    count, seed, box : random starts; box is state -> (low, high)
+    along, direction, from_label, on_loss : continue
+    """
+
+    label: str
+    kind: str
+    offset: Mapping[str, float] = field(default_factory=dict)
+    state: Mapping[str, float | str] = field(default_factory=dict)
+    count: int = 1
+    seed: int = 0
+    box: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    along: str = ""
+    direction: str = "up"
+    from_label: str = ""
+    on_loss: str = "stop"
+
+
+@dataclass(frozen=True)
+class AnalysisSpec:
+    """One ``[[analysis]]`` table: `settings` holds every setting, defaults filled in."""
+
+    name: str
+    kind: str
+    settings: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class FigureSpec:
+    """One ``[[figure]]`` table."""
+
+    name: str
+    kind: str
+    settings: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class ClaimSpec:
+    """One ``[[claim]]`` table: what the publication says, as a check."""
+
+    source: str
+    text: str
+    variable: str
+    expect: Any
+    at: Mapping[str, Any] = field(default_factory=dict)
+    holds: str | float = "all"
+    note: str = ""
+    analysis: str = ""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A valid case.
+
+    Attributes
+    ----------
+    source : path as given on the command line
+    text : the file verbatim
+    overrides : the ``--set`` lines, verbatim, in order
+    options : every option of the model (those that are axes hold their default)
+    law : contract name (``tanh of coulomb``)
+    parameters : every parameter of model and law(s), SI; those that are axes are left out
+    explicit : names of the parameters that the case itself gives
+    axes : the grid, in order
+    zips : groups of axis names that advance together
+    """
+
+    source: str
+    text: str
+    overrides: tuple[str, ...]
+    title: str
+    reference: str
+    assumed: tuple[str, ...]
+    model: str
+    options: Mapping[str, str]
+    law: str
+    parameters: Mapping[str, float]
+    explicit: tuple[str, ...]
+    axes: tuple[Axis, ...]
+    zips: tuple[tuple[str, ...], ...]
+    starts: tuple[StartSpec, ...]
+    analyses: tuple[AnalysisSpec, ...]
+    figures: tuple[FigureSpec, ...]
+    claims: tuple[ClaimSpec, ...]
+    solver: SolverSettings
+
+    def axis(self, name: str) -> Axis:
+        """The axis called `name`; KeyError when there is none."""
+        for axis in self.axes:
+            if axis.name == name:
+                return axis
+        raise KeyError(name)

@@ -1,0 +1,111 @@
+"""Everything that can stop a command, as one tree of exceptions with exit codes.
+
+FivError                         1  internal error
+├── UsageError                   2  the command line cannot be carried out
+├── InputError                   3  an input file (case, dataset, shard) is invalid
+│   └── CaseError                3  ... with the list of everything wrong in a case
+├── DifferenceError              5  two things that should agree differ
+├── StoreMismatchError           6  the stored run belongs to another case
+├── LockedError                  7  a live run holds the run directory
+└── StorageError                 2  the output cannot be written (no space, no permission)
+
+A message's first line says what and where; its last line says what to type or edit next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class FivError(Exception):
+    """Base of the tree; carries the exit code of the command that it ends."""
+
+    exit_code = 1
+
+
+class UsageError(FivError):
+    """The command line asks for something that cannot be done as asked."""
+
+    exit_code = 2
+
+
+class StorageError(UsageError):
+    """An output cannot be written: no permission, no space, a folder in the way."""
+
+
+class InputError(FivError):
+    """An input file is invalid."""
+
+    exit_code = 3
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong in a case file.
+
+    Attributes
+    ----------
+    path : dotted path of the key, e.g. ``model.parameters.mu_k``
+    message : what is wrong, with the offending value
+    allowed : what would be accepted (may be empty)
+    suggestion : the "did you mean" or next step (may be empty)
+    line : line in the file, 1-based, or None where there is none (an override)
+    column : column, 1-based, or None
+    """
+
+    path: str
+    message: str
+    allowed: str = ""
+    suggestion: str = ""
+    line: int | None = None
+    column: int | None = None
+
+
+class CaseError(InputError):
+    """A case file is invalid; holds every problem found, not only the first."""
+
+    def __init__(self, source: str, problems: Sequence[Problem]) -> None:
+        self.source = source
+        self.problems = tuple(problems)
+        super().__init__("\n".join(self._lines()))
+
+    def _lines(self) -> list[str]:
+        count = len(self.problems)
+        noun = "problem" if count == 1 else "problems"
+        lines = [f"{self.source}: {count} {noun}; nothing was computed"]
+        for problem in self.problems:
+            lines.extend(self._describe(problem))
+        lines.append(f"next: correct the file, then `fiv check {self.source}`")
+        return lines
+
+    def _describe(self, problem: Problem) -> list[str]:
+        place = self.source
+        if problem.line is not None:
+            place += f":{problem.line}"
+        if problem.column is not None:
+            place += f":{problem.column}"
+        lines = [f"  {place}: {problem.path}: {problem.message}"]
+        if problem.allowed:
+            lines.append(f"      allowed: {problem.allowed}")
+        if problem.suggestion:
+            lines.append(f"      {problem.suggestion}")
+        return lines
+
+
+class DifferenceError(FivError):
+    """Two datasets, or a claim and a dataset, differ."""
+
+    exit_code = 5
+
+
+class StoreMismatchError(FivError):
+    """The stored run at the output path belongs to another case."""
+
+    exit_code = 6
+
+
+class LockedError(FivError):
+    """Another live process holds the run directory."""
+
+    exit_code = 7

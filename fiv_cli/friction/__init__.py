@@ -1,0 +1,21 @@
+"""The friction laws, by name."""
+
+from __future__ import annotations
+
+from fiv_cli.friction import coulomb, hyperbolic, linear_slope, stribeck, tanh
+from fiv_cli.friction.base import Law
+
+_LAWS: tuple[Law, ...] = (coulomb.LAW, stribeck.LAW, linear_slope.LAW, hyperbolic.LAW)
+
+TANH_OF = "tanh of "
+
+
+def all_laws() -> dict[str, Law]:
+    """Every friction law, by name, each law's regularised form included (a fresh dict)."""
+    regularised = [tanh.regularised(law) for law in _LAWS]
+    return {law.name: law for law in (*_LAWS, *regularised)}
+
+
+def get_law(name: str) -> Law:
+    """The law called `name` (``coulomb``, ``tanh of coulomb``); KeyError when there is none."""
+    return all_laws()[name]

@@ -1,0 +1,61 @@
+"""What a friction law is.
+
+To add a law: write ``fiv_cli/friction/my_law.py`` with a docstring (formula and source), its
+parameter table, ``force`` and ``capacity``, and ``LAW = Law(...)``; list it in
+``fiv_cli/friction/__init__.py``; add a row to ``tests/test_friction.py``.
+
+``force(slip, parameters)`` returns F_T as a SymPy expression. `slip` gives the signed slip
+velocity ``v``, the sign of slip ``sign`` (+1 or -1, a property of the contact state, never
+computed from v), the speed ``speed`` = sign * v >= 0, the normal force ``N`` and the law's
+internal states by name. Whatever contains ``sign`` or ``speed`` is non-analytic at v = 0: the
+contact state then has a border there, and an event lies on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from fiv_cli.models.base import Parameter
+
+
+@dataclass(frozen=True)
+class Slip:
+    """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states."""
+
+    v: Any
+    sign: Any
+    speed: Any
+    N: Any
+    states: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Law:
+    """A friction law.
+
+    Attributes
+    ----------
+    name : contract name
+    title : one line
+    reference : source of the formula
+    numerics_version : raised whenever a change of this file changes numbers
+    parameters : its parameter table
+    force : ``(Slip, parameters) -> F_T`` in N, positive along v
+    capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
+    states : internal states, name -> unit
+    rates : ``(Slip, parameters) -> {state: rate}``
+    structural : parameters whose value is written into the generated code (exponents)
+    """
+
+    name: str
+    title: str
+    reference: str
+    numerics_version: int
+    parameters: tuple[Parameter, ...]
+    force: Callable[[Slip, Mapping[str, Any]], Any]
+    capacity: Callable[[Any, Mapping[str, Any]], Any] | None
+    states: Mapping[str, str] = field(default_factory=dict)
+    rates: Callable[[Slip, Mapping[str, Any]], Mapping[str, Any]] | None = None
+    structural: tuple[str, ...] = ()

@@ -1,0 +1,18 @@
+"""The mechanical models, by name."""
+
+from __future__ import annotations
+
+from fiv_cli.models import belt_1dof, pin_on_disc
+from fiv_cli.models.base import Model
+
+_MODELS: tuple[Model, ...] = (belt_1dof.MODEL, pin_on_disc.MODEL)
+
+
+def all_models() -> dict[str, Model]:
+    """Every model, by name (a copy)."""
+    return {model.name: model for model in _MODELS}
+
+
+def get_model(name: str) -> Model:
+    """The model called `name`; KeyError when there is none."""
+    return all_models()[name]

@@ -1,0 +1,204 @@
+"""What a mechanical model is: tables that people read, and equations that are written once.
+
+To add a model:
+
+1. write ``fiv_cli/models/my_model.py``: docstring with the equations and their source, the
+   tables below, a function ``equations(symbols, options) -> Equations``, and ``MODEL = Model(...)``;
+2. add it to the list in ``fiv_cli/models/__init__.py``;
+3. add a row to ``tests/test_models.py`` and a case in ``configs/``.
+
+Accelerations are written under *given* contact forces (`Symbols.tangential_force`,
+`Symbols.normal_force`); code generation works out what those forces are in slip, in stick and
+in separation, the switching functions, the Jacobian, the Taylor recurrences and the energy
+balance. Nothing here imports SymPy: a model does that inside ``equations``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+Options = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a model or of a friction law.
+
+    Attributes
+    ----------
+    name : contract name, the thesis' symbol in ASCII (``mu_k``, ``N0``)
+    symbol : LaTeX
+    unit : UDUNITS string in SI, ``"1"`` when dimensionless
+    default : SI value; None when it follows from another parameter (see `default_from`)
+    minimum, maximum : closed range of allowed values
+    meaning : one line
+    equation : where the source introduces it
+    default_from : name of the parameter whose value is the default
+    integer : only whole numbers are allowed
+    exclusive : the range is open at `minimum`
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    default: float | None
+    meaning: str
+    equation: str = ""
+    minimum: float = float("-inf")
+    maximum: float = float("inf")
+    exclusive: bool = False
+    integer: bool = False
+    default_from: str | None = None
+
+
+@dataclass(frozen=True)
+class State:
+    """A generalised coordinate; its velocity is the state ``name_dot``."""
+
+    name: str
+    symbol: str
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Option:
+    """A switch of a model with the thesis' choice as default."""
+
+    name: str
+    choices: tuple[str, ...]
+    default: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Forcing:
+    """A periodic excitation: active when `amplitude` is not zero.
+
+    Attributes
+    ----------
+    amplitude : parameter that switches it on (set to 0 in the "unexcited system")
+    frequency : parameters -> angular frequency, rad/s
+    meaning : one line
+    """
+
+    amplitude: str
+    frequency: Callable[[Mapping[str, float]], float]
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One frictional contact, as SymPy expressions.
+
+    Attributes
+    ----------
+    slip_velocity : v_rel, m/s; friction on the model acts along +v_rel
+    slip_coordinate : name of the state whose velocity v_rel = 0 is solved for in stick
+    normal_force : F_N as a function of states and parameters, N; None for a rigid contact,
+        whose F_N is algebraic (it keeps the gap closed)
+    gap : positive when the surfaces are apart, m; None when the contact cannot separate
+    gap_coordinate : name of the state that a closed rigid gap determines; None otherwise
+    ends_at_zero_normal_force : the run ends ("contact lost") when F_N reaches zero
+    impulse : momentum balance of an impact, see `Impact`; None when there is none
+    """
+
+    slip_velocity: Any
+    slip_coordinate: str
+    normal_force: Any | None
+    gap: Any | None = None
+    gap_coordinate: str | None = None
+    ends_at_zero_normal_force: bool = False
+    impact: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A sector [start, start + width) of an angle in which parameters take other values.
+
+    Attributes
+    ----------
+    angle : SymPy expression, rad, taken modulo 2 pi
+    start, width : parameter names, rad
+    contact : index of the contact whose sticking freezes the angle
+    """
+
+    angle: Any
+    start: str
+    width: str
+    contact: int = 0
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The mechanics of a model in SymPy.
+
+    Attributes
+    ----------
+    accelerations : state name -> acceleration, affine in the contact forces
+    contacts : the frictional contacts
+    kinetic_energy, potential_energy : J (or N m)
+    law_parameters : law parameter name -> expression seen by the law, for parameters that
+        differ between zones
+    zone : the non-uniform sector, if any
+    """
+
+    accelerations: Mapping[str, Any]
+    contacts: tuple[Contact, ...]
+    kinetic_energy: Any
+    potential_energy: Any
+    law_parameters: Mapping[str, Any] = field(default_factory=dict)
+    zone: Zone | None = None
+
+
+@dataclass(frozen=True)
+class Model:
+    """A mechanical model: what the user sees, and where its equations are.
+
+    Attributes
+    ----------
+    name : contract name, ``belt-1dof``
+    title : one line
+    reference : source of the equations
+    numerics_version : raised whenever a change of this file changes numbers
+    parameters : the model's own parameters
+    states : generalised coordinates under given options
+    options : switches
+    contacts : number of contacts
+    laws : names of the friction laws it accepts; the first is the default
+    law_defaults : law parameter -> default on this model
+    forcings : periodic excitations
+    revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
+    equations : ``(Symbols, options) -> Equations``; imports SymPy
+    """
+
+    name: str
+    title: str
+    reference: str
+    numerics_version: int
+    parameters: tuple[Parameter, ...]
+    states: Callable[[Options], tuple[State, ...]]
+    equations: Callable[[Any, Options], Equations]
+    laws: tuple[str, ...]
+    law_defaults: Mapping[str, float]
+    options: tuple[Option, ...] = ()
+    contacts: int = 1
+    forcings: tuple[Forcing, ...] = ()
+    revolution: Callable[[Mapping[str, float]], float] | None = None
+
+    def default_options(self) -> dict[str, str]:
+        """Option name -> default choice."""
+        return {option.name: option.default for option in self.options}
+
+    def active_forcing(self, parameters: Mapping[str, float]) -> Forcing | None:
+        """The excitation that is switched on under `parameters`, if any."""
+        for forcing in self.forcings:
+            if parameters[forcing.amplitude] != 0.0:
+                return forcing
+        return None
+
+    def unexcited(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """The same parameters with every excitation switched off."""
+        return {**parameters, **{forcing.amplitude: 0.0 for forcing in self.forcings}}
