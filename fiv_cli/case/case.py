@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
 
 
 @dataclass(frozen=True)
@@ -99,8 +101,9 @@ class Case:
     text : the file verbatim
     overrides : the ``--set`` lines, verbatim, in order
     options : every option of the model (those that are axes hold their default)
-    law : contract name (``tanh of coulomb``)
-    parameters : every parameter of model and law(s), SI; those that are axes are left out
+    law : contract name (``tanh of coulomb``); the first one when the law is an axis
+    parameters : every parameter of model and law, SI; those that are axes are left out. When the
+        law is an axis, the laws' parameters stand as ``LAW.NAME``; see `parameters_at`
     explicit : names of the parameters that the case itself gives
     axes : the grid, in order
     zips : groups of axis names that advance together
@@ -131,3 +134,32 @@ class Case:
             if axis.name == name:
                 return axis
         raise KeyError(name)
+
+    def parameters_at(self, law: str, varied: Mapping[str, float]) -> dict[str, float]:
+        """Every parameter of the model and of `law` at one point of the grid, SI.
+
+        Parameters
+        ----------
+        law : contract name of the law at this point
+        varied : values of the axes that are parameters; those that `law` lacks are left out
+
+        Returns
+        -------
+        parameter -> value in the order of the model's and the law's tables. A parameter that
+        follows another one (`Parameter.default_from`) takes that one's value at this point.
+        """
+        own = (*get_model(self.model).parameters, *get_law(law).parameters)
+        given = {**self.parameters, **_of_law(self.parameters, law), **varied}
+        leaders = {p.name: p.default_from for p in own if p.default_from is not None}
+        sources = {p.name: p.name if p.name in given else leaders.get(p.name) for p in own}
+        return {name: given[source] for name, source in sources.items() if source in given}
+
+
+def _of_law(parameters: Mapping[str, float], law: str) -> dict[str, float]:
+    """The parameters kept as ``LAW.NAME`` for this law, by their bare names."""
+    prefix = f"{law}."
+    return {
+        name.removeprefix(prefix): value
+        for name, value in parameters.items()
+        if name.startswith(prefix)
+    }

@@ -1,0 +1,1 @@
+"""The case file: TOML text in, a clean and complete `Case` out."""

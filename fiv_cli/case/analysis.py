@@ -1,0 +1,246 @@
+"""The tables ``[[analysis]]``: what is computed, with every setting filled in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from fiv_cli.analyses import all_analyses
+from fiv_cli.analyses.base import Analysis, Section, Setting
+from fiv_cli.case.case import AnalysisSpec, Axis
+from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.physics import Physics
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.structure import AnalysisTable, SectionTable, check_quantity, describe
+from fiv_cli.case.tables import read_table, read_tables
+from fiv_cli.case.units import convert
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+
+
+def read_analyses(
+    raw: Mapping[str, Any], physics: Physics | None, axes: Sequence[Axis], report: Report
+) -> tuple[AnalysisSpec, ...]:
+    """The analyses in order; settings that need the model are checked when there is one."""
+    tables = read_tables(AnalysisTable, raw.get("analysis", []), ("analysis",), report)
+    if not raw.get("analysis"):
+        kinds = listed(all_analyses())
+        report.add(("analysis",), "a case has one [[analysis]] at least", f"kind = {kinds}")
+    specs = []
+    for place, _, table in tables:
+        spec = _analysis(table, place, physics, axes, report)
+        if spec is not None:
+            specs.append(spec)
+            _check_name(spec, specs[:-1], place, report)
+    return tuple(specs)
+
+
+def _check_name(
+    spec: AnalysisSpec, others: Sequence[AnalysisSpec], place: Path, report: Report
+) -> None:
+    if not _NAME.fullmatch(spec.name):
+        report.add((*place, "name"), f"{spec.name!r} is no name", "letters, digits, _ and -")
+    if spec.name in [other.name for other in others]:
+        report.add((*place, "name"), f"the name {spec.name!r} is taken", "unique names")
+
+
+def _analysis(
+    table: AnalysisTable,
+    place: Path,
+    physics: Physics | None,
+    axes: Sequence[Axis],
+    report: Report,
+) -> AnalysisSpec | None:
+    analyses = all_analyses()
+    if table.kind not in analyses:
+        titles = {kind: analysis.title for kind, analysis in analyses.items()}
+        report.add(
+            (*place, "kind"),
+            f"there is no analysis {table.kind!r}",
+            listed(titles),
+            suggest(table.kind, titles),
+        )
+        return None
+    analysis = analyses[table.kind]
+    given = dict(table.model_extra or {})
+    _refuse_unknown(analysis, given, place, report)
+    reader = _Reader(physics, axes, report)
+    settings = {s.name: reader.setting(s, given, place) for s in analysis.settings}
+    return AnalysisSpec(table.name or table.kind, table.kind, settings)
+
+
+def _refuse_unknown(
+    analysis: Analysis, given: Mapping[str, Any], place: Path, report: Report
+) -> None:
+    known = {setting.name: setting.meaning for setting in analysis.settings}
+    known |= {"name": "", "kind": ""}
+    for key in given:
+        if key not in known:
+            message = f"the analysis {analysis.kind!r} has no setting {key!r}"
+            report.add((*place, key), message, listed(known), suggest(key, known))
+
+
+class _Reader:
+    """Reads settings by their type; what cannot be read is noted and keeps its default."""
+
+    def __init__(self, physics: Physics | None, axes: Sequence[Axis], report: Report) -> None:
+        self.physics = physics
+        self.axes = axes
+        self.report = report
+
+    def setting(self, setting: Setting, given: Mapping[str, Any], table: Path) -> Any:
+        place = (*table, setting.name)
+        if setting.name not in given:
+            return self.left_out(setting, place)
+        read = {
+            "number": self.number,
+            "integer": self.integer,
+            "string": self.string,
+            "boolean": self.boolean,
+            "section": self.section,
+            "state": self.state,
+        }[setting.type]
+        try:
+            return read(setting, given[setting.name], place)
+        except ValueError as error:
+            self.report.add(place, str(error), _allowed(setting))
+            return setting.default
+
+    def left_out(self, setting: Setting, place: Path) -> Any:
+        if setting.required:
+            self.report.add(place, "is missing", _allowed(setting))
+        if isinstance(setting.default, Section):
+            self.check_section(setting.default, place)
+        return setting.default
+
+    def number(self, setting: Setting, value: object, place: Path) -> float:
+        number = convert(check_quantity(value), setting.unit)
+        low = number > setting.minimum if setting.exclusive else number >= setting.minimum
+        if not low:
+            raise ValueError(f"{number!r} is out of range")
+        return number
+
+    def integer(self, setting: Setting, value: object, place: Path) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise ValueError(f"must be a whole number, not {describe(value)}")
+        if value < setting.minimum:
+            raise ValueError(f"{value} is out of range")
+        return value
+
+    def string(self, setting: Setting, value: object, place: Path) -> str:
+        if not isinstance(value, str):
+            raise ValueError(f"must be a string, not {describe(value)}")
+        if setting.choices and value not in setting.choices:
+            hint = suggest(value, setting.choices)
+            raise ValueError(f"{value!r} is not allowed" + (f"; {hint}" if hint else ""))
+        return value
+
+    def boolean(self, setting: Setting, value: object, place: Path) -> bool:
+        if not isinstance(value, bool):
+            raise ValueError(f"must be true or false, not {describe(value)}")
+        return value
+
+    def state(self, setting: Setting, value: object, place: Path) -> str:
+        if not isinstance(value, str):
+            raise ValueError(f"must be the name of a state, not {describe(value)}")
+        name = ascii_name(value)
+        if self.physics is not None and name not in self.physics.units_of_states():
+            units = self.physics.units_of_states()
+            self.report.add(
+                place, f"there is no state {name!r}", listed(units), suggest(name, units)
+            )
+        return name
+
+    def section(self, setting: Setting, value: object, place: Path) -> Section:
+        table = read_table(SectionTable, value, place, self.report)
+        if table is None or not isinstance(value, dict):
+            return Section("event")
+        kinds = [key for key in ("event", "zero", "phase") if key in value]
+        if len(kinds) != 1:
+            raise ValueError("a section is given by one of event, zero and phase")
+        section = Section(
+            kind=kinds[0],
+            event=table.event or "slip->stick",
+            state=ascii_name(table.zero or ""),
+            direction=table.direction,
+            phase=convert(table.phase or 0.0, "rad"),
+            contact=table.contact,
+        )
+        self.check_section(section, place)
+        return section
+
+    def check_section(self, section: Section, place: Path) -> None:
+        """Note a section that the model can never pass through."""
+        if self.physics is None:
+            return
+        if section.kind == "event":
+            self.check_event(section, self.physics, place)
+        elif section.kind == "zero":
+            self.check_velocity(section.state, self.physics, place)
+        else:
+            self.check_forcing(self.physics, place)
+
+    def check_event(self, section: Section, physics: Physics, place: Path) -> None:
+        if not 1 <= section.contact <= physics.model.contacts:
+            self.report.add(
+                (*place, "contact"),
+                f"there is no contact {section.contact}",
+                f"1 to {physics.model.contacts}",
+            )
+        creeping = [law.name for law in physics.laws if law.capacity is None]
+        if creeping:
+            velocity = next(iter(name for name in _velocities(physics)))
+            self.report.add(
+                place,
+                f"the law {creeping[0]!r} never sticks, so {section.event} never happens",
+                suggestion=f'give another: section = {{ zero = "{velocity}" }}',
+            )
+
+    def check_velocity(self, name: str, physics: Physics, place: Path) -> None:
+        velocities = _velocities(physics)
+        if name not in velocities:
+            self.report.add(
+                (*place, "zero"),
+                f"{name!r} is no velocity",
+                listed(velocities),
+                suggest(name, velocities),
+            )
+
+    def check_forcing(self, physics: Physics, place: Path) -> None:
+        """A phase needs an excitation that is on somewhere."""
+        amplitudes = [forcing.amplitude for forcing in physics.model.forcings]
+        if not amplitudes:
+            self.report.add(place, f"{physics.model.name} has no excitation to take the phase of")
+        elif not any(self.switched_on(name, physics) for name in amplitudes):
+            self.report.add(
+                place,
+                f"the excitation is off ({listed(amplitudes)} = 0), so it has no phase",
+                suggestion=f"give {amplitudes[0]} under [model.parameters] or as an axis",
+            )
+
+    def switched_on(self, amplitude: str, physics: Physics) -> bool:
+        if amplitude in [axis.name for axis in self.axes]:
+            return True
+        return physics.fixed.get(amplitude, physics.default(amplitude)) != 0.0
+
+
+def _velocities(physics: Physics) -> list[str]:
+    states = physics.model.states(physics.options)
+    return [f"{state.name}_dot" for state in states]
+
+
+def _allowed(setting: Setting) -> str:
+    """What a setting may be, in one line."""
+    if setting.choices:
+        return f"{listed(setting.choices)} ({setting.meaning})"
+    unit = "" if setting.unit == "1" else f" in {setting.unit}"
+    bound = ""
+    if setting.minimum != float("-inf"):
+        bound = f" {'>' if setting.exclusive else '>='} {setting.minimum:g}"
+    form = {
+        "section": '{ event = "slip->stick" }, { zero = "x_dot", direction = "up" } or '
+        "{ phase = 0.0 }",
+        "state": "the name of a state",
+    }.get(setting.type, setting.type)
+    return f"{form}{unit}{bound} ({setting.meaning})"

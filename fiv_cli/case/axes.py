@@ -1,0 +1,87 @@
+"""The values of a grid axis, exactly as the decimals in the case say.
+
+An axis is counted before it is built, so an absurd one costs nothing. Linear axes are computed
+in integers over a common denominator (Python rounds an integer quotient correctly), logarithmic
+ones in forty decimal digits: every value is the double nearest to the decimal meant.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from decimal import Context, Decimal
+from fractions import Fraction
+from math import floor, lcm
+
+# Values of one axis are held in memory; more of them than this is a mistake or several axes.
+LONGEST_AXIS = 10_000_000
+_DIGITS = Context(prec=40)
+
+
+class AxisError(ValueError):
+    """An axis that cannot be built; `key` is the key at fault ("" for the whole axis)."""
+
+    def __init__(self, message: str, key: str = "") -> None:
+        self.key = key
+        super().__init__(message)
+
+
+@dataclass(frozen=True)
+class Span:
+    """A regular axis from `start` to `stop`, both included, of `count` values."""
+
+    start: Fraction
+    stop: Fraction
+    count: int
+    logarithmic: bool = False
+
+    def values(self) -> list[float]:
+        """The values, each the nearest double."""
+        return self._logarithmic() if self.logarithmic else self._linear()
+
+    def _linear(self) -> list[float]:
+        gaps = max(self.count - 1, 1)
+        scale = lcm(self.start.denominator, self.stop.denominator)
+        low, high = int(self.start * scale), int(self.stop * scale)
+        return [(low * gaps + (high - low) * i) / (scale * gaps) for i in range(self.count)]
+
+    def _logarithmic(self) -> list[float]:
+        low, ratio = _decimal(self.start), _decimal(self.stop / self.start)
+        gaps = max(self.count - 1, 1)
+        exponents = (_DIGITS.divide(Decimal(i), Decimal(gaps)) for i in range(self.count))
+        inner = [float(_DIGITS.multiply(low, _DIGITS.power(ratio, e))) for e in exponents]
+        return [float(self.start), *inner[1:-1], float(self.stop)][: self.count]
+
+
+def span_by_step(start: Fraction, stop: Fraction, step: Fraction) -> Span:
+    """The axis start, start + step, ..., stop; AxisError when a step does not land on stop."""
+    if step <= 0:
+        raise AxisError(f"the step must be positive, not {float(step):g}", "step")
+    _check_order(start, stop)
+    gaps = (stop - start) / step
+    if gaps.denominator != 1:
+        below = start + floor(gaps) * step
+        raise AxisError(
+            f"steps of {float(step)!r} from {float(start)!r} miss the stop {float(stop)!r}: "
+            f"the nearest stops are {float(below)!r} and {float(below + step)!r}",
+            "stop",
+        )
+    return Span(start, stop, int(gaps) + 1)
+
+
+def span_by_count(start: Fraction, stop: Fraction, num: int, scale: str) -> Span:
+    """The axis of `num` values from start to stop, ``scale`` "linear" or "log"."""
+    _check_order(start, stop)
+    if num < 1 or (num == 1) != (start == stop):
+        raise AxisError(f"{num} values cannot include both ends", "num")
+    if scale == "log" and start <= 0:
+        raise AxisError(f"a logarithmic axis starts above 0, not at {float(start):g}", "start")
+    return Span(start, stop, num, logarithmic=scale == "log")
+
+
+def _check_order(start: Fraction, stop: Fraction) -> None:
+    if start > stop:
+        raise AxisError(f"start {float(start)!r} is above stop {float(stop)!r}", "start")
+
+
+def _decimal(value: Fraction) -> Decimal:
+    return _DIGITS.divide(Decimal(value.numerator), Decimal(value.denominator))

@@ -1,0 +1,209 @@
+"""From a TOML text to a `Case`, or to one error that lists everything wrong in it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path as FilePath
+from typing import Any
+
+from fiv_cli.analyses import get_analysis
+from fiv_cli.case.analysis import read_analyses
+from fiv_cli.case.case import AnalysisSpec, Axis, Case
+from fiv_cli.case.grid import read_grid, refuse_fixed_axes
+from fiv_cli.case.lines import locate
+from fiv_cli.case.names import listed, suggest
+from fiv_cli.case.overrides import apply_overrides, parse_override
+from fiv_cli.case.physics import Physics, default_value, read_physics
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.results import Answers, read_claims, read_figures
+from fiv_cli.case.solver import read_solver
+from fiv_cli.case.starts import read_starts
+from fiv_cli.case.structure import CaseTable, HeaderTable
+from fiv_cli.case.tables import keys_of, read_table
+from fiv_cli.errors import CaseError, Problem, UsageError
+
+_AT_LINE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+
+
+def load_case(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
+    """Read the case file at `path` and apply ``--set`` lines.
+
+    Raises
+    ------
+    UsageError
+        There is no readable file at `path`, or an override is malformed.
+    CaseError
+        The file, or an override, is invalid; holds every problem found.
+    """
+    source = str(path)
+    return parse_case(_read(source), source, overrides)
+
+
+def parse_case(text: str, source: str, overrides: Sequence[str] = ()) -> Case:
+    """The case that `text` means; errors as `load_case`, naming `source`."""
+    parsed = [parse_override(override) for override in overrides]
+    document, places, unplaced = apply_overrides(_toml(text, source), parsed)
+    report = Report(source, locate(text), places)
+    report.add_problems(unplaced)
+    case = _build(document, report, source, text, tuple(overrides))
+    report.raise_if_any()
+    if case is None:
+        raise AssertionError("a case without problems was not built")
+    return case
+
+
+def _read(source: str) -> str:
+    try:
+        return FilePath(source).read_bytes().decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        problem = Problem("case", "is not UTF-8 text", "a TOML file in UTF-8", line=line)
+        raise CaseError(source, [problem]) from None
+    except FileNotFoundError:
+        raise UsageError(f"{source}: there is no such file{_nearby(source)}") from None
+    except IsADirectoryError:
+        raise UsageError(
+            f"{source} is a folder, not a case file\nnext: name a file in it, e.g. {source}/*.toml"
+        ) from None
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{source}: cannot be read: {error}") from None
+
+
+def _nearby(source: str) -> str:
+    """What may have been meant instead of a missing file."""
+    path = FilePath(source)
+    siblings = [str(other) for other in path.parent.glob("*.toml")] if path.parent.is_dir() else []
+    hint = suggest(source, sorted(siblings))
+    return f"\nnext: {hint}" if hint else "\nnext: check the path; `fiv new MODEL` writes a case"
+
+
+def _toml(text: str, source: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
+        raise CaseError(source, [_syntax_problem(str(error), text)]) from None
+
+
+def _syntax_problem(message: str, text: str) -> Problem:
+    match = _AT_LINE.search(message)
+    what = f"invalid TOML: {_AT_LINE.sub('', message)}"
+    if match is None:
+        return Problem("case", what)
+    if match[1] is None:
+        return Problem("case", f"{what} at the end of the file", line=text.count("\n") + 1)
+    return Problem("case", what, line=int(match[1]), column=int(match[2]))
+
+
+def _build(
+    raw: Mapping[str, Any], report: Report, source: str, text: str, overrides: tuple[str, ...]
+) -> Case | None:
+    """The case, as far as it can be understood; every problem goes to `report`."""
+    header = _header(raw, report)
+    physics = read_physics(raw, report)
+    axes, zips = ((), ()) if physics is None else read_grid(raw, physics, report)
+    refuse_fixed_axes(raw, axes, report)
+    analyses = read_analyses(raw, physics, axes, report)
+    starts = () if physics is None else read_starts(raw, physics, axes, report)
+    answers = Answers(physics, axes, starts, analyses)
+    figures, claims = read_figures(raw, answers, report), read_claims(raw, answers, report)
+    solver = read_solver(raw, report)
+    if physics is None or header is None:
+        return None
+    _refuse_unused_start_axes(axes, analyses, report)
+    parameters = _fixed_parameters(physics, axes)
+    case = Case(
+        source=source,
+        text=text,
+        overrides=overrides,
+        title=header.title,
+        reference=header.reference,
+        assumed=tuple(header.assumed),
+        model=physics.model.name,
+        options=physics.options,
+        law=physics.laws[0].name,
+        parameters=parameters,
+        explicit=tuple(physics.fixed),
+        axes=axes,
+        zips=zips,
+        starts=starts,
+        analyses=analyses,
+        figures=figures,
+        claims=claims,
+        solver=solver,
+    )
+    _refuse_rising_friction(case, physics, raw, report)
+    return case
+
+
+def _header(raw: Mapping[str, Any], report: Report) -> HeaderTable | None:
+    """The keys above the first table; unknown tables and keys are noted."""
+    known = keys_of(CaseTable)
+    for key in raw:
+        if key not in known:
+            report.add((key,), f"unknown table or key {key!r}", listed(known), suggest(key, known))
+    if "model" not in raw:
+        report.add(("model",), "is missing", "the table [model] with its name")
+    own = {key: raw[key] for key in keys_of(HeaderTable) if key in raw}
+    return read_table(HeaderTable, own, (), report)
+
+
+def _fixed_parameters(physics: Physics, axes: Sequence[Axis]) -> dict[str, float]:
+    """Every parameter that is no axis: as given, or its default.
+
+    A parameter that follows an axis (`default_from`) is left to the point. With several laws,
+    the laws' parameters are kept by law, as ``LAW.NAME``.
+    """
+    varied = {axis.name for axis in axes}
+    several = len(physics.laws) > 1
+    tables = [("", physics.model.parameters)]
+    tables += [(f"{law.name}." if several else "", law.parameters) for law in physics.laws]
+    found: dict[str, float] = {}
+    for prefix, parameters in tables:
+        for parameter in parameters:
+            default = default_value(physics.model, parameter)
+            value = physics.fixed.get(
+                prefix + parameter.name, physics.fixed.get(parameter.name, default)
+            )
+            if parameter.name not in varied and value is not None:
+                found[prefix + parameter.name] = value
+    return found
+
+
+def _refuse_unused_start_axes(
+    axes: Sequence[Axis], analyses: Sequence[AnalysisSpec], report: Report
+) -> None:
+    if any(get_analysis(analysis.kind).uses_starts for analysis in analyses):
+        return
+    for axis in axes:
+        if axis.kind == "start":
+            report.add(("grid", axis.name), "no analysis of this case has a start to vary")
+
+
+def _refuse_rising_friction(
+    case: Case, physics: Physics, raw: Mapping[str, Any], report: Report
+) -> None:
+    """mu_k > mu_s where both are fixed: impossible in a transient, harmless in a linear analysis.
+
+    On an axis such points are left to the plan, which counts them.
+    """
+    if all(get_analysis(analysis.kind).linear for analysis in case.analyses):
+        return
+    for law in physics.laws:
+        values = case.parameters_at(law.name, {})
+        for name in [name for name in values if name.startswith("mu_k")]:
+            static = name.replace("mu_k", "mu_s", 1)
+            if static in values and values[name] > values[static]:
+                report.add(
+                    _place_of(name, raw),
+                    f"{name} = {values[name]!r} is above {static} = {values[static]!r}",
+                    f"{name} <= {static} in an analysis in time",
+                    f"give {static} as well" if static not in physics.fixed else "",
+                )
+
+
+def _place_of(name: str, raw: Mapping[str, Any]) -> Path:
+    """Where a case gives a parameter, for messages."""
+    model = raw.get("model", {}).get("parameters", {})
+    return ("model", "parameters", name) if name in model else ("friction", name)

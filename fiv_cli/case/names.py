@@ -1,0 +1,70 @@
+"""Names as people write them: Greek spellings, and what a misspelt name may have meant."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Mapping
+
+_GREEK = {
+    "α": "alpha",
+    "β": "beta",
+    "γ": "gamma",
+    "δ": "delta",
+    "ε": "epsilon",
+    "ζ": "zeta",
+    "η": "eta",
+    "θ": "theta",
+    "ϑ": "theta",
+    "κ": "kappa",
+    "λ": "lambda",
+    "μ": "mu",
+    "µ": "mu",
+    "ν": "nu",
+    "ξ": "xi",
+    "ρ": "rho",
+    "σ": "sigma",
+    "τ": "tau",
+    "φ": "phi",
+    "ϕ": "phi",
+    "ψ": "psi",
+    "ω": "omega",
+    "\N{GREEK CAPITAL LETTER OMEGA}": "Omega",
+    "\N{OHM SIGN}": "Omega",
+}
+_SUBSCRIPTS = dict(zip("₀₁₂₃₄₅₆₇₈₉ₖₛₐ", "0123456789ksa", strict=True))
+_ASCII = str.maketrans({**_GREEK, **_SUBSCRIPTS})
+
+
+def ascii_name(name: str) -> str:
+    """The contract spelling of `name`: ``Ω`` -> ``Omega``, ``μ_k`` -> ``mu_k``."""
+    return name.translate(_ASCII)
+
+
+def suggest(name: str, known: Collection[str]) -> str:
+    """A "did you mean" for `name`, or "" when nothing known resembles it.
+
+    Names that differ from `name` in case only come first and are all listed, because ``Omega``
+    and ``omega`` are different parameters. A mapping's values are printed as explanations.
+    """
+    candidates = _same_but_for_case(name, known) or _similar(name, known)
+    if not candidates:
+        return ""
+    return f"did you mean {' or '.join(_explained(one, known) for one in candidates)}?"
+
+
+def listed(names: Collection[str]) -> str:
+    """The names in one line, for "allowed: ..."."""
+    return ", ".join(names) if names else "none"
+
+
+def _same_but_for_case(name: str, known: Collection[str]) -> list[str]:
+    return [one for one in known if one.lower() == name.lower()]
+
+
+def _similar(name: str, known: Collection[str]) -> list[str]:
+    return difflib.get_close_matches(name, list(known), n=2, cutoff=0.6)
+
+
+def _explained(name: str, known: Collection[str]) -> str:
+    meaning = known[name] if isinstance(known, Mapping) else ""
+    return f"{name!r} ({meaning})" if meaning else repr(name)

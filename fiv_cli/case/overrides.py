@@ -1,0 +1,127 @@
+"""``--set PATH=VALUE``: changing a case from the command line.
+
+A path is dotted (``grid.mu_k``, ``analysis.0.t_max``, ``grid."initial.x_dot"``); an element of an
+array of tables goes by its index or by its name or label. A value is TOML; a bare word that is
+no TOML is a string.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+from fiv_cli.case.names import listed, suggest
+from fiv_cli.case.report import Path, dotted
+from fiv_cli.errors import Problem, UsageError
+
+_KEY = r"""(?:"[^"]*"|'[^']*'|[^\s."'=\[\]]+)"""
+_PATH = re.compile(rf"\s*({_KEY}(?:\.{_KEY})*)\s*=(.*)", re.DOTALL)
+_BARE_WORD = re.compile(r"""[^\[\]{}"',=#\n]+""")
+_NAMING_KEYS = ("name", "label", "kind")
+
+
+@dataclass(frozen=True)
+class Override:
+    """One ``--set``: its text, the keys of its path, and its value."""
+
+    text: str
+    keys: tuple[str, ...]
+    value: Any
+
+
+def parse_override(text: str) -> Override:
+    """Read ``PATH=VALUE``; UsageError when it has not that form."""
+    match = _PATH.fullmatch(text)
+    if match is None:
+        raise _malformed(text, "PATH=VALUE is wanted")
+    keys = tuple(key.strip("\"'") for key in re.findall(_KEY, match[1]))
+    return Override(text, keys, _value(text, match[2].strip()))
+
+
+def apply_overrides(
+    document: dict[str, Any], overrides: Sequence[Override]
+) -> tuple[dict[str, Any], dict[Path, str], list[Problem]]:
+    """A copy of `document` with `overrides` in it, the places written, and what has no place."""
+    changed = deepcopy(document)
+    places: dict[Path, str] = {}
+    problems = []
+    for override in overrides:
+        try:
+            place = _write(changed, override)
+        except _NoPlace as error:
+            problems.append(error.problem)
+        else:
+            places.pop(place, None)
+            places[place] = override.text
+    return changed, places, problems
+
+
+class _NoPlace(Exception):
+    def __init__(self, override: Override, message: str, suggestion: str = "") -> None:
+        place = f"{dotted(override.keys)} (--set {override.text})"
+        self.problem = Problem(place, message, suggestion=suggestion)
+
+
+def _write(document: dict[str, Any], override: Override) -> Path:
+    """Put the value where the path says, making tables on the way; returns the place."""
+    parent: Any = document
+    place: Path = ()
+    for key, following in zip(override.keys[:-1], override.keys[1:], strict=True):
+        step = _step(parent, key, override)
+        place = (*place, step)
+        if isinstance(parent, dict):
+            parent.setdefault(step, [] if _starts_array(place, following) else {})
+        parent = parent[step]
+    last = _step(parent, override.keys[-1], override)
+    parent[last] = override.value
+    return (*place, last)
+
+
+def _starts_array(place: Path, following: str) -> bool:
+    return place in (("analysis",), ("initial",), ("figure",), ("claim",)) and following == "0"
+
+
+def _step(parent: Any, key: str, override: Override) -> str | int:
+    """The key or index that `key` means in `parent`."""
+    if isinstance(parent, dict):
+        return key
+    if not isinstance(parent, list):
+        raise _NoPlace(override, f"there is no {key!r} to set: what stands above it is no table")
+    if key == "0" and not parent:
+        parent.append({})
+    if key.isdigit() and int(key) < len(parent):
+        return int(key)
+    return _index_by_name(parent, key, override)
+
+
+def _index_by_name(elements: list[Any], key: str, override: Override) -> int:
+    tables = [element for element in elements if isinstance(element, dict)]
+    names = [next((t[k] for k in _NAMING_KEYS if k in t), "") for t in tables]
+    if key in names:
+        return names.index(key)
+    known = [*map(str, range(len(elements))), *names]
+    hint = suggest(key, known) or f"there are: {listed(known)}"
+    raise _NoPlace(override, f"there is no element {key!r}", hint)
+
+
+def _value(text: str, value: str) -> Any:
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except (tomllib.TOMLDecodeError, ValueError):
+        if _BARE_WORD.fullmatch(value):
+            return value
+        raise _malformed(text, f"{value!r} is neither a TOML value nor a bare word") from None
+    if set(parsed) != {"value"}:
+        raise _malformed(text, "one value is wanted")
+    return parsed["value"]
+
+
+def _malformed(text: str, reason: str) -> UsageError:
+    return UsageError(
+        f"--set {text}: {reason}\n"
+        "next: write it like --set grid.mu_k=[0.3] or --set 'model.parameters.N0=\"30 N\"'"
+    )

@@ -1,0 +1,299 @@
+"""The tables ``[model]`` and ``[friction]``: names and numbers against the model and the laws."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.structure import FrictionTable, ModelTable, check_quantity, describe
+from fiv_cli.case.tables import read_table
+from fiv_cli.case.units import convert
+from fiv_cli.friction import TANH_OF, all_laws
+from fiv_cli.friction.base import Law
+from fiv_cli.models import all_models
+from fiv_cli.models.base import Model, Parameter
+
+FRICTION_KEYS = ("law", "of")
+
+
+@dataclass(frozen=True)
+class Physics:
+    """What a case computes with: the model, its options and its friction laws.
+
+    Attributes
+    ----------
+    model : the model
+    options : every option (those that are axes hold their default)
+    laws : the laws in use: one, or those of the axis ``friction``
+    fixed : parameter -> SI value, given by the case; ``LAW.NAME`` when given for one law only
+    """
+
+    model: Model
+    options: Mapping[str, str]
+    laws: tuple[Law, ...]
+    fixed: Mapping[str, float] = field(default_factory=dict)
+
+    def table(self) -> dict[str, Parameter]:
+        """Every parameter of the model and of the laws in use, by name."""
+        named = {p.name: p for law in reversed(self.laws) for p in law.parameters}
+        return named | {p.name: p for p in self.model.parameters}
+
+    def units_of_states(self) -> dict[str, str]:
+        """Every state and velocity -> its unit."""
+        return state_units(self.model, self.options)
+
+    def default(self, name: str) -> float | None:
+        """The default of a parameter on this model; None when it follows another parameter."""
+        return default_value(self.model, self.table()[name])
+
+
+def state_units(model: Model, options: Mapping[str, str]) -> dict[str, str]:
+    """State -> unit: the coordinates in order, then their velocities."""
+    states = model.states(options)
+    velocities = {f"{state.name}_dot": per_second(state.unit) for state in states}
+    return {state.name: state.unit for state in states} | velocities
+
+
+def per_second(unit: str) -> str:
+    """The unit of a rate."""
+    return "s-1" if unit == "1" else f"{unit} s-1"
+
+
+def default_value(model: Model, parameter: Parameter) -> float | None:
+    """The default of `parameter` on `model`: the model's own word before the law's."""
+    return model.law_defaults.get(parameter.name, parameter.default)
+
+
+def read_physics(raw: Mapping[str, Any], report: Report) -> Physics | None:
+    """The model and laws of a case, or None when there is no model to speak of."""
+    table = read_table(ModelTable, raw.get("model", {}), ("model",), report)
+    friction = read_table(FrictionTable, raw.get("friction", {}), ("friction",), report)
+    model = _model(table, report)
+    if model is None or table is None or friction is None:
+        return None
+    options = {**model.default_options(), **_options(model, table, report)}
+    laws = _laws(model, raw, friction, report)
+    physics = Physics(model, options, laws)
+    fixed = _model_parameters(physics, table, report) | _friction_parameters(
+        physics, friction, raw.get("friction", {}), report
+    )
+    return Physics(model, options, laws, fixed)
+
+
+def quantity(parameter: Parameter, value: object) -> float:
+    """`value` as an SI number that `parameter` may take; ValueError says why not."""
+    number = convert(check_quantity(value), parameter.unit)
+    check_range(parameter, number)
+    return number
+
+
+def check_range(parameter: Parameter, number: float) -> None:
+    """ValueError unless `parameter` may take the SI value `number`."""
+    low = number > parameter.minimum if parameter.exclusive else number >= parameter.minimum
+    if not (low and number <= parameter.maximum):
+        raise ValueError(f"{number!r} is out of range")
+    if parameter.integer and number != int(number):
+        raise ValueError(f"{number!r} is not a whole number")
+
+
+def allowed(parameter: Parameter) -> str:
+    """What a parameter may be, in one line."""
+    kind = "a whole number" if parameter.integer else "a number"
+    unit = "" if parameter.unit == "1" else f" in {parameter.unit}"
+    bounds = []
+    if parameter.minimum != float("-inf"):
+        bounds.append(f"{'>' if parameter.exclusive else '>='} {parameter.minimum:g}")
+    if parameter.maximum != float("inf"):
+        bounds.append(f"<= {parameter.maximum:g}")
+    range_ = f", {' and '.join(bounds)}" if bounds else ""
+    return f"{kind}{unit}{range_} ({parameter.meaning})"
+
+
+def law_names(model: Model) -> list[str]:
+    """The names that ``law =`` may be on this model, ``tanh`` included."""
+    plain = [name for name in model.laws if not name.startswith(TANH_OF)]
+    return [*plain, "tanh"] if len(plain) < len(model.laws) else plain
+
+
+def resolve_law(model: Model, name: str, of: str | None = None) -> str:
+    """The contract name of the law called `name` (and `of`); ValueError when there is none."""
+    regularised = TANH_OF + (of or model.laws[0].removeprefix(TANH_OF))
+    full = regularised if name == "tanh" else name
+    if full not in model.laws:
+        raise ValueError(f"{full!r} is no friction law of {model.name}")
+    return full
+
+
+def _model(table: ModelTable | None, report: Report) -> Model | None:
+    models = all_models()
+    if table is None:
+        return None
+    if table.name not in models:
+        titles = {name: model.title for name, model in models.items()}
+        report.add(
+            ("model", "name"),
+            f"there is no model {table.name!r}",
+            listed(titles),
+            suggest(table.name, titles),
+        )
+    return models.get(table.name)
+
+
+def _options(model: Model, table: ModelTable, report: Report) -> dict[str, str]:
+    known = {option.name: option for option in model.options}
+    chosen = {}
+    for name, value in table.options.items():
+        place: Path = ("model", "options", name)
+        if name not in known:
+            report.add(place, f"unknown option {name!r}", listed(known), suggest(name, known))
+        elif value not in known[name].choices:
+            choices = known[name].choices
+            report.add(place, f"{value!r} is not allowed", listed(choices), suggest(value, choices))
+        else:
+            chosen[name] = value
+    return chosen
+
+
+def _laws(
+    model: Model, raw: Mapping[str, Any], friction: FrictionTable, report: Report
+) -> tuple[Law, ...]:
+    """The laws in use; the model's default where none that it knows is named."""
+    names = [*_laws_of_axis(model, raw), *_law_of_table(model, friction, report)]
+    laws = all_laws()
+    return tuple(laws[name] for name in dict.fromkeys(names or [model.laws[0]]))
+
+
+def _laws_of_axis(model: Model, raw: Mapping[str, Any]) -> list[str]:
+    """The known laws of the axis ``friction``; the grid notes the unknown ones."""
+    grid = raw.get("grid")
+    values = grid.get("friction") if isinstance(grid, dict) else None
+    names = values if isinstance(values, list) else []
+    found = []
+    for name in names:
+        try:
+            found.append(resolve_law(model, name))
+        except (ValueError, TypeError):
+            continue
+    return found
+
+
+def _law_of_table(model: Model, friction: FrictionTable, report: Report) -> list[str]:
+    if friction.law is None:
+        if friction.of is not None:
+            report.add(("friction", "of"), 'only law = "tanh" is "of" another law')
+        return []
+    if friction.of is not None and friction.law != "tanh":
+        report.add(("friction", "of"), f"law {friction.law!r} is not of another law")
+    try:
+        return [resolve_law(model, friction.law, friction.of)]
+    except ValueError as error:
+        key = "of" if friction.law == "tanh" and friction.of else "law"
+        value = friction.of if key == "of" else friction.law
+        names = law_names(model)
+        report.add(("friction", key), str(error), listed(names), suggest(str(value), names))
+        return []
+
+
+def _model_parameters(physics: Physics, table: ModelTable, report: Report) -> dict[str, float]:
+    known = {p.name: p for p in physics.model.parameters}
+    base: Path = ("model", "parameters")
+    elsewhere = {p.name: "friction" for law in physics.laws for p in law.parameters}
+    return _read_parameters(table.parameters.items(), known, elsewhere, base, report)
+
+
+def _friction_parameters(
+    physics: Physics, friction: FrictionTable, raw: object, report: Report
+) -> dict[str, float]:
+    """The law's parameters, and those of the tables ``[friction.LAW]``."""
+    extra = dict(friction.model_extra or {})
+    own_tables = {name: value for name, value in extra.items() if isinstance(value, dict)}
+    plain = [(name, value) for name, value in extra.items() if name not in own_tables]
+    known = {p.name: p for law in reversed(physics.laws) for p in law.parameters}
+    elsewhere = {p.name: "model.parameters" for p in physics.model.parameters}
+    found = _read_parameters(plain, known, elsewhere, ("friction",), report)
+    _refuse_ambiguous(physics.laws, found, report)
+    for name, values in own_tables.items():
+        found |= _law_table(physics, name, values, report)
+    return found
+
+
+def _refuse_ambiguous(laws: tuple[Law, ...], found: Iterable[str], report: Report) -> None:
+    for name in found:
+        units = {p.unit for law in laws for p in law.parameters if p.name == name}
+        if len(units) > 1:
+            report.add(
+                ("friction", name),
+                f"{name!r} means different things to the laws in use",
+                suggestion=f"write it in the law's own table, [friction.{laws[0].name}]",
+            )
+
+
+def _law_table(
+    physics: Physics, name: str, values: Mapping[str, Any], report: Report
+) -> dict[str, float]:
+    """``[friction.NAME]``: the parameters of one of the laws in use."""
+    laws = {law.name: law for law in physics.laws}
+    matching = [law for law in laws if law == name or (name == "tanh" and law.startswith(TANH_OF))]
+    if not matching:
+        known = [*laws, *(p.name for law in physics.laws for p in law.parameters)]
+        report.add(
+            ("friction", name),
+            f"{name!r} is no friction law that this case uses",
+            f"tables of {listed(laws)}",
+            suggest(name, known),
+        )
+        return {}
+    parameters = {p.name: p for p in laws[matching[0]].parameters}
+    found = _read_parameters(values.items(), parameters, {}, ("friction", name), report)
+    if len(laws) == 1:
+        return found
+    return {f"{law}.{key}": value for law in matching for key, value in found.items()}
+
+
+def _read_parameters(
+    items: Iterable[tuple[str, object]],
+    known: Mapping[str, Parameter],
+    elsewhere: Mapping[str, str],
+    base: Path,
+    report: Report,
+) -> dict[str, float]:
+    """The parameters given in one table, in SI."""
+    found: dict[str, float] = {}
+    for key, value in items:
+        name, place = ascii_name(key), (*base, key)
+        if name not in known:
+            _note_unknown(name, known, elsewhere, place, report)
+        elif name in found:
+            report.add(place, f"{name} is given twice")
+        else:
+            _read_parameter(known[name], value, place, found, report)
+    return found
+
+
+def _read_parameter(
+    parameter: Parameter, value: object, place: Path, found: dict[str, float], report: Report
+) -> None:
+    try:
+        found[parameter.name] = quantity(parameter, value)
+    except ValueError as error:
+        shown = describe(value)
+        message = str(error) if shown in str(error) else f"{shown}: {error}"
+        report.add(place, message, allowed(parameter))
+
+
+def _note_unknown(
+    name: str,
+    known: Mapping[str, Parameter],
+    elsewhere: Mapping[str, str],
+    place: Path,
+    report: Report,
+) -> None:
+    meanings = {key: parameter.meaning for key, parameter in known.items()}
+    if name in elsewhere:
+        hint = f"{name!r} stands in [{elsewhere[name]}]: write it there"
+    else:
+        hint = suggest(name, meanings)
+    report.add(place, f"unknown parameter {name!r}", listed(meanings), hint)

@@ -1,0 +1,72 @@
+"""Collecting everything that is wrong in a case, each with its place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from fiv_cli.errors import CaseError, Problem
+
+Path = tuple[str | int, ...]
+
+_BARE = re.compile(r"[^\s.\"'=\[\]]+")
+
+
+def dotted(path: Path) -> str:
+    """``("grid", "initial.x_dot")`` -> ``grid."initial.x_dot"``, as ``--set`` takes it."""
+    return ".".join(_part(part) for part in path) or "case"
+
+
+def _part(part: str | int) -> str:
+    text = str(part)
+    return text if _BARE.fullmatch(text) else f'"{text}"'
+
+
+class Report:
+    """The problems found so far.
+
+    Parameters
+    ----------
+    source : the file, as given
+    lines : path -> line of the file (see `lines.locate`)
+    overrides : path -> the ``--set`` argument that put a value there
+    """
+
+    def __init__(
+        self, source: str, lines: Mapping[Path, int], overrides: Mapping[Path, str]
+    ) -> None:
+        self.source = source
+        self.problems: list[Problem] = []
+        self._lines = lines
+        self._overrides = overrides
+
+    def add(self, path: Path, message: str, allowed: str = "", suggestion: str = "") -> None:
+        """Note that `message` is wrong with the value at `path`."""
+        override = self._override_at(path)
+        place = dotted(path) if override is None else f"{dotted(path)} (--set {override})"
+        line = None if override is not None else self._line_at(path)
+        self.problems.append(Problem(place, message, allowed, suggestion, line))
+
+    def add_problems(self, problems: Sequence[Problem]) -> None:
+        """Note problems that know their place already."""
+        self.problems.extend(problems)
+
+    def raise_if_any(self) -> None:
+        """CaseError with every problem, in the order of the file, if there is one."""
+        if self.problems:
+            ordered = sorted(self.problems, key=lambda problem: problem.line or 0)
+            raise CaseError(self.source, ordered)
+
+    def _override_at(self, path: Path) -> str | None:
+        """The last override that wrote `path` or a table above it."""
+        for place, text in reversed(list(self._overrides.items())):
+            if path[: len(place)] == place:
+                return text
+        return None
+
+    def _line_at(self, path: Path) -> int | None:
+        """The line of `path`, or of the nearest table above it that the file has."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self._lines:
+                return self._lines[path[:length]]
+        return None

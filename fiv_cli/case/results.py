@@ -1,0 +1,269 @@
+"""The tables ``[[figure]]`` and ``[[claim]]``: what is made of the answers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
+from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.physics import Physics
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.structure import ClaimTable, FigureTable, check_number, describe
+from fiv_cli.case.tables import read_tables
+from fiv_cli.case.units import convert
+
+# The classes of motion that the variable `attractor` can hold.
+ATTRACTORS = (
+    "equilibrium",
+    "periodic",
+    "quasiperiodic",
+    "chaotic",
+    "undecided",
+    "diverged",
+    "contact_lost",
+)
+TRENDS = ("increasing", "decreasing")
+
+_OWN_DIMS = ("mode", "solution", "state", "contact", "multiplier")
+_BOUND = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_CONDITION = re.compile(
+    rf"\s*(?:(?P<low>{_BOUND})\s*(?P<above><=?)\s*)?\.(?:\s*(?P<below><=?|>=?)\s*(?P<high>{_BOUND}))?\s*"
+)
+_CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
+_OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
+_EXPECT_FORMS = (
+    'a class, "not CLASS", "increasing", "decreasing", { value = V, tolerance = T }, '
+    '{ interval = [A, B], tolerance = T } or { less_than = "CASE:variable" }'
+)
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What figures and claims may speak of: the case's axes, starts and analyses.
+
+    `physics` is None when the model is not known; names are then not checked.
+    """
+
+    physics: Physics | None
+    axes: tuple[Axis, ...]
+    starts: tuple[StartSpec, ...]
+    analyses: tuple[AnalysisSpec, ...]
+
+    def axis_names(self) -> dict[str, str]:
+        """Axis -> kind."""
+        return {axis.name: axis.kind for axis in self.axes}
+
+    def labels(self) -> list[str]:
+        """Labels along ``initial``; a random start stands for all of its own."""
+        return [start.label for start in self.starts]
+
+
+def read_figures(
+    raw: Mapping[str, Any], answers: Answers, report: Report
+) -> tuple[FigureSpec, ...]:
+    """The figures in order, each with a name of its own."""
+    figures: list[FigureSpec] = []
+    for place, element, table in read_tables(
+        FigureTable, raw.get("figure", []), ("figure",), report
+    ):
+        _check_analysis(table.analysis, answers, place, report)
+        _check_figure_axes(table, answers, place, report)
+        taken = [figure.name for figure in figures]
+        if table.name in taken:
+            report.add((*place, "name"), f"the name {table.name!r} is taken", "unique names")
+        given = {key: value for key, value in element.items() if key not in ("kind", "name")}
+        settings = given | _canonical(table, answers, place, report)
+        figures.append(FigureSpec(table.name or _free(table.kind, taken), table.kind, settings))
+    return tuple(figures)
+
+
+def read_claims(raw: Mapping[str, Any], answers: Answers, report: Report) -> tuple[ClaimSpec, ...]:
+    """The claims in order."""
+    return tuple(
+        _claim(table, place, answers, report)
+        for place, _, table in read_tables(ClaimTable, raw.get("claim", []), ("claim",), report)
+    )
+
+
+def _free(name: str, taken: Sequence[str]) -> str:
+    """`name`, or `name-2`, `name-3`, ... when it is taken."""
+    numbered = (f"{name}-{n}" for n in range(2, len(taken) + 3))
+    return next(one for one in (name, *numbered) if one not in taken)
+
+
+def _check_analysis(name: str | None, answers: Answers, place: Path, report: Report) -> None:
+    known = [analysis.name for analysis in answers.analyses]
+    if name is not None and name not in known:
+        report.add(
+            (*place, "analysis"),
+            f"there is no analysis named {name!r}",
+            listed(known),
+            suggest(name, known),
+        )
+
+
+def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report: Report) -> None:
+    for key, known in _known_of_axes(table.kind, answers).items():
+        value = getattr(table, key)
+        if value is not None and answers.physics is not None and ascii_name(value) not in known:
+            message = f"a figure of kind {table.kind!r} has no {key} {value!r}"
+            report.add((*place, key), message, listed(known), suggest(value, known))
+    if table.kind == "map" and answers.physics is not None and len(answers.axes) < 2:
+        report.add(place, "a map needs a grid of two axes")
+
+
+def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:
+    """For each of x and y that names an axis in a figure of this kind: what it may be."""
+    states = list(answers.physics.units_of_states()) if answers.physics else []
+    axes = [axis.name for axis in answers.axes]
+    if kind == "phase":
+        return {"x": states, "y": states}
+    if kind == "map":
+        return {"x": axes, "y": axes}
+    if kind in ("curve", "bifurcation", "eigenvalues"):
+        return {"x": axes}
+    return {}
+
+
+def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
+    """Names in their contract spelling and the selection in SI."""
+    changed: dict[str, Any] = {}
+    for key in ("x", "y"):
+        value = getattr(table, key)
+        if value is not None:
+            changed[key] = ascii_name(value)
+    if table.select:
+        changed["select"] = _selection(table.select, answers, (*place, "select"), report)
+    return changed
+
+
+def _selection(
+    given: Mapping[str, Any], answers: Answers, place: Path, report: Report
+) -> dict[str, Any]:
+    """Axis -> value in SI, or label, or condition, for the keys that are dims."""
+    kinds = answers.axis_names() | {"initial": "label"} | dict.fromkeys(_OWN_DIMS, "own")
+    found = {}
+    for key, value in given.items():
+        name = ascii_name(key).removeprefix("friction.")
+        if name not in kinds:
+            if answers.physics is not None:
+                known = [*answers.axis_names(), "initial"]
+                message = f"{name!r} is no axis of this case"
+                report.add((*place, key), message, listed(known), suggest(name, known))
+            continue
+        try:
+            found[name] = _selected(name, kinds[name], value, answers)
+        except ValueError as error:
+            report.add((*place, key), str(error))
+    return found
+
+
+def _selected(name: str, kind: str, value: Any, answers: Answers) -> Any:
+    if kind == "label":
+        _check_label(value, answers)
+        return value
+    if kind in ("own", "option", "law") or not isinstance(value, str):
+        return value
+    if "." in value and _CONDITION.fullmatch(value) and any(sign in value for sign in "<>"):
+        return value.strip()
+    return convert(value, _unit(name, answers))
+
+
+def _check_label(value: object, answers: Answers) -> None:
+    labels = answers.labels()
+    random = tuple(f"{start.label}-" for start in answers.starts if start.kind == "random")
+    if value not in labels and not str(value).startswith(random):
+        hint = suggest(str(value), labels)
+        raise ValueError(
+            f"there is no start {value!r}; there are: {listed(labels)}. {hint}".strip()
+        )
+
+
+def _unit(name: str, answers: Answers) -> str:
+    if answers.physics is None:
+        return "1"
+    if name.startswith("initial."):
+        return answers.physics.units_of_states()[name.removeprefix("initial.")]
+    return answers.physics.table()[name].unit
+
+
+def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> ClaimSpec:
+    _check_analysis(table.analysis, answers, place, report)
+    _note_error(lambda: _check_holds(table.holds), (*place, "holds"), report)
+    _note_error(
+        lambda: _check_expect(table.expect, table.variable),
+        (*place, "expect"),
+        report,
+        _EXPECT_FORMS,
+    )
+    return ClaimSpec(
+        source=table.source,
+        text=table.text,
+        variable=table.variable,
+        expect=table.expect,
+        at=_selection(table.at, answers, (*place, "at"), report),
+        holds=table.holds,
+        note=table.note,
+        analysis=table.analysis or "",
+    )
+
+
+def _note_error(check: Callable[[], None], place: Path, report: Report, accepted: str = "") -> None:
+    try:
+        check()
+    except ValueError as error:
+        report.add(place, str(error), accepted)
+
+
+def _check_holds(holds: object) -> None:
+    """ValueError unless `holds` is all, any or a share."""
+    if holds in ("all", "any"):
+        return
+    if isinstance(holds, bool) or not isinstance(holds, int | float) or not 0 < holds <= 1:
+        raise ValueError(f'must be "all", "any" or a share in (0, 1], not {describe(holds)}')
+
+
+def _check_expect(expect: str | dict[str, Any], variable: str) -> None:
+    """ValueError unless `expect` has one of the known forms."""
+    if isinstance(expect, str):
+        _check_expected_class(expect, variable)
+    elif set(expect) == {"less_than"}:
+        _check_other_case(expect["less_than"])
+    elif set(expect) == {"value", "tolerance"}:
+        check_number(expect["value"])
+        _check_tolerance(expect["tolerance"])
+    elif set(expect) == {"interval", "tolerance"}:
+        _check_interval(expect["interval"])
+        _check_tolerance(expect["tolerance"])
+    else:
+        raise ValueError(f"a table with {listed(list(expect))} says nothing to check")
+
+
+def _check_expected_class(expect: str, variable: str) -> None:
+    if not _CLASS.fullmatch(expect):
+        raise ValueError(f"{expect!r} is no class")
+    name = expect.removeprefix("not ")
+    if variable == "attractor" and name not in ATTRACTORS and expect not in TRENDS:
+        hint = suggest(name, ATTRACTORS)
+        raise ValueError(f"there is no class {name!r}; {hint or listed(ATTRACTORS)}")
+
+
+def _check_other_case(value: object) -> None:
+    if not isinstance(value, str) or not _OTHER_CASE.fullmatch(value):
+        raise ValueError(f'less_than takes "CASE:variable", not {describe(value)}')
+
+
+def _check_tolerance(value: object) -> None:
+    if check_number(value) < 0:
+        raise ValueError(f"the tolerance is negative: {value!r}")
+
+
+def _check_interval(value: object) -> None:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"interval takes [low, high], not {describe(value)}")
+    low, high = (check_number(bound) for bound in value)
+    if low > high:
+        raise ValueError(f"the interval [{low!r}, {high!r}] is empty")

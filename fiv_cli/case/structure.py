@@ -1,0 +1,235 @@
+"""The form of a case file: which tables and keys there are, and of what type.
+
+Pydantic checks the form and yields the JSON schema; what the names and numbers *mean* is checked
+against the model, law and analysis tables elsewhere in this package.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
+
+_QUANTITY_SCHEMA = {
+    "anyOf": [{"type": "number"}, {"type": "string"}],
+    "description": 'a number in SI, or a string with its unit: "20 rpm", "15 deg", "5 mm"',
+}
+
+
+def describe(value: object) -> str:
+    """A value and its type in TOML's words, for messages."""
+    if isinstance(value, bool):
+        return f"{str(value).lower()} (a boolean)"
+    if isinstance(value, str):
+        return f"{value!r} (a string)"
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list):
+        return "a list"
+    return repr(value)
+
+
+def check_quantity(value: object) -> float | str:
+    """A finite number or a string; ValueError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"must be a number, or a string with a unit, not {describe(value)}")
+    return value if isinstance(value, str) else check_finite(value)
+
+
+def check_number(value: object) -> float:
+    """A finite number; ValueError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"must be a number, not {describe(value)}")
+    return check_finite(value)
+
+
+def check_finite(value: float) -> float:
+    """`value` unless it is NaN, infinite or beyond a double."""
+    try:
+        finite = isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
+        raise ValueError(f"must be a finite number, not {describe(value)}")
+    return value
+
+
+def _check_interval(value: object) -> tuple[Any, Any]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"must be a list of two numbers [low, high], not {describe(value)}")
+    return check_quantity(value[0]), check_quantity(value[1])
+
+
+Quantity = Annotated[Any, PlainValidator(check_quantity), WithJsonSchema(_QUANTITY_SCHEMA)]
+Number = Annotated[float, PlainValidator(check_number), WithJsonSchema({"type": "number"})]
+Interval = Annotated[
+    Any,
+    PlainValidator(_check_interval),
+    WithJsonSchema({"type": "array", "items": _QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}),
+]
+
+
+class Table(BaseModel):
+    """A table of the case file: unknown keys are errors, and types are not converted."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, populate_by_name=False)
+
+
+class OpenTable(BaseModel):
+    """A table whose further keys depend on a name in it and are checked against its table."""
+
+    model_config = ConfigDict(extra="allow", strict=True)
+
+
+class ModelTable(Table):
+    """The mechanical model."""
+
+    name: str = Field(description="name of the model; `fiv models` lists them")
+    parameters: dict[str, Quantity] = Field(default={}, description="what differs from the default")
+    options: dict[str, str] = Field(default={}, description="switches of the model")
+
+
+class FrictionTable(OpenTable):
+    """The friction law; its parameters stand directly in this table."""
+
+    law: str | None = Field(default=None, description="name of the law; `fiv models --laws`")
+    of: str | None = Field(default=None, description='the law that law = "tanh" regularises')
+
+
+class RangeTable(Table):
+    """A regular axis; both ends are included."""
+
+    start: Quantity = Field(description="first value")
+    stop: Quantity = Field(description="last value, included")
+    step: Quantity | None = Field(default=None, description="distance of values; must hit stop")
+    num: int | None = Field(default=None, description="number of values, instead of step")
+    scale: Literal["linear", "log"] = Field(default="linear", description="spacing, with num")
+
+
+class SweepTable(Table):
+    """How axes combine."""
+
+    zip: list[list[str]] = Field(default=[], description="groups of axes that advance together")
+
+
+class InitialTable(Table):
+    """One start of the motion."""
+
+    label: str | None = Field(default=None, description="unique name; default: the kind")
+    kind: Literal["equilibrium", "state", "random", "continue"] = Field(
+        description="equilibrium + offset, a state, random states in a box, or the neighbour's end"
+    )
+    offset: dict[str, Quantity] = Field(default={}, description="added to the equilibrium")
+    state: dict[str, Quantity] = Field(
+        default={}, description="values of states; a string may name a parameter; the rest is 0"
+    )
+    count: int = Field(default=1, description="number of random starts")
+    seed: int = Field(default=0, description="seed of random starts")
+    box: dict[str, Interval] = Field(default={}, description="state -> [low, high]")
+    along: str | None = Field(default=None, description="axis along which a start is continued")
+    direction: Literal["up", "down"] = Field(default="up", description="sense along the axis")
+    from_label: str | None = Field(
+        default=None, alias="from", description="label of the start of the first point"
+    )
+    on_loss: Literal["stop", "restart"] = Field(
+        default="stop", description="what follows when the class of motion is lost"
+    )
+
+
+class AnalysisTable(OpenTable):
+    """One analysis; its settings stand directly in this table."""
+
+    kind: str = Field(description="kind of analysis")
+    name: str | None = Field(default=None, description="unique name; default: the kind")
+
+
+class SectionTable(Table):
+    """A Poincaré section: one of `event`, `zero` and `phase`."""
+
+    event: Literal["slip->stick", "stick->slip"] | None = Field(
+        default=None, description="a transition of a contact"
+    )
+    contact: int = Field(default=1, description="contact of the event, from 1")
+    zero: str | None = Field(default=None, description="velocity that passes zero, e.g. x_dot")
+    direction: Literal["up", "down", "both"] = Field(default="both", description="sense of it")
+    phase: Quantity | None = Field(default=None, description="phase of the excitation, rad")
+
+
+FigureKind = Literal["curve", "bifurcation", "map", "history", "phase", "spectrum", "eigenvalues"]
+
+
+class FigureTable(Table):
+    """One figure that `fiv plot` draws."""
+
+    kind: FigureKind = Field(description="kind of figure")
+    name: str | None = Field(default=None, description="unique name; default: the kind")
+    title: str | None = Field(default=None, description="title; default: the case's")
+    analysis: str | None = Field(default=None, description="name of the analysis to draw")
+    x: str | None = Field(default=None, description="horizontal: an axis, or a state (phase)")
+    y: str | None = Field(default=None, description="vertical: an axis (map) or a state (phase)")
+    variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
+    select: dict[str, Quantity] = Field(default={}, description="axis or initial -> value to draw")
+    contact: int | None = Field(default=None, description="contact to draw, from 1")
+    log: bool | Literal["x", "y", "xy"] = Field(default=False, description="logarithmic axes")
+    xlim: Interval | None = Field(default=None, description="range of x")
+    ylim: Interval | None = Field(default=None, description="range of y")
+    unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit of frequencies")
+
+
+class ClaimTable(Table):
+    """What the publication says, as a check."""
+
+    source: str = Field(description="where it says so")
+    text: str = Field(description="what it says")
+    variable: str = Field(description="variable of the dataset that decides")
+    expect: str | dict[str, Any] = Field(
+        description='a class, "not CLASS", "increasing", "decreasing", { value, tolerance }, '
+        '{ interval, tolerance } or { less_than = "CASE:variable" }'
+    )
+    at: dict[str, Quantity] = Field(
+        default={}, description='axis -> value or condition ("0.9 <= . < 1.8")'
+    )
+    holds: Annotated[
+        Any,
+        WithJsonSchema({"anyOf": [{"enum": ["all", "any"]}, {"type": "number"}]}),
+    ] = Field(default="all", description="all, any, or the share of points that must agree")
+    note: str = Field(default="", description="what is known about a difference")
+    analysis: str | None = Field(default=None, description="name of the analysis that decides")
+
+
+class SolverTable(Table):
+    """How motions are integrated."""
+
+    method: Literal["taylor", "rk4"] = Field(default="taylor", description="integrator")
+    rtol: Number = Field(default=1e-9, description="relative tolerance of a Taylor step")
+    step: Quantity = Field(default=1e-3, description="step of rk4, s")
+    max_events: int = Field(default=1_000_000, description="events after which a run ends")
+    max_steps: int = Field(default=50_000_000, description="steps after which a run ends")
+
+
+class HeaderTable(Table):
+    """The keys above the first table."""
+
+    schema_version: Literal[1] = Field(alias="schema", description="version of this format")
+    title: str = Field(default="", description="one line")
+    reference: str = Field(default="", description="figure or section of the publication")
+    assumed: list[str] = Field(
+        default=[], description="what the publication leaves open and this case chose"
+    )
+
+
+class CaseTable(HeaderTable):
+    """A case of fiv, a batch tool for friction-induced vibration."""
+
+    model: ModelTable = Field(description="the mechanical model")
+    friction: FrictionTable = Field(default=FrictionTable(), description="the friction law")
+    grid: dict[str, list[Quantity] | RangeTable] = Field(
+        default={}, description="ordered axes: parameters, options, friction, initial.STATE"
+    )
+    sweep: SweepTable = Field(default=SweepTable(), description="how axes combine")
+    initial: list[InitialTable] = Field(default=[], description="starts of the motion")
+    analysis: list[AnalysisTable] = Field(description="what is computed")
+    figure: list[FigureTable] = Field(default=[], description="what `fiv plot` draws")
+    claim: list[ClaimTable] = Field(default=[], description="what the publication says")
+    solver: SolverTable = Field(default=SolverTable(), description="how motions are integrated")

@@ -1,0 +1,177 @@
+"""Numbers with units: ``"20 rpm"`` where a parameter is in rad s-1.
+
+Conversion is exact: a decimal times a rational factor, rounded to a double once at the end, so
+``"5 mm"`` is the double nearest to 0.005. Factors with pi carry fifty digits of it.
+
+Units are written as UDUNITS or everyday text has them: ``N m-1``, ``N/m``, ``kg*m^2``, ``kg m²``.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+PI = Fraction("3.14159265358979323846264338327950288419716939937510")
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_FACTOR = re.compile(r"([A-Za-zµμ°%]+)\^?([+-]?\d+)?")
+_SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+# A number so long or so large that only a mistake writes it; exact arithmetic would crawl on it.
+_LONGEST = 60
+_LARGEST_EXPONENT = 330
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: its value in SI and its exponents of kg, m, s and rad."""
+
+    factor: Fraction
+    mass: int = 0
+    length: int = 0
+    time: int = 0
+    angle: int = 0
+
+    def __mul__(self, other: Unit) -> Unit:
+        return Unit(
+            self.factor * other.factor,
+            self.mass + other.mass,
+            self.length + other.length,
+            self.time + other.time,
+            self.angle + other.angle,
+        )
+
+    def __pow__(self, exponent: int) -> Unit:
+        return Unit(
+            self.factor**exponent,
+            self.mass * exponent,
+            self.length * exponent,
+            self.time * exponent,
+            self.angle * exponent,
+        )
+
+    def fits(self, other: Unit) -> bool:
+        """Whether a value in `self` can stand where `other` is wanted.
+
+        The radian is told apart from 1 where nothing mechanical is in the unit (``Hz`` and
+        ``s-1`` are not the same), and ignored otherwise (``N m/rad`` fits ``N m``).
+        """
+        mechanical = (self.mass, self.length, self.time)
+        same = mechanical == (other.mass, other.length, other.time)
+        return same and (self.angle == other.angle or bool(self.mass or self.length))
+
+
+_ONE = Fraction(1)
+_PLAIN = {
+    "%": Unit(Fraction(1, 100)),
+    "deg": Unit(PI / 180, angle=1),
+    "°": Unit(PI / 180, angle=1),
+    "rev": Unit(2 * PI, angle=1),
+    "rpm": Unit(2 * PI / 60, time=-1, angle=1),
+    "min": Unit(Fraction(60), time=1),
+    "h": Unit(Fraction(3600), time=1),
+}
+_PREFIXED = {
+    "g": Unit(Fraction(1, 1000), mass=1),
+    "m": Unit(_ONE, length=1),
+    "s": Unit(_ONE, time=1),
+    "rad": Unit(_ONE, angle=1),
+    "N": Unit(_ONE, 1, 1, -2),
+    "Pa": Unit(_ONE, 1, -1, -2),
+    "J": Unit(_ONE, 1, 2, -2),
+    "W": Unit(_ONE, 1, 2, -3),
+    "Hz": Unit(2 * PI, time=-1, angle=1),
+}
+_PREFIXES = {
+    "": _ONE,
+    "n": Fraction(1, 10**9),
+    "u": Fraction(1, 10**6),
+    "µ": Fraction(1, 10**6),
+    "μ": Fraction(1, 10**6),
+    "m": Fraction(1, 1000),
+    "c": Fraction(1, 100),
+    "k": Fraction(1000),
+    "M": Fraction(10**6),
+    "G": Fraction(10**9),
+}
+UNITS: dict[str, Unit] = {
+    prefix + name: Unit(factor) * unit
+    for name, unit in _PREFIXED.items()
+    for prefix, factor in _PREFIXES.items()
+} | _PLAIN
+
+
+def parse_unit(text: str) -> Unit:
+    """The unit that `text` names; ValueError when it names none."""
+    unit = Unit(_ONE)
+    for sign, factor in _factors(text.translate(_SUPERSCRIPTS)):
+        match = _FACTOR.fullmatch(factor)
+        if match is None or match[1] not in UNITS:
+            raise ValueError(f"unknown unit {text!r}")
+        unit = unit * UNITS[match[1]] ** (sign * int(match[2] or 1))
+    return unit
+
+
+def exact(value: float | str, unit: str) -> Fraction:
+    """`value` in `unit`, exactly: the decimal written, its own unit converted if it has one.
+
+    Raises
+    ------
+    ValueError
+        Not a number, an unknown unit, or one that does not fit `unit`.
+    """
+    if not isinstance(value, str):
+        return Fraction(repr(value))
+    number, given = _split(value)
+    if not given:
+        return number
+    source, target = parse_unit(given), parse_unit(unit)
+    if not source.fits(target):
+        raise ValueError(f"the unit {given!r} does not fit {_spoken(unit)}")
+    return number * source.factor / target.factor
+
+
+def convert(value: float | str, unit: str) -> float:
+    """The double nearest to `value` in `unit`; ValueError as `exact`, or when it overflows."""
+    return nearest_double(exact(value, unit))
+
+
+def nearest_double(value: Fraction) -> float:
+    """The double nearest to `value`; ValueError when there is none."""
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError("the number is too large for a double") from None
+
+
+def _split(text: str) -> tuple[Fraction, str]:
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is not a number with a unit")
+    _refuse_absurd(match[1])
+    return Fraction(match[1]), match[2]
+
+
+def _refuse_absurd(digits: str) -> None:
+    exponent = re.split("[eE]", digits)[1:] or ["0"]
+    if len(digits) > _LONGEST or abs(int(exponent[0])) > _LARGEST_EXPONENT:
+        raise ValueError(f"{digits} is out of the range of a double")
+
+
+def _factors(text: str) -> list[tuple[int, str]]:
+    """``N s/m`` -> [(1, "N"), (1, "s"), (-1, "m")]: a slash turns the one factor behind it."""
+    tokens = re.sub(r"[*·.]", " ", text.replace("**", "^").replace("/", " / ")).split()
+    signed, sign = [], 1
+    for token in tokens:
+        if token == "/":
+            sign = -1
+        else:
+            signed.append((sign, token))
+            sign = 1
+    if not signed or sign == -1:
+        raise ValueError(f"unknown unit {text!r}")
+    return [(sign, token) for sign, token in signed if token != "1"]
+
+
+def _spoken(unit: str) -> str:
+    return "a number without unit" if unit == "1" else f"{unit!r}"
