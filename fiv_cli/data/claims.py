@@ -1,0 +1,495 @@
+"""What a publication says, held against a dataset: confirmed, contradicted or undetermined.
+
+A claim selects points, and each point is a *hit*, a *miss* or *open*. Open is what the dataset
+cannot answer: a point that was not computed, or one whose class is undecided. The verdict needs
+a number of hits (all of the points, one, or a share): it is confirmed when the hits suffice even
+if every open point were a miss, contradicted when they would not suffice even if every open point
+were a hit, and undetermined in between.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.data import select
+from fiv_cli.data.reading import flag_names, numbers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fiv_cli.case.case import ClaimSpec
+
+    Analyses = Mapping[str, xr.Dataset]
+
+CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermined"
+
+# Counterexamples that a finding names; the rest is counted.
+NAMED_MISSES = 3
+
+# These two say whether a point was computed, so they are known at every point.
+ALWAYS_KNOWN = ("status", "reason")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of one claim.
+
+    Attributes
+    ----------
+    verdict : "confirmed", "contradicted" or "undetermined"
+    found : one line, what the dataset holds
+    hits, points, open : counts of what the claim was tried on (points of the grid, values of a
+        ragged variable, or steps between neighbours)
+    """
+
+    verdict: str
+    found: str
+    hits: int = 0
+    points: int = 0
+    open: int = 0
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """One claim tried on every point; masks of equal shape, `places` names the misses."""
+
+    hit: np.ndarray
+    open: np.ndarray
+    found: str
+    places: Callable[[np.ndarray], list[str]]
+    noun: str = "points"
+
+
+@dataclass(frozen=True)
+class _Values:
+    """The values a claim is about, flat, with where they come from.
+
+    Attributes
+    ----------
+    values : shape (n,)
+    open : the value is not known, shape (n,)
+    row : flat index of the grid point (and start) of each value, shape (n,)
+    rows : array over the grid (and start) that `row` counts in C order
+    """
+
+    values: np.ndarray
+    open: np.ndarray
+    row: np.ndarray
+    rows: xr.DataArray
+
+
+def evaluate(
+    claim: ClaimSpec, analyses: Analyses, other: Callable[[str], Analyses | None]
+) -> Verdict:
+    """Hold `claim` against the analyses of its case's dataset.
+
+    Parameters
+    ----------
+    claim : what is claimed
+    analyses : name of the analysis -> dataset
+    other : name of another case -> its analyses, None where it has not been run
+
+    Returns
+    -------
+    Verdict : never raises for what the dataset lacks; that is undetermined, and says why
+    """
+    try:
+        dataset = _dataset_of(claim.variable, claim.analysis, analyses)
+        part = select.subset(dataset, claim.at, nearest=False)
+        trial = _try(claim, part, other)
+    except select.SelectionError as error:
+        return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
+    return _judge(trial, claim.holds)
+
+
+def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
+    if analysis and analysis not in analyses:
+        raise select.SelectionError(f"{analysis}: no analysis of the dataset")
+    candidates = [analyses[analysis]] if analysis else list(analyses.values())
+    for dataset in candidates:
+        if variable in dataset.variables:
+            return dataset
+    raise select.SelectionError(f"{variable}: no variable of the dataset")
+
+
+def _judge(trial: _Trial, holds: str | float) -> Verdict:
+    """From hits, misses and open points to a verdict."""
+    points, hits, unknown = trial.hit.size, int(trial.hit.sum()), int(trial.open.sum())
+    if points == 0:
+        return Verdict(UNDETERMINED, "nothing to try it on")
+    needed = _needed(holds, points)
+    verdict = UNDETERMINED
+    if hits >= needed:
+        verdict = CONFIRMED
+    elif hits + unknown < needed:
+        verdict = CONTRADICTED
+    return Verdict(verdict, _finding(trial, hits, points, unknown), hits, points, unknown)
+
+
+def _needed(holds: str | float, points: int) -> int:
+    """Hits that confirm a claim on so many points."""
+    if holds == "all":
+        return points
+    if holds == "any":
+        return 1
+    # 0.9 of 10 is 9 points, not 9.000000000000002
+    return math.ceil(round(float(holds) * points, 9))
+
+
+def _finding(trial: _Trial, hits: int, points: int, unknown: int) -> str:
+    parts = [f"{hits} of {points} {trial.noun}", trial.found]
+    if unknown:
+        parts.append(f"{unknown} not decided or not computed")
+    missed = trial.places(~trial.hit & ~trial.open)
+    if missed:
+        named = "; ".join(missed[:NAMED_MISSES])
+        rest = len(missed) - NAMED_MISSES
+        parts.append(f"not at {named}" + (f" and {rest} more" if rest > 0 else ""))
+    return ", ".join(part for part in parts if part)
+
+
+def _try(claim: ClaimSpec, part: xr.Dataset, other: Callable[[str], Analyses | None]) -> _Trial:
+    expect = claim.expect
+    if expect in ("increasing", "decreasing"):
+        return _try_monotonic(claim.variable, expect, part)
+    if isinstance(expect, Mapping):
+        return _try_table(claim, expect, part, other)
+    return _try_class(claim.variable, expect, part)
+
+
+def _try_table(
+    claim: ClaimSpec,
+    expect: Mapping[str, Any],
+    part: xr.Dataset,
+    other: Callable[[str], Analyses | None],
+) -> _Trial:
+    if "interval" in expect:
+        return _try_interval(claim.variable, expect, part)
+    if "less_than" in expect:
+        return _try_less_than(claim, expect["less_than"], part, other)
+    return _try_value(claim.variable, expect, part)
+
+
+def _try_class(variable: str, expect: str, part: xr.Dataset) -> _Trial:
+    """A class name, or ``not CLASS``."""
+    negated, name = _split_negation(expect)
+    found = _values(part, variable, allow_undecided=name == "undecided")
+    classes = flag_names(part[variable].attrs)
+    hit = (found.values == _code_of(name, variable, classes)) != negated
+    return _trial(found, hit, _count_classes(found, classes))
+
+
+def _code_of(name: str, variable: str, classes: Mapping[int, str]) -> int:
+    for code, meaning in classes.items():
+        if meaning == name:
+            return code
+    allowed = ", ".join(classes.values()) or "none: it is no flag"
+    raise select.SelectionError(f"{name}: no class of {variable} ({allowed})")
+
+
+def _split_negation(expect: str) -> tuple[bool, str]:
+    return expect.startswith("not "), expect.removeprefix("not ").strip()
+
+
+def _count_classes(found: _Values, classes: Mapping[int, str]) -> str:
+    counts = Counter(found.values[~found.open].tolist())
+    named = [f"{classes.get(code, code)} {count}" for code, count in counts.most_common()]
+    return "found " + ", ".join(named) if named else ""
+
+
+def _try_value(variable: str, expect: Mapping[str, Any], part: xr.Dataset) -> _Trial:
+    """``{ value, tolerance }``: each value lies within the (absolute) tolerance."""
+    found = _values(part, variable)
+    tolerance = float(expect.get("tolerance", select.SAME * abs(float(expect["value"]))))
+    hit = np.abs(found.values - float(expect["value"])) <= tolerance
+    return _trial(found, hit, _range(found, part[variable]))
+
+
+def _range(found: _Values, variable: xr.DataArray) -> str:
+    """The values found, from least to greatest, with their unit."""
+    known = found.values[~found.open & ~np.isnan(found.values)]
+    unit = str(variable.attrs.get("units", "1"))
+    unit = "" if unit == "1" else f" {unit}"
+    if known.size == 0:
+        return "no value found"
+    low, high = known.min(), known.max()
+    span = f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
+    return f"found {span}{unit}"
+
+
+def _try_interval(variable: str, expect: Mapping[str, Any], part: xr.Dataset) -> _Trial:
+    """``{ interval = [a, b], tolerance }``: what is found reaches from a to b, and no further.
+
+    With ``of = CLASS`` it is about the values of the one axis that is left at which `variable`
+    has that class; without, about the values of `variable` themselves.
+    """
+    found = _values(part, variable, allow_undecided=expect.get("of") == "undecided")
+    if "of" in expect:
+        found = _axis_values_where(found, str(expect["of"]), variable, part)
+    low, high = (float(bound) for bound in expect["interval"])
+    tolerance = float(expect.get("tolerance", select.SAME * max(abs(low), abs(high))))
+    known = np.sort(found.values[~found.open & ~np.isnan(found.values)])
+    ends = (known[0], known[-1]) if known.size else (math.inf, -math.inf)
+    unknown = bool(found.open.any())
+    hit, open_ = zip(
+        _end_matches(low - ends[0], tolerance, unknown),
+        _end_matches(ends[1] - high, tolerance, unknown),
+        strict=True,
+    )
+    label = _one_axis(part) if "of" in expect else part[variable]
+    return _Trial(np.array(hit), np.array(open_), _range(found, label), lambda missed: [], "ends")
+
+
+def _end_matches(excess: float, tolerance: float, unknown: bool) -> tuple[bool, bool]:
+    """(hit, open) of one end, `excess` being how far what is found goes beyond it.
+
+    Open points may still push an end outwards, never back.
+    """
+    beyond = excess > tolerance
+    reached = abs(excess) <= tolerance
+    return reached and not unknown, unknown and not beyond
+
+
+def _axis_values_where(found: _Values, name: str, variable: str, part: xr.Dataset) -> _Values:
+    code = _code_of(name, variable, flag_names(part[variable].attrs))
+    axis = _one_axis(part)
+    place = np.unravel_index(found.row, found.rows.shape)[found.rows.dims.index(axis.dims[0])]
+    values = axis.values[place].astype(float)
+    wanted = found.open | (found.values == code)
+    return _Values(values[wanted], found.open[wanted], found.row[wanted], found.rows)
+
+
+def _one_axis(part: xr.Dataset) -> xr.DataArray:
+    """The single numeric axis along which anything is left to vary."""
+    axes = [select.axis_of(part, str(name)) for name in part.coords if part.coords[name].ndim == 1]
+    left = {
+        str(axis.dims[0]): axis
+        for axis in axes
+        if axis.size > 1 and select.is_numeric(axis) and str(axis.dims[0]) in _grid_dims(part)
+    }
+    if len(left) != 1:
+        names = ", ".join(left) or "none"
+        raise select.SelectionError(
+            f"one numeric axis must be left to vary, found: {names}; narrow it with `at`"
+        )
+    return next(iter(left.values()))
+
+
+def _try_monotonic(variable: str, expect: str, part: xr.Dataset) -> _Trial:
+    """Each step along the one axis left goes the right way; labels are lines of their own."""
+    axis = _one_axis(part)
+    array, unknown = _lines_along(part, variable, str(axis.dims[0]))
+    steps, open_ = _steps(array, unknown, 1.0 if expect == "increasing" else -1.0)
+    known = _Values(array.ravel(), unknown.ravel(), np.arange(array.size), part[variable])
+    return _Trial(
+        (steps > 0).ravel() & ~open_.ravel(),
+        open_.ravel(),
+        _range(known, part[variable]),
+        _step_places(axis, array.shape[0]),
+        "steps",
+    )
+
+
+def _lines_along(part: xr.Dataset, variable: str, dim: str) -> tuple[np.ndarray, np.ndarray]:
+    """Values and whether they are unknown, shape (lines, points along `dim`)."""
+    if dim not in part[variable].dims:
+        raise select.SelectionError(f"{variable}: not one value per point along {dim}")
+    array = numbers(part[variable]).transpose(..., dim)
+    unknown = _unknown(part, variable, False).broadcast_like(array).transpose(*array.dims)
+    shape = (-1, array.sizes[dim])
+    return array.values.reshape(shape), unknown.values.reshape(shape)
+
+
+def _steps(lines: np.ndarray, unknown: np.ndarray, sense: float) -> tuple[np.ndarray, np.ndarray]:
+    """Steps between neighbours times `sense`, and which are open: an end of them has no value."""
+    missing = unknown | ~np.isfinite(lines)
+    known = np.where(missing, np.nan, lines)
+    return sense * np.diff(known, axis=-1), missing[:, 1:] | missing[:, :-1]
+
+
+def _step_places(axis: xr.DataArray, lines: int) -> Callable[[np.ndarray], list[str]]:
+    starts = np.tile(axis.values[:-1], lines)
+    ends = np.tile(axis.values[1:], lines)
+    return lambda missed: [
+        f"{axis.name} = {a:g} to {b:g}" for a, b in zip(starts[missed], ends[missed], strict=True)
+    ]
+
+
+def _try_less_than(
+    claim: ClaimSpec,
+    bound: Any,
+    part: xr.Dataset,
+    other: Callable[[str], Analyses | None],
+) -> _Trial:
+    """Each value lies below a number, or below another case's value at the same point."""
+    found = _values(part, claim.variable)
+    if isinstance(bound, int | float):
+        bounds, open_ = np.full(found.values.shape, float(bound)), found.open
+    else:
+        bounds, missing = _other_values(claim, str(bound), found, other)
+        open_ = found.open | missing
+    hit = (found.values < bounds) & ~open_
+    return _trial(
+        _Values(found.values, open_, found.row, found.rows),
+        hit,
+        f"{_range(found, part[claim.variable])}, against {_span(bounds)}",
+    )
+
+
+def _span(values: np.ndarray) -> str:
+    known = values[~np.isnan(values)]
+    return f"{known.min():.6g} to {known.max():.6g}" if known.size else "nothing"
+
+
+def _other_values(
+    claim: ClaimSpec, bound: str, found: _Values, other: Callable[[str], Analyses | None]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Value of ``CASE:variable`` at the point of each value found, and where there is none."""
+    case, _, variable = bound.rpartition(":")
+    analyses = other(case)
+    if analyses is None:
+        raise select.SelectionError(f"{case} has not been run")
+    dataset = _dataset_of(variable, "", analyses)
+    shared = {
+        name: wanted
+        for name, wanted in claim.at.items()
+        if name.replace(".", "_") in select.axis_names(dataset)
+    }
+    partner = select.subset(dataset, shared, nearest=False)
+    array = numbers(partner[variable])
+    array = array.where(~_unknown(partner, variable, False))
+    matched = _at_points_of(array, found.rows)
+    values = matched.values.ravel()[found.row]
+    return values, np.isnan(values)
+
+
+def _at_points_of(array: xr.DataArray, points: xr.DataArray) -> xr.DataArray:
+    """`array` at the coordinates of `points`: NaN where it has no such point."""
+    import xarray as xr
+
+    alone = [dim for dim in array.dims if dim not in points.dims]
+    if any(array.sizes[dim] > 1 for dim in alone):
+        raise select.SelectionError(
+            f"{', '.join(map(str, alone))}: an axis of the other case only; narrow it with `at`"
+        )
+    array = array.isel(dict.fromkeys(alone, 0), drop=True)
+    for dim in array.dims:
+        array = _reindexed(array, str(dim), select.axis_of(points.to_dataset(name="p"), str(dim)))
+    return xr.broadcast(array, points, exclude=[])[0].transpose(*points.dims)
+
+
+def _reindexed(array: xr.DataArray, dim: str, axis: xr.DataArray) -> xr.DataArray:
+    if dim not in array.coords:
+        return array
+    if array.sizes[dim] == 1 and not select.is_numeric(array.coords[dim]):
+        # the one start of the other case stands for whatever start this case has
+        return array.isel({dim: 0}, drop=True)
+    if not select.is_numeric(axis):
+        return array.reindex({dim: axis.values})
+    tolerance = select.SAME * float(np.max(np.abs(axis.values)))
+    return array.reindex({dim: axis.values}, method="nearest", tolerance=tolerance)
+
+
+def _trial(found: _Values, hit: np.ndarray, text: str) -> _Trial:
+    return _Trial(
+        hit & ~found.open, found.open, text, lambda missed: list(_names_of(found, missed))
+    )
+
+
+def _names_of(found: _Values, missed: np.ndarray) -> Iterator[str]:
+    """``mu_k = 0.9, initial = far`` for the points that were missed, each once."""
+    for row in dict.fromkeys(found.row[missed].tolist()):
+        yield point_name(found.rows, row) or "the only point"
+
+
+def point_name(points: xr.DataArray, row: int) -> str:
+    """Where the flat (C order) index `row` lies on the axes of `points` that vary."""
+    place = np.unravel_index(row, points.shape) if points.ndim else ()
+    return ", ".join(
+        f"{name} = {_shown(coord.values[index])}"
+        for dim, index in zip(points.dims, place, strict=True)
+        if points.sizes[dim] > 1
+        for name, coord in points.coords.items()
+        if coord.dims == (dim,)
+    )
+
+
+def _shown(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float | np.floating) else str(value)
+
+
+def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _Values:
+    """Every value of `variable` in `part`; padding along its own dims is left out."""
+    rows = _rows(part)
+    sizes = select.row_sizes(part, variable)
+    if sizes is not None:
+        return _ragged_values(part, variable, rows, sizes)
+    array = numbers(part[variable]).transpose(*rows.dims, ..., missing_dims="ignore")
+    own = [dim for dim in array.dims if dim not in rows.dims]
+    array = array.broadcast_like(rows).transpose(*rows.dims, *own)
+    per_row = math.prod(array.sizes[dim] for dim in own)
+    row = np.repeat(np.arange(rows.size), per_row)
+    unknown = _unknown(part, variable, allow_undecided).values.ravel()[row]
+    flat = array.values.ravel()
+    kept = ~np.isnan(flat) | unknown if own else np.ones(flat.shape, bool)
+    return _Values(flat[kept], unknown[kept], row[kept], rows)
+
+
+def _ragged_values(
+    part: xr.Dataset, variable: str, rows: xr.DataArray, sizes: xr.DataArray
+) -> _Values:
+    """Observations of every row; a row that is not known stands as one open value."""
+    unknown = _unknown(part, variable, False).values.ravel()
+    row = select.row_of_each(sizes.transpose(*rows.dims))
+    known = ~unknown[row]
+    open_rows = np.flatnonzero(unknown)
+    values = np.concatenate([part[variable].values[known], np.full(open_rows.size, np.nan)])
+    return _Values(
+        values,
+        np.arange(values.size) >= known.sum(),
+        np.concatenate([row[known], open_rows]),
+        rows,
+    )
+
+
+def _grid_dims(part: xr.Dataset) -> tuple[str, ...]:
+    return tuple(str(dim) for dim in part["status"].dims)
+
+
+def _rows(part: xr.Dataset) -> xr.DataArray:
+    """The points: the grid (and starts), in C order."""
+    return part["status"]
+
+
+def _unknown(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr.DataArray:
+    """Points whose `variable` the dataset cannot tell, over the grid (and starts)."""
+    status = part["status"]
+    if variable in ALWAYS_KNOWN:
+        return status != status
+    unknown = ~_is_class(status, ("ok",))
+    if "attractor" not in part:
+        return unknown
+    undecided = _is_class(part["attractor"], ("undecided",))
+    if allow_undecided and variable == "attractor":
+        # a run that used up its budget and says "undecided" has answered such a claim
+        return unknown & ~undecided
+    return unknown | undecided
+
+
+def _is_class(array: xr.DataArray, names: tuple[str, ...]) -> xr.DataArray:
+    codes = [code for code, name in flag_names(array.attrs).items() if name in names]
+    return array.isin(codes)
+
+
+def tally(verdicts: list[str]) -> str:
+    """``3 confirmed, 1 contradicted`` from a list of verdicts, most decided first."""
+    order = (CONFIRMED, CONTRADICTED, UNDETERMINED, "not run")
+    counts = Counter(verdicts)
+    named = [f"{counts[name]} {name}" for name in order if counts[name]]
+    return ", ".join(named) or "no claims"

@@ -1,0 +1,203 @@
+"""Parts of a dataset by the names and values of its axes; ragged variables follow.
+
+A selection maps an axis to what is wanted of it: a number, a label, a list of either, or a
+condition on the value ``.`` such as ``"0.9 <= . < 1.8"``. A label stands also for the members of
+a random start (``far`` for ``far-000``, ``far-001``, ...).
+"""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from fiv_cli.case.names import ascii_name
+from fiv_cli.case.units import convert
+from fiv_cli.errors import UsageError
+
+# Two doubles nearest to the same decimal differ by less.
+SAME = 1e-9
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_CONDITION = re.compile(
+    rf"^\s*(?:(?P<low>{_NUMBER})\s*(?P<left><=?))?\s*\.\s*"
+    rf"(?:(?P<right><=?|>=?|==)\s*(?P<high>{_NUMBER}))?\s*$"
+)
+_COMPARE: dict[str, Callable[[Any, Any], Any]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+}
+
+
+class SelectionError(UsageError):
+    """What is selected does not exist in the dataset."""
+
+
+def condition(text: str) -> Callable[[np.ndarray], np.ndarray] | None:
+    """The condition that `text` states on ``.``; None when it is no condition.
+
+    Bounds are moved outwards (inwards, for a strict one) by a relative 1e-9, so that a value
+    written like the bound counts as equal to it.
+    """
+    parts = _CONDITION.match(text)
+    if parts is None or not (parts["left"] or parts["right"]):
+        return None
+    tests = []
+    if parts["left"]:
+        # ``a < .`` is ``. > a``
+        tests.append((parts["left"].replace("<", ">"), float(parts["low"])))
+    if parts["right"]:
+        tests.append((parts["right"], float(parts["high"])))
+    return lambda values: np.logical_and.reduce([_holds(values, *test) for test in tests])
+
+
+def _holds(values: np.ndarray, sign: str, bound: float) -> np.ndarray:
+    equal = np.isclose(values, bound, rtol=SAME, atol=0.0)
+    return equal if sign == "==" else np.where(equal, "=" in sign, _COMPARE[sign](values, bound))
+
+
+def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """The axis called `name` (``initial.x_dot`` and ``initial_x_dot`` are the same), one dim.
+
+    A dim without a coordinate counts from 0.
+    """
+    name = ascii_name(name).replace(".", "_")
+    if name in dataset.coords and dataset.coords[name].ndim == 1:
+        return dataset.coords[name]
+    if name in dataset.dims:
+        return xr.DataArray(np.arange(dataset.sizes[name]), dims=name, name=name)
+    known = ", ".join(str(axis) for axis in axis_names(dataset)) or "none"
+    raise SelectionError(f"{name}: no axis of this dataset\nits axes: {known}")
+
+
+def axis_names(dataset: xr.Dataset) -> list[str]:
+    """Names of every axis that can be selected on, observations of ragged arrays left out."""
+    hidden = set(ragged_dims(dataset))
+    coords = [name for name, c in dataset.coords.items() if c.ndim == 1 and c.dims[0] not in hidden]
+    bare = [dim for dim in dataset.dims if dim not in dataset.coords and dim not in hidden]
+    return [str(name) for name in [*coords, *bare]]
+
+
+def is_numeric(axis: xr.DataArray) -> bool:
+    """Whether the axis holds numbers rather than labels."""
+    return axis.dtype.kind in "fiu"
+
+
+def matching(axis: xr.DataArray, wanted: Any, *, nearest: bool) -> np.ndarray:
+    """Which entries of `axis` are meant by `wanted`, as a mask.
+
+    Parameters
+    ----------
+    axis : coordinate along one dim
+    wanted : number, label, condition, or a list of these
+    nearest : take the nearest number; otherwise it must agree to 1e-9
+
+    Raises
+    ------
+    SelectionError : nothing matches
+    """
+    if isinstance(wanted, list | tuple):
+        return np.logical_or.reduce([matching(axis, one, nearest=nearest) for one in wanted])
+    if is_numeric(axis):
+        mask = _matching_number(axis, wanted, nearest)
+    else:
+        mask = _matching_label(axis.values.astype(str), str(wanted))
+    if not mask.any():
+        raise SelectionError(f"{axis.name} = {wanted}: not in this dataset\n{_what_exists(axis)}")
+    return mask
+
+
+def _matching_number(axis: xr.DataArray, wanted: Any, nearest: bool) -> np.ndarray:
+    test = condition(wanted) if isinstance(wanted, str) else None
+    if test is not None:
+        return np.asarray(test(axis.values))
+    value = _in_unit_of(axis, wanted)
+    distance = np.abs(axis.values - value)
+    if nearest:
+        return np.arange(axis.size) == np.argmin(distance)
+    return distance <= SAME * abs(value)
+
+
+def _in_unit_of(axis: xr.DataArray, wanted: float | str) -> float:
+    """A number, or a number with a unit ("20 rpm"), in the unit of the axis."""
+    try:
+        return convert(wanted, str(axis.attrs.get("units", "1")))
+    except ValueError as error:
+        raise SelectionError(
+            f"{axis.name} = {wanted}: {error}\nwrite a number or a condition such as '0.1 <= . < 2'"
+        ) from error
+
+
+def _matching_label(labels: np.ndarray, wanted: str) -> np.ndarray:
+    member = re.compile(re.escape(wanted) + r"(-\d+)?$")
+    exact = labels == wanted
+    return exact if exact.any() else np.array([bool(member.match(label)) for label in labels])
+
+
+def _what_exists(axis: xr.DataArray) -> str:
+    if is_numeric(axis) and axis.size > 8:
+        return (
+            f"{axis.name}: {axis.size} values from {axis.values.min():g} to {axis.values.max():g}"
+        )
+    return f"{axis.name}: " + ", ".join(
+        f"{value:g}" if is_numeric(axis) else str(value) for value in axis.values
+    )
+
+
+def subset(
+    dataset: xr.Dataset, selection: Mapping[str, Any], *, nearest: bool = True
+) -> xr.Dataset:
+    """The part of `dataset` that `selection` names; every dim stays, ragged rows follow.
+
+    Raises
+    ------
+    SelectionError : an axis, value or label does not exist
+    """
+    masks: dict[str, np.ndarray] = {}
+    for name, wanted in selection.items():
+        axis = axis_of(dataset, name)
+        dim = str(axis.dims[0])
+        mask = matching(axis, wanted, nearest=nearest)
+        masks[dim] = mask & masks.get(dim, True)
+    indices = {dim: np.flatnonzero(mask) for dim, mask in masks.items()}
+    return dataset.isel({**indices, **_observations(dataset, masks)})
+
+
+def _observations(dataset: xr.Dataset, masks: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Observations, per ragged dim, of the rows that the masks leave."""
+    kept = {}
+    for dim, sizes in ragged_dims(dataset).items():
+        wanted = [masks.get(str(d), np.ones(dataset.sizes[d], bool)) for d in sizes.dims]
+        rows = np.ones(sizes.shape, bool)
+        for place, mask in enumerate(wanted):
+            rows &= np.expand_dims(mask, [d for d in range(sizes.ndim) if d != place])
+        kept[dim] = np.flatnonzero(np.repeat(rows.ravel(), sizes.values.ravel()))
+    return kept
+
+
+def ragged_dims(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Dim of the observations -> row sizes, for each contiguous ragged array of the dataset."""
+    return {
+        str(variable.attrs["sample_dimension"]): variable
+        for variable in dataset.data_vars.values()
+        if "sample_dimension" in variable.attrs
+    }
+
+
+def row_sizes(dataset: xr.Dataset, name: str) -> xr.DataArray | None:
+    """Row sizes of the ragged variable `name`; None when it is an ordinary one."""
+    sizes = ragged_dims(dataset)
+    return next((sizes[str(dim)] for dim in dataset[name].dims if str(dim) in sizes), None)
+
+
+def row_of_each(sizes: xr.DataArray) -> np.ndarray:
+    """Flat (C order) index of the row that each observation belongs to, shape (observations,)."""
+    flat = sizes.values.ravel()
+    return np.repeat(np.arange(flat.size), flat)

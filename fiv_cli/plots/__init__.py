@@ -1,0 +1,14 @@
+"""Figures from datasets: ``draw(dataset, figure)``; one file per kind of figure.
+
+To add a kind: write ``fiv_cli/plots/my_kind.py`` with ``suits(dataset) -> bool`` (whether it can
+be drawn from this dataset) and ``draw(layers, settings) -> Figure``, and list it in
+``fiv_cli/plots/drawing.py``. A figure is made from the dataset alone, never from live objects.
+"""
+
+from __future__ import annotations
+
+from fiv_cli.plots.drawing import default_figures, draw, figures_of
+from fiv_cli.plots.law import draw_laws
+from fiv_cli.plots.style import save
+
+__all__ = ["default_figures", "draw", "draw_laws", "figures_of", "save"]

@@ -1,0 +1,75 @@
+"""Bifurcation diagram: what the motion passes at the Poincaré section, against a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.data import select
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import labels, points, style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DEFAULT = "section_value"
+
+
+def suits(dataset: xr.Dataset) -> bool:
+    """Whether the dataset holds section values along some axis."""
+    return DEFAULT in dataset and bool(points.varying_axes(dataset))
+
+
+def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+    """Dots of every layer; one colour per start, branch or further axis."""
+    figure, (ax,) = style.new_panels(1, 1, labels.title_of(layers[0].dataset.attrs))
+    name = str(settings.get("variable", DEFAULT))
+    clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
+    colours = style.line_colours(len(clouds))
+    many = sum(y.size for _, _, y in clouds) > style.MANY_MARKS
+    for (label, x, y), colour in zip(clouds, colours, strict=True):
+        ax.plot(x, y, ".", ms=2.2, mew=0, ls="none", color=colour, label=label, rasterized=many)
+    _dress(ax, layers, name, settings)
+    return figure
+
+
+def _dress(
+    ax: Axes, layers: Sequence[points.Layer], name: str, settings: Mapping[str, Any]
+) -> None:
+    first = layers[0].dataset
+    axis = points.abscissa(first, settings)
+    points.dress_axis(ax, axis, "x")
+    ax.set_ylabel(labels.axis_label(first[name]))
+    for layer in layers:
+        points.mark_gaps(ax, layer.dataset, points.abscissa(layer.dataset, settings))
+    points.scale(ax, settings)
+    points.legend(ax)
+
+
+def _clouds(
+    layer: points.Layer, name: str, settings: Mapping[str, Any]
+) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """(label, x, y) of each line of points of one dataset."""
+    dataset = layer.dataset
+    sizes = select.row_sizes(dataset, name) if name in dataset else None
+    if sizes is None:
+        raise UsageError(
+            f"{name}: no values at a section in this dataset\n"
+            "a bifurcation diagram needs a response analysis; draw another variable as a curve"
+        )
+    axis = points.abscissa(dataset, settings)
+    dim = str(axis.dims[0])
+    dims = [str(d) for d in sizes.dims]
+    place = dict(zip(dims, np.unravel_index(select.row_of_each(sizes), sizes.shape), strict=True))
+    x, y = points.positions(axis)[place[dim]], dataset[name].values
+    clouds = []
+    for line in points.lines(dataset, [dim], dims):
+        belongs = np.logical_and.reduce(
+            [place[d] == index for d, index in line.index.items()], initial=True
+        ) & np.ones(y.shape, bool)
+        clouds.append((points.joined(layer.label, line.label), x[belongs], y[belongs]))
+    return clouds

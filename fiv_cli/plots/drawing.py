@@ -1,0 +1,162 @@
+"""Which figures a dataset has, and drawing one of them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fiv_cli.case.case import FigureSpec
+from fiv_cli.data import select
+from fiv_cli.data.reading import read_analyses
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import bifurcation, curve, eigenvalues, history, phase, spectrum, style
+from fiv_cli.plots import map as map_
+from fiv_cli.plots.points import Layer
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    Source = xr.Dataset | str | Path | dict[str, xr.Dataset]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of figure.
+
+    Attributes
+    ----------
+    suits : whether a dataset can be drawn so
+    draw : ``(layers, settings) -> Figure``
+    overlays : whether several datasets share one figure
+    """
+
+    suits: Callable[[xr.Dataset], bool]
+    draw: Callable[[Sequence[Layer], Mapping[str, Any]], Figure]
+    overlays: bool = False
+
+
+# In the order in which a dataset without [[figure]] tables is asked what suits it.
+KINDS: dict[str, Kind] = {
+    "map": Kind(map_.suits, map_.draw),
+    "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True),
+    "curve": Kind(curve.suits, curve.draw, overlays=True),
+    "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
+    "history": Kind(history.suits, history.draw),
+    "phase": Kind(phase.suits, phase.draw),
+    "spectrum": Kind(spectrum.suits, spectrum.draw),
+}
+
+# A default figure is left out where a figure before it says the same and more.
+SAID_BY = {
+    "bifurcation": {"map"},
+    "curve": {"map", "eigenvalues"},
+    "eigenvalues": {"map"},
+    "spectrum": {"history"},
+}
+
+
+def figures_of(source: Source) -> list[FigureSpec]:
+    """The figures that the case of the dataset asks for, else the default ones.
+
+    Names are unique: a second ``map`` is ``map-2``.
+    """
+    analyses = _analyses(source)
+    text = next((str(d.attrs["case"]) for d in analyses.values() if "case" in d.attrs), "")
+    tables = tomllib.loads(text).get("figure", [])
+    if not tables:
+        return default_figures(analyses)
+    return _named((table["kind"], table) for table in tables)
+
+
+def default_figures(source: Source) -> list[FigureSpec]:
+    """One figure of each kind that says something about each analysis of the dataset."""
+    return _named(
+        (kind, {"analysis": name} if name else {})
+        for name, dataset in _analyses(source).items()
+        for kind in _default_kinds(dataset)
+    )
+
+
+def _default_kinds(dataset: xr.Dataset) -> list[str]:
+    suiting = [kind for kind, entry in KINDS.items() if entry.suits(dataset)]
+    return [kind for kind in suiting if not SAID_BY.get(kind, set()) & set(suiting)]
+
+
+def _named(tables: Iterable[tuple[str, Mapping[str, Any]]]) -> list[FigureSpec]:
+    """Figures with their tables' names, or their kinds numbered from the second on."""
+    figures: list[FigureSpec] = []
+    taken: set[str] = set()
+    for kind, table in tables:
+        stem = str(table.get("name", kind))
+        count = next(n for n in range(1, len(taken) + 2) if _numbered(stem, n) not in taken)
+        taken.add(_numbered(stem, count))
+        settings = {key: value for key, value in table.items() if key not in ("kind", "name")}
+        figures.append(FigureSpec(_numbered(stem, count), kind, settings))
+    return figures
+
+
+def _numbered(stem: str, count: int) -> str:
+    return stem if count == 1 else f"{stem}-{count}"
+
+
+def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> Figure:
+    """Draw one figure.
+
+    Parameters
+    ----------
+    source : a dataset, its path, its analyses by name, or several of them as (label, source)
+        for a figure that overlays them
+    figure : what to draw
+
+    Raises
+    ------
+    UsageError : the dataset does not hold what the figure shows; says what it holds
+    """
+    kind = _kind(figure.kind)
+    named: Sequence[tuple[str, Any]] = (
+        source if isinstance(source, list | tuple) else [("", source)]
+    )
+    layers = [_layer(label, one, figure, kind) for label, one in named]
+    if len(layers) > 1 and not kind.overlays:
+        raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
+    if "title" in figure.settings:
+        layers = [Layer(layer.label, _retitled(layer.dataset, figure)) for layer in layers]
+    with style.looks():
+        return kind.draw(layers, figure.settings)
+
+
+def _retitled(dataset: xr.Dataset, figure: FigureSpec) -> xr.Dataset:
+    return dataset.assign_attrs(title=figure.settings["title"], reference="")
+
+
+def _kind(name: str) -> Kind:
+    if name not in KINDS:
+        raise UsageError(f"{name}: no kind of figure\nthere are: {', '.join(KINDS)}")
+    return KINDS[name]
+
+
+def _layer(label: str, source: Source, figure: FigureSpec, kind: Kind) -> Layer:
+    """The analysis that the figure is about, narrowed to what it selects."""
+    analyses = _analyses(source)
+    wanted = figure.settings.get("analysis")
+    if wanted is not None and wanted not in analyses and list(analyses) != [""]:
+        raise UsageError(f"{wanted}: no analysis of this dataset\nit has: {', '.join(analyses)}")
+    named = [analyses[wanted]] if wanted in analyses else list(analyses.values())
+    # a dataset that no figure of the kind suits is drawn anyway: the kind says what it lacks
+    dataset = next((d for d in named if _holds(d, figure) and kind.suits(d)), named[0])
+    return Layer(label, select.subset(dataset, figure.settings.get("select", {})))
+
+
+def _holds(dataset: xr.Dataset, figure: FigureSpec) -> bool:
+    named = figure.settings.get("variable", [])
+    return all(name in dataset for name in ([named] if isinstance(named, str) else named))
+
+
+def _analyses(source: Any) -> dict[str, xr.Dataset]:
+    if isinstance(source, str | Path):
+        return read_analyses(source)
+    return dict(source) if isinstance(source, dict) else {"": source}

@@ -1,0 +1,58 @@
+"""States against time, the contact states shaded behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.patches import Patch
+
+from fiv_cli.plots import labels, motion, points, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+suits = motion.suits
+SHADE = 0.35
+
+
+def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+    """A row for each variable, a column for each motion."""
+    dataset = layers[0].dataset
+    motions = motion.motions(dataset)
+    names = motion.variables(dataset, settings)
+    figure, axes = style.new_panels(
+        len(names), len(motions), labels.title_of(dataset.attrs), sharex="col", sharey="row"
+    )
+    for number, ax in enumerate(axes):
+        row, column = divmod(number, len(motions))
+        _panel(ax, motions[column], names[row], settings)
+        if row == 0:
+            ax.set_title(motions[column].label)
+        if column == 0:
+            ax.set_ylabel(labels.short_label(dataset[names[row]]))
+        if row == len(names) - 1:
+            ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
+    _legend(figure, motion.states_present(motions, settings))
+    return figure
+
+
+def _panel(ax: Axes, one: motion.Motion, name: str, settings: Mapping[str, Any]) -> None:
+    many = one.time.size > style.MANY_MARKS
+    for state, first, last in motion.contact_runs(one, settings):
+        # a stretch reaches to the sample after it, where the next one begins
+        end = one.time[min(last, one.time.size - 1)]
+        ax.axvspan(one.time[first], end, color=style.CLASSES.get(state), alpha=SHADE, lw=0)
+    values = motion.of_contact(one.data[name], settings)
+    ax.plot(one.time, values, color=style.BLACK, lw=0.9, rasterized=many)
+    ax.margins(x=0)
+    points.scale(ax, settings)
+
+
+def _legend(figure: Figure, states: Sequence[str]) -> None:
+    handles = [
+        Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=state) for state in states
+    ]
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

@@ -1,0 +1,105 @@
+"""Words of a figure: axis labels with symbol and unit, names of lines, the title."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+GREEK = frozenset(
+    (
+        *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda"),
+        *("mu", "nu", "xi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
+        *("Gamma", "Delta", "Theta", "Lambda", "Xi", "Sigma", "Phi", "Psi", "Omega"),
+    )
+)
+# The thesis writes the angle with the open form of the letter.
+VARIANTS = {"phi": r"\varphi"}
+
+TITLE_WIDTH = 68
+LONGEST_MEANING = 40
+
+
+def axis_label(variable: xr.DataArray, name: str = "") -> str:
+    r"""What stands at an axis: ``disc speed $\Omega$ (rad/s)``, or ``$\varphi$ (rad)``."""
+    name = name or str(variable.name)
+    meaning = str(variable.attrs.get("long_name", ""))
+    words = meaning if 0 < len(meaning) <= LONGEST_MEANING else ""
+    if has_symbol(variable, name):
+        words = f"{words} ${symbol(variable, name)}$".strip()
+    words = words or name.replace("_", " ")
+    unit = unit_text(str(variable.attrs.get("units", "1")))
+    return f"{words} ({unit})" if unit else words
+
+
+def short_label(variable: xr.DataArray, name: str = "") -> str:
+    r"""Symbol and unit alone, for narrow axes: ``$\dot{\varphi}$ (rad/s)``."""
+    unit = unit_text(str(variable.attrs.get("units", "1")))
+    words = f"${symbol(variable, name or str(variable.name))}$"
+    return f"{words} ({unit})" if unit else words
+
+
+def has_symbol(variable: xr.DataArray, name: str) -> bool:
+    """Whether the quantity goes by a symbol rather than by words."""
+    stem = name.removesuffix("_dot").split("_")[0].rstrip("0123456789")
+    return "symbol" in variable.attrs or stem in GREEK or len(stem) == 1
+
+
+def symbol(variable: xr.DataArray, name: str) -> str:
+    """LaTeX of a quantity, from the dataset where it stands there, else from its name."""
+    return str(variable.attrs.get("symbol") or symbol_of_name(name))
+
+
+def symbol_of_name(name: str) -> str:
+    r"""LaTeX of an ASCII name: ``mu_k`` is ``\mu_{k}``, ``phi_dot`` is ``\dot{\varphi}``."""
+    if name.endswith("_dot"):
+        return rf"\dot{{{symbol_of_name(name.removesuffix('_dot'))}}}"
+    stem, *subscripts = name.split("_")
+    letters, digits = re.fullmatch(r"(.*?)(\d*)", stem).groups()  # type: ignore[union-attr]
+    subscripts = [digits, *subscripts] if digits else subscripts
+    letters = VARIANTS.get(letters, f"\\{letters}" if letters in GREEK else _upright(letters))
+    return f"{letters}_{{{','.join(map(_upright, subscripts))}}}" if subscripts else letters
+
+
+def _upright(word: str) -> str:
+    return word if len(word) <= 1 or word.isdigit() else rf"\mathrm{{{word}}}"
+
+
+def unit_text(unit: str) -> str:
+    """A UDUNITS string as people write it: ``N s m-1`` is ``N s/m``, ``"1"`` is nothing."""
+    if unit == "1":
+        return ""
+    factors = [_factor(token) for token in unit.split()]
+    above = [_power(base, power) for base, power in factors if power > 0]
+    below = [(base, power) for base, power in factors if power < 0]
+    if above and len(below) == 1:
+        return f"{' '.join(above)}/{_power(below[0][0], -below[0][1])}"
+    return " ".join([*above, *(_power(base, power) for base, power in below)])
+
+
+def _factor(token: str) -> tuple[str, int]:
+    base, power = re.fullmatch(r"(.*?)([-+]?\d+)?", token).groups()  # type: ignore[union-attr]
+    return base, int(power or 1)
+
+
+def _power(base: str, power: int) -> str:
+    return base if power == 1 else f"{base}$^{{{power}}}$"
+
+
+def value_label(axis: xr.DataArray, value: Any) -> str:
+    r"""One value of an axis: ``$N_0$ = 30 N``, or the label itself."""
+    if axis.dtype.kind not in "fiu":
+        return str(value)
+    unit = unit_text(str(axis.attrs.get("units", "1")))
+    return f"${symbol(axis, str(axis.name))}$ = {float(value):.6g} {unit}".rstrip()
+
+
+def title_of(attributes: Mapping[str, Any]) -> str:
+    """Title and reference of the case, wrapped to the width of a figure."""
+    title, reference = str(attributes.get("title", "")), str(attributes.get("reference", ""))
+    text = f"{title} ({reference})" if title and reference else title or reference
+    return "\n".join(textwrap.wrap(text, TITLE_WIDTH))

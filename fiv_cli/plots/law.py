@@ -1,0 +1,101 @@
+"""A friction law: friction force over normal force against slip velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fiv_cli.errors import UsageError
+from fiv_cli.friction import all_laws
+from fiv_cli.friction.base import Law, Slip
+from fiv_cli.plots import labels, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FASTEST = 2.0  # m/s
+SAMPLES = 801
+
+
+def draw_laws(names: Sequence[str]) -> Figure:
+    """The laws called `names`, with the defaults of their tables.
+
+    Raises
+    ------
+    UsageError : there is no such law, or they share no axis
+    """
+    laws = [_law(name) for name in names]
+    with style.looks():
+        return _draw(laws)
+
+
+def _draw(laws: Sequence[Law]) -> Figure:
+    figure, (ax,) = style.new_panels(1, 1, laws[0].title if len(laws) == 1 else "Friction laws")
+    for law, colour in zip(laws, style.line_colours(len(laws)), strict=True):
+        _curve(ax, law, colour)
+    forces = [not _scales_with_load(law) for law in laws]
+    ratio = r"$F_\mathrm{T}/F_\mathrm{N}$"
+    if any(forces) and not all(forces):
+        raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
+    ax.set_ylabel(r"$F_\mathrm{T}$ (N)" if any(forces) else ratio)
+    ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
+    ax.legend()
+    return figure
+
+
+def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray:
+    """Friction force, N, under a normal force of 1 N at slip velocities (m/s) of one sign."""
+    import sympy
+
+    v = sympy.Symbol("v", real=True)
+    sign = int(np.sign(velocity.sum()))
+    values = {name: sympy.nsimplify(value) for name, value in parameters.items()}
+    slip = Slip(v, sympy.Integer(sign), sign * v, sympy.Integer(1))
+    evaluate = sympy.lambdify(v, law.force(slip, values), "numpy")
+    return np.broadcast_to(np.asarray(evaluate(velocity), dtype=float), velocity.shape)
+
+
+def defaults(law: Law) -> dict[str, float]:
+    """Parameter -> default of the law's own table."""
+    given = {p.name: p.default for p in law.parameters if p.default is not None}
+    follow = {p.name: given[p.default_from] for p in law.parameters if p.default_from}
+    return {**follow, **given}
+
+
+def _law(name: str) -> Law:
+    laws = all_laws()
+    if name not in laws:
+        raise UsageError(f"{name}: no such friction law\nthere are: {', '.join(laws)}")
+    return laws[name]
+
+
+def _scales_with_load(law: Law) -> bool:
+    """Whether the normal force enters, so that F_T / F_N means something."""
+    import sympy
+
+    load = sympy.Symbol("N", positive=True)
+    v = sympy.Symbol("v", positive=True)
+    expression = law.force(Slip(v, sympy.Integer(1), v, load), defaults(law))
+    return bool(sympy.sympify(expression).has(load))
+
+
+def _curve(ax: Axes, law: Law, colour: str) -> None:
+    """Both branches, and between them what the contact can hold in stick."""
+    speed = np.linspace(FASTEST / SAMPLES, FASTEST, SAMPLES) - FASTEST / SAMPLES * (1 - 1e-9)
+    parameters = defaults(law)
+    for velocity, label in ((-speed[::-1], f"{law.name} ({_values(law)})"), (speed, "")):
+        ax.plot(velocity, force(law, velocity, parameters), color=colour, label=label or None)
+    if law.capacity is not None:
+        held = float(law.capacity(1.0, parameters))
+        ax.plot([0.0, 0.0], [-held, held], "--", color=colour, lw=1.0, label="stick")
+
+
+def _values(law: Law) -> str:
+    given = defaults(law)
+    return ", ".join(
+        f"${p.symbol}$ = {given[p.name]:g} {labels.unit_text(p.unit)}".rstrip()
+        for p in law.parameters
+    )

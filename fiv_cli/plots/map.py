@@ -1,0 +1,199 @@
+"""A variable over two parameters: classes in their colours, numbers against a colour bar."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+
+from fiv_cli.data import select
+from fiv_cli.data.reading import flag_names, numbers
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import labels, points, style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PREFERRED = ("attractor", "stable", "L_s", "growth_rate", "n_solutions")
+MOST_PANELS = 6
+MOST_COLUMNS = 3
+HATCH = "////"
+
+
+def suits(dataset: xr.Dataset) -> bool:
+    """Whether two numeric axes span a plane of points."""
+    numeric = [axis for axis in points.varying_axes(dataset) if select.is_numeric(axis)]
+    return len(numeric) >= 2 and any(name in dataset for name in PREFERRED)
+
+
+def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+    """A panel for each start and each value of the other axes."""
+    dataset = layers[0].dataset
+    x, y = _axes(dataset, settings)
+    array = dataset[_variable(dataset, settings)]
+    panels = _panels(dataset, array, x, y)
+    columns = min(len(panels), MOST_COLUMNS)
+    rows = -(-len(panels) // columns)
+    figure, axes = style.new_panels(
+        rows, columns, labels.title_of(dataset.attrs), sharex=True, sharey=True
+    )
+    paint = _paint_classes if flag_names(array.attrs) else _paint_numbers
+    paint(figure, axes, array, dataset, (x, y), panels)
+    for number, ax in enumerate(axes):
+        _dress(ax, number, columns, panels, (x, y), settings)
+    return figure
+
+
+def _variable(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
+    known = [str(name) for name in dataset.data_vars]
+    name = str(settings.get("variable", next((n for n in PREFERRED if n in known), "")))
+    if name not in known:
+        raise UsageError(f"{name or 'variable'}: not in this dataset\nit has: {', '.join(known)}")
+    return name
+
+
+def _axes(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:
+    """The two axes: as the figure says, else the first two numeric ones that vary."""
+    x = points.abscissa(dataset, settings)
+    if "y" in settings:
+        return x, select.axis_of(dataset, str(settings["y"]))
+    others = [axis for axis in points.varying_axes(dataset) if axis.dims != x.dims]
+    numeric = [axis for axis in others if select.is_numeric(axis)]
+    if not others:
+        raise UsageError(
+            f"a map needs two axes, and this dataset varies along {x.name} only\n"
+            "draw a curve, or run the case with a second axis in [grid]"
+        )
+    return x, (numeric or others)[0]
+
+
+def _panels(
+    dataset: xr.Dataset, array: xr.DataArray, x: xr.DataArray, y: xr.DataArray
+) -> list[points.Line]:
+    spread = [str(x.dims[0]), str(y.dims[0])]
+    missing = [dim for dim in spread if dim not in array.dims]
+    if missing or select.row_sizes(dataset, str(array.name)) is not None:
+        raise UsageError(f"{array.name}: not one value per point over {x.name} and {y.name}")
+    panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
+    if len(panels) > MOST_PANELS:
+        rest = ", ".join(str(d) for d in array.dims if d not in spread and array.sizes[d] > 1)
+        raise UsageError(
+            f"{len(panels)} maps in one figure are too many\n"
+            f"choose from {rest} with `select` in the figure"
+        )
+    return panels
+
+
+def _dress(
+    ax: Axes,
+    number: int,
+    columns: int,
+    panels: Sequence[points.Line],
+    axes: tuple[xr.DataArray, xr.DataArray],
+    settings: Mapping[str, Any],
+) -> None:
+    ax.grid(False)
+    if number >= len(panels):
+        ax.set_axis_off()
+        return
+    points.dress_axis(ax, axes[0], "x")
+    if number % columns == 0:
+        points.dress_axis(ax, axes[1], "y")
+    ax.set_title(panels[number].label)
+    points.scale(ax, settings)
+
+
+def _plane(
+    array: xr.DataArray, line: points.Line, axes: tuple[xr.DataArray, xr.DataArray]
+) -> np.ndarray:
+    """Values of one panel, shape (points along y, points along x)."""
+    own = {dim: index for dim, index in line.index.items() if dim in array.dims}
+    return array.isel(own).transpose(axes[1].dims[0], axes[0].dims[0]).values
+
+
+def _computed(dataset: xr.Dataset) -> xr.DataArray:
+    return points.is_class(dataset, "status", "ok", "budget")
+
+
+def _mesh(
+    ax: Axes, axes: tuple[xr.DataArray, xr.DataArray], plane: np.ndarray, **looks: Any
+) -> Any:
+    many = plane.size > style.MANY_MARKS
+    x, y = (points.positions(axis) for axis in axes)
+    return ax.pcolormesh(x, y, plane, shading="nearest", rasterized=many, **looks)
+
+
+def _paint_classes(
+    figure: Figure,
+    axes: Sequence[Axes],
+    array: xr.DataArray,
+    dataset: xr.Dataset,
+    plane_axes: tuple[xr.DataArray, xr.DataArray],
+    panels: Sequence[points.Line],
+) -> None:
+    names = flag_names(array.attrs)
+    known = _computed(dataset).broadcast_like(array) & numbers(array).notnull()
+    present = {code: name for code, name in names.items() if bool((known & (array == code)).any())}
+    colours = style.class_colours(list(present.values()))
+    for ax, line in zip(axes, panels, strict=False):
+        classes = _plane(array, line, plane_axes)
+        place = np.searchsorted(sorted(present), classes).astype(float)
+        place[~_plane(known, line, plane_axes)] = np.nan
+        order = [colours[list(present).index(code)] for code in sorted(present)]
+        looks = {
+            "cmap": ListedColormap(order),
+            "norm": BoundaryNorm(_edges(len(order)), len(order)),
+        }
+        if order:
+            _mesh(ax, plane_axes, place, **looks)
+        _hatch(ax, np.isnan(place))
+    handles = [
+        Patch(color=colour, label=name.replace("_", " "))
+        for colour, name in zip(colours, present.values(), strict=True)
+    ]
+    _legend(figure, handles, bool((~known).any()))
+
+
+def _edges(count: int) -> np.ndarray:
+    return np.arange(count + 1) - 0.5
+
+
+def _hatch(ax: Axes, missing: np.ndarray) -> None:
+    """Where there is no answer the panel's own background shows: grey and hatched."""
+    if missing.any():
+        ax.set_facecolor("#F2F2F2")
+        ax.patch.set(hatch=HATCH, edgecolor=style.GREY)
+
+
+def _legend(figure: Figure, handles: list[Patch], gaps: bool) -> None:
+    if gaps:
+        handles.append(Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label="not computed"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=max(1, min(4, len(handles))))
+
+
+def _paint_numbers(
+    figure: Figure,
+    axes: Sequence[Axes],
+    array: xr.DataArray,
+    dataset: xr.Dataset,
+    plane_axes: tuple[xr.DataArray, xr.DataArray],
+    panels: Sequence[points.Line],
+) -> None:
+    values = numbers(array).where(_computed(dataset))
+    planes = [_plane(values, line, plane_axes) for line in panels]
+    known = values.values[np.isfinite(values.values)]
+    low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
+    looks = {"cmap": "cividis", "vmin": low, "vmax": high}
+    meshes = [
+        _mesh(ax, plane_axes, plane, **looks) for ax, plane in zip(axes, planes, strict=False)
+    ]
+    for ax, plane in zip(axes, planes, strict=False):
+        _hatch(ax, np.isnan(plane))
+    figure.colorbar(meshes[0], ax=list(axes), label=labels.axis_label(array))
+    if bool(values.isnull().any()):
+        _legend(figure, [], True)

@@ -1,0 +1,119 @@
+"""Motions of a history, one at a time: what the figures over time have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.data.reading import flag_names
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import points
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_MOTIONS = 4
+CONTACT_STATES = ("slip+", "slip-", "stick", "separation")
+# Everything of a history that is no state of the model.
+NO_STATES = frozenset({"F_T", "F_N", "contact_state", "status", "reason", "w"})
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One motion: `label` names what tells it from the others; `time` in s, without padding."""
+
+    label: str
+    time: np.ndarray
+    data: xr.Dataset
+
+
+def suits(dataset: xr.Dataset) -> bool:
+    """Whether the dataset holds motions in time."""
+    return "time" in dataset.variables and "contact_state" in dataset
+
+
+def motions(dataset: xr.Dataset) -> list[Motion]:
+    """Every motion of the dataset.
+
+    Raises
+    ------
+    UsageError : it holds none, or more than a figure can show
+    """
+    if not suits(dataset):
+        raise UsageError(
+            "no motion in time in this dataset\n"
+            "compute one with: fiv history CASE --at AXIS=VALUE,initial=LABEL"
+        )
+    lines = points.lines(dataset, [], points.grid_dims(dataset))
+    if len(lines) > MOST_MOTIONS:
+        axes = ", ".join(str(axis.name) for axis in points.varying_axes(dataset))
+        raise UsageError(
+            f"{len(lines)} motions in one figure are too many\n"
+            f"choose from {axes} with `select` in the figure"
+        )
+    return [_motion(dataset, line) for line in lines]
+
+
+def _motion(dataset: xr.Dataset, line: points.Line) -> Motion:
+    data = dataset.isel(line.index)
+    time = data["time"].values
+    known = np.isfinite(time) & np.isfinite(data[displacements(dataset)[0]].values)
+    return Motion(line.label, time[known], data.isel(time=np.flatnonzero(known)))
+
+
+def displacements(dataset: xr.Dataset) -> list[str]:
+    """The displacement states: those that have a velocity ``NAME_dot`` beside them."""
+    return [str(name) for name in dataset.data_vars if f"{name}_dot" in dataset]
+
+
+def variables(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
+    """The variables that the figure names, else every displacement.
+
+    Raises
+    ------
+    UsageError : a variable does not exist
+    """
+    named = settings.get("variable", displacements(dataset))
+    named = [named] if isinstance(named, str) else list(named)
+    for name in named:
+        known_variable(dataset, name)
+    return named
+
+
+def known_variable(dataset: xr.Dataset, name: str) -> str:
+    """`name`, when it varies in time; UsageError otherwise."""
+    if name not in dataset or "time" not in dataset[name].dims:
+        known = [str(n) for n, v in dataset.data_vars.items() if "time" in v.dims]
+        raise UsageError(f"{name}: no variable over time\nthere are: {', '.join(known)}")
+    return name
+
+
+def of_contact(array: xr.DataArray, settings: Mapping[str, Any]) -> np.ndarray:
+    """Values over time; of the figure's ``contact`` (from 1) where there are several."""
+    if "contact" not in array.dims:
+        return array.values
+    number = int(settings.get("contact", 1))
+    if not 1 <= number <= array.sizes["contact"]:
+        raise UsageError(f"contact = {number}: there are {array.sizes['contact']}")
+    return array.isel(contact=number - 1).values
+
+
+def contact_runs(motion: Motion, settings: Mapping[str, Any]) -> Iterator[tuple[str, int, int]]:
+    """(contact state, first sample, last sample + 1) of each stretch without a transition."""
+    states = motion.data["contact_state"]
+    names = flag_names(states.attrs)
+    codes = of_contact(states, settings)
+    if codes.size == 0:
+        return
+    starts = [0, *(np.flatnonzero(np.diff(codes)) + 1).tolist()]
+    for first, last in zip(starts, [*starts[1:], codes.size], strict=True):
+        yield names.get(int(codes[first]), "unknown"), first, last
+
+
+def states_present(every: Sequence[Motion], settings: Mapping[str, Any]) -> list[str]:
+    """The contact states that occur, in their fixed order."""
+    seen = {name for motion in every for name, _, _ in contact_runs(motion, settings)}
+    return [name for name in CONTACT_STATES if name in seen]

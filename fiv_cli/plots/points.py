@@ -1,0 +1,179 @@
+"""The points of a dataset as figures see them: axes, lines, gaps."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.case.units import parse_unit
+from fiv_cli.data import select
+from fiv_cli.data.reading import flag_names
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import labels, style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One dataset of a figure; `label` tells it from the others when there are several."""
+
+    label: str
+    dataset: xr.Dataset
+
+
+@dataclass(frozen=True)
+class Line:
+    """One combination of values along the dims that a figure does not spread out."""
+
+    label: str
+    index: Mapping[str, int]
+
+
+def grid_dims(dataset: xr.Dataset) -> tuple[str, ...]:
+    """The grid's dims and, where there are starts, ``initial``; without variables' own dims."""
+    return tuple(str(dim) for dim in dataset["status"].dims)
+
+
+def varying_axes(dataset: xr.Dataset) -> list[xr.DataArray]:
+    """One axis for each dim of the grid along which there is more than one point, in order."""
+    dims = [dim for dim in grid_dims(dataset) if dataset.sizes[dim] > 1]
+    return [_first_axis(dataset, dim) for dim in dims]
+
+
+def _first_axis(dataset: xr.Dataset, dim: str) -> xr.DataArray:
+    """The axis of `dim`: its own coordinate, else the first of those that advance along it."""
+    along = [str(name) for name, coord in dataset.coords.items() if coord.dims == (dim,)]
+    return select.axis_of(dataset, dim if dim in along or not along else along[0])
+
+
+def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any], key: str = "x") -> xr.DataArray:
+    """The axis that ``x`` names, else the first numeric one that varies.
+
+    Raises
+    ------
+    UsageError : no axis varies, so there is nothing to draw against
+    """
+    if key in settings:
+        return select.axis_of(dataset, str(settings[key]))
+    varying = varying_axes(dataset)
+    numeric = [axis for axis in varying if select.is_numeric(axis)]
+    if not varying:
+        raise UsageError(
+            "this figure needs an axis along which the dataset varies, and there is none\n"
+            "draw a history, or run the case with a [grid]"
+        )
+    return (numeric or varying)[0]
+
+
+def positions(axis: xr.DataArray) -> np.ndarray:
+    """Where the values of `axis` lie in a figure: numbers at themselves, labels at 0, 1, 2, ..."""
+    return axis.values.astype(float) if select.is_numeric(axis) else np.arange(float(axis.size))
+
+
+def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
+    """Label and, for an axis of names, ticks."""
+    spine = ax.xaxis if which == "x" else ax.yaxis
+    spine.set_label_text(labels.axis_label(axis))
+    if not select.is_numeric(axis):
+        spine.set_ticks(np.arange(axis.size), labels=[str(value) for value in axis.values])
+
+
+def scale(ax: Axes, settings: Mapping[str, Any]) -> None:
+    """Logarithmic axes and limits, as the figure asks."""
+    logarithmic = {True: "xy", False: ""}.get(settings.get("log", False), settings.get("log"))
+    for which in ("x", "y"):
+        if which in str(logarithmic):
+            ax.set(**{f"{which}scale": "log"})
+        if f"{which}lim" in settings:
+            ax.set(**{f"{which}lim": [_in_si(bound) for bound in settings[f"{which}lim"]]})
+
+
+def _in_si(value: float | str) -> float:
+    """A number, or a number with a unit, in SI (which is what datasets hold)."""
+    number, _, unit = str(value).strip().partition(" ")
+    return float(number) * float(parse_unit(unit).factor) if unit else float(number)
+
+
+def lines(dataset: xr.Dataset, along: Sequence[str], dims: Sequence[str]) -> list[Line]:
+    """Every combination of the `dims` that are not spread out `along` an axis.
+
+    Labels name only what differs: ``far``, ``$N_0$ = 30 N``.
+    """
+    rest = [dim for dim in dims if dim not in along]
+    axes = [_first_axis(dataset, dim) for dim in rest]
+    places = itertools.product(*(range(axis.size) for axis in axes))
+    return [_line(axes, rest, place) for place in places]
+
+
+def _line(axes: Sequence[xr.DataArray], dims: Sequence[str], place: Sequence[int]) -> Line:
+    words = [
+        labels.value_label(axis, axis.values[index])
+        for axis, index in zip(axes, place, strict=True)
+        if axis.size > 1
+    ]
+    return Line(", ".join(words), dict(zip(dims, place, strict=True)))
+
+
+def joined(*words: str) -> str:
+    """The words that are there, separated by commas."""
+    return ", ".join(word for word in words if word)
+
+
+def is_class(dataset: xr.Dataset, variable: str, *names: str) -> xr.DataArray:
+    """Where the flag `variable` has one of the classes, over its dims."""
+    array = dataset[variable]
+    codes = [code for code, name in flag_names(array.attrs).items() if name in names]
+    return array.isin(codes)
+
+
+def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Kind of gap -> the points that have it: failed, not reached, ... and undecided."""
+    status = dataset["status"]
+    found = {
+        name.replace("_", " "): status == code
+        for code, name in flag_names(status.attrs).items()
+        if name != "ok"
+    }
+    if "attractor" in dataset:
+        found["undecided"] = is_class(dataset, "attractor", "undecided") & is_class(
+            dataset, "status", "ok", "budget"
+        )
+    return {name: mask for name, mask in found.items() if bool(mask.any())}
+
+
+GAP_MARKS = {"undecided": ("x", style.BLACK), "failed": ("X", style.VERMILLION)}
+
+
+def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
+    """Marks along the lower edge wherever some point of the line of points has no answer."""
+    dim = str(axis.dims[0])
+    for level, (name, mask) in enumerate(gaps(dataset).items()):
+        anywhere = mask.any([d for d in mask.dims if d != dim])
+        marker, colour = GAP_MARKS.get(name, ("|", style.PURPLE))
+        x = positions(axis)[anywhere.values]
+        height = np.full(x.shape, 0.02 + 0.03 * level)
+        ax.plot(
+            x, height, marker, color=colour, ms=4, ls="none", label=name, clip_on=False,
+            transform=ax.get_xaxis_transform(), zorder=5,
+        )  # fmt: skip
+
+
+def legend(ax: Axes, title: str = "") -> None:
+    """A legend where it hides least; beside the panel when it is long; none for a single line."""
+    handles, names = ax.get_legend_handles_labels()
+    if not names:
+        return
+    if len(names) <= 8:
+        ax.legend(handles, names, title=title or None, markerscale=2.0)
+        return
+    ax.legend(
+        handles, names, title=title or None, loc="center left", bbox_to_anchor=(1.01, 0.5),
+        ncols=1 + (len(names) - 1) // 20, markerscale=2.0,
+    )  # fmt: skip

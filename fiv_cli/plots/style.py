@@ -1,0 +1,136 @@
+"""Looks of every figure: palette, sizes, and files whose bytes depend on the data alone.
+
+The palette is Okabe and Ito's, told apart by people of every colour vision. A class has one
+colour in every figure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fiv_cli.errors import StorageError, UsageError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
+    "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
+)  # fmt: skip
+GREY = "#BBBBBB"
+LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+
+CLASSES = {
+    "equilibrium": SKY,
+    "periodic": ORANGE,
+    "quasiperiodic": GREEN,
+    "chaotic": VERMILLION,
+    "undecided": GREY,
+    "diverged": BLACK,
+    "contact_lost": PURPLE,
+    "slip+": BLUE,
+    "slip-": GREEN,
+    "stick": ORANGE,
+    "separation": PURPLE,
+    "stable": SKY,
+    "unstable": VERMILLION,
+}
+
+PANEL = (6.4, 4.2)  # inches
+# Beyond this a vector figure is slow to open: the marks become an image inside it.
+MANY_MARKS = 20_000
+
+SETTINGS: dict[Any, Any] = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.2,
+    "legend.fontsize": 8.0,
+    "legend.framealpha": 0.9,
+    "savefig.dpi": 160,
+    "pdf.fonttype": 42,
+    # names of SVG elements are hashed with a fixed salt: the same data gives the same bytes
+    "svg.hashsalt": "fiv",
+}
+
+# What each format would otherwise stamp with the time of writing.
+UNDATED = {
+    ".png": {"Software": "fiv"},
+    ".svg": {"Date": None, "Creator": "fiv"},
+    ".pdf": {"CreationDate": None, "ModDate": None, "Creator": "fiv", "Producer": "fiv"},
+}
+
+
+@contextmanager
+def looks() -> Iterator[None]:
+    """The settings above over matplotlib's own defaults, whatever the user's configuration."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(SETTINGS)
+        yield
+
+
+def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figure, list[Axes]]:
+    """A figure with rows x columns panels (listed row by row) and a title."""
+    width, height = PANEL
+    figure = Figure(
+        figsize=(width * _spread(columns), height * _spread(rows)), layout="constrained"
+    )
+    FigureCanvasAgg(figure)
+    if title:
+        figure.suptitle(title, fontsize=SETTINGS["axes.titlesize"])
+    axes = figure.subplots(rows, columns, squeeze=False, **shared)
+    return figure, list(axes.ravel())
+
+
+def _spread(count: int) -> float:
+    """Width of `count` panels side by side, in panels: the more, the smaller each."""
+    return 1.0 if count == 1 else 0.62 * count
+
+
+def class_colours(names: Sequence[str]) -> list[str]:
+    """A colour for each class: its own, or the next of the palette."""
+    return [CLASSES.get(name, LINES[index % len(LINES)]) for index, name in enumerate(names)]
+
+
+def line_colours(count: int) -> list[Any]:
+    """A colour for each of `count` lines; many lines get a ramp from dark to light."""
+    if count <= len(LINES):
+        return list(LINES[:count])
+    ramp = mpl.colormaps["viridis"]
+    return [ramp(0.92 * index / (count - 1)) for index in range(count)]
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write `figure` as PNG, SVG or PDF, by the suffix of `path`.
+
+    Raises
+    ------
+    UsageError : another suffix
+    StorageError : the file cannot be written
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in UNDATED:
+        raise UsageError(
+            f"{path}: figures are written as {', '.join(UNDATED)}\nuse -o {path.stem or 'NAME'}.png"
+        )
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with looks():
+            figure.savefig(path, metadata=UNDATED[suffix])
+    except OSError as error:
+        raise StorageError(
+            f"{path}: cannot be written ({error.strerror})\nchoose -o FIG"
+        ) from error
