@@ -8,7 +8,7 @@ from typing import Any
 
 from fiv_cli.case.names import ascii_name, listed, suggest
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import FrictionTable, ModelTable, check_quantity, describe
+from fiv_cli.case.structure import FrictionTable, ModelTable, check_quantity
 from fiv_cli.case.tables import read_table
 from fiv_cli.case.units import convert
 from fiv_cli.friction import TANH_OF, all_laws
@@ -279,9 +279,7 @@ def _read_parameter(
     try:
         found[parameter.name] = quantity(parameter, value)
     except ValueError as error:
-        shown = describe(value)
-        message = str(error) if shown in str(error) else f"{shown}: {error}"
-        report.add(place, message, allowed(parameter))
+        report.add(place, str(error), allowed(parameter))
 
 
 def _note_unknown(

@@ -43,7 +43,8 @@ def read_starts(
 def _start(
     table: InitialTable, raw: Mapping[str, Any], place: Path, physics: Physics, report: Report
 ) -> StartSpec:
-    _refuse_foreign_keys(table.kind, raw, place, report)
+    if raw.get("kind") == table.kind:
+        _refuse_foreign_keys(table.kind, raw, place, report)
     units = physics.units_of_states()
     return StartSpec(
         label=table.label if table.label is not None else table.kind,

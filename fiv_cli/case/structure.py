@@ -6,8 +6,9 @@ against the model, law and analysis tables elsewhere in this package.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isfinite
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
 
@@ -75,6 +76,10 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, populate_by_name=False)
 
+    # What stands in for required keys that are missing or wrong, so that the rest of the table
+    # can be checked all the same.
+    placeholders: ClassVar[Mapping[str, Any]] = {}
+
 
 class OpenTable(BaseModel):
     """A table whose further keys depend on a name in it and are checked against its table."""
@@ -115,6 +120,8 @@ class SweepTable(Table):
 
 class InitialTable(Table):
     """One start of the motion."""
+
+    placeholders: ClassVar[Mapping[str, Any]] = {"kind": "state"}
 
     label: str | None = Field(default=None, description="unique name; default: the kind")
     kind: Literal["equilibrium", "state", "random", "continue"] = Field(
@@ -162,6 +169,8 @@ FigureKind = Literal["curve", "bifurcation", "map", "history", "phase", "spectru
 class FigureTable(Table):
     """One figure that `fiv plot` draws."""
 
+    placeholders: ClassVar[Mapping[str, Any]] = {"kind": "history"}
+
     kind: FigureKind = Field(description="kind of figure")
     name: str | None = Field(default=None, description="unique name; default: the kind")
     title: str | None = Field(default=None, description="title; default: the case's")
@@ -179,6 +188,13 @@ class FigureTable(Table):
 
 class ClaimTable(Table):
     """What the publication says, as a check."""
+
+    placeholders: ClassVar[Mapping[str, Any]] = {
+        "source": "",
+        "text": "",
+        "variable": "",
+        "expect": "periodic",
+    }
 
     source: str = Field(description="where it says so")
     text: str = Field(description="what it says")

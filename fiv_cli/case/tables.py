@@ -59,7 +59,7 @@ def keys_of(form: type[BaseModel]) -> dict[str, str]:
 
 def _valid_or_none(form: type[T], raw: dict[str, Any]) -> T | None:
     try:
-        return form.model_validate(raw)
+        return form.model_validate({**getattr(form, "placeholders", {}), **raw})
     except ValidationError:
         return None
 

@@ -127,7 +127,7 @@ def exact(value: float | str, unit: str) -> Fraction:
         return number
     source, target = parse_unit(given), parse_unit(unit)
     if not source.fits(target):
-        raise ValueError(f"the unit {given!r} does not fit {_spoken(unit)}")
+        raise ValueError(f"the unit of {value!r} does not fit {_spoken(unit)}")
     return number * source.factor / target.factor
 
 

@@ -1,0 +1,164 @@
+"""Which results belong together: fingerprints of cases, keys of points, names of outputs.
+
+A point's key hashes everything that decides its numbers. A case's fingerprint is the same
+without the extent of the grid, so that an axis may grow and finished points stay. Titles,
+claims and figures count in neither.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, is_dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.execute import Request
+from fiv_cli.case.case import AnalysisSpec, Case
+from fiv_cli.case.overrides import parse_override
+from fiv_cli.case.report import dotted
+from fiv_cli.codegen import NUMERICS_VERSION
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+
+DOCUMENT_VERSION = 1
+
+
+def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]:
+    """What decides the numbers of a case but the extent of its grid, as plain JSON values.
+
+    Parameters
+    ----------
+    case : the case
+    analysis : only this analysis; None: all of them
+    """
+    varied = {axis.name for axis in case.axes}
+    analyses = case.analyses if analysis is None else (analysis,)
+    with_starts = any(get_analysis(spec.kind).uses_starts for spec in analyses)
+    found = {
+        "document": DOCUMENT_VERSION,
+        "model": case.model,
+        "options": {k: v for k, v in case.options.items() if k not in varied},
+        "law": "an axis" if "friction" in varied else case.law,
+        "parameters": _deciding_parameters(case, "friction" in varied),
+        "axes": [[axis.name, axis.kind] for axis in case.axes],
+        "zip": case.zips,
+        "starts": {start.label: start for start in case.starts} if with_starts else {},
+        "analyses": {spec.name: spec for spec in analyses},
+        "solver": case.solver,
+        "numerics": _versions(case.model, None if "friction" in varied else case.law),
+    }
+    return json.loads(json.dumps(found, default=_plain))
+
+
+def fingerprint(case: Case, analysis: AnalysisSpec | None = None) -> str:
+    """Hash of `document`, 64 hexadecimal digits."""
+    return _hash(document(case, analysis))
+
+
+def differences(stored: Mapping[str, Any], case: Case) -> list[str]:
+    """How a stored `document` and that of `case` differ, one line each; [] when they do not.
+
+    The stored document may be of one analysis (it then names one) or of all.
+    """
+    names = list(stored.get("analyses", {}))
+    one = next((spec for spec in case.analyses if [spec.name] == names), None)
+    now = document(case, one if len(case.analyses) > 1 else None)
+    return list(_compare(dict(stored), now, ""))
+
+
+def point_key(request: Request, context: Mapping[str, Any] | None = None) -> str:
+    """Hash of everything that decides one run, numbers as exact doubles; 64 hexadecimal digits.
+
+    What a start carries over from its neighbour is left out: it follows from the chain.
+
+    Parameters
+    ----------
+    request : the run
+    context : further facts that decide it, such as the chain of a continued start
+    """
+    start = request.start
+    facts = [
+        request.model,
+        request.law,
+        sorted(request.options.items()),
+        _hexadecimal(request.parameters),
+        request.analysis,
+        sorted(request.settings.items()),
+        request.solver,
+        None if start is None else [start.label, start.kind, _hexadecimal(start.values)],
+        _versions(request.model, request.law),
+        context or {},
+    ]
+    return _hash(facts)
+
+
+def digest(overrides: Sequence[str]) -> str:
+    """Eight hexadecimal digits that tell sets of ``--set`` lines apart by what they set."""
+    parsed = [parse_override(override) for override in overrides]
+    return _hash({dotted(one.keys): repr(one.value) for one in parsed})[:8]
+
+
+def default_output(case: Case) -> Path:
+    """``runs/STEM.nc``, or ``runs/STEM-DIGEST.nc`` when there are overrides."""
+    stem = Path(case.source).stem
+    suffix = f"-{digest(case.overrides)}" if case.overrides else ""
+    return Path("runs") / f"{stem}{suffix}.nc"
+
+
+def _deciding_parameters(case: Case, law_varies: bool) -> dict[str, float]:
+    """The fixed parameters; of several laws only what the case gives, for an axis may grow."""
+    if not law_varies:
+        return dict(case.parameters)
+    own = {parameter.name for parameter in get_model(case.model).parameters}
+    return {
+        name: value
+        for name, value in case.parameters.items()
+        if name in own or name in case.explicit or name.rpartition(".")[2] in case.explicit
+    }
+
+
+def _versions(model: str, law: str | None) -> dict[str, int]:
+    """The numerics versions that a result depends on."""
+    versions = {"engine": NUMERICS_VERSION, "model": get_model(model).numerics_version}
+    return versions if law is None else {**versions, "law": get_law(law).numerics_version}
+
+
+def _hexadecimal(values: Mapping[str, float]) -> list[tuple[str, str]]:
+    """Names and exact doubles, sorted; a negative zero is a zero."""
+    return [(name, (float(values[name]) + 0.0).hex()) for name in sorted(values)]
+
+
+def _hash(facts: object) -> str:
+    text = json.dumps(facts, sort_keys=True, default=_plain, separators=(",", ":"))
+    return sha256(text.encode()).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    """A dataclass or mapping as JSON values; floats are written with all their digits."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"{value!r} has no place in an identity")
+
+
+def _compare(stored: Any, now: Any, place: str) -> Iterable[str]:
+    if isinstance(stored, dict) and isinstance(now, dict):
+        for key in sorted(stored.keys() | now.keys()):
+            yield from _compare_key(stored, now, key, f"{place}.{key}" if place else key)
+    elif stored != now:
+        yield f"{place}: stored {json.dumps(stored)}, now {json.dumps(now)}"
+
+
+def _compare_key(
+    stored: dict[str, Any], now: dict[str, Any], key: str, place: str
+) -> Iterable[str]:
+    if key not in now:
+        yield f"{place}: stored {json.dumps(stored[key])}, now absent"
+    elif key not in stored:
+        yield f"{place}: now {json.dumps(now[key])}, absent in what is stored"
+    else:
+        yield from _compare(stored[key], now[key], place)
