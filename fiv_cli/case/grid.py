@@ -41,29 +41,29 @@ def read_grid(
     counted = _candidates(raw.get("grid", {}), physics, report)
     zips = _zips(raw, [candidate.name for candidate, _ in counted], report)
     if not _few_enough(counted, zips, report):
-        return (), zips
+        return tuple(Axis(c.name, c.kind, ()) for c, _ in counted), zips
     zipped = {name for group in zips for name in group}
     axes = tuple(_axis(c, form, c.name in zipped, report) for c, form in counted)
-    _check_zip_lengths(axes, zips, report)
+    if all(axis.values for axis in axes):
+        _check_zip_lengths(axes, zips, report)
     return axes, zips
 
 
 def _candidates(
     grid: object, physics: Physics, report: Report
 ) -> list[tuple[Candidate, Span | list[Any]]]:
-    """Every axis that has a known name and a sound form."""
+    """Every axis that has a known name; an unsound form is noted and becomes an empty list."""
     if not isinstance(grid, dict):
         report.add(("grid",), f"must be a table, not {describe(grid)}")
         return []
     found: dict[str, tuple[Candidate, Span | list[Any]]] = {}
     for key, place, value in _flattened(grid):
         candidate = _candidate(key, place, physics, report)
-        form = None if candidate is None else _form(candidate, value, report)
-        if candidate is None or form is None:
+        if candidate is None:
             continue
         if candidate.name in found:
             report.add(place, f"the axis {candidate.name!r} is given twice")
-        found.setdefault(candidate.name, (candidate, form))
+        found.setdefault(candidate.name, (candidate, _form(candidate, value, report) or []))
     return list(found.values())
 
 

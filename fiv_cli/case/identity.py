@@ -8,13 +8,15 @@ claims and figures count in neither.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import asdict, is_dataclass
+from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import AnalysisSpec, Case
 from fiv_cli.case.overrides import parse_override
@@ -85,9 +87,7 @@ def point_key(request: Request, context: Mapping[str, Any] | None = None) -> str
         request.law,
         sorted(request.options.items()),
         _hexadecimal(request.parameters),
-        request.analysis,
-        sorted(request.settings.items()),
-        request.solver,
+        _method(request.analysis, tuple(sorted(request.settings.items())), request.solver),
         None if start is None else [start.label, start.kind, _hexadecimal(start.values)],
         _versions(request.model, request.law),
         context or {},
@@ -120,6 +120,15 @@ def _deciding_parameters(case: Case, law_varies: bool) -> dict[str, float]:
     }
 
 
+@lru_cache
+def _method(
+    analysis: str, settings: tuple[tuple[str, Hashable], ...], solver: SolverSettings
+) -> str:
+    """Hash of how a point is computed: the same for all points of an analysis."""
+    return _hash([analysis, settings, solver])
+
+
+@lru_cache
 def _versions(model: str, law: str | None) -> dict[str, int]:
     """The numerics versions that a result depends on."""
     versions = {"engine": NUMERICS_VERSION, "model": get_model(model).numerics_version}
