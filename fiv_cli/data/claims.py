@@ -206,8 +206,7 @@ def _count_classes(found: _Values, classes: Mapping[int, str]) -> str:
 def _try_value(variable: str, expect: Mapping[str, Any], part: xr.Dataset) -> _Trial:
     """``{ value, tolerance }``: each value lies within the (absolute) tolerance."""
     found = _values(part, variable)
-    tolerance = float(expect.get("tolerance", select.SAME * abs(float(expect["value"]))))
-    hit = np.abs(found.values - float(expect["value"])) <= tolerance
+    hit = np.abs(found.values - float(expect["value"])) <= float(expect["tolerance"])
     return _trial(found, hit, _range(found, part[variable]))
 
 
@@ -233,7 +232,7 @@ def _try_interval(variable: str, expect: Mapping[str, Any], part: xr.Dataset) ->
     if "of" in expect:
         found = _axis_values_where(found, str(expect["of"]), variable, part)
     low, high = (float(bound) for bound in expect["interval"])
-    tolerance = float(expect.get("tolerance", select.SAME * max(abs(low), abs(high))))
+    tolerance = float(expect["tolerance"])
     known = np.sort(found.values[~found.open & ~np.isnan(found.values)])
     ends = (known[0], known[-1]) if known.size else (math.inf, -math.inf)
     unknown = bool(found.open.any())

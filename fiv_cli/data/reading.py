@@ -1,4 +1,4 @@
-"""Datasets back from disk, one per analysis, as they were written."""
+"""What stands in a dataset of fiv: its analyses, the names of its flags, its missing numbers."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fiv_cli.data.flags import NOT_COMPUTED
+from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.data.variables import INT_FILL
-from fiv_cli.errors import InputError, UsageError
+from fiv_cli.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,13 +37,8 @@ def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
     UsageError : there is no such file, or it is a folder
     InputError : it is no dataset of fiv
     """
-    path = Path(path)
-    if not path.exists():
-        raise UsageError(f"{path}: there is no such file\nwrite it with: fiv run CASE -o {path}")
-    if path.is_dir():
-        raise UsageError(f"{path}: a folder, not a dataset\nname a file: {path}/NAME.nc")
-    analyses = _load_groups(path)
-    if not any(MARK in dataset.attrs for dataset in analyses.values()):
+    analyses = read_datasets(Path(path))
+    if not all(MARK in dataset.attrs and "status" in dataset for dataset in analyses.values()):
         raise InputError(
             f"{path}: a NetCDF file that fiv did not write (it holds no case)\n"
             "write a dataset with: fiv run CASE"
@@ -52,8 +50,6 @@ def flag_names(attributes: Mapping[str, object]) -> dict[int, str]:
     """Value -> name of a flag variable, from its attributes; empty for any other variable."""
     if "flag_meanings" not in attributes:
         return {}
-    import numpy as np
-
     values = np.atleast_1d(np.asarray(attributes["flag_values"]))
     return dict(zip(values.tolist(), str(attributes["flag_meanings"]).split(), strict=True))
 
@@ -64,33 +60,3 @@ def numbers(array: xr.DataArray) -> xr.DataArray:
     if array.dtype.kind == "i" and not fill:
         fill = {INT_FILL}
     return array.astype(float).where(~array.isin(list(fill)))
-
-
-def _load_groups(path: Path) -> dict[str, xr.Dataset]:
-    import netCDF4
-
-    try:
-        with netCDF4.Dataset(path) as file:
-            groups = list(file.groups)
-            shared = {name: file.getncattr(name) for name in file.ncattrs()}
-        loaded = {group: _load_group(path, group) for group in groups or [""]}
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(
-            f"{path}: not a dataset that can be read ({error})\nwrite one with: fiv run CASE"
-        ) from error
-    return {name: data.assign_attrs({**shared, **data.attrs}) for name, data in loaded.items()}
-
-
-def _load_group(path: Path, group: str) -> xr.Dataset:
-    """One group, undecoded: flags stay integers, seconds stay numbers."""
-    import xarray as xr
-
-    with xr.open_dataset(
-        path,
-        group=group or None,
-        engine="netcdf4",
-        mask_and_scale=False,
-        decode_times=False,
-        decode_timedelta=False,
-    ) as dataset:
-        return dataset.load()

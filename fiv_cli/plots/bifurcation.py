@@ -26,13 +26,14 @@ def suits(dataset: xr.Dataset) -> bool:
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     """Dots of every layer; one colour per start, branch or further axis."""
-    figure, (ax,) = style.new_panels(1, 1, labels.title_of(layers[0].dataset.attrs))
+    figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     name = str(settings.get("variable", DEFAULT))
     clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
     colours = style.line_colours(len(clouds))
-    many = sum(y.size for _, _, y in clouds) > style.MANY_MARKS
+    count = sum(y.size for _, _, y in clouds)
+    looks: dict[str, Any] = {"ms": style.dot_size(count), "rasterized": count > style.MANY_MARKS}
     for (label, x, y), colour in zip(clouds, colours, strict=True):
-        ax.plot(x, y, ".", ms=2.2, mew=0, ls="none", color=colour, label=label, rasterized=many)
+        ax.plot(x, y, ".", mew=0, ls="none", color=colour, label=label, **looks)
     _dress(ax, layers, name, settings)
     return figure
 

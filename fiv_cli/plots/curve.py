@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 # What a curve shows unless the figure says otherwise: the first of these that is there.
 PREFERRED = ("L_s", "growth_rate", "n_solutions", "attractor")
 
+CLASS_SHIFT = 0.06
+
 
 def suits(dataset: xr.Dataset) -> bool:
     """Whether there is a scalar variable along some axis."""
@@ -29,12 +31,15 @@ def suits(dataset: xr.Dataset) -> bool:
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     """Lines of every layer; points without an answer are marked along the lower edge."""
-    figure, (ax,) = style.new_panels(1, 1, labels.title_of(layers[0].dataset.attrs))
+    figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     name = variable_of(layers[0].dataset, settings)
     curves = [curve for layer in layers for curve in _curves(layer, name, settings)]
     colours = style.line_colours(len(curves))
-    for (label, x, y), colour in zip(curves, colours, strict=True):
-        ax.plot(x, y, ".-", ms=3, color=colour, label=label)
+    classes = bool(flag_names(layers[0].dataset[name].attrs))
+    for number, ((label, x, y), colour) in enumerate(zip(curves, colours, strict=True)):
+        # lines of classes lie on one another: each is moved a little, and there is no in-between
+        shift = classes * CLASS_SHIFT * (number - (len(curves) - 1) / 2)
+        ax.plot(x, y + shift, "." if classes else ".-", ms=3, color=colour, label=label)
     _dress(ax, layers, name, settings)
     return figure
 

@@ -30,7 +30,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     if PARTS[0] not in dataset:
         raise UsageError("no eigenvalues in this dataset\nadd an analysis of kind `eigenvalues`")
     axis = points.abscissa(dataset, settings)
-    figure, axes = style.new_panels(2, 1, labels.title_of(dataset.attrs), sharex=True)
+    figure, axes = style.new_panels(2, 1, points.title(dataset), sharex=True)
     for ax, name in zip(axes, PARTS, strict=True):
         _panel(ax, dataset, name, axis)
         ax.set_ylabel(labels.axis_label(dataset[name]))

@@ -23,7 +23,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     motions = motion.motions(dataset)
     names = motion.variables(dataset, settings)
     figure, axes = style.new_panels(
-        len(names), len(motions), labels.title_of(dataset.attrs), sharex="col", sharey="row"
+        len(names), len(motions), points.title(dataset), sharex="col", sharey="row"
     )
     for number, ax in enumerate(axes):
         row, column = divmod(number, len(motions))

@@ -42,7 +42,8 @@ def _draw(laws: Sequence[Law]) -> Figure:
         raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
     ax.set_ylabel(r"$F_\mathrm{T}$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
-    ax.legend()
+    ax.plot([], [], "--", color=style.BLACK, lw=1.0, label="held in stick")
+    figure.legend(loc="outside lower center")
     return figure
 
 
@@ -90,7 +91,7 @@ def _curve(ax: Axes, law: Law, colour: str) -> None:
         ax.plot(velocity, force(law, velocity, parameters), color=colour, label=label or None)
     if law.capacity is not None:
         held = float(law.capacity(1.0, parameters))
-        ax.plot([0.0, 0.0], [-held, held], "--", color=colour, lw=1.0, label="stick")
+        ax.plot([0.0, 0.0], [-held, held], "--", color=colour, lw=1.0)
 
 
 def _values(law: Law) -> str:

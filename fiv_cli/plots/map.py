@@ -39,9 +39,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     panels = _panels(dataset, array, x, y)
     columns = min(len(panels), MOST_COLUMNS)
     rows = -(-len(panels) // columns)
-    figure, axes = style.new_panels(
-        rows, columns, labels.title_of(dataset.attrs), sharex=True, sharey=True
-    )
+    figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
     paint = _paint_classes if flag_names(array.attrs) else _paint_numbers
     paint(figure, axes, array, dataset, (x, y), panels)
     for number, ax in enumerate(axes):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from fiv_cli.plots import labels, motion, points, style
 
@@ -25,7 +26,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     motions = motion.motions(dataset)
     names = _states(dataset, settings)
     figure, axes = style.new_panels(
-        1, len(motions), labels.title_of(dataset.attrs), sharex=True, sharey=True
+        1, len(motions), points.title(dataset), sharex=True, sharey=True
     )
     for ax, one in zip(axes, motions, strict=True):
         _panel(ax, one, names, settings)
@@ -61,6 +62,7 @@ def _panel(
     ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK)
     ax.autoscale_view()
     ax.set_title(one.label)
+    ax.xaxis.set_major_locator(MaxNLocator(5))
     points.scale(ax, settings)
 
 

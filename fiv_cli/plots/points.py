@@ -121,6 +121,21 @@ def _line(axes: Sequence[xr.DataArray], dims: Sequence[str], place: Sequence[int
     return Line(", ".join(words), dict(zip(dims, place, strict=True)))
 
 
+def title(dataset: xr.Dataset) -> str:
+    """The case's title and reference and, below, the one value of each axis that does not vary.
+
+    The start is always named: what is reached from one start need not be from another.
+    """
+    alone = [_first_axis(dataset, d) for d in grid_dims(dataset) if dataset.sizes[d] == 1]
+    words = [_alone(axis) for axis in alone]
+    return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
+
+
+def _alone(axis: xr.DataArray) -> str:
+    word = labels.value_label(axis, axis.values[0])
+    return f"start: {word}" if axis.name == "initial" else word
+
+
 def joined(*words: str) -> str:
     """The words that are there, separated by commas."""
     return ", ".join(word for word in words if word)
@@ -148,7 +163,7 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {name: mask for name, mask in found.items() if bool(mask.any())}
 
 
-GAP_MARKS = {"undecided": ("x", style.BLACK), "failed": ("X", style.VERMILLION)}
+GAP_MARKS = {"undecided": ("x", "#777777"), "failed": ("X", style.BLACK)}
 
 
 def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:

@@ -23,7 +23,7 @@ FEWEST_SAMPLES = 16
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     """A line for each variable of each motion; the mean is taken off before."""
     dataset = layers[0].dataset
-    figure, (ax,) = style.new_panels(1, 1, labels.title_of(dataset.attrs))
+    figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     unit = str(settings.get("unit", "Hz"))
     names = motion.variables(dataset, settings)
     shown = [(one, name) for one in motion.motions(dataset) for name in names]

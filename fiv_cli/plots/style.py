@@ -104,6 +104,13 @@ def class_colours(names: Sequence[str]) -> list[str]:
     return [CLASSES.get(name, LINES[index % len(LINES)]) for index, name in enumerate(names)]
 
 
+def dot_size(count: int) -> float:
+    """Diameter (points) of the dots of a figure that has `count` of them."""
+    if count < 500:
+        return 4.5
+    return 2.5 if count < MANY_MARKS else 1.2
+
+
 def line_colours(count: int) -> list[Any]:
     """A colour for each of `count` lines; many lines get a ramp from dark to light."""
     if count <= len(LINES):

@@ -1,0 +1,161 @@
+"""``fiv claims``: what the publication says, held against what was computed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from fiv_cli.errors import DifferenceError, UsageError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fiv_cli.case.case import Case, ClaimSpec
+
+SCHEMA = 1
+NOT_RUN = "not run"
+DEFAULT = Path("configs")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of the ledger."""
+
+    case: str
+    source: str
+    text: str
+    verdict: str
+    found: str
+    note: str
+
+
+@click.command("claims")
+@click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[DIR or CASE...]")
+@click.option("--strict", is_flag=True, help="Exit 5 on a contradiction without a note, or no run.")
+@click.option("--json", "as_json", is_flag=True, help="Print the ledger as JSON.")
+def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
+    """Hold every [[claim]] of the cases against their datasets.
+
+    DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
+    or undetermined (points it needs are not computed or undecided); a case whose dataset is not
+    there is "not run", with the command that computes it. Nothing is computed here.
+
+    \b
+    Examples:
+      fiv claims configs/ch7
+      fiv claims configs/ch7/fig_7_06.toml --json
+    """
+    ledger = [entry for path in case_files(paths or (DEFAULT,)) for entry in judge(path)]
+    click.echo(_as_json(ledger) if as_json else "\n".join(lines(ledger)))
+    if strict:
+        _demand(ledger)
+
+
+def case_files(paths: Iterable[Path]) -> list[Path]:
+    """The case files meant: a folder stands for all of those below it, in order.
+
+    Raises
+    ------
+    UsageError : a path does not exist, or a folder holds no case
+    """
+    return [file for path in paths for file in _files_of(path)]
+
+
+def _files_of(path: Path) -> list[Path]:
+    if path.is_file():
+        return [path]
+    if not path.is_dir():
+        raise UsageError(f"{path}: there is no such file or folder\nname a case: fiv claims CASE")
+    files = sorted(path.rglob("*.toml"))
+    if not files:
+        raise UsageError(f"{path}: no case files (*.toml) in it\nname a case: fiv claims CASE")
+    return files
+
+
+def judge(path: Path) -> list[Entry]:
+    """The ledger of one case file."""
+    from fiv_cli.case.load import load_case
+
+    case = load_case(path)
+    if not case.claims:
+        return []
+    analyses, missing = _dataset_of(case)
+    return [_entry(path, claim, analyses, missing) for claim in case.claims]
+
+
+def _dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
+    """The case's dataset, or None and why there is none with what to do."""
+    from fiv_cli.case.identity import default_output, fingerprint
+    from fiv_cli.data.reading import read_analyses
+
+    path = default_output(case)
+    advice = f"compute it with: fiv run {case.source}"
+    if not path.exists():
+        return None, f"{path} is not there; {advice}"
+    analyses = read_analyses(path)
+    stored = next(iter(analyses.values())).attrs.get("fingerprint")
+    if stored != fingerprint(case, None):
+        return None, f"{path} was computed from another version of the case; {advice} --fresh"
+    return analyses, ""
+
+
+def _entry(
+    path: Path, claim: ClaimSpec, analyses: Mapping[str, xr.Dataset] | None, missing: str
+) -> Entry:
+    from fiv_cli.data.claims import evaluate
+
+    if analyses is None:
+        return Entry(str(path), claim.source, claim.text, NOT_RUN, missing, claim.note)
+    verdict = evaluate(claim, analyses, _stored)
+    return Entry(str(path), claim.source, claim.text, verdict.verdict, verdict.found, claim.note)
+
+
+def _stored(case: str) -> dict[str, xr.Dataset] | None:
+    """Analyses of another case by its name (``fig_7_07`` for ``runs/fig_7_07.nc``)."""
+    from fiv_cli.data.reading import read_analyses
+
+    path = Path("runs") / f"{case}.nc"
+    return read_analyses(path) if path.exists() else None
+
+
+def lines(ledger: Sequence[Entry]) -> list[str]:
+    """The ledger for people: the cases in order, and a count of the verdicts."""
+    from fiv_cli.data.claims import tally
+
+    printed = []
+    for case in dict.fromkeys(entry.case for entry in ledger):
+        printed.append(case)
+        printed += [line for entry in ledger if entry.case == case for line in _lines_of(entry)]
+    return [*printed, tally([entry.verdict for entry in ledger])]
+
+
+def _lines_of(entry: Entry) -> list[str]:
+    indent = " " * 15
+    found = [
+        f"  {entry.verdict:<12} {entry.source}: {entry.text}",
+        f"{indent}{entry.found}",
+    ]
+    return [*found, f"{indent}note: {entry.note}"] if entry.note else found
+
+
+def _as_json(ledger: Sequence[Entry]) -> str:
+    document: dict[str, Any] = {"schema": SCHEMA, "claims": [asdict(entry) for entry in ledger]}
+    return json.dumps(document, indent=2)
+
+
+def _demand(ledger: Sequence[Entry]) -> None:
+    """DifferenceError when a claim is contradicted without a note, or was not tried."""
+    from fiv_cli.data.claims import CONTRADICTED
+
+    contradicted = [e for e in ledger if e.verdict == CONTRADICTED and not e.note]
+    not_run = [e for e in ledger if e.verdict == NOT_RUN]
+    if contradicted or not_run:
+        raise DifferenceError(
+            f"{len(contradicted)} claims contradicted without a note, {len(not_run)} not run\n"
+            "run the cases, and correct the claim or add a `note` that explains the difference"
+        )

@@ -1,0 +1,120 @@
+"""``fiv plot``: the figures of a dataset, and friction laws."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from fiv_cli.errors import UsageError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fiv_cli.case.case import FigureSpec
+
+
+@click.command("plot")
+@click.argument("files", nargs=-1, type=click.Path(path_type=Path), metavar="FILE.nc...")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Figure to write: .png, .svg or .pdf. Default: STEM-FIGURE.png beside the dataset.",
+)
+@click.option("--figure", "name", help="Draw this figure of the case only, or this kind of figure.")
+@click.option("--law", "laws", multiple=True, help="Draw a friction law instead (repeatable).")
+def command(
+    files: tuple[Path, ...], output: Path | None, name: str | None, laws: tuple[str, ...]
+) -> None:
+    """Draw the figures of datasets and print their paths.
+
+    What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
+    any, a figure of each kind that suits it. Several files share one figure where that makes
+    sense (curve, bifurcation). Kinds: map, bifurcation, curve, eigenvalues, history, phase,
+    spectrum.
+
+    \b
+    Examples:
+      fiv plot runs/fig_7_06.nc
+      fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf
+      fiv plot runs/damped.nc runs/undamped.nc --figure bifurcation -o both.svg
+      fiv plot --law coulomb --law stribeck
+    """
+    if bool(files) == bool(laws):
+        raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
+    figures = _of_laws(laws) if laws else _of_files(files, name)
+    for path, figure in _with_paths(list(figures), output):
+        _write(path, figure)
+
+
+def _write(path: Path, figure: Figure) -> None:
+    from fiv_cli.plots import save
+
+    save(figure, path)
+    click.echo(path)
+
+
+def _of_laws(laws: Sequence[str]) -> list[tuple[Path, Figure]]:
+    """(default path, figure) of the laws in one figure."""
+    from fiv_cli.plots import draw_laws
+
+    words = "-".join(law.replace(" ", "-") for law in laws)
+    return [(Path("runs") / f"law-{words}.png", draw_laws(laws))]
+
+
+def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Figure]]:
+    """(default path, figure) of every figure; those that overlay are drawn once for all files."""
+    from fiv_cli.data.reading import read_analyses
+    from fiv_cli.plots import draw, figures_of
+    from fiv_cli.plots.drawing import KINDS
+
+    sources = [(file, read_analyses(file)) for file in files]
+    for number, (file, source) in enumerate(sources):
+        for figure in _chosen(figures_of(source), name):
+            default = file.with_name(f"{file.stem}-{figure.name}.png")
+            if not KINDS[figure.kind].overlays or len(files) == 1:
+                yield default, draw(source, figure)
+            elif number == 0:
+                yield default, draw([(f.stem, s) for f, s in sources], figure)
+
+
+def _chosen(figures: list[FigureSpec], name: str | None) -> list[FigureSpec]:
+    """The figures called `name`; a kind that the case does not ask for is drawn as it comes.
+
+    Raises
+    ------
+    UsageError : neither a figure nor a kind is called so
+    """
+    from fiv_cli.case.case import FigureSpec
+    from fiv_cli.plots.drawing import KINDS
+
+    if name is None:
+        return figures
+    named = [figure for figure in figures if figure.name == name]
+    if not named and name not in KINDS:
+        known = ", ".join(dict.fromkeys([*(figure.name for figure in figures), *KINDS]))
+        raise UsageError(f"--figure {name}: no such figure\nthere are: {known}")
+    return named or [FigureSpec(name, name, {})]
+
+
+def _with_paths(
+    figures: list[tuple[Path, Figure]], output: Path | None
+) -> Iterator[tuple[Path, Figure]]:
+    """Each figure with where it goes: `output` itself, or beside it when there are several.
+
+    Raises
+    ------
+    UsageError : there is nothing to draw
+    """
+    if not figures:
+        raise UsageError(
+            "plot: no kind of figure suits this dataset\nsee what it holds: fiv show FILE.nc"
+        )
+    for default, figure in figures:
+        if output is None or len(figures) == 1:
+            yield output or default, figure
+        else:
+            yield output.with_name(f"{output.stem}-{default.stem}{output.suffix}"), figure

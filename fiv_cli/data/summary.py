@@ -1,0 +1,159 @@
+"""What is in a dataset, in a few lines: counts of classes, ranges, and how far to trust it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.data import select
+from fiv_cli.data.claims import point_name
+from fiv_cli.data.reading import flag_names, numbers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SCHEMA = 1
+
+# How far to trust a number: the greatest is the worst.
+TRUST = ("energy_residual", "event_residual", "residual", "transient_used", "n_steps", "n_events")
+
+GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source")
+
+
+def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
+    """The summary as plain values (what ``fiv show --json`` prints).
+
+    Parameters
+    ----------
+    analyses : name -> dataset
+    """
+    first = next(iter(analyses.values()))
+    return {
+        "schema": SCHEMA,
+        **{key: str(first.attrs[key]) for key in GLOBAL if first.attrs.get(key)},
+        "analyses": {name: _analysis(dataset) for name, dataset in analyses.items()},
+    }
+
+
+def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
+    return {
+        "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
+        "axes": {name: _axis(dataset, name) for name in select.axis_names(dataset)},
+        "counts": {
+            name: _counts(dataset[name])
+            for name in ("status", "reason", "attractor", "stable")
+            if name in dataset
+        },
+        "ranges": _ranges(dataset),
+        "trust": {name: _worst(dataset, name) for name in TRUST if _is_number(dataset, name)},
+    }
+
+
+def _axis(dataset: xr.Dataset, name: str) -> dict[str, Any]:
+    axis = select.axis_of(dataset, name)
+    found: dict[str, Any] = {"size": axis.size, "units": str(axis.attrs.get("units", "1"))}
+    if select.is_numeric(axis):
+        return {**found, "first": float(axis.values[0]), "last": float(axis.values[-1])}
+    return {**found, "values": [str(value) for value in axis.values]}
+
+
+def _counts(flag: xr.DataArray) -> dict[str, int]:
+    """Class -> number of points, the most frequent first; classes that do not occur left out."""
+    counted = {name: int((flag == code).sum()) for code, name in flag_names(flag.attrs).items()}
+    return dict(sorted(((n, c) for n, c in counted.items() if c), key=lambda item: -item[1]))
+
+
+def _is_number(dataset: xr.Dataset, name: str) -> bool:
+    """Whether `name` is a variable of numbers, not of classes."""
+    return (
+        name in dataset.data_vars
+        and not flag_names(dataset[name].attrs)
+        and dataset[name].dtype.kind in "fiu"
+    )
+
+
+def _ranges(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Least and greatest value of every variable of numbers that has any."""
+    counts = {str(sizes.name) for sizes in select.ragged_dims(dataset).values()}
+    names = [str(name) for name in dataset.data_vars if _is_number(dataset, str(name))]
+    ranges = {name: _range(dataset[name]) for name in names if name not in {*counts, *TRUST}}
+    return {name: found for name, found in ranges.items() if found}
+
+
+def _range(variable: xr.DataArray) -> dict[str, Any]:
+    values = numbers(variable).values
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return {}
+    return {
+        "least": float(known.min()),
+        "greatest": float(known.max()),
+        "values": int(known.size),
+        "units": str(variable.attrs.get("units", "1")),
+    }
+
+
+def _worst(dataset: xr.Dataset, name: str) -> dict[str, Any]:
+    """The greatest value and the point where it occurs; nothing where none is known."""
+    values = numbers(dataset[name])
+    ragged = select.row_sizes(dataset, name)
+    flat = np.abs(values.values.ravel())
+    if not np.isfinite(flat).any():
+        return {}
+    place = int(np.nanargmax(flat))
+    row = values if ragged is None else ragged
+    index = place if ragged is None else int(select.row_of_each(ragged)[place])
+    units = str(values.attrs.get("units", dataset[name].attrs.get("units", "1")))
+    return {"worst": float(flat[place]), "at": point_name(row, index), "units": units}
+
+
+def lines(summary: Mapping[str, Any]) -> list[str]:
+    """The summary for people, a line each."""
+    heading = [f"{key:<10} {summary[key]}" for key in GLOBAL if key in summary]
+    parts = [line for name, part in summary["analyses"].items() for line in _part(name, part)]
+    return [*heading, *parts]
+
+
+def _part(name: str, part: Mapping[str, Any]) -> list[str]:
+    dims = " x ".join(f"{dim} {size}" for dim, size in part["dims"].items()) or "one point"
+    return [
+        "",
+        f"{name or 'points'}: {dims}",
+        *(f"  {axis:<22} {_axis_line(found)}" for axis, found in part["axes"].items()),
+        *(f"  {key:<22} {_count_line(found)}" for key, found in part["counts"].items()),
+        *(f"  {key:<22} {_range_line(found)}" for key, found in part["ranges"].items()),
+        *_trust_lines(part["trust"]),
+    ]
+
+
+def _axis_line(found: Mapping[str, Any]) -> str:
+    if "values" in found:
+        return ", ".join(found["values"])
+    return f"{found['first']:g} to {found['last']:g}{_unit(found)}, {found['size']} values"
+
+
+def _count_line(found: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in found.items())
+
+
+def _range_line(found: Mapping[str, Any]) -> str:
+    least, greatest = f"{found['least']:.6g}", f"{found['greatest']:.6g}"
+    return (least if least == greatest else f"{least} to {greatest}") + _unit(found)
+
+
+def _trust_lines(trust: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    known = {name: found for name, found in trust.items() if found}
+    if not known:
+        return []
+    return ["  trust, worst values:", *(_trust_line(name, found) for name, found in known.items())]
+
+
+def _trust_line(name: str, found: Mapping[str, Any]) -> str:
+    place = f" at {found['at']}" if found["at"] else ""
+    return f"    {name:<20} {found['worst']:.3g}{_unit(found)}{place}"
+
+
+def _unit(found: Mapping[str, Any]) -> str:
+    return "" if found["units"] == "1" else f" {found['units']}"
