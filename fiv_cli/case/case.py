@@ -102,8 +102,9 @@ class Case:
     overrides : the ``--set`` lines, verbatim, in order
     options : every option of the model (those that are axes hold their default)
     law : contract name (``tanh of coulomb``); the first one when the law is an axis
-    parameters : every parameter of model and law, SI; those that are axes are left out. When the
-        law is an axis, the laws' parameters stand as ``LAW.NAME``; see `parameters_at`
+    parameters : every parameter of model and law(s), SI; those that are axes are left out. Where
+        the laws of an axis ``friction`` differ in one, it stands as ``LAW.NAME``; `parameters_at`
+        gives what holds at a point
     explicit : names of the parameters that the case itself gives
     axes : the grid, in order
     zips : groups of axis names that advance together

@@ -20,6 +20,7 @@ from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import AnalysisSpec, Case
 from fiv_cli.case.overrides import parse_override
+from fiv_cli.case.physics import default_value
 from fiv_cli.case.report import dotted
 from fiv_cli.codegen import NUMERICS_VERSION
 from fiv_cli.friction import get_law
@@ -43,14 +44,14 @@ def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]
         "document": DOCUMENT_VERSION,
         "model": case.model,
         "options": {k: v for k, v in case.options.items() if k not in varied},
-        "law": "an axis" if "friction" in varied else case.law,
-        "parameters": _deciding_parameters(case, "friction" in varied),
+        "law": "an axis" if _law_varies(case) else case.law,
+        "parameters": _deciding_parameters(case),
         "axes": [[axis.name, axis.kind] for axis in case.axes],
         "zip": case.zips,
         "starts": {start.label: start for start in case.starts} if with_starts else {},
         "analyses": {spec.name: spec for spec in analyses},
         "solver": case.solver,
-        "numerics": _versions(case.model, None if "friction" in varied else case.law),
+        "numerics": _numerics(case),
     }
     return json.loads(json.dumps(found, default=_plain))
 
@@ -108,16 +109,34 @@ def default_output(case: Case) -> Path:
     return Path("runs") / f"{stem}{suffix}.nc"
 
 
-def _deciding_parameters(case: Case, law_varies: bool) -> dict[str, float]:
-    """The fixed parameters; of several laws only what the case gives, for an axis may grow."""
-    if not law_varies:
+def _deciding_parameters(case: Case) -> dict[str, Any]:
+    """The fixed parameters; where the law is an axis, those of every law, for it may grow."""
+    if not _law_varies(case):
         return dict(case.parameters)
-    own = {parameter.name for parameter in get_model(case.model).parameters}
+    own = [parameter.name for parameter in get_model(case.model).parameters]
+    fixed = {name: case.parameters[name] for name in own if name in case.parameters}
+    return fixed | {law: _law_values(case, law) for law in get_model(case.model).laws}
+
+
+def _law_values(case: Case, law: str) -> dict[str, float | None]:
+    """The parameters of `law`: what the case gives for it, or for all laws, or the default."""
+    model = get_model(case.model)
+    given = {name: case.parameters[name] for name in case.explicit if name in case.parameters}
     return {
-        name: value
-        for name, value in case.parameters.items()
-        if name in own or name in case.explicit or name.rpartition(".")[2] in case.explicit
+        p.name: given.get(f"{law}.{p.name}", given.get(p.name, default_value(model, p)))
+        for p in get_law(law).parameters
     }
+
+
+def _law_varies(case: Case) -> bool:
+    return any(axis.kind == "law" for axis in case.axes)
+
+
+def _numerics(case: Case) -> dict[str, int]:
+    """The numerics versions that the case depends on."""
+    laws = get_model(case.model).laws if _law_varies(case) else (case.law,)
+    own = {"engine": NUMERICS_VERSION, "model": get_model(case.model).numerics_version}
+    return own | {law: get_law(law).numerics_version for law in laws}
 
 
 @lru_cache
@@ -129,10 +148,12 @@ def _method(
 
 
 @lru_cache
-def _versions(model: str, law: str | None) -> dict[str, int]:
-    """The numerics versions that a result depends on."""
-    versions = {"engine": NUMERICS_VERSION, "model": get_model(model).numerics_version}
-    return versions if law is None else {**versions, "law": get_law(law).numerics_version}
+def _versions(model: str, law: str) -> dict[str, int]:
+    return {
+        "engine": NUMERICS_VERSION,
+        "model": get_model(model).numerics_version,
+        "law": get_law(law).numerics_version,
+    }
 
 
 def _hexadecimal(values: Mapping[str, float]) -> list[tuple[str, str]]:

@@ -23,6 +23,8 @@ from fiv_cli.case.starts import read_starts
 from fiv_cli.case.structure import CaseTable, HeaderTable
 from fiv_cli.case.tables import keys_of, read_table
 from fiv_cli.errors import CaseError, Problem, UsageError
+from fiv_cli.friction.base import Law
+from fiv_cli.models.base import Parameter
 
 _AT_LINE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
@@ -152,22 +154,31 @@ def _header(raw: Mapping[str, Any], report: Report) -> HeaderTable | None:
 def _fixed_parameters(physics: Physics, axes: Sequence[Axis]) -> dict[str, float]:
     """Every parameter that is no axis: as given, or its default.
 
-    A parameter that follows an axis (`default_from`) is left to the point. With several laws,
-    the laws' parameters are kept by law, as ``LAW.NAME``.
+    A parameter that follows an axis (`default_from`) is left to the point. Where several laws
+    are in use and give a parameter different values, it is kept by law, as ``LAW.NAME``.
     """
     varied = {axis.name for axis in axes}
-    several = len(physics.laws) > 1
-    tables = [("", physics.model.parameters)]
-    tables += [(f"{law.name}." if several else "", law.parameters) for law in physics.laws]
-    found: dict[str, float] = {}
-    for prefix, parameters in tables:
-        for parameter in parameters:
-            default = default_value(physics.model, parameter)
-            value = physics.fixed.get(
-                prefix + parameter.name, physics.fixed.get(parameter.name, default)
-            )
-            if parameter.name not in varied and value is not None:
-                found[prefix + parameter.name] = value
+    by_law = {law.name: _values_under(physics, law) for law in physics.laws}
+    found = _values(physics, "", physics.model.parameters)
+    for law, values in by_law.items():
+        for name, value in values.items():
+            agreed = all(other.get(name, value) == value for other in by_law.values())
+            found[name if agreed else f"{law}.{name}"] = value
+    return {key: value for key, value in found.items() if key.split(".")[-1] not in varied}
+
+
+def _values_under(physics: Physics, law: Law) -> dict[str, float]:
+    return _values(physics, f"{law.name}.", law.parameters)
+
+
+def _values(physics: Physics, prefix: str, table: Sequence[Parameter]) -> dict[str, float]:
+    """The values of the parameters of one table, what is given for one law going first."""
+    found = {}
+    for parameter in table:
+        shared = physics.fixed.get(parameter.name, default_value(physics.model, parameter))
+        value = physics.fixed.get(prefix + parameter.name, shared)
+        if value is not None:
+            found[parameter.name] = value
     return found
 
 
