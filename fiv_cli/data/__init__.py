@@ -1,0 +1,1 @@
+"""Datasets: the table of variables, shards, assembly, NetCDF, comparison."""

@@ -1,0 +1,193 @@
+"""A block: the outcomes of many points as arrays, as workers return and shards store them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.base import Outcome
+from fiv_cli.data.flags import STATUS, TABLES, reason_code
+from fiv_cli.data.variables import INT_FILL, Variable
+
+KEY_BYTES = 32
+
+Array = NDArray[Any]
+
+
+@dataclass
+class Block:
+    """Outcomes of n points.
+
+    Attributes
+    ----------
+    keys : (n, 32) uint8, sha256 of what decides each point
+    status, reason : (n,) int8, codes of `flags.STATUS` and `flags.REASON`
+    values : variable -> (n, ...) array, padded with the fill value; absent: no point has it
+    row_sizes : ragged group -> (n,) int32
+    ragged : ragged variable -> concatenated rows
+    messages : row -> details
+    carries : row -> what a continuing neighbour needs, plain data
+    """
+
+    keys: Array
+    status: Array
+    reason: Array
+    values: dict[str, Array] = field(default_factory=dict)
+    row_sizes: dict[str, Array] = field(default_factory=dict)
+    ragged: dict[str, Array] = field(default_factory=dict)
+    messages: dict[int, str] = field(default_factory=dict)
+    carries: dict[int, dict[str, Any]] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+
+def pack(
+    outcomes: Sequence[Outcome],
+    keys: Sequence[bytes],
+    variables: Sequence[Variable],
+    carries: Mapping[int, dict[str, Any]] | None = None,
+) -> Block:
+    """Outcomes as arrays.
+
+    An outcome that cannot be stored (a variable that is not in the table, a wrong shape) becomes
+    a failed one, with the reason in its message: one bad point never loses the others.
+
+    Parameters
+    ----------
+    outcomes, keys : one per point; each key has 32 bytes
+    variables : the variables of the analysis
+    carries : row -> plain data for a continuing neighbour
+    """
+    stored = [variable for variable in variables if variable.name not in ("status", "reason")]
+    checked = [_storable(outcome, stored) for outcome in outcomes]
+    block = Block(
+        keys=np.frombuffer(b"".join(keys), np.uint8).reshape(len(keys), KEY_BYTES),
+        status=np.array([STATUS.codes[outcome.status] for outcome in checked], np.int8),
+        reason=np.array([reason_code(outcome.reason) for outcome in checked], np.int8),
+        messages={row: o.message for row, o in enumerate(checked) if o.message},
+        carries=dict(carries or {}),
+    )
+    for variable in stored:
+        if not variable.ragged:
+            _pack_value(block, checked, variable)
+    _pack_groups(block, checked, stored)
+    return block
+
+
+def fill_value(variable: Variable) -> float | int:
+    """What stands where nothing was computed."""
+    if variable.kind == "int":
+        return INT_FILL
+    if variable.kind == "flag":
+        return TABLES[variable.flags].fill_code
+    return float("nan")
+
+
+def dtype_of(variable: Variable) -> np.dtype[Any]:
+    """Data type of a variable in shards and datasets."""
+    return np.dtype({"int": "int32", "flag": "int8"}.get(variable.kind, "float64"))
+
+
+def padded(array: Array, shape: tuple[int, ...], fill: float | int) -> Array:
+    """`array` enlarged to `shape` with `fill` behind its ends; unchanged where it fits."""
+    if array.shape == shape:
+        return array
+    result = np.full(shape, fill, array.dtype)
+    result[tuple(slice(size) for size in array.shape)] = array
+    return result
+
+
+def _storable(outcome: Outcome, variables: Sequence[Variable]) -> Outcome:
+    """`outcome` with plain arrays of the table's types, or a failed outcome that says why not."""
+    try:
+        return _converted(outcome, {(v.name, bool(v.ragged)): v for v in variables})
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        message = f"the result cannot be stored: {type(error).__name__}: {error}"
+        return Outcome("failed", "internal_error", message=message)
+
+
+def _converted(outcome: Outcome, table: Mapping[tuple[str, bool], Variable]) -> Outcome:
+    if outcome.status not in STATUS.codes:
+        raise ValueError(f"unknown status {outcome.status!r}")
+    values = {name: _array(value, table[name, False]) for name, value in outcome.values.items()}
+    ragged = {name: _row(value, table[name, True]) for name, value in outcome.ragged.items()}
+    _check_rows(ragged, table)
+    return Outcome(outcome.status, outcome.reason, values, ragged, outcome.message)
+
+
+def _array(value: Any, variable: Variable) -> Array:
+    array = np.asarray(value)
+    if array.dtype.kind in "US":
+        array = _codes(array, variable)
+    result = array.astype(dtype_of(variable), casting="unsafe")
+    if result.ndim != len(variable.dims):
+        raise ValueError(f"{variable.name} has {result.ndim} dims instead of {variable.dims}")
+    return result
+
+
+def _row(value: Any, variable: Variable) -> Array:
+    array = np.asarray(value)
+    if array.dtype.kind in "US":
+        array = _codes(array, variable)
+    if array.ndim != 1:
+        raise ValueError(f"{variable.name} has {array.ndim} dims instead of 1")
+    return array.astype(dtype_of(variable), casting="unsafe")
+
+
+def _codes(names: Array, variable: Variable) -> Array:
+    codes = TABLES[variable.flags].codes
+    return np.array([codes[str(name)] for name in names.ravel()]).reshape(names.shape)
+
+
+def _check_rows(ragged: Mapping[str, Array], table: Mapping[tuple[str, bool], Variable]) -> None:
+    sizes: dict[str, int] = {}
+    for name, row in ragged.items():
+        group = table[name, True].ragged
+        if sizes.setdefault(group, len(row)) != len(row):
+            raise ValueError(f"the rows of the group {group!r} differ in length")
+
+
+def _pack_value(block: Block, outcomes: Sequence[Outcome], variable: Variable) -> None:
+    """Stack one variable over the points; nothing where no point has it."""
+    found = [outcome.values.get(variable.name) for outcome in outcomes]
+    shapes = [array.shape for array in found if array is not None]
+    if not shapes:
+        return
+    largest = tuple(max(sizes) for sizes in zip(*shapes, strict=True))
+    stack = np.full((len(found), *largest), fill_value(variable), dtype_of(variable))
+    for row, array in enumerate(found):
+        if array is not None:
+            place: tuple[Any, ...] = (row, *(slice(size) for size in array.shape))
+            stack[place] = array
+    block.values[variable.name] = stack
+
+
+def _pack_groups(block: Block, outcomes: Sequence[Outcome], variables: Sequence[Variable]) -> None:
+    """Concatenate the ragged variables over the points, group by group."""
+    groups: dict[str, list[Variable]] = {}
+    for variable in variables:
+        if variable.ragged:
+            groups.setdefault(variable.ragged, []).append(variable)
+    for group, members in groups.items():
+        sizes = np.array([_group_size(outcome, members) for outcome in outcomes], np.int32)
+        block.row_sizes[group] = sizes
+        for variable in members:
+            block.ragged[variable.name] = _concatenated(outcomes, sizes, variable)
+
+
+def _group_size(outcome: Outcome, members: Sequence[Variable]) -> int:
+    return max(len(outcome.ragged.get(variable.name, ())) for variable in members)
+
+
+def _concatenated(outcomes: Sequence[Outcome], sizes: Array, variable: Variable) -> Array:
+    empty = np.empty(0, dtype_of(variable))
+    rows = [
+        padded(outcome.ragged.get(variable.name, empty), (int(size),), fill_value(variable))
+        for outcome, size in zip(outcomes, sizes, strict=True)
+    ]
+    return np.concatenate(rows) if rows else empty

@@ -1,0 +1,144 @@
+"""The flag tables of datasets: small integers with names.
+
+To add a reason: append a `Reason` to `REASONS` (never reorder: stored shards hold the numbers).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+NOT_COMPUTED = "not_computed"
+
+
+@dataclass(frozen=True)
+class FlagTable:
+    """Names of the values of a flag variable.
+
+    Attributes
+    ----------
+    codes : name -> int8 value, in increasing order of value
+    fill : name that stands where nothing was computed
+    """
+
+    codes: Mapping[str, int]
+    fill: str
+
+    @property
+    def names(self) -> dict[int, str]:
+        """Value -> name."""
+        return {code: name for name, code in self.codes.items()}
+
+    @property
+    def fill_code(self) -> int:
+        """Value that stands where nothing was computed."""
+        return self.codes[self.fill]
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a point has no answer, or not the one hoped for.
+
+    Attributes
+    ----------
+    name : key in datasets and in `Outcome.reason`
+    advice : one sentence that says what it means and what to do
+    retried : True when outer circumstances are to blame: such a point is run again on resume
+    """
+
+    name: str
+    advice: str
+    retried: bool = False
+
+
+REASONS: tuple[Reason, ...] = (
+    Reason("none", "nothing to report"),
+    Reason(
+        "internal_error",
+        "the program failed on this point; run.log holds the traceback, please report it",
+        retried=True,
+    ),
+    Reason(
+        "worker_died",
+        "the process that computed this point died twice (memory?); run again with --workers 1",
+        retried=True,
+    ),
+    Reason(
+        "wall_clock",
+        "the point took longer than --time-limit allows; run again with a larger limit",
+        retried=True,
+    ),
+    Reason("no_equilibrium", "no sliding equilibrium exists here; start from a state instead"),
+    Reason(
+        "singular_equilibrium",
+        "the stiffness is singular at the equilibrium: a fold; move the parameter off it",
+    ),
+    Reason(
+        "mu_k_above_mu_s",
+        "kinetic friction above static friction: raise mu_s or shorten the axis of mu_k",
+    ),
+    Reason("too_many_events", "raise solver.max_events, or lower t_max if the motion chatters"),
+    Reason("too_many_steps", "raise solver.max_steps, or loosen solver.rtol"),
+    Reason("time_budget", "the motion had not settled at t_max: raise t_max"),
+    Reason("diverged", "the motion grows without bound: an answer, not a failure"),
+    Reason("contact_lost", "the normal force reached zero, where this model ends"),
+    Reason(
+        "no_consistent_state",
+        "no contact state agrees with the forces (a Painlevé paradox): lower mu, or move the start",
+    ),
+    Reason(
+        "neutral_oscillation",
+        "an undamped oscillation keeps the amplitude of its start: add damping or state the start",
+    ),
+    Reason("class_changed", "the branch that was followed ended before this point"),
+    Reason(
+        "jammed", "the contact sticks for good although the belt moves: the mechanism is locked"
+    ),
+    Reason("not_converged", "the iteration did not settle: try another start or a smaller step"),
+)
+
+STATUS = FlagTable(
+    {"ok": 0, "pending": 1, "failed": 2, "budget": 3, "not_reached": 4, NOT_COMPUTED: 5},
+    fill="pending",
+)
+REASON = FlagTable({reason.name: code for code, reason in enumerate(REASONS)}, fill="none")
+ATTRACTOR = FlagTable(
+    {
+        NOT_COMPUTED: -1,
+        "equilibrium": 0,
+        "periodic": 1,
+        "quasiperiodic": 2,
+        "chaotic": 3,
+        "undecided": 4,
+        "diverged": 5,
+        "contact_lost": 6,
+    },
+    fill=NOT_COMPUTED,
+)
+CONTACT_STATE = FlagTable(
+    {NOT_COMPUTED: -1, "slip+": 0, "slip-": 1, "stick": 2, "separation": 3}, fill=NOT_COMPUTED
+)
+STABLE = FlagTable({NOT_COMPUTED: -1, "unstable": 0, "stable": 1}, fill=NOT_COMPUTED)
+
+TABLES: Mapping[str, FlagTable] = {
+    "status": STATUS,
+    "reason": REASON,
+    "attractor": ATTRACTOR,
+    "contact_state": CONTACT_STATE,
+    "stable": STABLE,
+}
+
+
+def reason_code(name: str) -> int:
+    """Code of a reason; an empty name is ``none``, an unknown one ``internal_error``."""
+    return REASON.codes.get(name or "none", REASON.codes["internal_error"])
+
+
+def retried_codes() -> frozenset[int]:
+    """Codes of the reasons whose points are run again on resume."""
+    return frozenset(code for code, reason in enumerate(REASONS) if reason.retried)
+
+
+def advice(name: str) -> str:
+    """The sentence that says what to do about a reason."""
+    return REASONS[reason_code(name)].advice

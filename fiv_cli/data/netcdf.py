@@ -1,0 +1,195 @@
+"""Datasets as NetCDF4 files: written under a temporary name, read back, then renamed."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from fiv_cli.data.variables import INT_FILL
+from fiv_cli.errors import InputError, StorageError, UsageError
+
+LARGE = 64 * 1024
+"""Arrays above this many bytes are compressed."""
+
+
+def write_datasets(
+    path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]
+) -> None:
+    """Write the datasets of a run: at the root when there is one, as groups when several.
+
+    Parameters
+    ----------
+    path : replaced as a whole, or not at all
+    datasets : analysis name -> dataset
+    attributes : global attributes, see `to_attribute`
+
+    Raises
+    ------
+    StorageError
+        no space or no permission; nothing is left behind.
+    """
+    temporary = path.with_name(f".{path.name}.tmp")
+    try:
+        _check_space(path, datasets)
+        _write(temporary, datasets, attributes)
+        _check(temporary, datasets)
+        _sync(temporary)
+        temporary.replace(path)
+    except (OSError, RuntimeError) as error:
+        raise StorageError(
+            f"{path}: cannot be written: {_cause(error)}\n"
+            "next: free some space or correct the permissions, then run the same command again; "
+            "what is finished is kept"
+        ) from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def read_datasets(path: Path) -> dict[str, xr.Dataset]:
+    """The datasets in a file: group name -> dataset; the name is "" for a file without groups.
+
+    Global attributes stand on every dataset; integers are not turned into floats.
+
+    Raises
+    ------
+    UsageError
+        there is no such file, or it is a folder.
+    InputError
+        the file is not a dataset of fiv.
+    """
+    if not path.is_file():
+        what = "is a folder" if path.is_dir() else "no such file"
+        raise UsageError(f"{path}: {what}\nnext: name a dataset written by `fiv run`")
+    try:
+        return _read(path)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise InputError(
+            f"{path}: not a NetCDF dataset ({error})\nnext: name a dataset written by `fiv run`"
+        ) from error
+
+
+def global_attributes(path: Path) -> dict[str, Any] | None:
+    """Global attributes of the file at `path`; None when it is not a NetCDF file."""
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path) as file:
+            return {name: file.getncattr(name) for name in file.ncattrs()}
+    except (OSError, RuntimeError):
+        return None
+
+
+def to_attribute(value: Any) -> Any:
+    """A value as NetCDF can hold it: tables as JSON, lists of names as lines; None is left out."""
+    if isinstance(value, bool | np.bool_):
+        return np.int8(value)
+    if isinstance(value, Mapping):
+        return json.dumps(value, sort_keys=True, default=str)
+    if isinstance(value, tuple | list):
+        return "\n".join(str(item) for item in value)
+    return value
+
+
+def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:
+    clean = {name: to_attribute(v) for name, v in attributes.items() if v is not None}
+    if len(datasets) == 1:
+        (dataset,) = datasets.values()
+        _write_group(path, dataset.assign_attrs(clean), None, "w")
+        return
+    _write_group(path, xr.Dataset(attrs=clean), None, "w")
+    for name, dataset in datasets.items():
+        _write_group(path, dataset, name, "a")
+
+
+def _write_group(path: Path, dataset: xr.Dataset, group: str | None, mode: Any) -> None:
+    encoding = {str(name): _encoding(variable) for name, variable in dataset.variables.items()}
+    dataset.to_netcdf(
+        path, mode=mode, group=group, engine="netcdf4", format="NETCDF4", encoding=encoding
+    )
+
+
+def _encoding(variable: xr.Variable) -> dict[str, Any]:
+    if variable.dtype.kind == "U":
+        return {"dtype": "S1"}  # fixed-width characters: readable everywhere
+    encoding: dict[str, Any] = {"_FillValue": _fill(variable)}
+    if variable.nbytes > LARGE:
+        encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
+    return encoding
+
+
+def _fill(variable: xr.Variable) -> Any:
+    """NaN for numbers; counts carry a missing value; flags, sizes and coordinates none."""
+    if variable.dtype.kind == "f" and "ancillary_variables" in variable.attrs:
+        return np.nan
+    if variable.dtype == np.int32 and "ancillary_variables" in variable.attrs:
+        return np.int32(INT_FILL)
+    return None
+
+
+def _read(path: Path) -> dict[str, xr.Dataset]:
+    names = _groups(path)
+    root = _loaded(path, None)
+    if not names:
+        return {"": root}
+    return {name: _loaded(path, name).assign_attrs(root.attrs) for name in names}
+
+
+def _groups(path: Path) -> list[str]:
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        return list(file.groups)
+
+
+def _loaded(path: Path, group: str | None) -> xr.Dataset:
+    with xr.open_dataset(path, engine="netcdf4", group=group, decode_times=False) as dataset:
+        return dataset.load()
+
+
+def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
+    """Read back what was written, one variable at a time."""
+    for name, dataset in datasets.items():
+        group = None if len(datasets) == 1 else name
+        with xr.open_dataset(
+            path, engine="netcdf4", group=group, decode_times=False, mask_and_scale=False
+        ) as written:
+            _check_group(written, dataset)
+
+
+def _check_group(written: xr.Dataset, dataset: xr.Dataset) -> None:
+    for name, variable in dataset.variables.items():
+        if name not in written.variables:
+            raise RuntimeError(f"{name} is missing after writing")
+        if not np.array_equal(
+            written[name].values, variable.values, equal_nan=variable.dtype.kind == "f"
+        ):
+            raise RuntimeError(f"{name} reads back differently")
+
+
+def _check_space(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
+    """Refuse early what cannot fit even well compressed."""
+    needed = sum(dataset.nbytes for dataset in datasets.values()) // 20
+    if shutil.disk_usage(path.parent).free < needed:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _cause(error: Exception) -> str:
+    return (isinstance(error, OSError) and error.strerror) or str(error)

@@ -1,0 +1,59 @@
+"""Global attributes of a dataset: where its numbers come from, and nothing that changes."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import fiv_cli
+from fiv_cli.analyses import get_analysis
+from fiv_cli.case.case import Case
+from fiv_cli.codegen import NUMERICS_VERSION
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "sympy", "xarray", "netCDF4")
+
+
+def provenance(case: Case, fingerprint: str) -> dict[str, Any]:
+    """Global attributes of the dataset of `case`."""
+    model = get_model(case.model)
+    laws = next((axis.values for axis in case.axes if axis.kind == "law"), (case.law,))
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.title or case.source,
+        "reference": case.reference,
+        "source": f"fiv {fiv_cli.__version__}",
+        "model": case.model,
+        "model_reference": model.reference,
+        "model_numerics_version": model.numerics_version,
+        "law": ", ".join(laws),
+        "law_numerics_version": ", ".join(str(get_law(law).numerics_version) for law in laws),
+        "numerics_version": NUMERICS_VERSION,
+        "analyses": ", ".join(f"{spec.name} ({spec.kind})" for spec in case.analyses),
+        "analyses_json": {
+            spec.name: {"kind": spec.kind, "title": get_analysis(spec.kind).title}
+            | {"settings": {name: _plain(value) for name, value in spec.settings.items()}}
+            for spec in case.analyses
+        },
+        "parameters_json": case.parameters,
+        "options_json": case.options,
+        "assumed": case.assumed,
+        "case": case.text,
+        "overrides": case.overrides,
+        "fingerprint": fingerprint,
+        "solver_json": asdict(case.solver),
+        "packages_json": {name: _version(name) for name in PACKAGES},
+    }
+
+
+def _plain(value: Any) -> Any:
+    return asdict(value) if hasattr(value, "__dataclass_fields__") else value
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"

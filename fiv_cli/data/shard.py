@@ -1,0 +1,202 @@
+"""One shard: a finished chunk of points as a checksummed HDF5 file that appears all at once.
+
+The file is built in memory and written under a temporary name in the same folder, flushed to
+the disk and renamed, so that a crash at any instant leaves the old state or the new one. A shard
+that cannot be read as it was written is an `UnreadableShard`: its points are simply run again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from fiv_cli.data.block import Array, Block
+from fiv_cli.errors import StorageError
+
+FORMAT = "fiv shard"
+VERSION = 1
+
+
+class UnreadableShard(Exception):
+    """A file among the shards that is truncated, damaged or foreign."""
+
+
+def write_shard(path: Path, block: Block, analysis: str) -> None:
+    """Write `block` as a shard at `path`, atomically.
+
+    Raises
+    ------
+    StorageError
+        no space, no permission; `path` is left as it was and no temporary file stays behind.
+    """
+    write_atomically(path, shard_bytes(block, analysis))
+
+
+def shard_bytes(block: Block, analysis: str) -> bytes:
+    """The HDF5 file of a block, as bytes."""
+    arrays = _to_arrays(block)
+    image = io.BytesIO()
+    with h5py.File(image, "w") as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["version"] = VERSION
+        file.attrs["analysis"] = analysis
+        file.attrs["checksum"] = _checksum(arrays, analysis)
+        for name, array in arrays.items():
+            file.create_dataset(name, data=array)
+    return image.getvalue()
+
+
+def read_shard(path: Path) -> tuple[Block, str]:
+    """The block stored at `path`, and the name of its analysis.
+
+    Raises
+    ------
+    UnreadableShard
+        the file is truncated, damaged, of another version, or not a shard.
+    """
+    arrays, analysis = _verified_arrays(path)
+    return _from_arrays(arrays), analysis
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Replace the file at `path` by `content`: all of it or nothing.
+
+    Raises
+    ------
+    StorageError
+        no space, no permission; nothing is left behind.
+    """
+    temporary = path.with_name(f".{path.name}.tmp")
+    try:
+        _write_synced(temporary, content)
+        temporary.replace(path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        raise StorageError(
+            f"{path}: cannot be written: {error.strerror or error}\n"
+            "next: free some space or correct the permissions, then run the same command again; "
+            "what is finished is kept"
+        ) from error
+
+
+def _write_synced(path: Path, content: bytes) -> None:
+    with path.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the rename itself durable."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _to_arrays(block: Block) -> dict[str, Array]:
+    return {
+        "keys": block.keys,
+        "status": block.status,
+        "reason": block.reason,
+        "messages": _json_array(block.messages),
+        "carries": _json_array(block.carries),
+        **{f"values/{name}": array for name, array in sorted(block.values.items())},
+        **{f"row_sizes/{name}": array for name, array in sorted(block.row_sizes.items())},
+        **{f"ragged/{name}": array for name, array in sorted(block.ragged.items())},
+    }
+
+
+def _from_arrays(arrays: Mapping[str, Array]) -> Block:
+    return Block(
+        keys=arrays["keys"],
+        status=arrays["status"],
+        reason=arrays["reason"],
+        values=_group(arrays, "values/"),
+        row_sizes=_group(arrays, "row_sizes/"),
+        ragged=_group(arrays, "ragged/"),
+        messages=_from_json(arrays["messages"]),
+        carries=_from_json(arrays["carries"]),
+    )
+
+
+def _group(arrays: Mapping[str, Array], prefix: str) -> dict[str, Array]:
+    return {n.removeprefix(prefix): a for n, a in arrays.items() if n.startswith(prefix)}
+
+
+def _verified_arrays(path: Path) -> tuple[dict[str, Array], str]:
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != FORMAT or file.attrs.get("version") != VERSION:
+                raise UnreadableShard("not a shard of this version")
+            analysis = str(file.attrs["analysis"])
+            arrays = {name: file[name][()] for name in _datasets(file)}
+            stored = file.attrs["checksum"]
+    except (OSError, KeyError, RuntimeError, ValueError) as error:
+        raise UnreadableShard(str(error)) from error
+    if _checksum(arrays, analysis) != stored:
+        raise UnreadableShard("its checksum does not match its content")
+    return arrays, analysis
+
+
+def _datasets(file: h5py.File) -> Iterator[str]:
+    names: list[str] = []
+    file.visititems(lambda name, node: names.append(name) if hasattr(node, "shape") else None)
+    return iter(names)
+
+
+def _checksum(arrays: Mapping[str, Array], analysis: str) -> str:
+    """sha256 over names, types, shapes and bytes of every array."""
+    digest = hashlib.sha256(analysis.encode())
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        digest.update(f"{name}|{array.dtype.str}|{array.shape}|".encode())
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def _json_array(rows: Mapping[int, Any]) -> Array:
+    """Row -> plain data as a byte array; numbers keep every bit (Python writes them exactly)."""
+    text = json.dumps({str(row): to_plain(value) for row, value in sorted(rows.items())})
+    return np.frombuffer(text.encode(), np.uint8)
+
+
+def _from_json(array: Array) -> dict[int, Any]:
+    rows = json.loads(array.tobytes().decode())
+    return {int(row): from_plain(value) for row, value in rows.items()}
+
+
+def to_plain(value: Any) -> Any:
+    """Nested dicts, lists, numbers and arrays as JSON data without loss."""
+    if isinstance(value, np.ndarray):
+        return {"__array__": value.tolist(), "dtype": value.dtype.str, "shape": list(value.shape)}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [to_plain(item) for item in value]
+    return value
+
+
+def from_plain(value: Any) -> Any:
+    """Inverse of `to_plain` (tuples come back as lists)."""
+    if isinstance(value, dict) and "__array__" in value:
+        return np.array(value["__array__"], value["dtype"]).reshape(value["shape"])
+    if isinstance(value, dict):
+        return {key: from_plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [from_plain(item) for item in value]
+    return value

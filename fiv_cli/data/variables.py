@@ -1,0 +1,235 @@
+"""The one table of dataset variables: names, units, meanings, own dims, flags.
+
+To add a variable: add a `Variable` to the function of its analysis. Everything else (shards,
+assembly, NetCDF attributes, comparison) reads it from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fiv_cli.models.base import Model, State
+
+INT_FILL = -2147483647
+"""Stands for "not computed" in integer variables (the NetCDF default for int32)."""
+
+FIXED_DIMS = ("time", "solution", "mode", "multiplier", "state", "contact")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of a dataset.
+
+    Attributes
+    ----------
+    name : name in datasets and in `Outcome.values` / `Outcome.ragged`
+    units : UDUNITS string
+    long_name : what it is
+    dims : own dims, after those of the grid and ``initial``
+    kind : "float", "int", "flag" or "coordinate" (along its own only dim, no grid dims)
+    flags : key of `flags.TABLES` when kind is "flag"
+    ragged : name of the group of ragged arrays it belongs to ("" when it is not ragged)
+    symbol : LaTeX
+    comment : what else a reader must know
+    """
+
+    name: str
+    units: str
+    long_name: str
+    dims: tuple[str, ...] = ()
+    kind: str = "float"
+    flags: str = ""
+    ragged: str = ""
+    symbol: str = ""
+    comment: str = ""
+
+    @property
+    def row_size(self) -> str:
+        """Name of the variable that counts the rows of its ragged group."""
+        return f"{self.ragged}_row_size"
+
+    @property
+    def sample_dim(self) -> str:
+        """Dim along which its ragged group is stored."""
+        return f"{self.ragged}_obs"
+
+
+STATUS = Variable("status", "1", "whether the point was computed", kind="flag", flags="status")
+REASON = Variable("reason", "1", "why there is no better answer", kind="flag", flags="reason")
+
+
+def variables_of(
+    kind: str, model: Model, options: Mapping[str, str], settings: Mapping[str, Any]
+) -> tuple[Variable, ...]:
+    """Every variable of an analysis of `kind` on `model`, ``status`` and ``reason`` first.
+
+    Parameters
+    ----------
+    kind : "history", "equilibrium", "eigenvalues" or "response"
+    options : options of the model (they decide its states)
+    settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
+    """
+    states = model.states(options)
+    contact = ("contact",) if model.contacts > 1 else ()
+    own = _BY_KIND[kind](states, contact, settings)
+    return (STATUS, REASON, *own)
+
+
+def rate_unit(unit: str) -> str:
+    """Unit of the time derivative of a quantity in `unit`."""
+    return "s-1" if unit == "1" else f"{unit} s-1"
+
+
+def motions(states: tuple[State, ...]) -> list[tuple[str, str, str, str]]:
+    """(name, unit, symbol, meaning) of every state, then of every velocity."""
+    positions = [(s.name, s.unit, s.symbol, s.meaning) for s in states]
+    velocities = [
+        (f"{s.name}_dot", rate_unit(s.unit), rf"\dot{{{s.symbol}}}", f"velocity: {s.meaning}")
+        for s in states
+    ]
+    return positions + velocities
+
+
+def _squared_unit(states: tuple[State, ...]) -> str:
+    units = {state.unit for state in states}
+    return f"{units.pop()}2" if len(units) == 1 else "1"
+
+
+def _common_unit(states: tuple[State, ...]) -> str:
+    units = {state.unit for state in states}
+    return units.pop() if len(units) == 1 else "1"
+
+
+def _mixed(states: tuple[State, ...]) -> str:
+    mixed = len({state.unit for state in states}) > 1
+    return "each state in its own unit (state_units)" if mixed else ""
+
+
+def _solver_trust() -> list[Variable]:
+    return [
+        Variable("energy_residual", "1", "largest energy imbalance over the energy exchanged"),
+        Variable("n_steps", "1", "integration steps", kind="int"),
+        Variable("n_events", "1", "events (transitions of contact)", kind="int"),
+    ]
+
+
+def _history(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    along = (*contact, "time")
+    return [
+        Variable("time", "s", "time", ("time",), kind="coordinate", symbol="t"),
+        *(Variable(n, u, m, ("time",), symbol=s) for n, u, s, m in motions(states)),
+        Variable("F_T", "N", "tangential contact force", along, symbol="F_T"),
+        Variable("F_N", "N", "normal contact force", along, symbol="F_N"),
+        Variable("contact_state", "1", "state of contact", along, "flag", "contact_state"),
+        Variable("kinetic_energy", "J", "kinetic energy", ("time",)),
+        Variable("potential_energy", "J", "potential energy", ("time",)),
+        Variable("friction_work", "J", "work of friction on the model since t = 0", ("time",)),
+        Variable("drive_work", "J", "work of the drive since t = 0", ("time",)),
+        Variable("other_work", "J", "work of all other forces since t = 0", ("time",)),
+        Variable("event_time", "s", "instant of the event", ragged="event"),
+        Variable("event_from", "1", "contact before", (), "flag", "contact_state", ragged="event"),
+        Variable("event_to", "1", "contact after", (), "flag", "contact_state", ragged="event"),
+        Variable("event_contact", "1", "contact, counted from 1", (), "int", ragged="event"),
+        Variable("event_residual", "1", "switching function left at the event", ragged="event"),
+        *_solver_trust(),
+    ]
+
+
+def _equilibrium(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    forces = ("solution", *contact)
+    return [
+        Variable(
+            "equilibrium",
+            _common_unit(states),
+            "sliding equilibrium of the unexcited system",
+            ("solution", "state"),
+            comment=_mixed(states),
+        ),
+        Variable("n_solutions", "1", "equilibria found", kind="int"),
+        Variable("F_N", "N", "normal contact force", forces, symbol="F_N"),
+        Variable("F_T", "N", "tangential contact force", forces, symbol="F_T"),
+        Variable("residual", "1", "largest acceleration left", ("solution",)),
+    ]
+
+
+def _eigenvalues(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    mode, vector = ("mode",), ("mode", "state")
+    mixed = "each state in its own unit; scaled to length one"
+    return [
+        Variable("eigenvalue_real", "rad s-1", "real part of the eigenvalue", mode),
+        Variable("eigenvalue_imag", "rad s-1", "imaginary part of the eigenvalue", mode),
+        Variable("mode_frequency", "Hz", "frequency of the mode", mode),
+        Variable("damping_ratio", "1", "damping ratio of the mode", mode),
+        Variable("eigenvector_real", "1", "real part of the eigenvector", vector, comment=mixed),
+        Variable("eigenvector_imag", "1", "imaginary part of the mode", vector, comment=mixed),
+        Variable("coupled_with", "1", "mode of equal frequency; -1: none", mode, "int"),
+        Variable("growth_rate", "rad s-1", "largest real part"),
+        Variable("stable", "1", "whether the equilibrium is stable", (), "flag", "stable"),
+        Variable("residual", "1", "largest residual of the eigenvalue problem"),
+    ]
+
+
+def _response(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    units = {name: unit for name, unit, _, _ in motions(states)}
+    observed = settings.get("observe") or states[0].name
+    return [
+        Variable("attractor", "1", "class of the steady state", (), "flag", "attractor"),
+        Variable(
+            "L_s",
+            _squared_unit(states),
+            "vibration intensity: mean squared distance from the sliding equilibrium",
+            symbol="L_s",
+            comment="thesis 6.20; over one period, or over L_s_window; 0 at the equilibrium",
+        ),
+        Variable(
+            "L_s_reference",
+            _common_unit(states),
+            "sliding equilibrium that L_s is measured from",
+            ("state",),
+            comment=_mixed(states),
+        ),
+        Variable("L_s_window", "s", "window of L_s, of extremes and of fractions"),
+        Variable("period", "s", "period of the attractor", symbol="T"),
+        Variable("multiplicity", "1", "section points per period", kind="int"),
+        Variable("period_ratio", "1", "period over the period of the excitation"),
+        Variable("response_frequency", "Hz", "one over the period"),
+        Variable("section_value", units[observed], f"{observed} at the section", ragged="section"),
+        Variable("stick_fraction", "1", "share of time in stick", contact),
+        Variable("slip_fraction", "1", "share of time in slip", contact),
+        Variable("separation_fraction", "1", "share of time in separation", contact),
+        *_extremes(states),
+        Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
+        Variable("floquet_multiplier", "1", "modulus of the multiplier", ("multiplier",)),
+        Variable("floquet_multiplier_real", "1", "real part of the multiplier", ("multiplier",)),
+        Variable("floquet_multiplier_imag", "1", "imaginary part", ("multiplier",)),
+        *_solver_trust(),
+        Variable("event_residual", "1", "largest switching function left at an event"),
+        Variable("transient_used", "s", "time simulated before the steady state was accepted"),
+    ]
+
+
+def _extremes(states: tuple[State, ...]) -> list[Variable]:
+    kinds = (("min", "least"), ("max", "greatest"), ("rms", "root mean square of"))
+    return [
+        Variable(f"{name}_{short}", unit, f"{long} {name} in the steady state")
+        for name, unit, _, _ in motions(states)
+        for short, long in kinds
+    ]
+
+
+_BY_KIND = {
+    "history": _history,
+    "equilibrium": _equilibrium,
+    "eigenvalues": _eigenvalues,
+    "response": _response,
+}

@@ -1,0 +1,212 @@
+"""The journal of a run: the run directory, its shards, and which points they hold.
+
+STEM.run/   identity.json  what the stored points belong to
+            case.toml      the case as it is run, overrides as comments
+            shards/        one file per finished chunk; all that is needed for the dataset
+            run.log        what happened, with dates
+            lock           see `lock`
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.data.assemble import Placed
+from fiv_cli.data.block import KEY_BYTES, Block
+from fiv_cli.data.flags import STATUS, retried_codes
+from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
+from fiv_cli.errors import StorageError
+from fiv_cli.sweep.plan import AnalysisPlan, Plan
+from fiv_cli.sweep.worker import ChainState
+
+Positions = NDArray[np.int64]
+
+PENDING = STATUS.codes["pending"]
+_PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
+
+
+@dataclass
+class Record:
+    """What is stored of one analysis.
+
+    Attributes
+    ----------
+    status, reason : (size,) codes; pending where nothing is stored
+    shards : files and the positions of their rows (-1: not a point of this plan), in order
+    states : position -> state of the chain after that point
+    """
+
+    status: NDArray[np.int8]
+    reason: NDArray[np.int8]
+    shards: list[tuple[Path, Positions]] = field(default_factory=list)
+    states: dict[int, ChainState] = field(default_factory=dict)
+
+    def done(self) -> NDArray[np.bool_]:
+        """Which points need not be run again."""
+        retried = np.isin(self.reason, list(retried_codes()))
+        stored: NDArray[np.bool_] = self.status != PENDING
+        return stored & ~(retried & np.isin(self.status, _PROVISIONAL))
+
+
+class Journal:
+    """The stored results of a plan; the only writer of the run directory."""
+
+    def __init__(self, folder: Path, plan: Plan) -> None:
+        self.folder = folder
+        self.plan = plan
+        self.records = [_empty_record(analysis) for analysis in plan.analyses]
+        self.ignored: list[tuple[Path, str]] = []
+        self._next = 0
+
+    @property
+    def shard_folder(self) -> Path:
+        """Where the shards are."""
+        return self.folder / "shards"
+
+    def load(self) -> None:
+        """Read what is stored; files that are not sound shards are listed in `ignored`."""
+        paths = sorted(self.shard_folder.glob("*.h5"))
+        numbers = [int(path.stem) for path in paths if path.stem.isdigit()]
+        self._next = max(numbers, default=-1) + 1
+        finders: dict[str, _Finder] = {}
+        for path in paths:
+            try:
+                self._take(path, *read_shard(path), finders)
+            except UnreadableShard as error:
+                self.ignored.append((path, str(error)))
+
+    def _take(self, path: Path, block: Block, name: str, finders: dict[str, _Finder]) -> None:
+        names = [analysis.layout.name for analysis in self.plan.analyses]
+        if name not in names:
+            raise UnreadableShard(f"it belongs to an analysis {name!r} that the case has not")
+        index = names.index(name)
+        if name not in finders:
+            finders[name] = _Finder(self.plan.analyses[index].keys())
+        self._register(index, path, finders[name].positions(block.keys), block)
+
+    def write(self, index: int, positions: Positions, block: Block) -> None:
+        """Store a finished block of the analysis with this index.
+
+        Raises
+        ------
+        StorageError
+            it cannot be written; nothing that is stored is touched.
+        """
+        path = self.shard_folder / f"{self._next:06d}.h5"
+        write_shard(path, block, self.plan.analyses[index].layout.name)
+        self._next += 1
+        self._register(index, path, positions, block)
+
+    def _register(self, index: int, path: Path, positions: Positions, block: Block) -> None:
+        record = self.records[index]
+        placed = positions >= 0
+        record.shards.append((path, positions))
+        record.status[positions[placed]] = block.status[placed]
+        record.reason[positions[placed]] = block.reason[placed]
+        for row, state in block.carries.items():
+            if placed[row]:
+                record.states[int(positions[row])] = ChainState(**state)
+
+    def blocks(self, index: int) -> Iterator[Placed]:
+        """The stored blocks of an analysis with the positions of their rows, in order."""
+        for path, positions in self.records[index].shards:
+            block, _ = read_shard(path)
+            yield positions, block
+
+    def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
+        """(position, message) of failed points with different first lines, at most `limit`."""
+        found: dict[str, tuple[int, str]] = {}
+        failed = STATUS.codes["failed"]
+        record = self.records[index]
+        for path, positions in record.shards:
+            if len(found) >= limit:
+                break
+            if (record.status[positions[positions >= 0]] == failed).any():
+                self._collect(path, positions, record, found)
+        return list(found.values())[:limit]
+
+    def _collect(
+        self, path: Path, positions: Positions, record: Record, found: dict[str, tuple[int, str]]
+    ) -> None:
+        block, _ = read_shard(path)
+        failed = STATUS.codes["failed"]
+        for row in np.flatnonzero((block.status == failed) & (positions >= 0)):
+            position = int(positions[row])
+            message = block.messages.get(int(row), "")
+            if record.status[position] == failed:
+                found.setdefault(message.partition("\n")[0], (position, message))
+
+
+class _Finder:
+    """Positions of points by key."""
+
+    def __init__(self, keys: NDArray[np.uint8]) -> None:
+        sortable = _as_bytes(keys)
+        self._order = np.argsort(sortable, kind="stable")
+        self._sorted = sortable[self._order]
+
+    def positions(self, keys: NDArray[np.uint8]) -> Positions:
+        """Position of each key; -1 where it is not a point of the plan."""
+        wanted = _as_bytes(keys)
+        places = np.minimum(np.searchsorted(self._sorted, wanted), len(self._sorted) - 1)
+        known = self._sorted[places] == wanted
+        return np.where(known, self._order[places], -1).astype(np.int64)
+
+
+def _as_bytes(keys: NDArray[np.uint8]) -> NDArray[Any]:
+    """Each key as hexadecimal text: fixed-width strings of NumPy drop trailing zero bytes."""
+    digits = np.frombuffer(b"0123456789abcdef", np.uint8)
+    text = np.empty((len(keys), 2 * KEY_BYTES), np.uint8)
+    text[:, 0::2], text[:, 1::2] = digits[keys >> 4], digits[keys & 15]
+    return text.view(f"S{2 * KEY_BYTES}").ravel()
+
+
+def _empty_record(analysis: AnalysisPlan) -> Record:
+    return Record(np.full(analysis.size, PENDING, np.int8), np.zeros(analysis.size, np.int8))
+
+
+def stored_identity(folder: Path) -> dict[str, Any] | None:
+    """The document that says what the points in a run directory belong to; None: nothing stored."""
+    try:
+        document = json.loads((folder / "identity.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return document if isinstance(document, dict) else None
+
+
+def create(folder: Path) -> None:
+    """Make the run directory.
+
+    Raises
+    ------
+    StorageError
+        it cannot be made.
+    """
+    try:
+        (folder / "shards").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StorageError(
+            f"{folder}: cannot be created: {error.strerror}\n"
+            "next: choose another place with -o FILE.nc"
+        ) from error
+
+
+def write_identity(folder: Path, document: dict[str, Any], case_text: str) -> None:
+    """Write what the run directory belongs to, and the case as it is run."""
+    text = json.dumps(document, indent=1, sort_keys=True)
+    write_atomically(folder / "case.toml", case_text.encode())
+    write_atomically(folder / "identity.json", text.encode())
+
+
+def clear(folder: Path) -> None:
+    """Throw the stored results in a run directory away (nothing else that may lie there)."""
+    shutil.rmtree(folder / "shards", ignore_errors=True)
+    (folder / "identity.json").unlink(missing_ok=True)

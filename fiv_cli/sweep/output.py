@@ -1,0 +1,67 @@
+"""Where a run writes to, and whether it may."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from fiv_cli.data.netcdf import global_attributes
+from fiv_cli.errors import StorageError, StoreMismatchError, UsageError
+
+RUN_SUFFIX = ".run"
+
+
+def run_folder(output: Path) -> Path:
+    """The run directory beside a dataset: ``STEM.run`` for ``STEM.nc``."""
+    return output.with_suffix(RUN_SUFFIX)
+
+
+def check_output(output: Path, fingerprint: str, fresh: bool) -> None:
+    """Refuse an output that cannot or must not be written, before anything is computed.
+
+    Raises
+    ------
+    UsageError
+        a folder, or a file that is no dataset of fiv.
+    StorageError
+        its folder cannot be made or written.
+    StoreMismatchError
+        the dataset of another case, unless `fresh`.
+    """
+    if output.is_dir():
+        raise UsageError(f"{output}: is a folder\nnext: name a file, -o {output}/NAME.nc")
+    if output.suffix == RUN_SUFFIX:
+        raise UsageError(f"{output}: {RUN_SUFFIX} is the run directory\nnext: -o NAME.nc")
+    _check_folder(output)
+    if output.exists():
+        _check_existing(output, fingerprint, fresh)
+
+
+def _check_folder(output: Path) -> None:
+    folder = output.parent
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StorageError(
+            f"{folder}: cannot be created: {error.strerror}\n"
+            "next: choose another place with -o FILE.nc"
+        ) from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise StorageError(
+            f"{folder}: cannot be written: no permission\n"
+            "next: choose another place with -o FILE.nc"
+        )
+
+
+def _check_existing(output: Path, fingerprint: str, fresh: bool) -> None:
+    attributes = global_attributes(output)
+    if attributes is None or "fingerprint" not in attributes:
+        raise UsageError(
+            f"{output}: exists and is no dataset of fiv; it is left alone\n"
+            "next: choose another place with -o FILE.nc"
+        )
+    if attributes["fingerprint"] != fingerprint and not fresh:
+        raise StoreMismatchError(
+            f"{output}: holds the dataset of another case ({attributes.get('title', '')!r})\n"
+            "next: choose another place with -o FILE.nc, or replace it with --fresh"
+        )

@@ -1,0 +1,312 @@
+"""Plan: a case as points and chains, enumerated lazily; `fiv check` prints it, `fiv run` runs it.
+
+A chain is a curve of points that may start from their neighbour; a plain grid is chains of
+length one. Points are numbered in C order over the dims of the dataset, and nothing is held per
+point but numbers in arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.execute import Request
+from fiv_cli.case.case import AnalysisSpec, Axis, Case
+from fiv_cli.case.identity import fingerprint
+from fiv_cli.data.block import KEY_BYTES
+from fiv_cli.data.layout import Dim, Layout
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+from fiv_cli.models.base import Parameter
+from fiv_cli.sweep.points import (
+    StartEntry,
+    Template,
+    Values,
+    exclusion,
+    expand_starts,
+    parameters_at,
+    point_key,
+    request_at,
+)
+
+Positions = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class ChainSet:
+    """The chains of one continued start.
+
+    Attributes
+    ----------
+    entry : index of the start along ``initial``
+    positions : (number of chains, length), in the order in which points are visited
+    """
+
+    entry: int
+    positions: Positions
+
+
+@dataclass(frozen=True)
+class AnalysisPlan:
+    """The points of one analysis."""
+
+    template: Template
+    layout: Layout
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return self.layout.size
+
+    def point(self, position: int) -> tuple[Values, int]:
+        """Axis values and start index of the point at `position`."""
+        entry = 0
+        if self.layout.labels is not None:
+            position, entry = divmod(position, len(self.layout.labels))
+        picked: list[Values] = []
+        for dim in reversed(self.layout.dims):
+            position, index = divmod(position, dim.size)
+            picked.append(tuple(axis.values[index] for axis in dim.axes))
+        return tuple(value for values in reversed(picked) for value in values), entry
+
+    def entry(self, index: int) -> StartEntry | None:
+        """The start with this index along ``initial``; None where there are no starts."""
+        return self.template.entries[index]
+
+    def single_positions(self) -> Positions:
+        """Positions of all points that start on their own, in order."""
+        grid = np.arange(self.size).reshape(-1, len(self.template.entries))
+        return grid[:, [not _continues(entry) for entry in self.template.entries]].ravel()
+
+    def chain_sets(self) -> tuple[ChainSet, ...]:
+        """The chains of every continued start."""
+        return tuple(
+            ChainSet(index, self._chains(index, entry))
+            for index, entry in enumerate(self.template.entries)
+            if entry is not None and _continues(entry)
+        )
+
+    def _chains(self, index: int, entry: StartEntry) -> Positions:
+        numbers = np.arange(self.size).reshape(self.layout.shape)[..., index]
+        dim = _dim_of(self.layout.dims, entry.spec.along)
+        order = _visiting_order(self.layout.dims[dim], entry)
+        along_last = np.moveaxis(numbers, dim, -1)[..., order]
+        return along_last.reshape(-1, len(order))
+
+    def keys(self) -> NDArray[np.uint8]:
+        """Keys of all points, (size, 32)."""
+        keys = np.empty((self.size, KEY_BYTES), np.uint8)
+        for position in self.single_positions():
+            keys[position] = np.frombuffer(self._key(int(position), b""), np.uint8)
+        for chains in self.chain_sets():
+            for chain in chains.positions:
+                for position, key in zip(chain, self._chain_keys(chain), strict=True):
+                    keys[position] = np.frombuffer(key, np.uint8)
+        return keys
+
+    def chain_key(self, positions: Positions) -> bytes:
+        """Key of the last of the first points of a chain."""
+        return list(self._chain_keys(positions))[-1]
+
+    def _chain_keys(self, positions: Positions) -> Iterator[bytes]:
+        previous = b""
+        for position in positions:
+            previous = self._key(int(position), previous)
+            yield previous
+
+    def _key(self, position: int, previous: bytes) -> bytes:
+        values, index = self.point(position)
+        return point_key(self.template, values, self.entry(index), previous)
+
+    def excluded(self) -> int:
+        """Number of points that will not be computed because mu_k > mu_s there."""
+        if self.template.linear:
+            return 0
+        axes = [axis for dim in self.layout.dims for axis in dim.axes]
+        steering = {"mu_k", "mu_s", "mu_k_2", "mu_s_2", "beta", "friction"}
+        dims = [dim for dim in self.layout.dims if steering & {a.name for a in dim.axes}]
+        others = self.size // max(1, int(np.prod([dim.size for dim in dims], dtype=np.int64)))
+        first = {axis.name: axis.values[0] for axis in axes}
+        count = sum(bool(self._exclusion({**first, **choice})) for choice in _choices(dims))
+        return count * others
+
+    def _exclusion(self, by_name: dict[str, Any]) -> str:
+        values = tuple(by_name[name] for name, _ in self.template.axes)
+        return exclusion(self.template, parameters_at(self.template, values))
+
+    def systems(self) -> Iterator[Request]:
+        """One request per combination of what may need other generated code."""
+        axes = [axis for dim in self.layout.dims for axis in dim.axes]
+        structural = self._structural(axes)
+        dims = [dim for dim in self.layout.dims if structural & {a.name for a in dim.axes}]
+        first = {axis.name: axis.values[0] for axis in axes}
+        for choice in _choices(dims):
+            by_name = {**first, **choice}
+            yield request_at(
+                self.template, tuple(by_name[name] for name, _ in self.template.axes), None
+            )
+
+    def _structural(self, axes: list[Axis]) -> set[str]:
+        names = {axis.name for axis in axes if axis.kind in ("option", "law")}
+        for law in self.template.names:
+            names |= set(get_law(law).structural)
+        return names | {forcing.amplitude for forcing in get_model(self.layout.model).forcings}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What `fiv run` will do."""
+
+    case: Case
+    analyses: tuple[AnalysisPlan, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of points of all analyses."""
+        return sum(analysis.size for analysis in self.analyses)
+
+    def describe(self) -> list[str]:
+        """The plan in lines for people."""
+        case = self.case
+        head = [
+            f"{case.source}: {case.title}" if case.title else case.source,
+            f"  model {case.model}, friction {_laws(case)}",
+        ]
+        return head + [line for analysis in self.analyses for line in _described(analysis)]
+
+
+def make_plan(case: Case) -> Plan:
+    """The plan of a valid case."""
+    return Plan(case, tuple(_analysis_plan(case, spec) for spec in case.analyses))
+
+
+def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
+    analysis = get_analysis(spec.kind)
+    dims = _dims(case, analysis.uses_starts)
+    entries = expand_starts(case.starts) if analysis.uses_starts else None
+    layout = Layout(
+        name=spec.name,
+        kind=spec.kind,
+        model=case.model,
+        options=case.options,
+        settings=spec.settings,
+        dims=dims,
+        labels=None if entries is None else tuple(entry.label for entry in entries),
+    )
+    return AnalysisPlan(_template(case, spec, dims, entries), layout)
+
+
+def _template(
+    case: Case,
+    spec: AnalysisSpec,
+    dims: tuple[Dim, ...],
+    entries: tuple[StartEntry, ...] | None,
+) -> Template:
+    axes = [axis for dim in dims for axis in dim.axes]
+    laws = next((axis.values for axis in axes if axis.kind == "law"), (case.law,))
+    own = {law: (*get_model(case.model).parameters, *get_law(law).parameters) for law in laws}
+    fixed = {law: _unvaried(case, law) for law in laws}
+    return Template(
+        model=case.model,
+        law=case.law,
+        options=case.options,
+        parameters=fixed,
+        names={law: tuple(p.name for p in table) for law, table in own.items()},
+        followers=_followers(case, [p for table in own.values() for p in table]),
+        axes=tuple((axis.name, axis.kind) for axis in axes),
+        entries=entries or (None,),
+        analysis=spec.kind,
+        settings=spec.settings,
+        solver=case.solver,
+        linear=get_analysis(spec.kind).linear,
+        base=bytes.fromhex(fingerprint(case, spec)),
+    )
+
+
+def _unvaried(case: Case, law: str) -> dict[str, float]:
+    """The parameters under `law` that no axis decides, SI."""
+    varied = {axis.name for axis in case.axes}
+    return {n: v for n, v in case.parameters_at(law, {}).items() if n not in varied}
+
+
+def _followers(case: Case, table: list[Parameter]) -> tuple[tuple[str, str], ...]:
+    """Parameters that take another one's value, which an axis may vary."""
+    varied = {axis.name for axis in case.axes}
+    found = {p.name: p.default_from for p in table if p.default_from and p.name not in varied}
+    return tuple(found.items())
+
+
+def _dims(case: Case, uses_starts: bool) -> tuple[Dim, ...]:
+    """The grid's dims in the order of the file; components of the start only where there is one."""
+    dims: list[tuple[Axis, ...]] = []
+    for axis in case.axes:
+        group = next((zipped for zipped in case.zips if axis.name in zipped), (axis.name,))
+        members = tuple(a for a in case.axes if a.name in group)
+        if members not in dims:
+            dims.append(members)
+    wanted = [tuple(a for a in axes if uses_starts or a.kind != "start") for axes in dims]
+    return tuple(Dim(axes) for axes in wanted if axes)
+
+
+def _dim_of(dims: tuple[Dim, ...], name: str) -> int:
+    return next(i for i, dim in enumerate(dims) if name in [axis.name for axis in dim.axes])
+
+
+def _visiting_order(dim: Dim, entry: StartEntry) -> list[int]:
+    """Indices along `dim` by rising or falling value of the axis that is followed."""
+    axis = next(axis for axis in dim.axes if axis.name == entry.spec.along)
+    indices = range(dim.size)
+    order = sorted(indices, key=axis.values.__getitem__) if axis.kind == "parameter" else indices
+    return list(order) if entry.spec.direction == "up" else list(order)[::-1]
+
+
+def _choices(dims: list[Dim]) -> Iterator[dict[str, Any]]:
+    """Every combination of the values of `dims`, by axis name."""
+    for indices in product(*(range(dim.size) for dim in dims)):
+        yield {
+            axis.name: axis.values[index]
+            for dim, index in zip(dims, indices, strict=True)
+            for axis in dim.axes
+        }
+
+
+def _continues(entry: StartEntry | None) -> bool:
+    return entry is not None and entry.spec.kind == "continue"
+
+
+def _laws(case: Case) -> str:
+    names = [axis.values for axis in case.axes if axis.kind == "law"]
+    return ", ".join(names[0]) if names else case.law
+
+
+def _described(analysis: AnalysisPlan) -> list[str]:
+    layout = analysis.layout
+    sizes = zip(layout.dim_names, layout.shape, strict=True)
+    grid = " x ".join(f"{name} {size}" for name, size in sizes) or "a single point"
+    title = layout.kind if layout.name == layout.kind else f"{layout.name} ({layout.kind})"
+    lines = [f"  {title}: {layout.size} points ({grid})"]
+    for dim in layout.dims:
+        lines.extend(f"    {_axis_text(axis)}" for axis in dim.axes)
+    for chains in analysis.chain_sets():
+        entry = analysis.template.entries[chains.entry]
+        assert entry is not None
+        number, length = chains.positions.shape
+        direction = f"{entry.spec.along} {entry.spec.direction}"
+        lines.append(f"    {entry.label}: {number} chains of {length} points along {direction}")
+    excluded = analysis.excluded()
+    if excluded:
+        lines.append(f"    {excluded} points with mu_k > mu_s will not be computed")
+    return lines
+
+
+def _axis_text(axis: Axis) -> str:
+    values = axis.values
+    if axis.kind in ("parameter", "start") and len(values) > 4:
+        return f"{axis.name} = {values[0]!r} ... {values[-1]!r} ({len(values)} values)"
+    return f"{axis.name} = " + ", ".join(str(value) for value in values)

@@ -1,0 +1,240 @@
+"""From the coordinates of a point to its key, its start and its `Request`.
+
+A `Template` holds what all points of one analysis share; it travels to the workers once per
+task, and the points themselves are only tuples of axis values.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fiv_cli.analyses.base import SolverSettings, Start
+from fiv_cli.analyses.execute import Request
+from fiv_cli.case.case import StartSpec
+
+Values = tuple[Any, ...]
+
+FRICTION_PAIRS = (("mu_k", "mu_s"), ("mu_k_2", "mu_s_2"))
+"""Kinetic and static coefficients that belong together."""
+
+
+@dataclass(frozen=True)
+class StartEntry:
+    """One label of the dim ``initial``.
+
+    Attributes
+    ----------
+    label : the coordinate
+    spec : the ``[[initial]]`` table it comes from
+    number : which of the random starts of `spec` it is
+    origin : for "continue", the entry that starts the chain
+    """
+
+    label: str
+    spec: StartSpec
+    number: int = 0
+    origin: StartEntry | None = None
+
+    @property
+    def identity(self) -> str:
+        """Everything that decides the start, as text; numbers keep every bit."""
+        spec = self.spec
+        own = [
+            spec.kind,
+            *(sorted((n, float(v).hex()) for n, v in spec.offset.items())),
+            *(sorted((n, _exact(v)) for n, v in spec.state.items())),
+            *(sorted((n, low.hex(), high.hex()) for n, (low, high) in spec.box.items())),
+            (spec.seed, self.number) if spec.kind == "random" else (),
+            (spec.along, spec.direction, spec.on_loss),
+        ]
+        origin = "" if self.origin is None else self.origin.identity
+        return f"{own}{origin}"
+
+
+@dataclass(frozen=True)
+class Template:
+    """What all points of one analysis share.
+
+    Attributes
+    ----------
+    model, law, options : as in `Request`; what an axis varies is overridden by it
+    parameters : law -> values that no axis varies, SI
+    names : law -> names of all parameters of the model and the law
+    followers : (parameter, leader): parameters that take another one's value unless given
+    axes : (name, kind) of every axis, in order
+    entries : the starts; a single None where the analysis has none
+    linear : mu_k > mu_s is harmless
+    base : digest of everything that decides a point but its axis values and its start
+    """
+
+    model: str
+    law: str
+    options: Mapping[str, str]
+    parameters: Mapping[str, Mapping[str, float]]
+    names: Mapping[str, tuple[str, ...]]
+    followers: tuple[tuple[str, str], ...]
+    axes: tuple[tuple[str, str], ...]
+    entries: tuple[StartEntry | None, ...]
+    analysis: str
+    settings: Mapping[str, Any]
+    solver: SolverSettings
+    linear: bool
+    base: bytes
+
+
+def parameters_at(template: Template, values: Values) -> dict[str, float]:
+    """Every parameter of the model and the law in force at a point, SI."""
+    law = law_at(template, values)
+    given = {**template.parameters[law], **_of_kind(template, values, "parameter")}
+    for follower, leader in template.followers:
+        if follower not in given and leader in given:
+            given[follower] = given[leader]
+    return {name: given[name] for name in template.names[law] if name in given}
+
+
+def law_at(template: Template, values: Values) -> str:
+    """Name of the friction law at a point."""
+    laws = list(_of_kind(template, values, "law").values())
+    return laws[0] if laws else template.law
+
+
+def exclusion(template: Template, parameters: Mapping[str, float]) -> str:
+    """Reason why a point must not be computed; empty when it may be."""
+    if template.linear:
+        return ""
+    for kinetic, static in FRICTION_PAIRS:
+        if parameters.get(kinetic, 0.0) > parameters.get(static, float("inf")):
+            return "mu_k_above_mu_s" if _counts(kinetic, parameters) else ""
+    return ""
+
+
+def _counts(kinetic: str, parameters: Mapping[str, float]) -> bool:
+    """Coefficients of the sector count only where there is one."""
+    return kinetic != "mu_k_2" or parameters.get("beta", 0.0) > 0.0
+
+
+def request_at(template: Template, values: Values, start: Start | None) -> Request:
+    """The run of a point from `start`."""
+    return Request(
+        model=template.model,
+        law=law_at(template, values),
+        options={**template.options, **_of_kind(template, values, "option")},
+        parameters=parameters_at(template, values),
+        analysis=template.analysis,
+        settings=template.settings,
+        solver=template.solver,
+        start=start,
+    )
+
+
+def place_digest(template: Template, values: Values) -> bytes:
+    """sha256 of everything that decides a point but its start."""
+    digest = hashlib.sha256(template.base)
+    for value in values:
+        digest.update(_packed(value))
+    return digest.digest()
+
+
+def point_key(
+    template: Template, values: Values, entry: StartEntry | None, previous: bytes = b""
+) -> bytes:
+    """sha256 of everything that decides a point; 32 bytes.
+
+    `previous` is the key of the neighbour that a continued point starts from: a point of a chain
+    depends on all before it.
+    """
+    digest = hashlib.sha256(place_digest(template, values))
+    if entry is not None:
+        digest.update(entry.identity.encode())
+    digest.update(previous)
+    return digest.digest()
+
+
+def resolve_start(template: Template, values: Values, entry: StartEntry) -> Start:
+    """The start of a point that does not continue from a neighbour."""
+    origin = entry if entry.origin is None else entry.origin
+    kind = "equilibrium" if origin.spec.kind == "equilibrium" else "state"
+    own = _START_VALUES[origin.spec.kind](template, values, origin)
+    return Start(entry.label, kind, {**own, **start_axes(template, values)})
+
+
+def start_axes(template: Template, values: Values) -> dict[str, float]:
+    """Components of the start that are axes: state -> value."""
+    of_kind = _of_kind(template, values, "start")
+    return {name.removeprefix("initial."): value for name, value in of_kind.items()}
+
+
+def continued_start(entry: StartEntry, carried: Mapping[str, Any]) -> Start:
+    """The start of a point that continues from its neighbour."""
+    return Start(entry.label, "continue", dict(entry.spec.offset), carried)
+
+
+def _offset(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
+    return dict(entry.spec.offset)
+
+
+def _state(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
+    parameters = parameters_at(template, values)
+    return {
+        name: parameters[value] if isinstance(value, str) else value
+        for name, value in entry.spec.state.items()
+    }
+
+
+def _random(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
+    """Drawn from the box; seeded by the point itself, never by its position in the grid."""
+    seed = hashlib.sha256(place_digest(template, values))
+    seed.update(entry.identity.encode())
+    generator = np.random.Generator(np.random.PCG64(int.from_bytes(seed.digest(), "little")))
+    return {
+        name: float(generator.uniform(low, high))
+        for name, (low, high) in sorted(entry.spec.box.items())
+    }
+
+
+_START_VALUES = {"equilibrium": _offset, "state": _state, "random": _random}
+
+
+def expand_starts(specs: Sequence[StartSpec]) -> tuple[StartEntry, ...]:
+    """The labels of the dim ``initial``: one per start, `count` per random start."""
+    plain = [entry for spec in specs if spec.kind != "continue" for entry in _expanded(spec)]
+    origins = {entry.label: entry for entry in reversed(plain)}
+    origins |= {entry.spec.label: entry for entry in reversed(plain)}
+    by_spec = {id(spec): [e for e in plain if e.spec is spec] for spec in specs}
+    entries: list[StartEntry] = []
+    for spec in specs:
+        if spec.kind == "continue":
+            entries.append(StartEntry(spec.label, spec, origin=origins[spec.from_label]))
+        else:
+            entries.extend(by_spec[id(spec)])
+    return tuple(entries)
+
+
+def _expanded(spec: StartSpec) -> list[StartEntry]:
+    if spec.kind != "random":
+        return [StartEntry(spec.label, spec)]
+    return [StartEntry(f"{spec.label}-{i:03d}", spec, number=i) for i in range(spec.count)]
+
+
+def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
+    return {
+        name: value
+        for (name, axis_kind), value in zip(template.axes, values, strict=True)
+        if axis_kind == kind
+    }
+
+
+def _packed(value: Any) -> bytes:
+    if isinstance(value, str):
+        return b"s" + value.encode() + b"\0"
+    return b"d" + struct.pack("<d", value)
+
+
+def _exact(value: float | str) -> str:
+    return value if isinstance(value, str) else float(value).hex()

@@ -1,0 +1,230 @@
+"""One case from plan to dataset: lock, resume, run, assemble, sum up."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+import fiv_cli
+from fiv_cli.case.case import Case
+from fiv_cli.case.identity import differences, document, fingerprint
+from fiv_cli.data.assemble import assemble
+from fiv_cli.data.flags import STATUS
+from fiv_cli.data.netcdf import write_datasets
+from fiv_cli.data.provenance import provenance
+from fiv_cli.errors import StoreMismatchError
+from fiv_cli.sweep import journal as store
+from fiv_cli.sweep.journal import Journal
+from fiv_cli.sweep.lock import hold
+from fiv_cli.sweep.output import check_output, run_folder
+from fiv_cli.sweep.plan import AnalysisPlan, Plan, make_plan
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import Progress
+from fiv_cli.sweep.scheduler import Scheduler
+
+SHOWN_ERRORS = 3
+
+
+@dataclass(frozen=True)
+class Summary:
+    """How a run ended.
+
+    Attributes
+    ----------
+    output : the dataset
+    counts : status -> number of points, over all analyses
+    ran : points run now
+    seconds : wall-clock time
+    errors : (what, command that runs the point alone), the first distinct ones
+    ignored : shards that could not be used, and why
+    """
+
+    output: Path
+    counts: dict[str, int]
+    ran: int
+    seconds: float
+    errors: tuple[tuple[str, str], ...] = ()
+    ignored: tuple[tuple[Path, str], ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether every point has its answer."""
+        wanting = ("failed", "budget", "pending")
+        return not any(self.counts.get(status, 0) for status in wanting)
+
+    def lines(self) -> list[str]:
+        """The summary for people."""
+        counts = ", ".join(f"{count} {status}" for status, count in self.counts.items() if count)
+        total = sum(self.counts.values())
+        lines = [f"ignored {path}: {why}; its points are run again" for path, why in self.ignored]
+        lines.append(
+            f"{self.output}: {total} points: {counts} ({self.ran} run now, {self.seconds:.1f} s)"
+        )
+        for what, command in self.errors:
+            lines += [f"  {what}", f"    alone: {command}"]
+        return lines
+
+
+def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Summary:
+    """Run what is left of `case` and write its dataset.
+
+    Raises
+    ------
+    UsageError, StorageError
+        the output cannot be written.
+    StoreMismatchError
+        another case is stored there.
+    LockedError
+        a live run holds the run directory.
+    """
+    begun = time.monotonic()
+    check_output(output, fingerprint(case), policy.fresh)
+    folder = run_folder(output)
+    store.create(folder)
+    with hold(folder):
+        _claim(folder, case, policy.fresh)
+        journal = Journal(folder, make_plan(case))
+        journal.load()
+        _sweep_beats(folder)
+        with _reported(journal, output, begun, progress) as scheduled:
+            scheduler = Scheduler(journal, policy, progress, _logger(folder))
+            scheduled.append(scheduler)
+            scheduler.run()
+        write_dataset(journal, output)
+        return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+
+
+def write_dataset(journal: Journal, output: Path) -> None:
+    """Assemble the dataset from the shards of a journal."""
+    case = journal.plan.case
+    datasets = {
+        analysis.layout.name: assemble(analysis.layout, partial(journal.blocks, index))
+        for index, analysis in enumerate(journal.plan.analyses)
+    }
+    write_datasets(output, datasets, provenance(case, fingerprint(case)))
+
+
+def count_statuses(journal: Journal) -> dict[str, int]:
+    """Status -> number of points, over all analyses."""
+    counts = dict.fromkeys(STATUS.codes, 0)
+    for record in journal.records:
+        for status, code in STATUS.codes.items():
+            counts[status] += int(np.count_nonzero(record.status == code))
+    return counts
+
+
+def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
+    """The command that runs one point alone."""
+    case = plan.case
+    values, index = analysis.point(position)
+    axes = [name for name, _ in analysis.template.axes]
+    quoted = {name: _toml(value) for name, value in zip(axes, values, strict=True)}
+    settings = [f"--set '{line}'" for line in case.overrides]
+    settings += [f"--set 'grid.{_toml_key(name)}=[{value}]'" for name, value in quoted.items()]
+    entry = analysis.entry(index)
+    start = "" if entry is None else f"   # initial: {entry.label}"
+    return " ".join(["fiv run", case.source, *settings]) + start
+
+
+@contextmanager
+def _reported(
+    journal: Journal, output: Path, begun: float, progress: Progress
+) -> Iterator[list[Scheduler]]:
+    """Sum up and log on every path, also when the run is interrupted or fails."""
+    log = _logger(journal.folder)
+    log(f"fiv {fiv_cli.__version__}: {journal.plan.size} points to {output}")
+    for path, why in journal.ignored:
+        log(f"ignored {path}: {why}")
+    scheduled: list[Scheduler] = []
+    try:
+        yield scheduled
+    except BaseException as error:
+        ran = scheduled[0].ran if scheduled else 0
+        summary = _summed_up(journal, output, ran, time.monotonic() - begun)
+        for line in summary.lines():
+            progress.note(line)
+        progress.note("what is finished is kept; the same command goes on from here")
+        log(f"stopped by {type(error).__name__} after {ran} points")
+        raise
+    log(f"finished: {scheduled[0].ran} points run")
+
+
+def _claim(folder: Path, case: Case, fresh: bool) -> None:
+    """Make the run directory this case's own, or refuse another's."""
+    stored = store.stored_identity(folder)
+    differing = [] if stored is None else differences(stored, case)
+    if differing and not fresh:
+        raise StoreMismatchError(
+            "\n".join(
+                [
+                    f"{folder}: holds results of another case",
+                    *(f"  {line}" for line in differing),
+                    "next: choose another place with -o FILE.nc, or throw them away with --fresh",
+                ]
+            )
+        )
+    if fresh:
+        store.clear(folder)
+        store.create(folder)
+    store.write_identity(folder, document(case), _effective_text(case))
+
+
+def _effective_text(case: Case) -> str:
+    """The case as it is run: overrides first, as comments."""
+    return "".join(f"# --set {line}\n" for line in case.overrides) + case.text
+
+
+def _summed_up(journal: Journal, output: Path, ran: int, seconds: float) -> Summary:
+    return Summary(
+        output=output,
+        counts=count_statuses(journal),
+        ran=ran,
+        seconds=seconds,
+        errors=tuple(_errors(journal)),
+        ignored=tuple(journal.ignored),
+    )
+
+
+def _errors(journal: Journal) -> list[tuple[str, str]]:
+    """The first distinct errors, with the command that runs each point alone."""
+    found = []
+    for index, analysis in enumerate(journal.plan.analyses):
+        for position, message in journal.messages(index, SHOWN_ERRORS):
+            what = message.partition("\n")[0] or "failed"
+            found.append((what, reproduction(journal.plan, analysis, position)))
+    return found[:SHOWN_ERRORS]
+
+
+def _logger(folder: Path) -> Callable[[str], None]:
+    """Append dated lines to the log; a full disk must not hide what the log is about."""
+
+    def write(text: str) -> None:
+        stamp = time.strftime("%Y-%m-%dT%H:%M:%S")
+        try:
+            with (folder / "run.log").open("a", encoding="utf-8") as file:
+                file.write(f"{stamp} {text}\n")
+        except OSError:
+            return
+
+    return write
+
+
+def _sweep_beats(folder: Path) -> None:
+    """Remove what a killed run left: heartbeats and half-written files."""
+    for pattern in (".beat-*", ".*.tmp", "shards/.*.tmp"):
+        for path in folder.glob(pattern):
+            path.unlink(missing_ok=True)
+
+
+def _toml(value: object) -> str:
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def _toml_key(name: str) -> str:
+    return f'"{name}"' if "." in name else name

@@ -1,0 +1,280 @@
+"""Runs what is left of a plan and stores it, chunk by chunk.
+
+The parent alone writes. Cost settings (workers, chunks, order) never reach a value: a task only
+says which points to run.
+"""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from fiv_cli.analyses.execute import Request
+from fiv_cli.data.flags import STATUS
+from fiv_cli.errors import FivError
+from fiv_cli.sweep.journal import Journal
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.pool import WorkerPool
+from fiv_cli.sweep.progress import Progress
+from fiv_cli.sweep.queue import Job, Queue
+from fiv_cli.sweep.worker import Result, lost_point, row_being_run, run_task
+
+MANY_SHARDS = 400
+"""A long run makes its chunks longer rather than many more than this."""
+
+LONGEST_CHUNK = 20.0
+"""Seconds that a chunk may take; what a kill can lose."""
+
+FRUITLESS_RESTARTS = 3
+"""Deaths of workers in a row, none of which had begun a point, after which we give up."""
+
+FAILED = STATUS.codes["failed"]
+
+
+@dataclass
+class Pace:
+    """Measured cost of the points of one analysis."""
+
+    seconds_per_point: float | None = None
+    last_count: int = 0
+
+    def learn(self, points: int, seconds: float) -> None:
+        """Take a finished task into account; recent ones count most."""
+        cost = seconds / points
+        before = self.seconds_per_point
+        self.seconds_per_point = cost if before is None else 0.7 * before + 0.3 * cost
+
+    def count(self, left: int, workers: int, policy: Policy) -> int:
+        """Points of the next task: short tasks first, then as long as `policy` aims for."""
+        if policy.chunk_points is not None:
+            return policy.chunk_points
+        if self.seconds_per_point is None:
+            return 1
+        cost = max(self.seconds_per_point, 1e-7)
+        target = min(max(policy.chunk_seconds, cost * left / MANY_SHARDS), LONGEST_CHUNK)
+        share = -(-left // (4 * workers))
+        self.last_count = int(max(1, min(target / cost, share, 8 * self.last_count + 8)))
+        return self.last_count
+
+    def remaining(self, left: int) -> float | None:
+        """Estimated work, s."""
+        return None if self.seconds_per_point is None else self.seconds_per_point * left
+
+
+@dataclass
+class _Flight:
+    """A job that a worker has."""
+
+    job: Job
+    since: float
+    heartbeat: Path
+
+
+@dataclass
+class Scheduler:
+    """Runs the points that a journal does not hold yet.
+
+    Attributes
+    ----------
+    journal : where results are stored
+    policy : how to run
+    progress : told what happens
+    log : writes a line into the log of the run
+    """
+
+    journal: Journal
+    policy: Policy
+    progress: Progress
+    log: Callable[[str], None]
+    ran: int = 0
+    _pool: WorkerPool | None = None
+    _flights: dict[Future[Result], _Flight] = field(default_factory=dict)
+    _held: Job | None = None
+    _stopped: bool = False
+    _dispatched: int = 0
+    _fruitless: int = 0
+    _beats: int = 0
+
+    def run(self) -> None:
+        """Run what is left.
+
+        Raises
+        ------
+        StorageError
+            a result cannot be stored; what is stored stays.
+        """
+        queues = [
+            Queue(analysis, record, self.policy.executor, self.policy.time_limit)
+            for analysis, record in zip(
+                self.journal.plan.analyses, self.journal.records, strict=True
+            )
+        ]
+        left = sum(queue.left for queue in queues)
+        total = self.journal.plan.size
+        self.progress.begin(total, max(0, total - left))
+        try:
+            if left:
+                self._prepare([i for i, queue in enumerate(queues) if queue.left])
+            for index, queue in enumerate(queues):
+                self._drain(index, queue)
+        finally:
+            self._close()
+            self.progress.end()
+
+    def _prepare(self, indices: list[int]) -> None:
+        """Generate and compile before workers start, so that none does it twice."""
+        module, _, name = self.policy.preparer.partition(":")
+        prepare: Callable[[Iterable[Request], Callable[[str], None]], None] = getattr(
+            importlib.import_module(module), name
+        )
+        analyses = self.journal.plan.analyses
+        requests = (request for i in indices for request in analyses[i].systems())
+        prepare(requests, self.progress.note)
+
+    def _drain(self, index: int, queue: Queue) -> None:
+        """Run everything in one queue, in this process or in workers."""
+        pace = Pace()
+        self._held = None
+        while (queue.left and not self._full()) or self._flights or self._holding():
+            if self._pool is None and self._wants_workers(pace, queue):
+                self._pool = WorkerPool(self.policy.workers)
+            if self._pool is None:
+                self._run_here(index, queue, pace)
+            else:
+                self._run_in_workers(index, queue, pace, self._pool)
+
+    def _full(self) -> bool:
+        """Whether nothing more may be started."""
+        limit = self.policy.max_points
+        return self._stopped or (limit is not None and self._dispatched >= limit)
+
+    def _wants_workers(self, pace: Pace, queue: Queue) -> bool:
+        """Workers pay when the work outlasts their start; a wall-clock limit needs them."""
+        if self.policy.time_limit is not None:
+            return True
+        remaining = pace.remaining(queue.left)
+        below = self.policy.in_process_below
+        if self.policy.workers == 1:
+            return False
+        return below <= 0.0 or (remaining is not None and remaining > below)
+
+    def _holding(self) -> bool:
+        """Whether a job that was taken already waits to be submitted."""
+        return self._held is not None and not self._stopped
+
+    def _next_job(self, queue: Queue, pace: Pace, heartbeat: Path | None) -> Job | None:
+        if self._full():
+            return None
+        count = pace.count(queue.left, self.policy.workers, self.policy)
+        if self.policy.max_points is not None:
+            count = min(count, self.policy.max_points - self._dispatched)
+        job = queue.next_job(count, heartbeat)
+        self._dispatched += 0 if job is None else len(job.positions)
+        return job
+
+    def _run_here(self, index: int, queue: Queue, pace: Pace) -> None:
+        job = self._next_job(queue, pace, None)
+        if job is not None:
+            self._accept(index, queue, pace, job, run_task(job.task))
+
+    def _accept(self, index: int, queue: Queue, pace: Pace, job: Job, result: Result) -> None:
+        """Store a result, then let what follows from it run."""
+        self.journal.write(index, job.positions, result.block)
+        queue.finished(job, result)
+        pace.learn(len(job.positions), result.seconds)
+        failed = int(np.count_nonzero(result.block.status == FAILED))
+        self.ran += len(job.positions)
+        self._stopped |= bool(failed) and self.policy.fail_fast
+        for row, message in result.block.messages.items():
+            self.log(f"point {job.positions[row]}: {message}")
+        self.progress.advance(len(job.positions), failed)
+
+    def _run_in_workers(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
+        """Keep the workers busy, take what is finished, repair what broke."""
+        try:
+            self._submit_jobs(queue, pace, pool)
+        except BrokenExecutor:
+            self._repair(index, queue, pace, pool)
+            return
+        done, _ = wait(self._flights, timeout=1.0, return_when=FIRST_COMPLETED)
+        broken = False
+        for future in done:
+            if isinstance(future.exception(), BrokenExecutor):
+                broken = True
+                continue
+            flight = self._flights.pop(future)
+            self._fruitless = 0
+            self._accept(index, queue, pace, flight.job, future.result())
+        if broken:
+            self._repair(index, queue, pace, pool)
+
+    def _submit_jobs(self, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
+        """Two jobs per worker; a job that must be alone waits for the others to end."""
+        while len(self._flights) < 2 * pool.workers:
+            if any(flight.job.alone for flight in self._flights.values()):
+                return
+            if self._held is None:
+                self._held = self._next_job(queue, pace, self._heartbeat())
+            job = self._held
+            if job is None or (job.alone and self._flights):
+                return
+            heartbeat = job.task.heartbeat
+            assert heartbeat is not None
+            future = pool.submit(job.task)
+            self._flights[future] = _Flight(job, time.monotonic(), heartbeat)
+            self._held = None
+
+    def _heartbeat(self) -> Path:
+        self._beats += 1
+        return self.journal.folder / f".beat-{self._beats}"
+
+    def _repair(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
+        """After a worker died: take its jobs back, and run alone what may have killed it."""
+        pool.close()
+        flights, self._flights = self._flights, {}
+        begun = False
+        for future, flight in flights.items():
+            if future.done() and not future.cancelled() and future.exception() is None:
+                self._accept(index, queue, pace, flight.job, future.result())
+                continue
+            row = row_being_run(flight.heartbeat)
+            flight.heartbeat.unlink(missing_ok=True)
+            begun |= row is not None
+            if flight.job.alone and row is not None:
+                self._accept(index, queue, pace, flight.job, self._given_up(flight))
+            else:
+                self._dispatched -= len(flight.job.positions)
+                queue.lost(flight.job, row)
+        self._count_fruitless(begun)
+        self.log("a worker died; its points are run again, the suspects alone")
+        pool.restart()
+
+    def _count_fruitless(self, begun: bool) -> None:
+        self._fruitless = 0 if begun else self._fruitless + 1
+        if self._fruitless > FRUITLESS_RESTARTS:
+            raise FivError(
+                "worker processes die before they begin to compute\n"
+                "next: run again with --workers 1"
+            )
+
+    def _given_up(self, flight: _Flight) -> Result:
+        """A point that ended its worker a second time."""
+        limit = self.policy.time_limit
+        if limit is not None and time.monotonic() - flight.since >= limit:
+            message = f"took longer than {limit:g} s"
+            return lost_point(flight.job.task, "wall_clock", message)
+        return lost_point(flight.job.task, "worker_died", "the worker died twice on this point")
+
+    def _close(self) -> None:
+        if self._pool is not None:
+            self._pool.close()
+            self._pool = None
+        for flight in self._flights.values():
+            flight.heartbeat.unlink(missing_ok=True)
+        self._flights.clear()

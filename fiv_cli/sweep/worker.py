@@ -1,0 +1,298 @@
+"""What a worker process does: run the points of a task and return them as one block.
+
+Values never depend on how points are packed into tasks: a task only says which points to run,
+and a point of a chain is given exactly what its neighbour left.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import importlib
+import json
+import os
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from fiv_cli.analyses.base import Outcome, Start
+from fiv_cli.analyses.execute import Request
+from fiv_cli.data.block import Block, pack
+from fiv_cli.data.flags import reason_code, retried_codes
+from fiv_cli.data.shard import from_plain, to_plain
+from fiv_cli.data.variables import Variable
+from fiv_cli.sweep.points import (
+    StartEntry,
+    Template,
+    Values,
+    continued_start,
+    exclusion,
+    parameters_at,
+    point_key,
+    request_at,
+    resolve_start,
+)
+
+EXECUTOR = "fiv_cli.analyses.execute:execute"
+
+_PR_SET_PDEATHSIG = 1
+
+
+@dataclass(frozen=True)
+class ChainState:
+    """What the next point of a chain needs to know of the one before.
+
+    Attributes
+    ----------
+    lost : the class that is followed was lost
+    carry : `Outcome.carry` of the neighbour; None where it was lost
+    attractor : class of the neighbour
+    blocked : reason why nothing after it can be run now (an outer circumstance); empty: none
+    """
+
+    lost: bool
+    carry: dict[str, Any] | None
+    attractor: str
+    blocked: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """As plain data, for a shard."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Points that are run one after the other: a piece of a chain, or a single point.
+
+    Attributes
+    ----------
+    values : axis values of each point
+    entry : index of the start
+    state : what the point before left; None at the beginning of a chain
+    previous : key of the point before; empty at the beginning
+    """
+
+    values: tuple[Values, ...]
+    entry: int
+    state: ChainState | None = None
+    previous: bytes = b""
+
+
+@dataclass(frozen=True)
+class Task:
+    """Points for one worker to run.
+
+    Attributes
+    ----------
+    template : what they share
+    variables : the table of their variables
+    segments : the points
+    executor : ``module:function`` that turns a `Request` into an `Outcome`
+    time_limit : wall-clock limit of a point, s; the worker dies when it is passed
+    heartbeat : file into which the row being run is written; None in the parent's own process
+    """
+
+    template: Template
+    variables: tuple[Variable, ...]
+    segments: tuple[Segment, ...]
+    executor: str = EXECUTOR
+    time_limit: float | None = None
+    heartbeat: Path | None = None
+
+
+@dataclass
+class Result:
+    """What came of a task.
+
+    Attributes
+    ----------
+    block : the outcomes, row by row in the order of the task
+    seconds : time the points took
+    states : segment number -> state after its last point, for segments of chains
+    """
+
+    block: Block
+    seconds: float
+    states: dict[int, ChainState] = field(default_factory=dict)
+
+
+def run_task(task: Task) -> Result:
+    """Run every point of a task."""
+    begun = time.perf_counter()
+    execute = _imported(task.executor)
+    outcomes: list[Outcome] = []
+    keys: list[bytes] = []
+    states: dict[int, ChainState] = {}
+    carries: dict[int, dict[str, Any]] = {}
+    with _Pulse(task) as pulse:
+        for number, segment in enumerate(task.segments):
+            ran = list(_run_segment(task.template, segment, execute, pulse))
+            outcomes += [outcome for outcome, _, _ in ran]
+            keys += [key for _, key, _ in ran]
+            last = ran[-1][2]
+            if last is not None:
+                states[number] = last
+                carries[len(outcomes) - 1] = last.plain()
+    block = pack(outcomes, keys, task.variables, carries)
+    return Result(block, time.perf_counter() - begun, states)
+
+
+def lost_point(task: Task, reason: str, message: str) -> Result:
+    """The result of a one-point task that cannot be run: a failed point."""
+    (segment,) = task.segments
+    entry = task.template.entries[segment.entry]
+    key = point_key(task.template, segment.values[0], entry, segment.previous)
+    outcome = Outcome("failed", reason, message=message)
+    continues = entry is not None and entry.spec.kind == "continue"
+    state = _next_state(outcome, segment.state) if continues else None
+    carries = {} if state is None else {0: state.plain()}
+    states = {} if state is None else {0: state}
+    return Result(pack([outcome], [key], task.variables, carries), 0.0, states)
+
+
+def initialise(parent: int) -> None:
+    """Prepare a worker process: it must not outlive its parent, and the parent handles Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it died before the line above took effect
+        os._exit(1)
+
+
+def _run_segment(
+    template: Template, segment: Segment, execute: Callable[[Request], Outcome], pulse: _Pulse
+) -> Iterator[tuple[Outcome, bytes, ChainState | None]]:
+    entry = template.entries[segment.entry]
+    state, previous = segment.state, segment.previous
+    for values in segment.values:
+        pulse.beat()
+        key = point_key(template, values, entry, previous)
+        outcome = _guarded(template, values, entry, state, execute)
+        if entry is None or entry.spec.kind != "continue":
+            yield outcome, key, None
+            continue
+        state, previous = _next_state(outcome, state), key
+        yield outcome, key, state
+
+
+def _guarded(
+    template: Template,
+    values: Values,
+    entry: StartEntry | None,
+    state: ChainState | None,
+    execute: Callable[[Request], Outcome],
+) -> Outcome:
+    """The outcome of a point; an exception is a failed point, never a lost task."""
+    try:
+        if entry is None:
+            return _executed(template, values, None, execute)
+        return _run_chain_point(template, values, entry, state, execute)
+    except Exception as error:
+        message = f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
+        return Outcome("failed", "internal_error", message=message)
+
+
+def _run_chain_point(
+    template: Template,
+    values: Values,
+    entry: StartEntry,
+    state: ChainState | None,
+    execute: Callable[[Request], Outcome],
+) -> Outcome:
+    if state is not None and state.blocked:
+        return Outcome("not_reached", state.blocked)
+    if state is None or (state.lost and entry.spec.on_loss == "restart"):
+        return _executed(template, values, resolve_start(template, values, entry), execute)
+    if state.carry is None or state.lost:
+        return Outcome("not_reached", "class_changed")
+    return _executed(template, values, continued_start(entry, state.carry), execute)
+
+
+def _executed(
+    template: Template,
+    values: Values,
+    start: Start | None,
+    execute: Callable[[Request], Outcome],
+) -> Outcome:
+    reason = exclusion(template, parameters_at(template, values))
+    if reason:
+        return Outcome("not_computed", reason)
+    return execute(request_at(template, values, start))
+
+
+def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
+    """State of a chain after a point; the class is lost when it changes or nothing is carried.
+
+    A point that failed for an outer reason is run again on resume; until then nothing behind it
+    is run, so that what stands behind it never depends on that failure.
+    """
+    attractor = str(outcome.values.get("attractor", ""))
+    followed = before is not None and not before.lost
+    changed = followed and before is not None and attractor != before.attractor
+    lost = outcome.status != "ok" or outcome.carry is None or changed
+    blocked = "" if before is None else before.blocked
+    if outcome.status == "failed" and reason_code(outcome.reason) in retried_codes():
+        blocked = outcome.reason
+    return ChainState(lost, None if lost else _stored_form(outcome.carry), attractor, blocked)
+
+
+def _stored_form(carry: Any) -> dict[str, Any]:
+    """`carry` as it would come back from a shard, so that resuming changes nothing."""
+    form: dict[str, Any] = from_plain(json.loads(json.dumps(to_plain(carry))))
+    return form
+
+
+def _imported(path: str) -> Callable[[Request], Outcome]:
+    module, _, name = path.partition(":")
+    function: Callable[[Request], Outcome] = getattr(importlib.import_module(module), name)
+    return function
+
+
+class _Pulse:
+    """Tells the parent which row is being run, and ends the process when one takes too long."""
+
+    def __init__(self, task: Task) -> None:
+        self._row = -1
+        self._path = task.heartbeat
+        self._limit = task.time_limit
+        self._file = -1
+
+    def __enter__(self) -> _Pulse:
+        if self._path is not None:
+            with contextlib.suppress(OSError):  # a full disk: go on without
+                self._file = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        if self._path is not None and self._file >= 0:
+            os.close(self._file)
+            self._path.unlink(missing_ok=True)
+        if self._limit is not None:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+    def beat(self) -> None:
+        """A new row begins.
+
+        SIGALRM keeps its default action, which ends the process even inside compiled code.
+        """
+        self._row += 1
+        if self._file >= 0:
+            with contextlib.suppress(OSError):
+                os.pwrite(self._file, self._row.to_bytes(8, "little"), 0)
+        if self._limit is not None:
+            signal.setitimer(signal.ITIMER_REAL, self._limit)
+
+
+def row_being_run(heartbeat: Path) -> int | None:
+    """The row a dead worker was running; None when it had not begun or had already finished."""
+    try:
+        content = heartbeat.read_bytes()
+    except OSError:
+        return None
+    return int.from_bytes(content, "little") if len(content) == 8 else None

@@ -1,0 +1,133 @@
+"""Stand-ins for the physics: executors that are quick, exact, and fail on demand."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+
+from fiv_cli.analyses.base import Outcome
+from fiv_cli.analyses.execute import Request
+from fiv_cli.case.case import Case
+from fiv_cli.case.load import parse_case
+
+CLASSES = ("periodic", "chaotic", "equilibrium")
+
+BELT = """
+schema = 1
+title = "fake sweep"
+[model]
+name = "belt-1dof"
+[grid]
+N = { start = 1, stop = 5, num = 5 }
+v = [0.5, 1.0, 2.0]
+[[initial]]
+label = "near"
+kind = "equilibrium"
+offset = { x = 1e-4 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { x_dot = "v" }
+[[analysis]]
+kind = "response"
+"""
+
+CHAIN = """
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = [0.5, 1.0]
+N = { start = 1, stop = 8, num = 8 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { x = 1.0 }
+[[initial]]
+label = "up"
+kind = "continue"
+along = "N"
+direction = "up"
+from = "far"
+[[analysis]]
+kind = "response"
+"""
+
+
+def case(text: str = BELT, *overrides: str) -> Case:
+    """A case from TOML text."""
+    return parse_case(text, "fake.toml", overrides)
+
+
+def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:
+    """Nothing has to be compiled; the requests must be sound all the same."""
+    assert all(request.model for request in requests)
+
+
+def answer(request: Request) -> Outcome:
+    """A response that depends on every input, irrational enough to notice any change of a bit."""
+    p = request.parameters
+    start = request.start
+    carried = 0.0 if start is None or start.carried is None else start.carried["x"]
+    offset = 0.0 if start is None else sum(start.values.values())
+    x = float(np.sin(p["N"] * 1.7 + p["v"]) + 0.3 * offset + 0.1 * carried)
+    count = int(p["N"]) % 4
+    return Outcome(
+        values={
+            "attractor": CLASSES[int(p["N"] > 6)],
+            "L_s": x * x,
+            "L_s_reference": np.array([x]),
+            "multiplicity": count,
+            "stick_fraction": abs(x) / 2,
+            "floquet_multiplier": np.array([x, x / 3])[: count % 2 + 1],
+        },
+        ragged={"section_value": np.sin(np.arange(count) + x)},
+        carry={"x": x, "state": np.array([x, 2 * x])},
+    )
+
+
+def counted(request: Request) -> Outcome:
+    """`answer`, leaving one line per run in the file that FIV_TEST_COUNT names."""
+    with Path(os.environ["FIV_TEST_COUNT"]).open("a") as file:
+        file.write(f"{request.parameters['N']!r} {request.parameters['v']!r}\n")
+    return answer(request)
+
+
+def slow(request: Request) -> Outcome:
+    """`answer` after a tenth of a second."""
+    time.sleep(0.1)
+    return answer(request)
+
+
+def deadly(request: Request) -> Outcome:
+    """Ends its process where N = 3 and v = 1."""
+    if request.parameters["N"] == 3.0 and request.parameters["v"] == 1.0:
+        os.kill(os.getpid(), 9)
+    return answer(request)
+
+
+def deadly_once(request: Request) -> Outcome:
+    """Ends its process where N = 3 and v = 1, the first time only."""
+    mark = Path(os.environ["FIV_TEST_COUNT"])
+    if request.parameters["N"] == 3.0 and request.parameters["v"] == 1.0 and not mark.exists():
+        mark.write_text("died")
+        os.kill(os.getpid(), 9)
+    return answer(request)
+
+
+def raising(request: Request) -> Outcome:
+    """Raises where N = 2."""
+    if request.parameters["N"] == 2.0:
+        raise ValueError("N is two")
+    return answer(request)
+
+
+def endless(request: Request) -> Outcome:
+    """Takes a minute where N = 2 and v = 1."""
+    if request.parameters["N"] == 2.0 and request.parameters["v"] == 1.0:
+        time.sleep(60.0)
+    return answer(request)
