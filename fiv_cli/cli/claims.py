@@ -101,7 +101,20 @@ def _dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
     stored = next(iter(analyses.values())).attrs.get("fingerprint")
     if stored != fingerprint(case, None):
         return None, f"{path} was computed from another version of the case; {advice} --fresh"
+    if not all(_same_grid(case, dataset) for dataset in analyses.values()):
+        return None, f"{path} was computed on another grid; {advice}"
     return analyses, ""
+
+
+def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
+    """Whether the dataset has just the points that the case asks for."""
+    import numpy as np
+
+    return all(
+        axis.dim in dataset.coords
+        and np.array_equal(dataset.coords[axis.dim].values, np.asarray(axis.values))
+        for axis in case.axes
+    )
 
 
 def _entry(

@@ -47,7 +47,8 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     x = points.positions(axis)
     modes = dataset.sizes["mode"]
     lines = points.lines(dataset, [dim], points.grid_dims(dataset))
-    colours = style.line_colours(modes)
+    # the colour of unstable points is no mode's
+    colours = [c for c in style.line_colours(modes + 1) if c != style.VERMILLION]
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
         for mode in range(modes):

@@ -175,7 +175,7 @@ def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
         x = positions(axis)[anywhere.values]
         height = np.full(x.shape, 0.02 + 0.03 * level)
         ax.plot(
-            x, height, marker, color=colour, ms=4, ls="none", label=name, clip_on=False,
+            x, height, marker, color=colour, ms=5, ls="none", label=name, clip_on=False,
             transform=ax.get_xaxis_transform(), zorder=5,
         )  # fmt: skip
 

@@ -1,0 +1,490 @@
+"""Claims: the verdict follows from hits, misses and open points, and says what was found."""
+
+import json
+import operator
+
+import numpy as np
+import pytest
+import synthetic_datasets as data
+import xarray as xr
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fiv_cli.case.case import ClaimSpec
+from fiv_cli.cli.claims import Entry, case_files, command, lines
+from fiv_cli.data import select
+from fiv_cli.data.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate, tally
+from fiv_cli.errors import UsageError
+
+MU_K = np.arange(1, 11) / 10
+
+
+def friction_axis(values=MU_K):
+    return {"mu_k": data.axis("mu_k", values, r"\mu_k", "1", "kinetic friction")}
+
+
+def sweep(classes, L_s=None, status=None, rows=None, **given):
+    """A response along mu_k = 0.1, 0.2, ..."""
+    L_s = np.arange(len(classes), dtype=float) if L_s is None else L_s
+    coords = friction_axis(MU_K[: len(classes)])
+    return data.response(classes, L_s, coords, ("mu_k",), status, rows, **given)
+
+
+def claim(variable, expect, at=None, holds="all", analysis=""):
+    return ClaimSpec("7.3", "as printed", variable, expect, at or {}, holds, "", analysis)
+
+
+def tried(dataset, *arguments, other=lambda case: None, **keywords):
+    return evaluate(claim(*arguments, **keywords), {"": dataset}, other)
+
+
+THREE = ["periodic", "periodic", "equilibrium"]
+
+
+@pytest.mark.parametrize(
+    ("expect", "holds", "verdict"),
+    [
+        ("periodic", "all", CONTRADICTED),
+        ("periodic", "any", CONFIRMED),
+        ("periodic", 2 / 3, CONFIRMED),
+        ("periodic", 0.7, CONTRADICTED),
+        ("chaotic", "any", CONTRADICTED),
+        ("not chaotic", "all", CONFIRMED),
+        ("not periodic", "all", CONTRADICTED),
+    ],
+)
+def test_classes_are_counted(expect, holds, verdict):
+    assert tried(sweep(THREE), "attractor", expect, holds=holds).verdict == verdict
+
+
+def test_a_finding_counts_classes_and_names_the_misses():
+    verdict = tried(sweep(THREE), "attractor", "periodic")
+    assert (verdict.hits, verdict.points, verdict.open) == (2, 3, 0)
+    assert "2 of 3 points" in verdict.found
+    assert "periodic 2, equilibrium 1" in verdict.found
+    assert "not at mu_k = 0.3" in verdict.found
+
+
+def test_many_misses_are_counted_not_listed():
+    found = tried(sweep(["chaotic"] * 10), "attractor", "periodic").found
+    assert found.count("mu_k =") == 3
+    assert "and 7 more" in found
+
+
+@pytest.mark.parametrize(
+    ("classes", "status"),
+    [
+        (["periodic", "undecided"], ["ok", "ok"]),
+        (["periodic", "undecided"], ["ok", "budget"]),
+        (["periodic", "not_computed"], ["ok", "failed"]),
+        (["periodic", "not_computed"], ["ok", "not_reached"]),
+        (["periodic", "not_computed"], ["ok", "pending"]),
+        (["periodic", "not_computed"], ["ok", "not_computed"]),
+    ],
+)
+def test_a_point_without_answer_leaves_the_claim_undetermined(classes, status):
+    verdict = tried(sweep(classes, status=status), "attractor", "periodic")
+    assert verdict.verdict == UNDETERMINED
+    assert verdict.open == 1
+    assert "1 not decided or not computed" in verdict.found
+
+
+def test_open_points_do_not_save_a_claim_that_others_contradict():
+    dataset = sweep(["periodic", "undecided", "equilibrium"])
+    assert tried(dataset, "attractor", "periodic").verdict == CONTRADICTED
+
+
+def test_open_points_do_not_spoil_a_claim_that_others_confirm():
+    dataset = sweep(["periodic", "undecided", "equilibrium"])
+    assert tried(dataset, "attractor", "periodic", holds="any").verdict == CONFIRMED
+    assert tried(dataset, "attractor", "periodic", holds=0.3).verdict == CONFIRMED
+
+
+def test_undecided_can_itself_be_claimed():
+    dataset = sweep(["undecided", "periodic"], status=["budget", "ok"])
+    assert tried(dataset, "attractor", "undecided", {"mu_k": 0.1}).verdict == CONFIRMED
+    assert tried(dataset, "attractor", "not undecided", {"mu_k": 0.1}).verdict == CONTRADICTED
+
+
+def test_status_is_known_everywhere():
+    dataset = sweep(["periodic", "not_computed"], status=["ok", "not_reached"])
+    assert tried(dataset, "status", "not_reached", {"mu_k": 0.2}).verdict == CONFIRMED
+    assert tried(dataset, "status", "ok").verdict == CONTRADICTED
+
+
+@given(
+    st.lists(st.sampled_from(["periodic", "equilibrium", "undecided"]), min_size=1, max_size=10),
+    st.sampled_from(["all", "any", 0.25, 0.5, 0.9]),
+)
+def test_the_verdict_is_what_every_completion_of_the_open_points_agrees_on(classes, holds):
+    """Confirmed (contradicted) exactly if it stays so however the open points turn out."""
+
+    def outcome(completed):
+        needed = {"all": 1.0, "any": 0.01}.get(holds, holds)
+        share = sum(c == "periodic" for c in completed) / len(completed)
+        return share >= needed - 1e-9
+
+    best = [c.replace("undecided", "periodic") for c in classes]
+    worst = [c.replace("undecided", "equilibrium") for c in classes]
+    expected = {(True, True): CONFIRMED, (False, False): CONTRADICTED}.get(
+        (outcome(best), outcome(worst)), UNDETERMINED
+    )
+    assert tried(sweep(classes), "attractor", "periodic", holds=holds).verdict == expected
+
+
+def test_conditions_select_points():
+    dataset = sweep(["equilibrium"] * 3 + ["periodic"] * 4 + ["chaotic"] * 3)
+    verdict = tried(dataset, "attractor", "periodic", {"mu_k": "0.4 <= . < 0.8"})
+    assert (verdict.verdict, verdict.points) == (CONFIRMED, 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("0.3 <= . < 0.5", 2),
+        ("0.3 < . <= 0.5", 2),
+        (". >= 0.9", 2),
+        (". < 0.3", 2),
+        ("0.2 < .", 8),
+        (". == 0.7", 1),
+    ],
+)
+def test_bounds_of_conditions_are_exact_although_axes_are_binary(text, count):
+    axis = xr.DataArray(0.1 * np.arange(1, 11), dims="mu_k", name="mu_k")
+    assert select.matching(axis, text, nearest=False).sum() == count
+
+
+@given(st.floats(0.05, 1.05), st.floats(0.05, 1.05))
+def test_conditions_agree_with_comparison(low, high):
+    axis = xr.DataArray(MU_K, dims="mu_k", name="mu_k")
+    expected = operator.and_(low <= MU_K, high > MU_K)
+    text = f"{low!r} <= . < {high!r}"
+    if np.isclose(MU_K, low).any() or np.isclose(MU_K, high).any():
+        return
+    if expected.any():
+        assert (select.matching(axis, text, nearest=False) == expected).all()
+    else:
+        with pytest.raises(select.SelectionError):
+            select.matching(axis, text, nearest=False)
+
+
+@pytest.mark.parametrize(
+    ("at", "words"),
+    [
+        ({"mu_k": 0.15}, "mu_k = 0.15: not in this dataset"),
+        ({"mu_k": "2 < . < 3"}, "not in this dataset"),
+        ({"N0": 30.0}, "N0: no axis"),
+        ({"initial": "far"}, "initial: no axis"),
+    ],
+)
+def test_what_is_not_in_the_dataset_is_undetermined(at, words):
+    verdict = tried(sweep(THREE), "attractor", "periodic", at)
+    assert verdict.verdict == UNDETERMINED
+    assert words in verdict.found
+    assert "\n" not in verdict.found
+
+
+def test_unknown_variables_classes_and_analyses_are_undetermined():
+    assert "no variable" in tried(sweep(THREE), "speed", "periodic").found
+    assert "no class of attractor" in tried(sweep(THREE), "attractor", "wobbly").found
+    assert "no analysis" in tried(sweep(THREE), "attractor", "periodic", analysis="b").found
+    assert tried(sweep(THREE), "L_s", "periodic").verdict == UNDETERMINED
+
+
+def test_starts_are_selected_by_label_and_random_ones_by_their_stem():
+    labels = np.array(["near", "far-000", "far-001"])
+    classes = np.array([["equilibrium", "periodic", "periodic"]])
+    coords = friction_axis([0.3]) | {"initial": ("initial", labels)}
+    dataset = data.response(classes, np.zeros((1, 3)), coords, ("mu_k", "initial"))
+    assert tried(dataset, "attractor", "periodic", {"initial": "far"}).points == 2
+    assert tried(dataset, "attractor", "periodic", {"initial": "far"}).verdict == CONFIRMED
+    assert tried(dataset, "attractor", "equilibrium", {"initial": "near"}).verdict == CONFIRMED
+    assert "initial = far-000" in tried(dataset, "attractor", "equilibrium").found
+
+
+@pytest.mark.parametrize(("tolerance", "verdict"), [(0.5, CONFIRMED), (0.49, CONTRADICTED)])
+def test_a_value_lies_within_its_tolerance(tolerance, verdict):
+    dataset = sweep(["periodic"] * 2, L_s=[2.0, 3.0])
+    expect = {"value": 2.5, "tolerance": tolerance}
+    assert tried(dataset, "L_s", expect).verdict == verdict
+
+
+def test_values_say_their_range_and_unit():
+    dataset = sweep(["periodic"] * 2, L_s=[2.0, 3.0])
+    assert "found 2 to 3 rad2" in tried(dataset, "L_s", {"value": 2.5, "tolerance": 1}).found
+
+
+def test_a_computed_point_without_the_value_is_a_miss():
+    dataset = sweep(["periodic", "equilibrium"], L_s=[2.0, np.nan])
+    assert tried(dataset, "L_s", {"value": 2.0, "tolerance": 0}).verdict == CONTRADICTED
+
+
+def test_padding_along_own_dims_is_no_point():
+    solutions = (("mu_k", "solution"), np.array([[1.0, np.nan], [1.0, 1.0]]), {"units": "N"})
+    dataset = sweep(["periodic"] * 2, F_N=solutions)
+    verdict = tried(dataset, "F_N", {"value": 1.0, "tolerance": 0})
+    assert (verdict.verdict, verdict.points) == (CONFIRMED, 3)
+
+
+def test_integers_that_were_not_computed_are_no_numbers():
+    counts = (("mu_k",), np.array([2, -2147483647], np.int32), {"units": "1"})
+    dataset = sweep(["periodic", "equilibrium"], multiplicity=counts)
+    verdict = tried(dataset, "multiplicity", {"value": 2, "tolerance": 0})
+    assert verdict.verdict == CONTRADICTED
+    assert "found 2," in verdict.found
+
+
+@pytest.mark.parametrize(
+    ("interval", "verdict"),
+    [
+        ([1, 4], CONFIRMED),
+        ([1.05, 3.95], CONFIRMED),
+        ([0, 4], CONTRADICTED),
+        ([1, 3], CONTRADICTED),
+    ],
+)
+def test_an_interval_is_what_the_values_span(interval, verdict):
+    dataset = sweep(["periodic"] * 3, L_s=[2.0, 1.0, 4.0])
+    expect = {"interval": interval, "tolerance": 0.1}
+    assert tried(dataset, "L_s", expect).verdict == verdict
+
+
+def test_open_points_may_extend_an_interval_but_not_shrink_it():
+    dataset = sweep(["periodic", "undecided", "periodic"], L_s=[1.0, np.nan, 4.0])
+    spanned = {"interval": [1, 4], "tolerance": 0.1}
+    wider, narrower = spanned | {"interval": [1, 9]}, spanned | {"interval": [1, 3]}
+    assert tried(dataset, "L_s", spanned).verdict == UNDETERMINED
+    assert tried(dataset, "L_s", wider).verdict == UNDETERMINED
+    assert tried(dataset, "L_s", narrower).verdict == CONTRADICTED
+
+
+def test_an_interval_of_a_class_is_where_it_occurs_along_the_axis():
+    dataset = sweep(["equilibrium"] * 3 + ["periodic"] * 4 + ["equilibrium"] * 3)
+    expect = {"interval": [0.4, 0.7], "tolerance": 0.01, "of": "periodic"}
+    assert tried(dataset, "attractor", expect).verdict == CONFIRMED
+    expect["interval"] = [0.4, 0.9]
+    assert tried(dataset, "attractor", expect).verdict == CONTRADICTED
+    assert "found 0.4 to 0.7" in tried(dataset, "attractor", expect).found
+
+
+def test_section_values_are_claimed_row_by_row():
+    rows = [[1.0, 2.0], [], [3.0]]
+    dataset = sweep(["periodic", "equilibrium", "undecided"], rows=rows)
+    known = tried(dataset, "section_value", {"value": 1.5, "tolerance": 0.5}, {"mu_k": ". < 0.3"})
+    assert (known.verdict, known.points) == (CONFIRMED, 2)
+    every = tried(dataset, "section_value", {"value": 1.5, "tolerance": 0.5})
+    assert (every.verdict, every.points, every.open) == (UNDETERMINED, 3, 1)
+
+
+def test_no_values_at_all_is_undetermined():
+    dataset = sweep(["equilibrium"], rows=[[]])
+    expect = {"value": 1.5, "tolerance": 0.5}
+    assert tried(dataset, "section_value", expect).verdict == UNDETERMINED
+
+
+@pytest.mark.parametrize(
+    ("L_s", "expect", "verdict"),
+    [
+        ([1, 2, 4, 8], "increasing", CONFIRMED),
+        ([1, 2, 4, 8], "decreasing", CONTRADICTED),
+        ([8, 4, 2, 1], "decreasing", CONFIRMED),
+        ([1, 2, 2, 8], "increasing", CONTRADICTED),
+    ],
+)
+def test_trends_are_judged_step_by_step(L_s, expect, verdict):
+    assert tried(sweep(["periodic"] * 4, L_s=L_s), "L_s", expect).verdict == verdict
+
+
+def test_a_trend_names_its_wrong_steps_and_may_hold_for_a_share_of_them():
+    dataset = sweep(["periodic"] * 4, L_s=[1, 2, 1.5, 8])
+    verdict = tried(dataset, "L_s", "increasing")
+    assert "2 of 3 steps" in verdict.found
+    assert "not at mu_k = 0.2 to 0.3" in verdict.found
+    assert tried(dataset, "L_s", "increasing", holds=0.6).verdict == CONFIRMED
+
+
+def test_steps_to_and_from_an_open_point_are_open():
+    dataset = sweep(["periodic", "undecided", "periodic", "periodic"], L_s=[1, 9, 3, 4])
+    verdict = tried(dataset, "L_s", "increasing")
+    assert (verdict.verdict, verdict.hits, verdict.open) == (UNDETERMINED, 1, 2)
+
+
+def test_a_trend_needs_one_axis():
+    dataset = data.stability_map()
+    narrowed = {"N0": 50.0, "initial": "exists", "Omega": ". < 5"}
+    assert "one numeric axis" in tried(dataset, "L_s", "increasing").found
+    assert tried(dataset, "L_s", "increasing", narrowed).verdict == CONFIRMED
+    ragged = sweep(["periodic"] * 3, rows=[[1.0], [2.0], [3.0]])
+    assert "not one value per point" in tried(ragged, "section_value", "increasing").found
+
+
+def test_less_than_compares_with_the_same_points_of_another_case():
+    lower, upper = sweep(["periodic"] * 3, L_s=[1, 2, 3]), sweep(["periodic"] * 3, L_s=[2, 3, 4])
+    stored = {"upper": {"": upper}, "lower": {"": lower}}.get
+    below = {"less_than": "upper:L_s"}
+    assert tried(lower, "L_s", below, other=stored).verdict == CONFIRMED
+    assert tried(upper, "L_s", {"less_than": "lower:L_s"}, other=stored).verdict == CONTRADICTED
+    assert tried(lower, "L_s", below, other=lambda case: None).verdict == UNDETERMINED
+
+
+def test_less_than_leaves_points_that_the_other_case_lacks_open():
+    this = sweep(["periodic"] * 3, L_s=[1, 2, 3])
+    shorter = sweep(["periodic"] * 2, L_s=[2, 3])
+    undecided = sweep(["periodic", "periodic", "undecided"], L_s=[2, 3, 4])
+    for other in (shorter, undecided):
+        verdict = tried(this, "L_s", {"less_than": "b:L_s"}, other=lambda c, o=other: {"": o})
+        assert (verdict.verdict, verdict.open) == (UNDETERMINED, 1)
+
+
+def test_less_than_matches_axes_by_value_and_single_starts_by_default():
+    this = sweep(["periodic"] * 3, L_s=[1, 2, 3])
+    coords = friction_axis(MU_K[2::-1] * (1 + 1e-15)) | {"initial": ("initial", ["rest"])}
+    other = data.response([["periodic"]] * 3, [[4], [3], [2]], coords, ("mu_k", "initial"))
+    verdict = tried(this, "L_s", {"less_than": "b:L_s"}, other=lambda case: {"": other})
+    assert verdict.verdict == CONFIRMED
+
+
+def test_less_than_refuses_an_axis_of_the_other_case_only():
+    this, other = sweep(["periodic"] * 3), data.stability_map()
+    verdict = tried(this, "L_s", {"less_than": "b:L_s"}, other=lambda case: {"": other})
+    assert verdict.verdict == UNDETERMINED
+    assert "axis of the other case only" in verdict.found
+
+
+def test_the_first_analysis_with_the_variable_is_meant():
+    analyses = {"a": data.eigenvalues(), "b": sweep(THREE)}
+    spec = claim("attractor", "equilibrium", {"mu_k": 0.3})
+    assert evaluate(spec, analyses, lambda case: None).verdict == CONFIRMED
+
+
+def test_tally_counts_every_verdict():
+    assert tally([CONFIRMED, "not run", CONFIRMED]) == "2 confirmed, 1 not run"
+    assert tally([]) == "no claims"
+
+
+CASE = """
+schema = 1
+title = "Stick-slip"
+
+[model]
+name = "belt-1dof"
+
+[grid]
+mu_k = [0.1, 0.2, 0.3]
+
+[[analysis]]
+kind = "response"
+
+[[claim]]
+source = "3.1.1"
+text = "the mass sticks and slips"
+variable = "attractor"
+expect = "periodic"
+"""
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch):
+    """A folder with a case; `store` writes its dataset."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "stick.toml").write_text(CASE)
+    (tmp_path / "runs").mkdir()
+    return tmp_path
+
+
+def store(classes, case="stick.toml"):
+    from fiv_cli.case.identity import default_output, fingerprint
+    from fiv_cli.case.load import load_case
+
+    loaded = load_case(case)
+    dataset = sweep(classes).assign_attrs(fingerprint=fingerprint(loaded, None))
+    dataset.to_netcdf(default_output(loaded))
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, [str(argument) for argument in arguments])
+
+
+def test_a_case_that_was_not_run_names_its_command(workplace):
+    result = run("stick.toml")
+    assert result.exit_code == 0
+    assert "not run" in result.output
+    assert "fiv run stick.toml" in result.output
+
+
+def test_the_ledger_tells_source_text_verdict_and_finding(workplace):
+    store(["periodic"] * 3)
+    result = run(workplace)
+    assert "confirmed    3.1.1: the mass sticks and slips" in result.output
+    assert "3 of 3 points" in result.output
+    assert result.output.endswith("1 confirmed\n")
+
+
+def test_the_ledger_as_json(workplace):
+    store(["periodic"] * 3)
+    document = json.loads(run("stick.toml", "--json").output)
+    assert document["schema"] == 1
+    assert document["claims"][0]["verdict"] == CONFIRMED
+
+
+@pytest.mark.parametrize(
+    ("classes", "code"), [(["periodic"] * 3, 0), (["undecided"] * 3, 0), (["equilibrium"] * 3, 5)]
+)
+def test_strict_fails_on_a_contradiction(workplace, classes, code):
+    store(classes)
+    assert exit_code(run("stick.toml", "--strict")) == code
+    assert exit_code(run("stick.toml")) == 0
+
+
+def test_strict_fails_on_what_was_not_run(workplace):
+    assert exit_code(run("stick.toml", "--strict")) == 5
+
+
+def test_strict_lets_a_contradiction_pass_that_a_note_explains(workplace):
+    (workplace / "stick.toml").write_text(CASE + 'note = "the literal law"\n')
+    store(["equilibrium"] * 3)
+    result = run("stick.toml", "--strict")
+    assert exit_code(result) == 0
+    assert "note: the literal law" in result.output
+
+
+def test_a_dataset_of_another_version_of_the_case_counts_for_nothing(workplace):
+    store(["periodic"] * 3)
+    (workplace / "stick.toml").write_text(CASE.replace('"belt-1dof"', '"pin-on-disc"'))
+    result = run("stick.toml")
+    assert "not run" in result.output
+    assert "another version" in result.output
+
+
+def test_a_dataset_of_another_grid_counts_for_nothing(workplace):
+    store(["periodic"] * 3)
+    (workplace / "stick.toml").write_text(CASE.replace("0.3]", "0.3, 0.4]"))
+    result = run("stick.toml")
+    assert "not run" in result.output
+    assert "another grid" in result.output
+
+
+def exit_code(result):
+    """The code that the exception carries to the shell."""
+    return getattr(result.exception, "exit_code", result.exit_code)
+
+
+def test_folders_stand_for_the_cases_in_them(tmp_path):
+    (tmp_path / "ch3").mkdir()
+    for name in ("b.toml", "ch3/a.toml", "notes.md"):
+        (tmp_path / name).write_text("")
+    assert [p.name for p in case_files([tmp_path])] == ["b.toml", "a.toml"]
+    with pytest.raises(UsageError, match="no such file"):
+        case_files([tmp_path / "missing"])
+    with pytest.raises(UsageError, match="no case files"):
+        empty = tmp_path / "empty"
+        empty.mkdir()
+        case_files([empty])
+
+
+def test_the_ledger_groups_by_case():
+    entries = [Entry(c, "3.1", "x", CONFIRMED, "found", "") for c in ("a", "b", "a")]
+    printed = lines(entries)
+    assert printed[0] == "a"
+    assert printed.count("a") == printed.count("b") == 1

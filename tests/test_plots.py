@@ -1,0 +1,600 @@
+"""Figures: what is drawn is what the dataset holds, labelled, and the same bytes each time."""
+
+import numpy as np
+import pytest
+import synthetic_datasets as data
+import xarray as xr
+from click.testing import CliRunner
+from matplotlib.collections import LineCollection, QuadMesh
+
+from fiv_cli.case.case import FigureSpec
+from fiv_cli.cli.plot import command as plot_command
+from fiv_cli.cli.show import command as show_command
+from fiv_cli.data.summary import lines as summary_lines
+from fiv_cli.data.summary import summarise
+from fiv_cli.errors import InputError, StorageError, UsageError
+from fiv_cli.friction import get_law
+from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, save
+from fiv_cli.plots import labels as words
+from fiv_cli.plots.law import force
+from fiv_cli.plots.spectrum import amplitude_spectrum
+from fiv_cli.plots.style import class_colours, dot_size, line_colours
+
+
+def figure(kind, **settings):
+    return FigureSpec(kind, kind, settings)
+
+
+def marks(ax, label):
+    """Points of the line with this label, shape (n, 2)."""
+    (line,) = [line for line in ax.lines if line.get_label() == label]
+    return line.get_xydata()
+
+
+def legend_texts(owner):
+    legend = owner.get_legend() if hasattr(owner, "get_legend") else owner.legends[0]
+    return [text.get_text() for text in legend.get_texts()]
+
+
+# --- bifurcation -------------------------------------------------------------------------------
+
+
+def test_a_bifurcation_diagram_has_a_dot_for_every_section_value():
+    dataset = data.bifurcation()
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    near, far = marks(ax, "near"), marks(ax, "far")
+    assert len(near) + len(far) == dataset.sizes["section_obs"]
+    assert sorted([*near[:, 1], *far[:, 1]]) == sorted(dataset["section_value"].values)
+
+
+def test_each_section_value_stands_at_the_parameter_of_its_row():
+    (ax,) = draw(data.bifurcation(), figure("bifurcation")).axes
+    far = marks(ax, "far")
+    assert np.sort(far[np.isclose(far[:, 0], 3.0), 1]) == pytest.approx([0.046, 0.058])
+    assert marks(ax, "near")[:, 0].max() == pytest.approx(3.4)
+
+
+def test_a_bifurcation_diagram_names_its_axes_with_symbol_and_unit():
+    (ax,) = draw(data.bifurcation(), figure("bifurcation")).axes
+    assert ax.get_xlabel() == r"disc speed $\Omega$ (rad/s)"
+    assert ax.get_ylabel() == "phi at the section (rad)"
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_points_without_answer_are_marked(kind):
+    (ax,) = draw(data.bifurcation(), figure(kind)).axes
+    assert marks(ax, "failed")[:, 0] == pytest.approx([2.5])
+    assert marks(ax, "undecided")[:, 0] == pytest.approx([1.5])
+    assert {"failed", "undecided", "near", "far"} == set(legend_texts(ax))
+
+
+def test_a_selection_leaves_its_rows_only_and_is_named():
+    drawn = draw(data.bifurcation(), figure("bifurcation", select={"initial": "near"}))
+    dots = marks(drawn.axes[0], drawn.axes[0].lines[0].get_label())
+    assert len(dots) == int(data.bifurcation()["section_row_size"].sel(initial="near").sum())
+    assert "start: near" in drawn.get_suptitle()
+
+
+def test_several_datasets_share_a_diagram():
+    one, two = data.bifurcation(), data.bifurcation().isel(initial=[0])
+    two = two.isel(section_obs=slice(0, int(two["section_row_size"].sum())))
+    (ax,) = draw([("damped", one), ("undamped", two)], figure("bifurcation")).axes
+    assert {"damped, near", "damped, far", "undamped"} <= set(legend_texts(ax))
+
+
+def test_kinds_of_one_dataset_refuse_several():
+    with pytest.raises(UsageError, match="shows one dataset"):
+        draw([("a", data.stability_map()), ("b", data.stability_map())], figure("map"))
+
+
+# --- curve -------------------------------------------------------------------------------------
+
+
+def test_a_curve_has_a_line_for_every_start():
+    dataset = data.bifurcation()
+    (ax,) = draw(dataset, figure("curve")).axes
+    for label in ("near", "far"):
+        expected = dataset["L_s"].sel(initial=label).values
+        assert np.array_equal(marks(ax, label)[:, 1], expected, equal_nan=True)
+    assert ax.get_ylabel() == "$L_s$ (rad$^{2}$)"
+
+
+def test_a_curve_of_classes_has_their_names_at_the_ticks():
+    (ax,) = draw(data.bifurcation(), figure("curve", variable="attractor")).axes
+    ticks = [tick.get_text() for tick in ax.get_yticklabels()]
+    assert ticks[:2] == ["equilibrium", "periodic"]
+    assert "not computed" not in ticks
+
+
+def test_lines_of_a_second_axis_say_its_value_with_unit():
+    drawn = draw(data.stability_map(), figure("curve", x="Omega", select={"initial": "exists"}))
+    assert "$N_0$ = 20 N" in legend_texts(drawn.axes[0])
+    assert len([line for line in drawn.axes[0].lines if "N_0" in line.get_label()]) == 17
+
+
+def test_an_axis_of_names_is_drawn_at_its_names():
+    dataset = data.bifurcation().rename(Omega="geometry")
+    dataset = dataset.isel(geometry=[0, 1]).assign_coords(geometry=["linear", "nonlinear"])
+    dataset = dataset[["status", "attractor", "L_s"]]
+    (ax,) = draw(dataset, figure("curve", x="geometry")).axes
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["linear", "nonlinear"]
+
+
+def test_scales_and_limits_follow_the_figure():
+    drawn = draw(data.bifurcation(), figure("curve", log="x", xlim=[1, "120 rpm"], ylim=[0, 1]))
+    (ax,) = drawn.axes
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
+    assert ax.get_xlim() == pytest.approx((1, 4 * np.pi))
+    assert ax.get_ylim() == (0, 1)
+
+
+# --- map ---------------------------------------------------------------------------------------
+
+
+def test_a_map_has_a_panel_for_each_start_and_a_cell_for_each_point():
+    dataset = data.stability_map()
+    drawn = draw(dataset, figure("map"))
+    for ax, label in zip(drawn.axes, ("reached", "exists"), strict=True):
+        assert ax.get_title() == label
+        (mesh,) = [c for c in ax.collections if isinstance(c, QuadMesh)]
+        assert mesh.get_array().shape == (17, 21)
+        assert mesh.get_array().mask.sum() == 6
+        assert ax.get_xlabel() == r"disc speed $\Omega$ (rad/s)"
+    assert drawn.axes[0].get_ylabel() == "normal preload $N_0$ (N)"
+
+
+def test_a_map_colours_classes_alike_everywhere_and_names_them():
+    dataset = data.stability_map()
+    drawn = draw(dataset, figure("map"))
+    expected = ["equilibrium", "periodic", "undecided", "not computed"]
+    assert legend_texts(drawn) == expected
+    (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
+    place = mesh.get_array()
+    truth = dataset["attractor"].sel(initial="reached").transpose("N0", "Omega").values
+    known = ~np.ma.getmaskarray(place)
+    assert len(set(zip(place[known].tolist(), truth[known].tolist(), strict=True))) == 3
+
+
+def test_a_map_of_numbers_has_a_colour_bar_with_unit():
+    drawn = draw(data.stability_map(), figure("map", variable="L_s"))
+    assert drawn.axes[-1].get_ylabel() == "$L_s$ (rad$^{2}$)"
+    (mesh,) = [c for c in drawn.axes[1].collections if isinstance(c, QuadMesh)]
+    truth = data.stability_map()["L_s"].sel(initial="exists").transpose("N0", "Omega").values
+    assert np.array_equal(mesh.get_array().filled(np.nan), truth, equal_nan=True)
+
+
+def test_the_axes_of_a_map_can_be_exchanged():
+    drawn = draw(data.stability_map(), figure("map", x="N0", y="Omega"))
+    assert drawn.axes[0].get_xlabel() == "normal preload $N_0$ (N)"
+
+
+def test_too_many_maps_ask_for_a_selection():
+    with pytest.raises(UsageError, match="select"):
+        draw(data.stability_map(initial=[f"s{n}" for n in range(7)]), figure("map"))
+
+
+def test_a_map_needs_two_axes():
+    one_start = data.bifurcation().isel(initial=[0])[["status", "attractor", "L_s"]]
+    with pytest.raises(UsageError, match="two axes"):
+        draw(one_start, figure("map"))
+
+
+# --- history, phase, spectrum ------------------------------------------------------------------
+
+
+def test_a_history_has_every_sample_and_shades_every_contact_state():
+    dataset = data.history()
+    drawn = draw(dataset, figure("history"))
+    assert len(drawn.axes) == 4
+    top = drawn.axes[0]
+    assert np.array_equal(top.lines[0].get_ydata(), dataset["phi"].sel(initial="far"))
+    transitions = np.count_nonzero(np.diff(dataset["contact_state"].sel(initial="far")))
+    assert len(top.patches) == transitions + 1
+    assert top.get_ylabel() == r"$\varphi$ (rad)"
+    assert drawn.axes[2].get_xlabel() == "time $t$ (s)"
+    assert legend_texts(drawn) == ["slip+", "slip-", "stick"]
+
+
+def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():
+    dataset = data.history()
+    for name in ("phi", "phi_dot", "theta", "theta_dot"):
+        dataset[name][1, 300:] = np.nan
+    ended = draw(dataset, figure("history")).axes[1]
+    assert ended.lines[0].get_xdata().size == 300
+    assert max(p.get_x() + p.get_width() for p in ended.patches) < 3.0
+
+
+def test_other_variables_of_a_history_can_be_asked_for():
+    drawn = draw(data.history(), figure("history", variable=["F_T"], select={"initial": "far"}))
+    assert drawn.axes[0].get_ylabel() == "$F_T$ (N)"
+    with pytest.raises(UsageError, match="no variable over time"):
+        draw(data.history(), figure("history", variable="status"))
+
+
+def test_a_phase_portrait_is_coloured_by_contact_state_without_gaps():
+    dataset = data.history(labels=("far",))
+    drawn = draw(dataset, figure("phase"))
+    (ax,) = drawn.axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\varphi$ (rad)", r"$\dot{\varphi}$ (rad/s)")
+    collections = [c for c in ax.collections if isinstance(c, LineCollection)]
+    segments = [segment for c in collections for segment in c.get_segments()]
+    # stretches share the sample at which one ends and the next begins
+    assert sum(len(s) - 1 for s in segments) == dataset.sizes["time"] - 1
+    assert len({tuple(c.get_colors()[0]) for c in collections}) == 3
+    assert legend_texts(drawn) == ["slip+", "slip-", "stick", "start"]
+
+
+def test_a_phase_portrait_of_other_states():
+    (ax,) = draw(data.history(labels=("far",)), figure("phase", x="theta", y="phi")).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\theta$ (rad)", r"$\varphi$ (rad)")
+
+
+def test_motions_need_a_history_and_a_choice():
+    with pytest.raises(UsageError, match="no motion"):
+        draw(data.bifurcation(), figure("history"))
+    many = xr.concat(
+        [data.history().assign_coords(initial=[f"{n}-a", f"{n}-b"]) for n in range(3)],
+        "initial",
+        data_vars="minimal",
+    )
+    with pytest.raises(UsageError, match="choose from initial"):
+        draw(many, figure("phase"))
+
+
+@pytest.mark.parametrize("amplitude", [0.3, 2.0])
+def test_a_sine_shows_its_amplitude_at_its_frequency(amplitude):
+    time = np.append(np.arange(0.0, 4.0, 0.005), 4.0021)
+    frequency, height = amplitude_spectrum(time, 7.0 + amplitude * np.sin(2 * np.pi * 12.5 * time))
+    assert frequency[np.argmax(height)] == pytest.approx(12.5)
+    assert height.max() == pytest.approx(amplitude, rel=1e-6)
+
+
+def test_a_spectrum_refuses_samples_that_are_not_uniform():
+    with pytest.raises(UsageError, match="equal intervals"):
+        amplitude_spectrum(np.linspace(0.0, 1.0, 50) ** 2, np.zeros(50))
+    with pytest.raises(UsageError, match="16 samples"):
+        amplitude_spectrum(np.linspace(0.0, 1.0, 8), np.zeros(8))
+
+
+@pytest.mark.parametrize(
+    ("unit", "label", "peak"),
+    [("Hz", "$f$ (Hz)", 9 / (2 * np.pi)), ("rad/s", r"$\omega$ (rad/s)", 9)],
+)
+def test_a_spectrum_is_in_the_unit_asked_for(unit, label, peak):
+    (ax,) = draw(data.history(labels=("far",)), figure("spectrum", unit=unit, variable="phi")).axes
+    x, y = ax.lines[0].get_data()
+    assert ax.get_xlabel() == label
+    assert x[np.argmax(y)] == pytest.approx(peak, abs=x[1])
+    assert ax.get_ylabel() == r"amplitude of $\varphi$ (rad)"
+
+
+# --- eigenvalues, laws -------------------------------------------------------------------------
+
+
+def test_eigenvalues_mark_every_unstable_point():
+    dataset = data.eigenvalues()
+    top, bottom = draw(dataset, figure("eigenvalues")).axes
+    unstable = int((dataset["eigenvalue_real"] > 0).sum())
+    for ax in (top, bottom):
+        assert (
+            sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == unstable
+        )
+    assert top.get_ylabel() == "real part of the eigenvalue (rad/s)"
+    assert bottom.get_ylabel() == "frequency of the mode (Hz)"
+    assert bottom.get_xlabel() == r"coefficient of kinetic friction $\mu_k$"
+    assert marks(bottom, "failed")[:, 0] == pytest.approx([0.175])
+
+
+@pytest.mark.parametrize(
+    ("name", "velocity", "expected"),
+    [
+        ("coulomb", [0.5, 2.0], [0.3, 0.3]),
+        ("coulomb", [-2.0, -0.5], [-0.3, -0.3]),
+        ("stribeck", [1.0], [0.3 + 0.1 * np.exp(-1)]),
+        ("hyperbolic", [1.0], [0.1]),
+        ("tanh of coulomb", [-0.02], [-0.3 * np.tanh(1.0)]),
+        ("linear-slope", [-1.0], [-9.9]),
+    ],
+)
+def test_laws_are_drawn_as_they_are_written(name, velocity, expected):
+    from fiv_cli.plots.law import defaults
+
+    law = get_law(name)
+    assert force(law, np.array(velocity), defaults(law)) == pytest.approx(expected)
+
+
+def test_a_law_of_a_coefficient_and_one_of_a_force_have_their_own_axis():
+    assert draw_laws(["coulomb"]).axes[0].get_ylabel() == r"$F_\mathrm{T}/F_\mathrm{N}$"
+    assert draw_laws(["linear-slope"]).axes[0].get_ylabel() == r"$F_\mathrm{T}$ (N)"
+    with pytest.raises(UsageError, match="no axis"):
+        draw_laws(["coulomb", "linear-slope"])
+
+
+def test_what_a_contact_holds_in_stick_is_drawn():
+    (ax,) = draw_laws(["coulomb"]).axes
+    dashed = [line for line in ax.lines if line.get_linestyle() == "--" and len(line.get_xdata())]
+    assert list(dashed[0].get_ydata()) == [-0.4, 0.4]
+
+
+def test_unknown_laws_and_kinds_are_named():
+    with pytest.raises(UsageError, match=r"there are: coulomb"):
+        draw_laws(["columb"])
+    with pytest.raises(UsageError, match=r"there are: map"):
+        draw(data.bifurcation(), figure("pie"))
+
+
+# --- which figures -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("dataset", "kinds"),
+    [
+        (data.bifurcation(), ["bifurcation", "curve"]),
+        (data.stability_map(), ["map"]),
+        (data.history(), ["history", "phase"]),
+        (data.eigenvalues(), ["eigenvalues"]),
+    ],
+)
+def test_a_dataset_without_figures_gets_those_that_suit_it(dataset, kinds):
+    assert [spec.kind for spec in default_figures(dataset)] == kinds
+    assert [spec.kind for spec in figures_of(dataset)] == kinds
+
+
+def test_the_case_says_which_figures_there_are():
+    tables = (
+        '[[figure]]\nkind = "map"\n[[figure]]\nkind = "map"\nvariable = "L_s"\n'
+        '[[figure]]\nkind = "curve"\nname = "cut"\nselect = { N0 = 30 }'
+    )
+    dataset = data.stability_map().assign_attrs(data.attributes(tables))
+    figures = figures_of(dataset)
+    assert [(spec.name, spec.kind) for spec in figures] == [
+        ("map", "map"),
+        ("map-2", "map"),
+        ("cut", "curve"),
+    ]
+    assert figures[2].settings == {"select": {"N0": 30}}
+
+
+def test_a_figure_takes_the_analysis_that_suits_it_or_the_one_it_names():
+    analyses = {"modes": data.eigenvalues(), "steady": data.bifurcation()}
+    (ax,) = draw(analyses, figure("bifurcation")).axes
+    assert "phi" in ax.get_ylabel()
+    (ax,) = draw(analyses, figure("curve", analysis="modes", variable="growth_rate")).axes
+    assert ax.get_ylabel() == "growth rate (rad/s)"
+    with pytest.raises(UsageError, match="no analysis"):
+        draw(analyses, figure("curve", analysis="other"))
+
+
+def test_defaults_of_several_analyses_name_theirs():
+    figures = default_figures({"modes": data.eigenvalues(), "steady": data.bifurcation()})
+    assert [(f.name, f.settings["analysis"]) for f in figures] == [
+        ("eigenvalues", "modes"),
+        ("bifurcation", "steady"),
+        ("curve", "steady"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("selection", "words_of_error"),
+    [
+        ({"initial": "middle"}, "initial: near, far"),
+        ({"N0": 30}, "its axes: Omega, initial"),
+        ({"Omega": "fast"}, "Omega = fast"),
+    ],
+)
+def test_an_unknown_selection_says_what_exists(selection, words_of_error):
+    with pytest.raises(UsageError, match=words_of_error):
+        draw(data.bifurcation(), figure("curve", select=selection))
+
+
+@pytest.mark.parametrize(("wanted", "nearest"), [(3.01, 3.0), ("30 rpm", 3.1), (99, 5.0)])
+def test_a_number_selects_the_nearest_point(wanted, nearest):
+    drawn = draw(data.bifurcation(), figure("curve", x="initial", select={"Omega": wanted}))
+    assert rf"$\Omega$ = {nearest:g} rad/s" in drawn.get_suptitle()
+
+
+def test_an_unknown_variable_says_what_there_is():
+    with pytest.raises(UsageError, match="it has: status, attractor, L_s"):
+        draw(data.bifurcation(), figure("curve", variable="energy"))
+    with pytest.raises(UsageError, match="not one value per point"):
+        draw(data.bifurcation(), figure("curve", variable="section_value"))
+    with pytest.raises(UsageError, match="no values at a section"):
+        draw(data.stability_map(), figure("bifurcation"))
+
+
+def test_a_figure_may_have_a_title_of_its_own():
+    drawn = draw(data.bifurcation(), figure("curve", title="Both branches"))
+    assert drawn.get_suptitle() == "Both branches"
+    assert draw(data.bifurcation(), figure("curve")).get_suptitle() == "A sweep (Figure 7.6)"
+
+
+# --- words and colours -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("unit", "text"),
+    [
+        ("1", ""),
+        ("rad", "rad"),
+        ("rad s-1", "rad/s"),
+        ("N s m-1", "N s/m"),
+        ("kg m2", "kg m$^{2}$"),
+        ("m s-2", "m/s$^{2}$"),
+        ("s-1", "s$^{-1}$"),
+        ("J kg-1 K-1", "J kg$^{-1}$ K$^{-1}$"),
+    ],
+)
+def test_units_read_as_people_write_them(unit, text):
+    assert words.unit_text(unit) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "latex"),
+    [
+        ("x", "x"),
+        ("mu_k", r"\mu_{k}"),
+        ("phi_dot", r"\dot{\varphi}"),
+        ("x1_dot", r"\dot{x_{1}}"),
+        ("C_0_1", "C_{0,1}"),
+        ("psi_a", r"\psi_{a}"),
+    ],
+)
+def test_names_become_symbols(name, latex):
+    assert words.symbol_of_name(name) == latex
+
+
+def test_a_class_has_one_colour():
+    assert (
+        class_colours(["periodic", "equilibrium"])[0] == class_colours(["chaotic", "periodic"])[1]
+    )
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 40])
+def test_lines_differ_in_colour(count):
+    assert len({tuple(np.atleast_1d(c).tolist()) for c in line_colours(count)}) == count
+
+
+def test_dots_shrink_where_there_are_many():
+    assert dot_size(10) > dot_size(1000) > dot_size(100_000)
+
+
+# --- files -------------------------------------------------------------------------------------
+
+SIGNATURES = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
+
+
+@pytest.mark.parametrize("suffix", SIGNATURES)
+@pytest.mark.parametrize(
+    "dataset",
+    [data.bifurcation(), data.stability_map(), data.history()],
+    ids=["dots", "map", "motion"],
+)
+def test_the_same_data_gives_the_same_bytes(tmp_path, suffix, dataset):
+    contents = []
+    for name in ("one", "two"):
+        path = tmp_path / f"{name}.{suffix}"
+        save(draw(dataset, default_figures(dataset)[0]), path)
+        contents.append(path.read_bytes())
+    assert contents[0].startswith(SIGNATURES[suffix])
+    assert contents[0] == contents[1]
+
+
+def test_a_figure_does_not_depend_on_the_users_configuration(tmp_path):
+    import matplotlib as mpl
+
+    paths = [tmp_path / "plain.svg", tmp_path / "configured.svg"]
+    save(draw(data.bifurcation(), figure("curve")), paths[0])
+    with mpl.rc_context({"font.size": 20, "axes.facecolor": "red", "svg.hashsalt": None}):
+        save(draw(data.bifurcation(), figure("curve")), paths[1])
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_figures_need_a_known_suffix_and_a_place(tmp_path):
+    drawn = draw(data.bifurcation(), figure("curve"))
+    with pytest.raises(UsageError, match=r"\.png, \.svg, \.pdf"):
+        save(drawn, tmp_path / "figure.gif")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StorageError, match="cannot be written"):
+        save(drawn, tmp_path / "file" / "figure.png")
+
+
+# --- the commands ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def stored(tmp_path, monkeypatch):
+    """A folder with a dataset of each form."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("bifurcation", "stability_map", "history", "eigenvalues"):
+        getattr(data, name)().to_netcdf(tmp_path / f"{name}.nc")
+    return tmp_path
+
+
+def run(command, *arguments):
+    result = CliRunner().invoke(command, [str(argument) for argument in arguments])
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
+def test_plot_writes_beside_the_dataset_and_prints_the_paths(stored):
+    result = run(plot_command, "bifurcation.nc")
+    assert result.stdout.split() == ["bifurcation-bifurcation.png", "bifurcation-curve.png"]
+    assert all((stored / path).stat().st_size > 1000 for path in result.stdout.split())
+
+
+def test_plot_takes_one_figure_and_a_path(stored):
+    result = run(plot_command, "history.nc", "--figure", "spectrum", "-o", "out/s.svg")
+    assert result.stdout == "out/s.svg\n"
+    assert (stored / "out/s.svg").exists()
+
+
+def test_plot_writes_several_figures_beside_the_path_given(stored):
+    result = run(plot_command, "history.nc", "-o", "motion.pdf")
+    assert result.stdout.split() == ["motion-history-history.pdf", "motion-history-phase.pdf"]
+
+
+def test_plot_overlays_files_where_a_figure_can(stored):
+    result = run(plot_command, "bifurcation.nc", "bifurcation.nc", "--figure", "curve")
+    assert result.stdout.split() == ["bifurcation-curve.png"]
+
+
+def test_plot_draws_laws_without_a_dataset(stored):
+    result = run(plot_command, "--law", "coulomb", "--law", "tanh of coulomb")
+    assert result.stdout == "runs/law-coulomb-tanh-of-coulomb.png\n"
+    assert (stored / "runs/law-coulomb-tanh-of-coulomb.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ([], UsageError, "datasets or laws"),
+        (["missing.nc"], UsageError, "missing.nc"),
+        (["."], UsageError, "folder"),
+        (["broken.nc"], InputError, "broken.nc"),
+        (["foreign.nc"], InputError, "holds no case"),
+        (["history.nc", "--figure", "portrait"], UsageError, "there are: history, phase"),
+        (["history.nc", "-o", "a.gif"], UsageError, "figures are written as"),
+    ],
+)
+def test_plot_refuses_what_cannot_be_drawn(stored, arguments, error, message):
+    (stored / "broken.nc").write_bytes(b"CDF or not")
+    xr.Dataset({"x": 1.0}).to_netcdf(stored / "foreign.nc")
+    with pytest.raises(error, match=message):
+        run(plot_command, *arguments)
+
+
+def test_show_counts_classes_and_ranges(stored):
+    printed = run(show_command, "bifurcation.nc").stdout
+    assert "title      A sweep" in printed
+    assert "Omega 46 x initial 2" in printed
+    assert "0.5 to 5 rad s-1, 46 values" in printed
+    assert "near, far" in printed
+    assert "ok 91, failed 1" in printed
+    assert "periodic 74, equilibrium 16, not_computed 1, undecided 1" in printed
+    assert "0 to 0.001 rad2" in printed
+
+
+def test_show_names_the_point_of_the_worst_value():
+    dataset = data.bifurcation()
+    residual = np.full((46, 2), 1e-12)
+    residual[7, 1], residual[3, 0] = -3e-9, np.nan
+    dataset["energy_residual"] = (("Omega", "initial"), residual, {"units": "1"})
+    worst = summarise({"": dataset})["analyses"][""]["trust"]["energy_residual"]
+    assert worst == {"worst": 3e-9, "at": "Omega = 1.2, initial = far", "units": "1"}
+    text = "\n".join(summary_lines(summarise({"": dataset})))
+    assert "3e-09 at Omega = 1.2, initial = far" in text
+
+
+def test_show_as_json_is_plain_and_versioned(stored):
+    import json
+
+    summary = json.loads(run(show_command, "eigenvalues.nc", "--json").stdout)
+    assert summary["schema"] == 1
+    assert summary["analyses"][""]["axes"]["mu_k"]["last"] == 1.0
+
+
+def test_show_refuses_what_is_no_dataset(stored):
+    (stored / "broken.nc").write_bytes(b"nothing")
+    with pytest.raises(InputError):
+        run(show_command, "broken.nc")
