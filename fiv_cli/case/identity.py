@@ -121,11 +121,12 @@ def _deciding_parameters(case: Case) -> dict[str, Any]:
 def _law_values(case: Case, law: str) -> dict[str, float | None]:
     """The parameters of `law`: what the case gives for it, or for all laws, or the default."""
     model = get_model(case.model)
-    given = {name: case.parameters[name] for name in case.explicit if name in case.parameters}
-    return {
-        p.name: given.get(f"{law}.{p.name}", given.get(p.name, default_value(model, p)))
-        for p in get_law(law).parameters
-    }
+    found = {p.name: default_value(model, p) for p in get_law(law).parameters}
+    for name in found:
+        if {name, f"{law}.{name}"} & {*case.explicit}:
+            shared = case.parameters.get(name)
+            found[name] = case.parameters.get(f"{law}.{name}", shared)
+    return found
 
 
 def _law_varies(case: Case) -> bool:

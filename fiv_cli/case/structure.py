@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
 
-_QUANTITY_SCHEMA = {
+QUANTITY_SCHEMA = {
     "anyOf": [{"type": "number"}, {"type": "string"}],
     "description": 'a number in SI, or a string with its unit: "20 rpm", "15 deg", "5 mm"',
 }
@@ -62,12 +62,12 @@ def _check_interval(value: object) -> tuple[Any, Any]:
     return check_quantity(value[0]), check_quantity(value[1])
 
 
-Quantity = Annotated[Any, PlainValidator(check_quantity), WithJsonSchema(_QUANTITY_SCHEMA)]
+Quantity = Annotated[Any, PlainValidator(check_quantity), WithJsonSchema(QUANTITY_SCHEMA)]
 Number = Annotated[float, PlainValidator(check_number), WithJsonSchema({"type": "number"})]
 Interval = Annotated[
     Any,
     PlainValidator(_check_interval),
-    WithJsonSchema({"type": "array", "items": _QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}),
+    WithJsonSchema({"type": "array", "items": QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}),
 ]
 
 

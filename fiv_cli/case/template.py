@@ -1,0 +1,180 @@
+"""A case file to start from: valid as it stands, with everything else in comments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from fiv_cli.analyses.base import Analysis, Section, Setting
+from fiv_cli.case.physics import default_value
+from fiv_cli.friction import get_law
+from fiv_cli.friction.base import Law
+from fiv_cli.models.base import Model, Parameter
+
+# Parameters worth a first sweep, the best first.
+_SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
+_COMMENT_COLUMN = 34
+_FIGURES = {
+    "history": "history",
+    "response": "bifurcation",
+    "eigenvalues": "eigenvalues",
+    "equilibrium": "curve",
+}
+
+
+def case_template(model: Model, analysis: Analysis) -> str:
+    """TOML text of a case of `model` and `analysis`.
+
+    What is required is set, the rest is there with its default behind a ``#``. There is a grid
+    of a few points, but for a ``history``, which is one motion.
+    """
+    law = get_law(model.laws[0])
+    axis = None if analysis.kind == "history" else _swept(model, law)
+    blocks = [
+        _header(model, analysis),
+        _model(model, axis),
+        _friction(model, law, axis),
+        _grid(model, axis),
+        _starts(model) if analysis.uses_starts else [],
+        _analysis(model, analysis),
+        _figure(analysis, axis),
+        _claim(),
+        _solver(),
+    ]
+    return "\n\n".join("\n".join(block) for block in blocks if block) + "\n"
+
+
+def _header(model: Model, analysis: Analysis) -> list[str]:
+    return [
+        "schema = 1",
+        f'title = "{model.title}: {analysis.title}"',
+        '# reference = "Figure 7.6"',
+        '# assumed = ["what the publication leaves open and this case chose"]',
+    ]
+
+
+def _model(model: Model, axis: Parameter | None) -> list[str]:
+    lines = ["[model]", f'name = "{model.name}"', ""]
+    lines += [_with_comment("[model.parameters]", 'in SI, or with a unit: "20 rpm", "15 deg"')]
+    lines += _parameters(model, model.parameters, axis)
+    if model.options:
+        lines += ["", "[model.options]"]
+    for option in model.options:
+        choices = " | ".join(option.choices)
+        line = f'# {option.name} = "{option.default}"'
+        lines.append(_with_comment(line, f"{option.meaning}: {choices}"))
+    return lines
+
+
+def _friction(model: Model, law: Law, axis: Parameter | None) -> list[str]:
+    others = ", ".join(name for name in model.laws if name != law.name)
+    line = f'law = "{law.name}"'
+    head = _with_comment(line, f"or {others}") if others else line
+    return ["[friction]", head, *_parameters(model, law.parameters, axis)]
+
+
+def _parameters(model: Model, parameters: Iterable[Parameter], axis: Parameter | None) -> list[str]:
+    """One commented line for each parameter that is not the axis."""
+    return [
+        _with_comment(f"# {p.name} = {_default(model, p)}", f"{p.meaning}{_unit(p.unit)}")
+        for p in parameters
+        if p is not axis
+    ]
+
+
+def _default(model: Model, parameter: Parameter) -> str:
+    value = default_value(model, parameter)
+    return f"# the value of {parameter.default_from}" if value is None else repr(value)
+
+
+def _grid(model: Model, axis: Parameter | None) -> list[str]:
+    if axis is None:
+        return ["# [grid]", "# mu_k = { start = 0.1, stop = 0.3, step = 0.05 }"]
+    high = default_value(model, axis) or 1.0
+    line = f"{axis.name} = {{ start = {high / 2!r}, stop = {high!r}, num = 5 }}"
+    return [
+        _with_comment("[grid]", "ordered; ends included; a list, or step = instead of num ="),
+        _with_comment(line, f"{axis.meaning}{_unit(axis.unit)}"),
+    ]
+
+
+def _swept(model: Model, law: Law) -> Parameter:
+    """The parameter of the first sweep."""
+    known: Mapping[str, Parameter] = {p.name: p for p in (*model.parameters, *law.parameters)}
+    first = next((name for name in _SWEPT_FIRST if name in known), next(iter(known)))
+    return known[first]
+
+
+def _starts(model: Model) -> list[str]:
+    state = model.states(model.default_options())[0]
+    return [
+        _with_comment("[[initial]]", "where a motion starts; more of these: more starts"),
+        'label = "near"',
+        _with_comment('kind = "equilibrium"', "of the unexcited system, plus the offset"),
+        _with_comment(f"offset = {{ {state.name} = 1e-4 }}", state.unit),
+    ]
+
+
+def _analysis(model: Model, analysis: Analysis) -> list[str]:
+    lines = ["[[analysis]]", f'kind = "{analysis.kind}"']
+    return lines + [_setting(model, setting) for setting in analysis.settings]
+
+
+def _setting(model: Model, setting: Setting) -> str:
+    line = f"{setting.name} = {_value(model, setting)}"
+    choices = f": {' | '.join(setting.choices)}" if setting.choices else ""
+    comment = f"{setting.meaning}{_unit(setting.unit)}{choices}"
+    return _with_comment(line if setting.required else f"# {line}", comment)
+
+
+def _value(model: Model, setting: Setting) -> str:
+    """The default of a setting, or an example where the default follows from something else."""
+    if setting.default is not None:
+        return _toml(setting.default)
+    examples = {
+        "state": f'"{model.states(model.default_options())[0].name}"',
+        "section": '{ event = "slip->stick" }',
+        "number": "30.0" if setting.required else "0.01",
+        "integer": "1",
+        "boolean": "true",
+    }
+    return examples.get(setting.type, '""')
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, Section):
+        return f'{{ event = "{value.event}" }}'
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def _figure(analysis: Analysis, axis: Parameter | None) -> list[str]:
+    kind = _FIGURES.get(analysis.kind, "curve")
+    lines = [_with_comment("[[figure]]", "what `fiv plot` draws"), f'kind = "{kind}"']
+    return lines if axis is None else [*lines, f'x = "{axis.name}"']
+
+
+def _claim() -> list[str]:
+    return [
+        _with_comment("# [[claim]]", "what the publication says, checked by `fiv claims`"),
+        '# source = "7.3, Figure 7.6"',
+        '# text = "the response is periodic"',
+        '# variable = "attractor"',
+        '# expect = "periodic"',
+    ]
+
+
+def _solver() -> list[str]:
+    return [
+        "# [solver]",
+        _with_comment('# method = "taylor"', 'adaptive; or "rk4", with its step in s'),
+        "# rtol = 1e-9",
+    ]
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" ({unit})"
+
+
+def _with_comment(line: str, comment: str) -> str:
+    return f"{line}  ".ljust(_COMMENT_COLUMN) + f"# {comment}"

@@ -1,0 +1,84 @@
+"""The equations of a model as text, printed from the very expressions that are computed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from fiv_cli.friction.base import Law, Slip
+from fiv_cli.models.base import Contact, Model
+
+
+def equation_lines(model: Model) -> list[str]:
+    """Accelerations, contacts and energies of `model` under its default options."""
+    from fiv_cli.codegen.symbols import Symbols
+
+    options = model.default_options()
+    symbols = Symbols()
+    equations = model.equations(symbols, options)
+    printer = _printer(model)
+    lines = ["Equations (F_T: friction force on the body, F_N: normal force)", ""]
+    for name, acceleration in equations.accelerations.items():
+        lines.append(f"  {name}'' = {printer(acceleration)}")
+    for index, contact in enumerate(equations.contacts):
+        lines += _contact_lines(printer, contact, _suffix(index, model.contacts))
+    return [
+        *lines,
+        f"  kinetic energy = {printer(equations.kinetic_energy)}",
+        f"  potential energy = {printer(equations.potential_energy)}",
+    ]
+
+
+def law_lines(law: Law) -> list[str]:
+    """The friction force of `law`, and what it can hold in stick."""
+    import sympy
+
+    names = ("v", "sgn(v)", "|v|", "F_N")
+    v, sign, speed, normal_force = (sympy.Symbol(name, real=True) for name in names)
+    parameters = {p.name: sympy.Symbol(p.name) for p in law.parameters}
+    force = law.force(Slip(v, sign, speed, normal_force), parameters)
+    lines = [f"  F_T = {_plain_text(force)}      (slip velocity v)"]
+    if law.capacity is not None:
+        lines.append(
+            f"  |F_T| <= {_plain_text(law.capacity(normal_force, parameters))}      (stick)"
+        )
+    return lines
+
+
+def _plain_text(expression: Any) -> str:
+    import sympy
+
+    return sympy.sstr(expression).replace("**", "^")
+
+
+def _contact_lines(printer: Callable[[Any], str], contact: Contact, suffix: str) -> Iterator[str]:
+    named = {"v_rel": contact.slip_velocity, "F_N": contact.normal_force, "gap": contact.gap}
+    for name, expression in named.items():
+        if expression is not None:
+            yield f"  {name}{suffix} = {printer(expression)}"
+
+
+def _suffix(contact: int, contacts: int) -> str:
+    return "" if contacts == 1 else f"_{contact + 1}"
+
+
+def _printer(model: Model) -> Callable[[Any], str]:
+    """Text of an expression, its symbols by their contract names."""
+    import sympy
+
+    def text(expression: Any) -> str:
+        expression = sympy.sympify(expression)
+        names = {s: sympy.Symbol(_spoken(s.name, model.contacts)) for s in expression.free_symbols}
+        return _plain_text(expression.xreplace(names))
+
+    return text
+
+
+def _spoken(name: str, contacts: int) -> str:
+    """``p.mu_k`` -> ``mu_k``, ``q.x_dot`` -> ``x'``, ``F_T.0`` -> ``F_T`` (of several: F_T_1)."""
+    kind, _, rest = name.partition(".")
+    if kind in ("p", "q"):
+        return f"{rest.removesuffix('_dot')}'" if rest.endswith("_dot") else rest
+    if rest.isdigit():
+        return f"{kind}{_suffix(int(rest), contacts)}"
+    return name

@@ -1,0 +1,214 @@
+"""``fiv``: the group of commands, and what an exception means for the shell.
+
+Commands are imported when they are called; until then only the table below knows them, so
+``fiv --help`` is quick.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+import click
+from click.shell_completion import CompletionItem, shell_complete
+
+from fiv_cli import __version__
+from fiv_cli.errors import FivError
+
+INTERNAL_ERROR = 1
+INTERRUPTED = 130
+TERMINATED = 143
+# What a shell reports of a program whose reader went away (128 + SIGPIPE).
+READER_GONE = 141
+USAGE = 2
+
+# The variable by which a shell asks for completions.
+COMPLETE_VARIABLE = "_FIV_COMPLETE"
+
+# name -> (module, one line); the order is that of a day's work, and of ``fiv --help``.
+COMMANDS: dict[str, tuple[str, str]] = {
+    "models": ("fiv_cli.cli.models", "List models and friction laws; print their equations."),
+    "new": ("fiv_cli.cli.new", "Write a commented case file to start from."),
+    "schema": ("fiv_cli.cli.schema", "Print the JSON schema of case files, for editors."),
+    "check": ("fiv_cli.cli.check", "Check case files and say what a run would do."),
+    "run": ("fiv_cli.cli.run", "Run case files; the answers land in NetCDF datasets."),
+    "status": ("fiv_cli.cli.status", "Say how far a run has come."),
+    "history": ("fiv_cli.cli.history", "Run one point of a sweep again, with its full motion."),
+    "show": ("fiv_cli.cli.show", "Summarise a dataset."),
+    "plot": ("fiv_cli.cli.plot", "Draw the figures of a dataset, or a friction law."),
+    "diff": ("fiv_cli.cli.diff", "Compare two datasets."),
+    "regress": ("fiv_cli.cli.regress", "Run the regression sweeps against their references."),
+    "claims": ("fiv_cli.cli.claims", "Hold what the publication says against what was found."),
+    "verify": ("fiv_cli.cli.verify", "Check this installation against closed-form answers."),
+    "completion": ("fiv_cli.cli.completion", "Print a script that completes fiv in your shell."),
+}
+
+EPILOG = """\b
+Start here:
+  fiv models                                        what can be computed
+  fiv new pin-on-disc --analysis response > a.toml  a case to start from
+  fiv check a.toml                                  is it right; what will it do
+  fiv run a.toml                                    compute; writes runs/a.nc
+  fiv plot runs/a.nc                                draw
+
+\b
+Exit codes:
+  0  done                            5  a difference (diff, regress, verify, claims)
+  1  internal error                  6  the stored run belongs to another case
+  2  usage, or a file in the way     7  locked by a live run
+  3  an input file is invalid        130 Ctrl-C    143 SIGTERM
+  4  finished, but some points failed or ran out of budget
+
+\b
+Every option has a twin in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
+Data go to stdout, everything else to stderr. FIV_DEBUG=1 shows the traceback of an internal
+error. Shell completion: fiv completion --help.
+"""
+
+
+class LazyGroup(click.Group):
+    """A group that imports a command when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        return importlib.import_module(COMMANDS[cmd_name][0]).command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click's, with a "did you mean" for an unknown command."""
+        from fiv_cli.case.names import suggest
+
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            hint = suggest(args[0], COMMANDS.keys()) or "`fiv --help` lists the commands"
+            ctx.fail(f"there is no command {args[0]!r}; {hint}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        names = [
+            CompletionItem(name, help=text)
+            for name, (_, text) in COMMANDS.items()
+            if name.startswith(incomplete)
+        ]
+        return names or click.Command.shell_complete(self, ctx, incomplete)
+
+
+@click.group(
+    cls=LazyGroup,
+    epilog=EPILOG,
+    context_settings={
+        "auto_envvar_prefix": "FIV",
+        "help_option_names": ["-h", "--help"],
+        "max_content_width": 100,
+    },
+)
+@click.version_option(__version__, message="%(prog)s %(version)s")
+def cli() -> None:
+    """Batch runs of friction-induced vibration: brake squeal, creep groan, stick-slip.
+
+    A TOML case file names a mechanical model, a friction law, a grid of parameters and what to
+    compute; `fiv run` computes every point and writes one dataset.
+    """
+
+
+def main() -> NoReturn:
+    """The console script."""
+    signal.signal(signal.SIGTERM, _terminate)
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Carry out one command line; returns its exit code.
+
+    Parameters
+    ----------
+    arguments : what stands behind ``fiv``
+    """
+    try:
+        code = _invoke(arguments)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _silence(sys.stdout)
+        return READER_GONE
+    except Exception as error:
+        return _explain(error, arguments)
+    except KeyboardInterrupt:
+        click.echo("interrupted", err=True)
+        return INTERRUPTED
+    return code
+
+
+def _invoke(arguments: Sequence[str]) -> int:
+    """A command returns None or its exit code."""
+    instruction = os.environ.get(COMPLETE_VARIABLE)
+    if instruction:
+        return shell_complete(cli, {}, "fiv", COMPLETE_VARIABLE, instruction)
+    with cli.make_context("fiv", list(arguments)) as context:
+        result: Any = cli.invoke(context)
+    return result if isinstance(result, int) else 0
+
+
+def _explain(error: Exception, arguments: Sequence[str]) -> int:
+    """Say on stderr what stopped the command; returns the exit code."""
+    if isinstance(error, click.exceptions.Exit):
+        return error.exit_code
+    if isinstance(error, click.Abort):
+        click.echo("interrupted", err=True)
+        return INTERRUPTED
+    if isinstance(error, click.ClickException):
+        error.show()
+        return USAGE
+    if isinstance(error, FivError):
+        click.echo(str(error), err=True)
+        return error.exit_code
+    if isinstance(error, OSError) and not _debugging(arguments):
+        return _explain_storage(error)
+    return _explain_internal(error, arguments)
+
+
+def _explain_storage(error: OSError) -> int:
+    """A file or stream that cannot be written or read."""
+    place = f"{error.filename}: " if error.filename else ""
+    click.echo(f"fiv: {place}{error.strerror or error}", err=True)
+    _silence(sys.stdout)
+    return USAGE
+
+
+def _explain_internal(error: Exception, arguments: Sequence[str]) -> int:
+    if _debugging(arguments):
+        traceback.print_exception(error)
+    click.echo(
+        f"fiv: internal error: {type(error).__name__}: {error}\n"
+        "This is a defect of fiv, not of your input.\n"
+        "next: run it again with FIV_DEBUG=1 in the environment and report what it prints",
+        err=True,
+    )
+    return INTERNAL_ERROR
+
+
+def _debugging(arguments: Sequence[str]) -> bool:
+    return bool(os.environ.get("FIV_DEBUG")) or bool({"-v", "--verbose"} & set(arguments))
+
+
+def _silence(stream: Any) -> None:
+    """Let what is still in a dead stream's buffer vanish, so that closing it is quiet."""
+    devnull = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(devnull, stream.fileno())
+    os.close(devnull)
+
+
+def _terminate(number: int, frame: object) -> NoReturn:
+    raise SystemExit(TERMINATED)

@@ -1,0 +1,214 @@
+"""``fiv models``: the models and friction laws, their parameters and equations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from fiv_cli.cli.common import json_option, print_json, print_table
+from fiv_cli.errors import UsageError
+
+if TYPE_CHECKING:
+    from fiv_cli.friction.base import Law
+    from fiv_cli.models.base import Model, Parameter
+
+
+@click.command("models")
+@click.argument("name", required=False)
+@click.option("--laws", "want_laws", is_flag=True, help="Friction laws instead of models.")
+@json_option
+def command(name: str | None, want_laws: bool, as_json: bool) -> None:
+    """List the mechanical models, or print everything about the one called NAME.
+
+    For one model: its parameters with symbol, unit, default, range and the equation that
+    introduces them, its states and options, the friction laws it takes, and its equations.
+
+    \b
+    Examples:
+      fiv models
+      fiv models pin-on-disc
+      fiv models --laws
+      fiv models stribeck --laws
+    """
+    if want_laws:
+        _show_laws(name, as_json)
+    else:
+        _show_models(name, as_json)
+
+
+def _show_models(name: str | None, as_json: bool) -> None:
+    from fiv_cli.models import all_models
+
+    models = all_models()
+    if name is not None:
+        model = _pick(name, models, "model", "fiv models")
+        print_json(model_document(model)) if as_json else _print_model(model)
+    elif as_json:
+        print_json({"models": [model_document(model) for model in models.values()]})
+    else:
+        rows = [(model.name, model.title, model.reference) for model in models.values()]
+        print_table("Models (fiv models NAME says more)", ("name", "what", "reference"), rows)
+
+
+def _show_laws(name: str | None, as_json: bool) -> None:
+    from fiv_cli.friction import all_laws
+
+    laws = all_laws()
+    if name is not None:
+        law = _pick(name, laws, "friction law", "fiv models --laws")
+        print_json(law_document(law)) if as_json else _print_law(law)
+    elif as_json:
+        print_json({"laws": [law_document(law) for law in laws.values()]})
+    else:
+        rows = [(law.name, law.title, _names(law.parameters)) for law in laws.values()]
+        print_table('Friction laws (law = "NAME")', ("name", "what", "parameters"), rows)
+        click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"')
+
+
+def _pick(name: str, known: Mapping[str, Any], what: str, listing: str) -> Any:
+    """The thing called `name`; UsageError with a "did you mean" when there is none."""
+    from fiv_cli.case.names import suggest
+
+    if name not in known:
+        hint = suggest(name, known.keys())
+        raise UsageError(
+            f"there is no {what} {name!r}" + (f"; {hint}" if hint else "") + f"\nnext: {listing}"
+        )
+    return known[name]
+
+
+def model_document(model: Model) -> dict[str, Any]:
+    """Everything the tables of a model say, as JSON values."""
+    options = model.default_options()
+    return {
+        "name": model.name,
+        "title": model.title,
+        "reference": model.reference,
+        "parameters": [_parameter_document(parameter) for parameter in model.parameters],
+        "states": [
+            {"name": s.name, "symbol": s.symbol, "unit": s.unit, "meaning": s.meaning}
+            for s in model.states(options)
+        ],
+        "options": [
+            {"name": o.name, "choices": o.choices, "default": o.default, "meaning": o.meaning}
+            for o in model.options
+        ],
+        "laws": list(model.laws),
+        "law_defaults": dict(model.law_defaults),
+        "contacts": model.contacts,
+    }
+
+
+def law_document(law: Law) -> dict[str, Any]:
+    """Everything the table of a law says, as JSON values."""
+    return {
+        "name": law.name,
+        "title": law.title,
+        "reference": law.reference,
+        "sticks": law.capacity is not None,
+        "parameters": [_parameter_document(parameter) for parameter in law.parameters],
+    }
+
+
+def _parameter_document(parameter: Parameter) -> dict[str, Any]:
+    """A parameter; an open end of its range is left out."""
+    bounds = {
+        key: value
+        for key, value in (("minimum", parameter.minimum), ("maximum", parameter.maximum))
+        if abs(value) != float("inf")
+    }
+    return {
+        "name": parameter.name,
+        "symbol": parameter.symbol,
+        "unit": parameter.unit,
+        "default": parameter.default,
+        "default_from": parameter.default_from,
+        "meaning": parameter.meaning,
+        "equation": parameter.equation,
+        "integer": parameter.integer,
+        "exclusive": parameter.exclusive,
+        **bounds,
+    }
+
+
+def _print_model(model: Model) -> None:
+    click.echo(f"{model.name}: {model.title}\n{model.reference}\n")
+    _print_parameters("Parameters, under [model.parameters]", model.parameters, {})
+    states = model.states(model.default_options())
+    rows = [(s.name, s.symbol, s.unit, s.meaning) for s in states]
+    click.echo()
+    print_table("States (the velocity of x is x_dot)", ("name", "symbol", "unit", "meaning"), rows)
+    _print_options(model)
+    click.echo(f"\nFriction laws: {', '.join(model.laws)}")
+    _print_law_parameters(model)
+    _print_equations(model)
+
+
+def _print_options(model: Model) -> None:
+    if model.options:
+        rows = [(o.name, " | ".join(o.choices), o.default, o.meaning) for o in model.options]
+        click.echo()
+        print_table(
+            "Options, under [model.options]", ("name", "choices", "default", "meaning"), rows
+        )
+
+
+def _print_law_parameters(model: Model) -> None:
+    """The parameters of the default law, with the defaults they have on this model."""
+    from fiv_cli.friction import get_law
+
+    law = get_law(model.laws[0])
+    click.echo()
+    _print_parameters(
+        f"Parameters of {law.name}, under [friction]", law.parameters, model.law_defaults
+    )
+
+
+def _print_law(law: Law) -> None:
+    from fiv_cli.cli.equations import law_lines
+
+    click.echo(f"{law.name}: {law.title}\n{law.reference}\n")
+    _print_parameters("Parameters, under [friction]", law.parameters, {})
+    click.echo("\n" + "\n".join(law_lines(law)))
+    if law.capacity is None:
+        click.echo("\nIt never sticks: it has no static coefficient.")
+
+
+def _print_parameters(
+    title: str, parameters: tuple[Parameter, ...], defaults: Mapping[str, float]
+) -> None:
+    rows = [
+        (p.name, p.symbol, p.unit, _default(p, defaults), _range(p), p.meaning, p.equation)
+        for p in parameters
+    ]
+    columns = ("name", "symbol", "unit", "default", "range", "meaning", "equation")
+    print_table(title, columns, rows)
+
+
+def _default(parameter: Parameter, defaults: Mapping[str, float]) -> str:
+    value = defaults.get(parameter.name, parameter.default)
+    return f"= {parameter.default_from}" if value is None else f"{value:.12g}"
+
+
+def _range(parameter: Parameter) -> str:
+    low, high = parameter.minimum, parameter.maximum
+    if (low, high) == (float("-inf"), float("inf")):
+        return "any"
+    if high == float("inf"):
+        return f"{'>' if parameter.exclusive else '>='} {low:g}"
+    return f"{'(' if parameter.exclusive else '['}{low:g}, {high:g}]"
+
+
+def _names(parameters: tuple[Parameter, ...]) -> str:
+    return ", ".join(parameter.name for parameter in parameters)
+
+
+def _print_equations(model: Model) -> None:
+    from fiv_cli.cli.equations import equation_lines, law_lines
+    from fiv_cli.friction import get_law
+
+    law = get_law(model.laws[0])
+    click.echo("\n" + "\n".join(equation_lines(model)))
+    click.echo("\n".join(law_lines(law)))

@@ -1,0 +1,39 @@
+"""``fiv new``: a case file to start from."""
+
+from __future__ import annotations
+
+import click
+
+from fiv_cli.errors import UsageError
+
+
+@click.command("new")
+@click.argument("model")
+@click.option(
+    "--analysis",
+    "kind",
+    metavar="KIND",
+    default="response",
+    show_default=True,
+    help="What to compute: history, equilibrium, eigenvalues or response.",
+)
+def command(model: str, kind: str) -> None:
+    """Write a commented case file of MODEL to stdout.
+
+    It is valid as it stands; everything that may be changed is in it, behind a #.
+
+    \b
+    Example:
+      fiv new pin-on-disc --analysis response > a.toml
+    """
+    from fiv_cli.analyses import all_analyses
+    from fiv_cli.case.names import listed, suggest
+    from fiv_cli.case.template import case_template
+    from fiv_cli.models import all_models
+
+    models, analyses = all_models(), all_analyses()
+    for what, name, known in (("model", model, models), ("analysis", kind, analyses)):
+        if name not in known:
+            hint = suggest(name, known.keys()) or f"there are: {listed(known)}"
+            raise UsageError(f"there is no {what} {name!r}; {hint}\nnext: fiv models")
+    click.echo(case_template(models[model], analyses[kind]), nl=False)
