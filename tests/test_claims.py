@@ -266,6 +266,8 @@ def test_an_interval_of_a_class_is_where_it_occurs_along_the_axis():
     expect["interval"] = [0.4, 0.9]
     assert tried(dataset, "attractor", expect).verdict == CONTRADICTED
     assert "found 0.4 to 0.7" in tried(dataset, "attractor", expect).found
+    outside = {"interval": [0.1, 1.0], "tolerance": 0.01, "of": "not periodic"}
+    assert tried(dataset, "attractor", outside).verdict == CONFIRMED
 
 
 def test_section_values_are_claimed_row_by_row():
@@ -419,6 +421,13 @@ def test_the_ledger_tells_source_text_verdict_and_finding(workplace):
     assert "confirmed    3.1.1: the mass sticks and slips" in result.output
     assert "3 of 3 points" in result.output
     assert result.output.endswith("1 confirmed\n")
+
+
+def test_a_case_may_claim_where_a_class_occurs(workplace):
+    expect = 'expect = { interval = [0.2, 0.3], tolerance = 0.01, of = "periodic" }'
+    (workplace / "stick.toml").write_text(CASE.replace('expect = "periodic"', expect))
+    store(["equilibrium", "periodic", "periodic"])
+    assert "confirmed" in run("stick.toml").output
 
 
 def test_the_ledger_as_json(workplace):

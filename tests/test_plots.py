@@ -99,6 +99,15 @@ def test_a_curve_has_a_line_for_every_start():
     assert ax.get_ylabel() == "$L_s$ (rad$^{2}$)"
 
 
+def test_several_variables_of_a_curve_are_named_in_its_legend():
+    dataset = data.bifurcation().isel(initial=[0])
+    dataset["x_rms"] = (("Omega", "initial"), np.ones((46, 1)), {"units": "rad"})
+    (ax,) = draw(dataset, figure("curve", variable=["L_s", "x_rms"])).axes
+    assert legend_texts(ax)[:2] == ["$L_s$ (rad$^{2}$)", r"$x_{\mathrm{rms}}$ (rad)"]
+    with pytest.raises(UsageError, match="one variable"):
+        draw(data.stability_map(), figure("map", variable=["L_s", "attractor"]))
+
+
 def test_a_curve_of_classes_has_their_names_at_the_ticks():
     (ax,) = draw(data.bifurcation(), figure("curve", variable="attractor")).axes
     ticks = [tick.get_text() for tick in ax.get_yticklabels()]

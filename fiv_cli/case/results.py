@@ -36,7 +36,8 @@ _CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
 _OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
 _EXPECT_FORMS = (
     'a class, "not CLASS", "increasing", "decreasing", { value = V, tolerance = T }, '
-    '{ interval = [A, B], tolerance = T } or { less_than = "CASE:variable" }'
+    '{ interval = [A, B], tolerance = T }, the same with of = CLASS (where along the axis), '
+    'or { less_than = "CASE:variable" }'
 )
 
 
@@ -235,7 +236,8 @@ def _check_expect(expect: str | dict[str, Any], variable: str) -> None:
     elif set(expect) == {"value", "tolerance"}:
         check_number(expect["value"])
         _check_tolerance(expect["tolerance"])
-    elif set(expect) == {"interval", "tolerance"}:
+    elif set(expect) - {"of"} == {"interval", "tolerance"}:
+        _check_expected_class(str(expect.get("of", "periodic")), variable)
         _check_interval(expect["interval"])
         _check_tolerance(expect["tolerance"])
     else:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from fiv_cli.cli.common import json_option, print_json
 from fiv_cli.errors import DifferenceError, UsageError
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from fiv_cli.case.case import Case, ClaimSpec
 
-SCHEMA = 1
 NOT_RUN = "not run"
 DEFAULT = Path("configs")
 
@@ -37,7 +36,7 @@ class Entry:
 @click.command("claims")
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[DIR or CASE...]")
 @click.option("--strict", is_flag=True, help="Exit 5 on a contradiction without a note, or no run.")
-@click.option("--json", "as_json", is_flag=True, help="Print the ledger as JSON.")
+@json_option
 def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
     """Hold every [[claim]] of the cases against their datasets.
 
@@ -51,7 +50,10 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
       fiv claims configs/ch7/fig_7_06.toml --json
     """
     ledger = [entry for path in case_files(paths or (DEFAULT,)) for entry in judge(path)]
-    click.echo(_as_json(ledger) if as_json else "\n".join(lines(ledger)))
+    if as_json:
+        print_json({"claims": [asdict(entry) for entry in ledger]})
+    else:
+        click.echo("\n".join(lines(ledger)))
     if strict:
         _demand(ledger)
 
@@ -154,11 +156,6 @@ def _lines_of(entry: Entry) -> list[str]:
         f"{indent}{entry.found}",
     ]
     return [*found, f"{indent}note: {entry.note}"] if entry.note else found
-
-
-def _as_json(ledger: Sequence[Entry]) -> str:
-    document: dict[str, Any] = {"schema": SCHEMA, "claims": [asdict(entry) for entry in ledger]}
-    return json.dumps(document, indent=2)
 
 
 def _demand(ledger: Sequence[Entry]) -> None:

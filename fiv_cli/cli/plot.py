@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command("plot")
-@click.argument("files", nargs=-1, type=click.Path(path_type=Path), metavar="FILE.nc...")
+@click.argument("files", nargs=-1, type=click.Path(path_type=Path), metavar="[FILE.nc...]")
 @click.option(
     "-o",
     "--output",

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
+from fiv_cli.cli.common import json_option, print_json
+
 
 @click.command("show")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.nc")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@json_option
 def command(file: Path, as_json: bool) -> None:
     """Summarise the dataset FILE.nc.
 
@@ -25,4 +26,7 @@ def command(file: Path, as_json: bool) -> None:
     from fiv_cli.data.summary import lines, summarise
 
     summary = summarise(read_analyses(file))
-    click.echo(json.dumps(summary, indent=2) if as_json else "\n".join(lines(summary)))
+    if as_json:
+        print_json(summary)
+    else:
+        click.echo("\n".join(lines(summary)))

@@ -225,10 +225,11 @@ def _range(found: _Values, variable: xr.DataArray) -> str:
 def _try_interval(variable: str, expect: Mapping[str, Any], part: xr.Dataset) -> _Trial:
     """``{ interval = [a, b], tolerance }``: what is found reaches from a to b, and no further.
 
-    With ``of = CLASS`` it is about the values of the one axis that is left at which `variable`
-    has that class; without, about the values of `variable` themselves.
+    With ``of = CLASS`` (or ``"not CLASS"``) it is about the values of the one axis that is left
+    at which `variable` has that class; without, about the values of `variable` themselves.
     """
-    found = _values(part, variable, allow_undecided=expect.get("of") == "undecided")
+    undecided = "undecided" in str(expect.get("of"))
+    found = _values(part, variable, allow_undecided=undecided)
     if "of" in expect:
         found = _axis_values_where(found, str(expect["of"]), variable, part)
     low, high = (float(bound) for bound in expect["interval"])
@@ -256,11 +257,12 @@ def _end_matches(excess: float, tolerance: float, unknown: bool) -> tuple[bool, 
 
 
 def _axis_values_where(found: _Values, name: str, variable: str, part: xr.Dataset) -> _Values:
+    negated, name = _split_negation(name)
     code = _code_of(name, variable, flag_names(part[variable].attrs))
     axis = _one_axis(part)
     place = np.unravel_index(found.row, found.rows.shape)[found.rows.dims.index(axis.dims[0])]
     values = axis.values[place].astype(float)
-    wanted = found.open | (found.values == code)
+    wanted = found.open | ((found.values == code) != negated)
     return _Values(values[wanted], found.open[wanted], found.row[wanted], found.rows)
 
 

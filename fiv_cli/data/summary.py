@@ -14,8 +14,6 @@ from fiv_cli.data.reading import flag_names, numbers
 if TYPE_CHECKING:
     import xarray as xr
 
-SCHEMA = 1
-
 # How far to trust a number: the greatest is the worst.
 TRUST = ("energy_residual", "event_residual", "residual", "transient_used", "n_steps", "n_events")
 
@@ -23,7 +21,7 @@ GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source")
 
 
 def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
-    """The summary as plain values (what ``fiv show --json`` prints).
+    """The summary as plain values (what ``fiv show --json`` prints under a schema number).
 
     Parameters
     ----------
@@ -31,7 +29,6 @@ def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     """
     first = next(iter(analyses.values()))
     return {
-        "schema": SCHEMA,
         **{key: str(first.attrs[key]) for key in GLOBAL if first.attrs.get(key)},
         "analyses": {name: _analysis(dataset) for name, dataset in analyses.items()},
     }

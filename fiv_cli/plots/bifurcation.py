@@ -27,7 +27,7 @@ def suits(dataset: xr.Dataset) -> bool:
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     """Dots of every layer; one colour per start, branch or further axis."""
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
-    name = str(settings.get("variable", DEFAULT))
+    name = points.one_variable(settings, DEFAULT)
     clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
     colours = style.line_colours(len(clouds))
     count = sum(y.size for _, _, y in clouds)

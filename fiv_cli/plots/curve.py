@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,37 +33,46 @@ def suits(dataset: xr.Dataset) -> bool:
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     """Lines of every layer; points without an answer are marked along the lower edge."""
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
-    name = variable_of(layers[0].dataset, settings)
-    curves = [curve for layer in layers for curve in _curves(layer, name, settings)]
+    names = variables_of(layers[0].dataset, settings)
+    curves = [c for layer in layers for name in names for c in _curves(layer, name, settings)]
     colours = style.line_colours(len(curves))
-    classes = bool(flag_names(layers[0].dataset[name].attrs))
-    for number, ((label, x, y), colour) in enumerate(zip(curves, colours, strict=True)):
+    classes = bool(flag_names(layers[0].dataset[names[0]].attrs))
+    for number, (curve, colour) in enumerate(zip(curves, colours, strict=True)):
         # lines of classes lie on one another: each is moved a little, and there is no in-between
         shift = classes * CLASS_SHIFT * (number - (len(curves) - 1) / 2)
-        ax.plot(x, y + shift, "." if classes else ".-", ms=3, color=colour, label=label)
-    _dress(ax, layers, name, settings)
+        label = points.joined(curve.name if len(names) > 1 else "", curve.label)
+        ax.plot(curve.x, curve.y + shift, "." if classes else ".-", ms=3, color=colour, label=label)
+    _dress(ax, layers, names, settings)
     return figure
 
 
-def variable_of(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
-    """The variable that the figure names (``variable``, or ``y``), else the preferred one.
+def variables_of(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
+    """The variables that the figure names (``variable``, or ``y``), else the preferred one.
 
     Raises
     ------
     UsageError : the dataset has no such variable
     """
-    known = [str(name) for name in dataset.data_vars]
-    default = next((name for name in PREFERRED if name in known), "")
-    name = str(settings.get("variable", settings.get("y", default)))
-    if name not in known:
-        raise UsageError(f"{name or 'variable'}: not in this dataset\nit has: {', '.join(known)}")
-    return name
+    default = next((name for name in PREFERRED if name in dataset), "variable")
+    named = settings.get("variable", settings.get("y", default))
+    return [
+        points.known_variable(dataset, str(name))
+        for name in (named if isinstance(named, list) else [named])
+    ]
 
 
-def _curves(
-    layer: points.Layer, name: str, settings: Mapping[str, Any]
-) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """(label, x, y) of each line of one dataset."""
+@dataclass(frozen=True)
+class _Curve:
+    """One line: the words for its variable, those for its place, and its points."""
+
+    name: str
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+
+
+def _curves(layer: points.Layer, name: str, settings: Mapping[str, Any]) -> list[_Curve]:
+    """The lines of one variable of one dataset."""
     dataset = layer.dataset
     axis = points.abscissa(dataset, settings)
     array = numbers(dataset[name])
@@ -72,20 +82,21 @@ def _curves(
             f"{name}: not one value per point along {axis.name}\n"
             f"it varies along: {', '.join(map(str, array.dims)) or 'nothing'}"
         )
-    x = points.positions(axis)
+    x, words = points.positions(axis), labels.axis_label(dataset[name])
     return [
-        (points.joined(layer.label, line.label), x, array.isel(line.index).values)
+        _Curve(words, points.joined(layer.label, line.label), x, array.isel(line.index).values)
         for line in points.lines(dataset, [dim], [str(d) for d in array.dims])
     ]
 
 
 def _dress(
-    ax: Axes, layers: Sequence[points.Layer], name: str, settings: Mapping[str, Any]
+    ax: Axes, layers: Sequence[points.Layer], names: Sequence[str], settings: Mapping[str, Any]
 ) -> None:
     first = layers[0].dataset
     points.dress_axis(ax, points.abscissa(first, settings), "x")
-    ax.set_ylabel(labels.axis_label(first[name]))
-    classes = {c: n for c, n in flag_names(first[name].attrs).items() if n != NOT_COMPUTED}
+    if len(names) == 1:
+        ax.set_ylabel(labels.axis_label(first[names[0]]))
+    classes = {c: n for c, n in flag_names(first[names[0]].attrs).items() if n != NOT_COMPUTED}
     if classes:
         ax.set_yticks(list(classes), labels=[word.replace("_", " ") for word in classes.values()])
     for layer in layers:

@@ -48,11 +48,8 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
 
 
 def _variable(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
-    known = [str(name) for name in dataset.data_vars]
-    name = str(settings.get("variable", next((n for n in PREFERRED if n in known), "")))
-    if name not in known:
-        raise UsageError(f"{name or 'variable'}: not in this dataset\nit has: {', '.join(known)}")
-    return name
+    default = next((name for name in PREFERRED if name in dataset), "variable")
+    return points.known_variable(dataset, points.one_variable(settings, default))
 
 
 def _axes(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:

@@ -72,6 +72,22 @@ def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any], key: str = "x") -
     return (numeric or varying)[0]
 
 
+def known_variable(dataset: xr.Dataset, name: str) -> str:
+    """`name`, when the dataset has such a variable; UsageError otherwise."""
+    known = [str(variable) for variable in dataset.data_vars]
+    if name not in known:
+        raise UsageError(f"{name}: not in this dataset\nit has: {', '.join(known)}")
+    return name
+
+
+def one_variable(settings: Mapping[str, Any], default: str) -> str:
+    """The variable of a figure that shows just one; UsageError when several are named."""
+    named = settings.get("variable", default)
+    if isinstance(named, list) and len(named) != 1:
+        raise UsageError("this kind of figure shows one variable\nmake it a [[figure]] for each")
+    return str(named[0] if isinstance(named, list) else named)
+
+
 def positions(axis: xr.DataArray) -> np.ndarray:
     """Where the values of `axis` lie in a figure: numbers at themselves, labels at 0, 1, 2, ..."""
     return axis.values.astype(float) if select.is_numeric(axis) else np.arange(float(axis.size))
