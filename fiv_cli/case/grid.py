@@ -70,7 +70,8 @@ def _candidates(
 def _flattened(grid: Mapping[str, Any]) -> Iterable[tuple[str, Path, Any]]:
     """Axes with their places; ``initial.x = ...`` may be written without quotes."""
     for key, value in grid.items():
-        if key in ("initial", "friction") and isinstance(value, dict):
+        nested = isinstance(value, dict) and not _RANGE_KEYS & value.keys()
+        if nested and key in ("initial", "friction"):
             for inner, axis in value.items():
                 yield f"{key}.{inner}", ("grid", key, inner), axis
         else:
@@ -323,11 +324,12 @@ def _check_zip_lengths(axes: Sequence[Axis], zips: Sequence[Sequence[str]], repo
 
 def refuse_fixed_axes(raw: Mapping[str, Any], axes: Iterable[Axis], report: Report) -> None:
     """Note every axis whose name the case also fixes."""
+    written = {_axis_name(key): place for key, place, _ in _flattened(_table(raw, "grid"))}
     for axis in axes:
         for place in _fixed_places(raw, axis.name):
             shown = ".".join(map(str, place))
             report.add(
-                ("grid", axis.name),
+                written[axis.name],
                 f"{axis.name!r} is an axis and is also fixed, by {shown}",
                 "one of the two",
                 f"to compute a single value of an axis: --set grid.{axis.name}=[VALUE]",

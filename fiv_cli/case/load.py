@@ -10,8 +10,8 @@ from typing import Any
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.case.analysis import read_analyses
-from fiv_cli.case.case import AnalysisSpec, Axis, Case
-from fiv_cli.case.grid import read_grid, refuse_fixed_axes
+from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
+from fiv_cli.case.grid import MOST_POINTS, count_points, read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
 from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
@@ -46,8 +46,11 @@ def load_case(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
 def parse_case(text: str, source: str, overrides: Sequence[str] = ()) -> Case:
     """The case that `text` means; errors as `load_case`, naming `source`."""
     parsed = [parse_override(override) for override in overrides]
-    document, places, unplaced = apply_overrides(_toml(text, source), parsed)
-    report = Report(source, locate(text), places)
+    try:
+        document, places, unplaced = apply_overrides(_toml(text, source), parsed)
+        report = Report(source, locate(text), places)
+    except RecursionError:
+        raise CaseError(source, [Problem("case", "tables or lists nest too deeply")]) from None
     report.add_problems(unplaced)
     case = _build(document, report, source, text, tuple(overrides))
     report.raise_if_any()
@@ -58,7 +61,7 @@ def parse_case(text: str, source: str, overrides: Sequence[str] = ()) -> Case:
 
 def _read(source: str) -> str:
     try:
-        return FilePath(source).read_bytes().decode("utf-8")
+        return FilePath(source).read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         problem = Problem("case", "is not UTF-8 text", "a TOML file in UTF-8", line=line)
@@ -84,7 +87,7 @@ def _nearby(source: str) -> str:
 def _toml(text: str, source: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
+    except ValueError as error:  # TOMLDecodeError, or an integer too long to read
         raise CaseError(source, [_syntax_problem(str(error), text)]) from None
 
 
@@ -114,6 +117,7 @@ def _build(
     if physics is None or header is None:
         return None
     _refuse_unused_start_axes(axes, analyses, report)
+    _refuse_too_many_runs(axes, zips, starts, report)
     parameters = _fixed_parameters(physics, axes)
     case = Case(
         source=source,
@@ -190,6 +194,20 @@ def _refuse_unused_start_axes(
     for axis in axes:
         if axis.kind == "start":
             report.add(("grid", axis.name), "no analysis of this case has a start to vary")
+
+
+def _refuse_too_many_runs(
+    axes: Sequence[Axis],
+    zips: Sequence[Sequence[str]],
+    starts: Sequence[StartSpec],
+    report: Report,
+) -> None:
+    """Random starts multiply the points of the grid."""
+    labels = sum(start.count if start.kind == "random" else 1 for start in starts)
+    points = count_points({axis.name: len(axis.values) for axis in axes}, zips)
+    if labels > 1 and labels * points > MOST_POINTS:
+        message = f"{labels:,} starts of {points:,} points are {labels * points:,} runs"
+        report.add(("initial",), message, f"at most {MOST_POINTS:,}")
 
 
 def _refuse_rising_friction(

@@ -58,9 +58,10 @@ class Report:
             raise CaseError(self.source, ordered)
 
     def _override_at(self, path: Path) -> str | None:
-        """The last override that wrote `path` or a table above it."""
+        """The last override that wrote `path`, or a table above it, or made it on its way."""
         for place, text in reversed(list(self._overrides.items())):
-            if path[: len(place)] == place:
+            made = path not in self._lines and place[: len(path)] == path
+            if made or path[: len(place)] == place:
                 return text
         return None
 

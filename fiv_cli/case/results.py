@@ -36,7 +36,7 @@ _CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
 _OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
 _EXPECT_FORMS = (
     'a class, "not CLASS", "increasing", "decreasing", { value = V, tolerance = T }, '
-    '{ interval = [A, B], tolerance = T }, the same with of = CLASS (where along the axis), '
+    "{ interval = [A, B], tolerance = T }, the same with of = CLASS (where along the axis), "
     'or { less_than = "CASE:variable" }'
 )
 

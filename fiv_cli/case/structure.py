@@ -12,6 +12,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
 
+# The version of the case-file format that this program reads.
+SCHEMA_VERSION = 1
+
 QUANTITY_SCHEMA = {
     "anyOf": [{"type": "number"}, {"type": "string"}],
     "description": 'a number in SI, or a string with its unit: "20 rpm", "15 deg", "5 mm"',
@@ -62,6 +65,15 @@ def _check_interval(value: object) -> tuple[Any, Any]:
     return check_quantity(value[0]), check_quantity(value[1])
 
 
+def _check_version(value: object) -> int:
+    if type(value) is not int or value != SCHEMA_VERSION:
+        raise ValueError(f"must be {SCHEMA_VERSION}, not {describe(value)}")
+    return value
+
+
+SchemaVersion = Annotated[
+    int, PlainValidator(_check_version), WithJsonSchema({"const": SCHEMA_VERSION})
+]
 Quantity = Annotated[Any, PlainValidator(check_quantity), WithJsonSchema(QUANTITY_SCHEMA)]
 Number = Annotated[float, PlainValidator(check_number), WithJsonSchema({"type": "number"})]
 Interval = Annotated[
@@ -227,7 +239,7 @@ class SolverTable(Table):
 class HeaderTable(Table):
     """The keys above the first table."""
 
-    schema_version: Literal[1] = Field(alias="schema", description="version of this format")
+    schema_version: SchemaVersion = Field(alias="schema", description="version of this format")
     title: str = Field(default="", description="one line")
     reference: str = Field(default="", description="figure or section of the publication")
     assumed: list[str] = Field(

@@ -1,0 +1,650 @@
+"""Reading case files: what a good one means, and that a bad one is told all that is wrong."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from fiv_cli.analyses.base import Section, SolverSettings
+from fiv_cli.case.case import Case, StartSpec
+from fiv_cli.case.load import load_case, parse_case
+from fiv_cli.case.results import ATTRACTORS
+from fiv_cli.case.starts import AT_REST
+from fiv_cli.data.flags import ATTRACTOR
+from fiv_cli.errors import CaseError, Problem, UsageError
+
+PIN = """\
+schema = 1
+title = "Map"
+reference = "Figure 7.6"
+assumed = ["initial.far"]
+
+[model]
+name = "pin-on-disc"
+parameters = { c1 = 0.002, "β" = "15 deg" }
+
+[friction]
+mu_k = 0.2
+
+[grid]
+"Ω" = { start = 0.5, stop = 2.0, step = 0.5 }
+N0 = ["30 N", "0.05 kN"]
+
+[[initial]]
+label = "far"
+kind = "state"
+state = { phi_dot = "Omega", theta = "1 deg" }
+
+[[analysis]]
+kind = "response"
+section = { zero = "phi_dot", direction = "up" }
+t_max = "2 min"
+
+[[figure]]
+kind = "map"
+x = "Ω"
+y = "N0"
+select = { initial = "far" }
+
+[[claim]]
+source = "7.3"
+text = "periodic"
+variable = "attractor"
+expect = "periodic"
+at = { N0 = "30 <= . < 40", "Ω" = "0.5 rad/s", initial = "far" }
+"""
+
+BELT = """\
+schema = 1
+[model]
+name = "belt-1dof"
+[[analysis]]
+kind = "history"
+t_end = 30
+"""
+
+
+def parse(text: str, *overrides: str) -> Case:
+    return parse_case(text, "case.toml", overrides)
+
+
+def problems(text: str, *overrides: str) -> list[Problem]:
+    """Everything wrong with a case; fails when nothing is."""
+    with pytest.raises(CaseError) as caught:
+        parse(text, *overrides)
+    return list(caught.value.problems)
+
+
+def only_problem(text: str, *overrides: str) -> Problem:
+    (problem,) = problems(text, *overrides)
+    return problem
+
+
+def belt(*lines: str) -> str:
+    """The belt's case with more lines, tables behind it."""
+    return BELT + "\n".join(lines) + "\n"
+
+
+class TestGoodCase:
+    def test_everything_written_arrives(self) -> None:
+        case = parse(PIN)
+        assert (case.title, case.reference, case.assumed) == (
+            "Map",
+            "Figure 7.6",
+            ("initial.far",),
+        )
+        assert (case.model, case.law) == ("pin-on-disc", "coulomb")
+        assert case.parameters["c1"] == 0.002
+        assert case.parameters["mu_k"] == 0.2
+        assert case.parameters["beta"] == pytest.approx(math.pi / 12, rel=1e-15)
+        assert case.axis("Omega").values == (0.5, 1.0, 1.5, 2.0)
+        assert case.axis("N0").values == (30.0, 50.0)
+        assert [axis.name for axis in case.axes] == ["Omega", "N0"]
+        assert set(case.explicit) == {"c1", "beta", "mu_k"}
+
+    def test_analysis_is_complete(self) -> None:
+        (analysis,) = parse(PIN).analyses
+        assert analysis.name == analysis.kind == "response"
+        assert analysis.settings == {
+            "section": Section("zero", state="phi_dot", direction="up"),
+            "observe": None,
+            "t_max": 120.0,
+            "transient": 0.0,
+            "lyapunov": "auto",
+        }
+
+    def test_start_names_a_parameter(self) -> None:
+        (start,) = parse(PIN).starts
+        assert start.state == {"phi_dot": "Omega", "theta": math.pi / 180}
+
+    def test_figures_and_claims_speak_the_contract_names(self) -> None:
+        case = parse(PIN)
+        assert case.figures[0].settings["x"] == "Omega"
+        assert case.claims[0].at == {"N0": "30 <= . < 40", "Omega": 0.5, "initial": "far"}
+
+    def test_axes_are_no_parameters(self) -> None:
+        assert not {"Omega", "N0"} & set(parse(PIN).parameters)
+
+    def test_defaults_are_the_models_before_the_laws(self) -> None:
+        assert parse(BELT).parameters["mu_k"] == 0.23
+
+    def test_default_start_is_at_rest(self) -> None:
+        assert parse(BELT).starts == (AT_REST,)
+        assert StartSpec("rest", "state") == AT_REST
+
+    def test_default_solver(self) -> None:
+        assert parse(BELT).solver == SolverSettings()
+
+    def test_file_and_text_mean_the_same(self, tmp_path: Path) -> None:
+        file = tmp_path / "case.toml"
+        file.write_text(PIN, encoding="utf-8")
+        case = load_case(file)
+        assert case.text == PIN
+        assert case.axes == parse(PIN).axes
+
+    def test_byte_order_mark_is_harmless(self, tmp_path: Path) -> None:
+        file = tmp_path / "case.toml"
+        file.write_bytes(b"\xef\xbb\xbf" + BELT.encode())
+        assert load_case(file).model == "belt-1dof"
+
+    def test_unquoted_start_axis(self) -> None:
+        case = parse(belt("[grid]", "initial.x_dot = [0.0, 1.0]", "friction.mu_k = [0.1]"))
+        assert [(axis.name, axis.kind) for axis in case.axes] == [
+            ("initial.x_dot", "start"),
+            ("mu_k", "parameter"),
+        ]
+        assert case.axes[0].dim == "initial_x_dot"
+
+
+class TestFriction:
+    def test_tanh_takes_the_default_law(self) -> None:
+        case = parse(belt("[friction]", 'law = "tanh"', "sigma = 20"))
+        assert case.law == "tanh of coulomb"
+        assert case.parameters["sigma"] == 20.0
+        assert "mu_s" not in case.parameters
+
+    def test_tanh_of_another(self) -> None:
+        case = parse(belt("[friction]", 'law = "tanh"', 'of = "stribeck"'))
+        assert case.law == "tanh of stribeck"
+
+    def test_of_without_tanh(self) -> None:
+        problem = only_problem(belt("[friction]", 'law = "stribeck"', 'of = "coulomb"'))
+        assert problem.path == "friction.of"
+
+    def test_laws_as_an_axis_keep_their_own_parameters(self) -> None:
+        case = parse(
+            belt(
+                "[friction]",
+                "mu_s = 0.5",
+                "[friction.hyperbolic]",
+                "delta = 2.0",
+                "[grid]",
+                'friction = ["coulomb", "stribeck", "hyperbolic", "tanh"]',
+            )
+        )
+        assert case.axis("friction").values[-1] == "tanh of coulomb"
+        assert case.parameters["mu_s"] == 0.5
+        assert case.parameters_at("hyperbolic", {})["delta"] == 2.0
+        assert case.parameters_at("stribeck", {})["delta"] == 1.0
+        assert "delta" not in case.parameters_at("coulomb", {})
+        assert case.parameters_at("stribeck", {"mu_s": 0.7})["mu_s"] == 0.7
+
+    def test_a_parameter_that_laws_read_differently_is_refused(self) -> None:
+        text = belt("[friction]", "delta = 2", "[grid]", 'friction = ["stribeck", "hyperbolic"]')
+        assert "different things" in only_problem(text).message
+
+    def test_a_table_of_a_law_that_is_not_in_use(self) -> None:
+        problem = only_problem(belt("[friction.stribeck]", "v_s = 1"))
+        assert problem.path == "friction.stribeck"
+
+    def test_rising_friction_in_time(self) -> None:
+        problem = only_problem(belt("[friction]", "mu_k = 0.5"))
+        assert problem.path == "friction.mu_k"
+        assert "mu_s = 0.4" in problem.message
+
+    def test_rising_friction_is_harmless_in_a_linear_analysis(self) -> None:
+        text = belt("[friction]", "mu_k = 0.5").replace('"history"\nt_end = 30', '"equilibrium"')
+        assert parse(text).parameters["mu_k"] == 0.5
+
+    def test_rising_friction_on_an_axis_is_left_to_the_plan(self) -> None:
+        assert parse(belt("[grid]", "mu_k = [0.3, 0.5]")).axis("mu_k").values == (0.3, 0.5)
+
+
+class TestStarts:
+    def test_random(self) -> None:
+        text = belt(
+            "[[initial]]",
+            'kind = "random"',
+            'label = "far"',
+            "count = 3",
+            "seed = 7",
+            "box = { x = [-1, '5 mm'], x_dot = [0, 1] }",
+        )
+        (start,) = parse(text).starts
+        assert (start.count, start.seed) == (3, 7)
+        assert start.box == {"x": (-1.0, 0.005), "x_dot": (0.0, 1.0)}
+
+    def test_continued(self) -> None:
+        text = belt(
+            "[grid]",
+            "v = [1, 2]",
+            "[[initial]]",
+            'label = "near"',
+            'kind = "equilibrium"',
+            "offset = { x = 1e-4 }",
+            "[[initial]]",
+            'label = "down"',
+            'kind = "continue"',
+            'along = "v"',
+            'direction = "down"',
+            'from = "near"',
+            'on_loss = "restart"',
+        )
+        start = parse(text).starts[1]
+        assert (start.along, start.direction, start.from_label, start.on_loss) == (
+            "v",
+            "down",
+            "near",
+            "restart",
+        )
+
+    def test_continued_from_nowhere_along_nothing(self) -> None:
+        text = belt("[[initial]]", 'kind = "continue"', 'from = "far"', 'along = "v"')
+        assert {problem.path for problem in problems(text)} == {"initial.0.from", "initial.0.along"}
+
+    @pytest.mark.parametrize(
+        ("line", "path"),
+        [
+            ("state = { y = 0 }", "initial.0.state.y"),
+            ('state = { x = "w" }', "initial.0.state.x"),
+            ('state = { x = "3 kg" }', "initial.0.state.x"),
+            ("offset = { x = 1 }", "initial.0.offset"),
+            ('label = "a,b"', "initial.0.label"),
+            ("seed = -1", "initial.0.seed"),
+        ],
+    )
+    def test_what_a_state_cannot_have(self, line: str, path: str) -> None:
+        found = problems(belt("[[initial]]", 'kind = "state"', line))
+        assert path in {problem.path for problem in found}
+
+    def test_label_twice(self) -> None:
+        start = ("[[initial]]", 'kind = "state"', 'label = "a"')
+        assert only_problem(belt(*start, *start)).path == "initial.1.label"
+
+    def test_empty_box(self) -> None:
+        text = belt("[[initial]]", 'kind = "random"', "box = { x = [1, 0] }")
+        assert "above" in only_problem(text).message
+
+    def test_as_many_random_starts_as_would_fill_the_world(self) -> None:
+        text = belt(
+            "[[initial]]", 'kind = "random"', "count = 1_000_000_000_000", "box = { x = [0, 1] }"
+        )
+        assert "runs" in only_problem(text).message
+
+
+class TestGrid:
+    def test_endpoints_are_included_and_exact(self) -> None:
+        case = parse(belt("[grid]", "mu_k = { start = 0.05, stop = 2.95, step = 0.05 }"))
+        values = case.axis("mu_k").values
+        assert len(values) == 59
+        assert values[17] == 0.9
+        assert values[-1] == 2.95
+
+    @pytest.mark.parametrize(
+        ("axis", "fragment"),
+        [
+            ("mu_k = []", "empty"),
+            ("mu_k = 0.3", "a list or a range"),
+            ("mu_k = [0.1, 0.1]", "repeat"),
+            ("mu_k = [0.1, -0.1]", "out of range"),
+            ("mu_k = [0.1, true]", "boolean"),
+            ("mu_k = [0.1, nan]", "finite"),
+            ('mu_k = [0.1, "1 N"]', "does not fit"),
+            ("mu_k = { start = 0, stop = 1, step = 0.3 }", "0.9 and 1.2"),
+            ("mu_k = { start = 1, stop = 0, step = 0.5 }", "above stop"),
+            ("mu_k = { start = 0, stop = 1, step = -0.5 }", "positive"),
+            ("mu_k = { start = 0, stop = 1 }", "either step or num"),
+            ("mu_k = { start = 0, stop = 1, num = 1 }", "both ends"),
+            ('mu_k = { start = 0, stop = 1, num = 3, scale = "log" }', "above 0"),
+            ('mu_k = { start = 1, stop = 2, step = 1, scale = "log" }', "not with step"),
+            ("mu_k = { start = 0, stop = 1, number = 3 }", "unknown key"),
+            ('mu_k = { start = 0, stop = 1, num = 3, scale = "cubic" }', "not allowed"),
+            ('friction = ["coulomb", "colomb"]', "no friction law"),
+            ('friction = { start = "a", stop = "b", num = 3 }', "listed"),
+            ("mu_kk = [1]", "nothing called"),
+            ('"initial.y" = [1]', "no state"),
+            ("v = [1e400]", "finite"),
+        ],
+    )
+    def test_bad_axes(self, axis: str, fragment: str) -> None:
+        assert fragment in only_problem(belt("[grid]", axis)).message
+
+    def test_grid_of_1e12_points_is_counted_not_built(self) -> None:
+        text = belt(
+            "[grid]", *(f"{name} = {{ start = 1, stop = 10000, step = 1 }}" for name in "mkN")
+        )
+        assert "1,000,000,000,000 points" in only_problem(text).message
+
+    def test_axis_of_1e12_values_is_counted_not_built(self) -> None:
+        found = problems(belt("[grid]", "v = { start = 0, stop = 1e12, step = 1 }"))
+        assert {problem.path for problem in found} == {"grid", "grid.v"}
+
+    def test_fixed_and_varied(self) -> None:
+        problem = only_problem(belt("[friction]", "mu_k = 0.3", "[grid]", '"μ_k" = [0.1, 0.2]'))
+        assert "also fixed" in problem.message
+        assert problem.line == BELT.count("\n") + 4
+
+    def test_law_fixed_and_varied(self) -> None:
+        text = belt("[friction]", 'law = "coulomb"', "[grid]", 'friction = ["coulomb", "stribeck"]')
+        assert "also fixed" in only_problem(text).message
+
+    def test_zip_lets_values_repeat(self) -> None:
+        case = parse(
+            belt("[grid]", "u0 = [1, 1]", "omega = [1, 2]", "[sweep]", 'zip = [["u0", "ω"]]')
+        )
+        assert case.zips == (("u0", "omega"),)
+
+    @pytest.mark.parametrize(
+        ("group", "fragment"),
+        [
+            ('["u0", "v"]', "no axis"),
+            ('["u0"]', "two axes"),
+            ('["u0", "u0"]', "twice"),
+            ('["u0", "k"]', "differ"),
+        ],
+    )
+    def test_bad_zips(self, group: str, fragment: str) -> None:
+        text = belt(
+            "[grid]",
+            "u0 = [1, 2]",
+            "k = [1, 2, 3]",
+            "omega = [1, 2]",
+            "[sweep]",
+            f"zip = [{group}]",
+        )
+        assert fragment in only_problem(text).message
+
+    def test_start_axis_needs_an_analysis_with_starts(self) -> None:
+        text = belt("[grid]", '"initial.x" = [0, 1]')
+        text = text.replace('"history"\nt_end = 30', '"equilibrium"')
+        assert "no analysis" in only_problem(text).message
+
+
+class TestBadInput:
+    """One of each kind of mistake."""
+
+    def test_missing_file(self, tmp_path: Path) -> None:
+        with pytest.raises(UsageError, match="no such file"):
+            load_case(tmp_path / "none.toml")
+
+    def test_misspelt_file(self, tmp_path: Path) -> None:
+        (tmp_path / "stick_slip.toml").write_text(BELT)
+        with pytest.raises(UsageError, match=r"did you mean '.*stick_slip.toml'"):
+            load_case(tmp_path / "stickslip.toml")
+
+    def test_folder(self, tmp_path: Path) -> None:
+        with pytest.raises(UsageError, match="is a folder"):
+            load_case(tmp_path)
+
+    def test_no_text(self, tmp_path: Path) -> None:
+        file = tmp_path / "case.toml"
+        file.write_bytes(b"schema = 1\ntitle = '\xff'\n")
+        with pytest.raises(CaseError, match=r"case.toml:2: case: is not UTF-8"):
+            load_case(file)
+
+    def test_invalid_toml_has_line_and_column(self) -> None:
+        problem = only_problem("schema = 1\n[model\n")
+        assert (problem.line, problem.column) == (2, 7)
+        assert "invalid TOML" in problem.message
+
+    def test_toml_cut_short(self) -> None:
+        assert only_problem('schema = 1\ntitle = """a').line == 2
+
+    def test_absurd_nesting(self) -> None:
+        assert "nest" in only_problem("a = " + "[" * 50_000).message
+
+    def test_absurd_integer(self) -> None:
+        assert only_problem("schema = " + "1" * 5000).path == "case"
+
+    @pytest.mark.parametrize("version", ["2", "true", "1.0", '"1"'])
+    def test_schema(self, version: str) -> None:
+        assert only_problem(BELT.replace("schema = 1", f"schema = {version}")).path == "schema"
+
+    def test_empty_file(self) -> None:
+        paths = {problem.path for problem in problems("")}
+        assert {"schema", "model", "analysis"} <= paths
+
+    @pytest.mark.parametrize(
+        ("lines", "path", "fragment"),
+        [
+            (["[schedule]", "v = 1"], "schedule", "unknown table"),
+            (["[sweep]", "refine = { levels = 5 }"], "sweep.refine", "unknown key"),
+            (["[solver]", "rtoll = 1e-9"], "solver.rtoll", "unknown key"),
+            (["[solver]", "rtol = 1"], "solver.rtol", "out of range"),
+            (["[solver]", 'method = "euler"'], "solver.method", "not allowed"),
+            (["[solver]", "max_events = 1.5"], "solver.max_events", "does not fit"),
+            (["[solver]", "step = 0"], "solver.step", "out of range"),
+            (["[model.parameters]", "m = -1"], "model.parameters.m", "out of range"),
+            (["[model.parameters]", "m = nan"], "model.parameters.m", "finite"),
+            (["[model.parameters]", "m = inf"], "model.parameters.m", "finite"),
+            (["[model.parameters]", "m = true"], "model.parameters.m", "boolean"),
+            (["[model.parameters]", "m = [1]"], "model.parameters.m", "a list"),
+            (["[model.parameters]", "m = 2020-01-01"], "model.parameters.m", "number"),
+            (["[model.parameters]", 'm = "3 N"'], "model.parameters.m", "does not fit 'kg'"),
+            (["[model.parameters]", 'm = "heavy"'], "model.parameters.m", "not a number"),
+            (["[model.parameters]", 'm = "3 stone"'], "model.parameters.m", "unknown unit"),
+            (["[model.parameters]", "mass = 1"], "model.parameters.mass", "unknown parameter"),
+            (["[model.parameters]", "mu_k = 1"], "model.parameters.mu_k", "unknown parameter"),
+            (["[model.parameters]", '"ω" = 1', "omega = 2"], "model.parameters.omega", "twice"),
+            (["[model.options]", 'a = "b"'], "model.options.a", "unknown option"),
+            (["[friction]", 'law = "dry"'], "friction.law", "no friction law"),
+            (["[friction]", "m = 2"], "friction.m", "unknown parameter"),
+            (
+                ["[friction]", 'law = "stribeck"', "delta = 1.5"],
+                "friction.delta",
+                "not a whole number",
+            ),
+            (["[[analysis]]", 'kind = "respons"'], "analysis.1.kind", "no analysis"),
+            (["[[analysis]]", 'kind = "history"'], "analysis.1.t_end", "is missing"),
+            (["[[figure]]", 'kind = "pie"'], "figure.0.kind", "not allowed"),
+            (["[[figure]]", 'kind = "curve"', 'x = "mu"'], "figure.0.x", "no x 'mu'"),
+            (["[[figure]]", 'kind = "curve"', 'colour = "red"'], "figure.0.colour", "unknown key"),
+            (["figure = 3"], "analysis.0.figure", "no setting"),
+        ],
+    )
+    def test_tables(self, lines: list[str], path: str, fragment: str) -> None:
+        found = {problem.path: problem for problem in problems(belt(*lines))}
+        assert fragment in found[path].message
+        assert found[path].line is not None
+
+    def test_unknown_model(self) -> None:
+        problem = only_problem(BELT.replace("belt-1dof", "belt-1dov"))
+        assert problem.suggestion.startswith("did you mean 'belt-1dof'")
+        assert "pin-on-disc" in problem.allowed
+
+    def test_names_that_differ_in_case_only(self) -> None:
+        """Omega and omega are different: the one that exists is named, with its meaning."""
+        problem = only_problem(belt("[model.parameters]", "Omega = 1"))
+        assert "'omega' (frequency of the base's motion)" in problem.suggestion
+
+    def test_law_parameter_in_the_models_table_is_sent_home(self) -> None:
+        problem = only_problem(belt("[model.parameters]", "mu_k = 0.1"))
+        assert "[friction]" in problem.suggestion
+
+    def test_everything_at_once(self) -> None:
+        text = PIN.replace("schema = 1", "schema = 2").replace("c1 = 0.002", "c1 = -1")
+        text = text.replace('kind = "response"', 'kind = "respons"')
+        text = text.replace("stop = 2.0", "stop = 2.1").replace('expect = "periodic"', "expect = 1")
+        text = text.replace('initial = "far" }', 'initial = "fair" }') + "[solver]\nrtol = 'a'\n"
+        found = [problem.path for problem in problems(text)]
+        assert found == [
+            "schema",
+            "model.parameters.c1",
+            "grid.Ω.stop",
+            "analysis.0.kind",
+            "figure.0.select.initial",
+            "claim.0.expect",
+            "claim.0.at.initial",
+            "solver.rtol",
+        ]
+
+    def test_message_has_place_value_allowed_and_next_step(self) -> None:
+        with pytest.raises(CaseError) as caught:
+            parse(belt("[model.parameters]", "m = -1.5"))
+        lines = str(caught.value).splitlines()
+        assert lines[0].startswith("case.toml: 1 problem")
+        assert lines[1] == "  case.toml:8: model.parameters.m: -1.5 is out of range"
+        assert lines[2] == "      allowed: a number in kg, > 0 (mass)"
+        assert lines[-1] == "next: correct the file, then `fiv check case.toml`"
+
+
+class TestSections:
+    def section(self, text: str, model: str = "belt-1dof", more: str = "") -> str:
+        return f"""schema = 1
+[model]
+name = "{model}"
+{more}
+[[analysis]]
+kind = "response"
+section = {text}
+"""
+
+    @pytest.mark.parametrize(
+        ("text", "section"),
+        [
+            ('{ event = "stick->slip" }', Section("event", event="stick->slip")),
+            ('{ zero = "x_dot" }', Section("zero", state="x_dot")),
+        ],
+    )
+    def test_good(self, text: str, section: Section) -> None:
+        assert parse(self.section(text)).analyses[0].settings["section"] == section
+
+    def test_phase_where_the_excitation_is_on(self) -> None:
+        text = self.section('{ phase = "90 deg" }', more="parameters = { u0 = 0.1 }")
+        assert parse(text).analyses[0].settings["section"] == Section("phase", phase=math.pi / 2)
+
+    @pytest.mark.parametrize(
+        ("text", "fragment"),
+        [
+            ("{ phase = 0 }", "excitation is off"),
+            ('{ zero = "x" }', "no velocity"),
+            ('{ event = "slip" }', "not allowed"),
+            ('{ event = "slip->stick", zero = "x_dot" }', "one of event, zero and phase"),
+            ("{ }", "one of event, zero and phase"),
+            ('{ event = "slip->stick", contact = 2 }', "no contact 2"),
+            ('"slip->stick"', "must be a table"),
+        ],
+    )
+    def test_bad(self, text: str, fragment: str) -> None:
+        assert any(fragment in problem.message for problem in problems(self.section(text)))
+
+    def test_a_law_that_never_sticks_has_no_stick_event(self) -> None:
+        text = belt("[friction]", 'law = "tanh"').replace('"history"\nt_end = 30', '"response"')
+        assert 'zero = "x_dot"' in only_problem(text).suggestion
+
+
+class TestClaims:
+    def claim(self, expect: str, more: str = "") -> str:
+        return belt(
+            "[[claim]]", 'source = "a"', 'text = "b"', 'variable = "attractor"', more, expect
+        )
+
+    @pytest.mark.parametrize(
+        "expect",
+        [
+            '"periodic"',
+            '"not periodic"',
+            '"increasing"',
+            '"decreasing"',
+            "{ value = 1.0, tolerance = 0.1 }",
+            "{ interval = [0.1, 0.2], tolerance = 0 }",
+            '{ less_than = "fig_3_5:L_s" }',
+        ],
+    )
+    def test_good(self, expect: str) -> None:
+        assert parse(self.claim(f"expect = {expect}")).claims[0].holds == "all"
+
+    @pytest.mark.parametrize(
+        "expect",
+        [
+            '"perodic"',
+            '"not perodic"',
+            '"Periodic!"',
+            "{ value = 1.0 }",
+            "{ value = nan, tolerance = 0.1 }",
+            "{ value = 1, tolerance = -1 }",
+            "{ interval = [2, 1], tolerance = 0 }",
+            "{ interval = 2, tolerance = 0 }",
+            '{ less_than = "L_s" }',
+            "{ }",
+            "3",
+        ],
+    )
+    def test_bad(self, expect: str) -> None:
+        assert only_problem(self.claim(f"expect = {expect}")).path.startswith("claim.0.expect")
+
+    @pytest.mark.parametrize("holds", ['"most"', "0", "1.5", "true"])
+    def test_bad_share(self, holds: str) -> None:
+        text = self.claim('expect = "periodic"', f"holds = {holds}")
+        assert only_problem(text).path == "claim.0.holds"
+
+    @pytest.mark.parametrize("holds", ['"any"', "0.9", "1"])
+    def test_good_share(self, holds: str) -> None:
+        assert parse(self.claim('expect = "periodic"', f"holds = {holds}")).claims
+
+    def test_all_that_is_missing_is_named(self) -> None:
+        found = {problem.path for problem in problems(belt("[[claim]]", "holds = 3"))}
+        assert found == {
+            f"claim.0.{key}" for key in ("source", "text", "variable", "expect", "holds")
+        }
+
+    def test_classes_are_those_of_datasets(self) -> None:
+        assert set(ATTRACTORS) == set(ATTRACTOR.codes) - {ATTRACTOR.fill}
+
+
+class TestOverrides:
+    def test_axis_is_replaced(self) -> None:
+        assert parse(PIN, "grid.N0=[1, 2]").axis("N0").values == (1.0, 2.0)
+
+    def test_string_with_unit(self) -> None:
+        assert parse(BELT, 'model.parameters.N="30 N"').parameters["N"] == 30.0
+        assert parse(BELT, "model.parameters.N=0.03 kN").parameters["N"] == 30.0
+
+    def test_tables_are_made_on_the_way(self) -> None:
+        assert parse(BELT, "solver.rtol=1e-6").solver.rtol == 1e-6
+
+    def test_elements_by_index_and_by_name(self) -> None:
+        for key in ("0", "history"):
+            (analysis,) = parse(BELT, f"analysis.{key}.t_end=7").analyses
+            assert analysis.settings["t_end"] == 7.0
+
+    def test_later_wins(self) -> None:
+        assert parse(BELT, "title=a", "title=b").title == "b"
+
+    def test_quoted_key(self) -> None:
+        case = parse(BELT, 'grid."initial.x"=[0, 1]')
+        assert case.axis("initial.x").values == (0.0, 1.0)
+
+    @pytest.mark.parametrize("text", ["", "grid", "=1", "a.=1", "a=", "a=[1", "a=1\nb=2", "a b=1"])
+    def test_malformed(self, text: str) -> None:
+        with pytest.raises(UsageError, match="--set"):
+            parse(BELT, text)
+
+    @pytest.mark.parametrize(
+        ("text", "path", "suggestion"),
+        [
+            ("modl.name=1", "modl", "did you mean 'model'"),
+            ("model.parameters.n=1", "model.parameters.n", "did you mean 'N'"),
+            ("model.parameters.m=-1", "model.parameters.m", ""),
+            ("analysis.histori.t_end=1", "analysis.histori.t_end", "did you mean 'history'"),
+            ("analysis.3.t_end=1", "analysis.3.t_end", "there are: 0, history"),
+            ("schema.a=1", "schema.a", ""),
+        ],
+    )
+    def test_a_wrong_one_is_the_place(self, text: str, path: str, suggestion: str) -> None:
+        problem = only_problem(BELT, text)
+        assert problem.path == f"{path} (--set {text})"
+        assert problem.line is None
+        assert problem.suggestion.startswith(suggestion)
