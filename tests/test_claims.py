@@ -480,10 +480,13 @@ def exit_code(result):
 
 
 def test_folders_stand_for_the_cases_in_them(tmp_path):
-    (tmp_path / "ch3").mkdir()
-    for name in ("b.toml", "ch3/a.toml", "notes.md"):
-        (tmp_path / name).write_text("")
-    assert [p.name for p in case_files([tmp_path])] == ["b.toml", "a.toml"]
+    for folder in ("ch3", "runs/b.run"):
+        (tmp_path / folder).mkdir(parents=True)
+    for name in ("b.toml", "ch3/a.toml", "notes.md", "runs/b.run/case.toml"):
+        (tmp_path / name).write_text("schema = 1")
+    (tmp_path / "tolerances.toml").write_text("L_s = 1e-9")
+    (tmp_path / "broken.toml").write_text("schema = ")
+    assert [p.name for p in case_files([tmp_path])] == ["b.toml", "broken.toml", "a.toml"]
     with pytest.raises(UsageError, match="no such file"):
         case_files([tmp_path / "missing"])
     with pytest.raises(UsageError, match="no case files"):

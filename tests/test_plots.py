@@ -204,6 +204,27 @@ def test_a_history_has_every_sample_and_shades_every_contact_state():
     assert legend_texts(drawn) == ["slip+", "slip-", "stick"]
 
 
+def test_shades_follow_the_event_ledger_where_there_is_one():
+    dataset = data.history()
+    states = data.flag(data.CONTACT_STATES)
+    dataset["event_row_size"] = ("initial", [3, 1], {"sample_dimension": "event_obs"})
+    for name, values, attributes in [
+        ("event_time", [1.0, 1.001, 2.5, 3.0], {"units": "s"}),
+        ("event_from", [0, 2, 0, 1], states),
+        ("event_to", [2, 0, 2, 0], states),
+        ("event_contact", [1, 1, 1, 1], {"units": "1"}),
+    ]:
+        dataset[name] = ("event_obs", values, attributes)
+    drawn = draw(dataset, figure("history"))
+    far, near = (
+        [(p.get_x(), p.get_x() + p.get_width()) for p in ax.patches] for ax in drawn.axes[:2]
+    )
+    end = float(dataset["time"][-1])
+    assert np.ravel(far) == pytest.approx([0, 1, 1, 1.001, 1.001, 2.5, 2.5, end])
+    assert np.ravel(near) == pytest.approx([0, 3, 3, end])
+    assert legend_texts(drawn) == ["slip+", "slip-", "stick"]
+
+
 def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():
     dataset = data.history()
     for name in ("phi", "phi_dot", "theta", "theta_dot"):
@@ -575,7 +596,7 @@ def test_plot_refuses_what_cannot_be_drawn(stored, arguments, error, message):
 
 def test_show_counts_classes_and_ranges(stored):
     printed = run(show_command, "bifurcation.nc").stdout
-    assert "title      A sweep" in printed
+    assert "title        A sweep" in printed
     assert "Omega 46 x initial 2" in printed
     assert "0.5 to 5 rad s-1, 46 values" in printed
     assert "near, far" in printed

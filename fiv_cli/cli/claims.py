@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -73,10 +74,23 @@ def _files_of(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise UsageError(f"{path}: there is no such file or folder\nname a case: fiv claims CASE")
-    files = sorted(path.rglob("*.toml"))
+    files = [file for file in sorted(path.rglob("*.toml")) if _is_case(file)]
     if not files:
-        raise UsageError(f"{path}: no case files (*.toml) in it\nname a case: fiv claims CASE")
+        raise UsageError(f"{path}: no case files in it\nname a case: fiv claims CASE")
     return files
+
+
+def _is_case(file: Path) -> bool:
+    """Whether a TOML file found in a folder is a case of its own.
+
+    Run directories keep a copy of theirs; other TOML files (tolerances, projects) have no schema.
+    """
+    if any(parent.suffix == ".run" for parent in file.parents):
+        return False
+    try:
+        return "schema" in tomllib.loads(file.read_text(encoding="utf-8"))
+    except ValueError:
+        return True  # broken: loading it says where
 
 
 def judge(path: Path) -> list[Entry]:

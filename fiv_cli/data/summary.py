@@ -37,7 +37,7 @@ def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
 def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
     return {
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
-        "axes": {name: _axis(dataset, name) for name in select.axis_names(dataset)},
+        "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
         "counts": {
             name: _counts(dataset[name])
             for name in ("status", "reason", "attractor", "stable")
@@ -46,6 +46,12 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
         "ranges": _ranges(dataset),
         "trust": {name: _worst(dataset, name) for name in TRUST if _is_number(dataset, name)},
     }
+
+
+def _grid_axes(dataset: xr.Dataset) -> list[str]:
+    """Axes of the grid and ``initial``; not those of variables' own dims."""
+    grid = set(dataset["status"].dims)
+    return [n for n in select.axis_names(dataset) if select.axis_of(dataset, n).dims[0] in grid]
 
 
 def _axis(dataset: xr.Dataset, name: str) -> dict[str, Any]:
@@ -108,7 +114,7 @@ def _worst(dataset: xr.Dataset, name: str) -> dict[str, Any]:
 
 def lines(summary: Mapping[str, Any]) -> list[str]:
     """The summary for people, a line each."""
-    heading = [f"{key:<10} {summary[key]}" for key in GLOBAL if key in summary]
+    heading = [f"{key:<12} {summary[key]}" for key in GLOBAL if key in summary]
     parts = [line for name, part in summary["analyses"].items() for line in _part(name, part)]
     return [*heading, *parts]
 
@@ -149,7 +155,7 @@ def _trust_lines(trust: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def _trust_line(name: str, found: Mapping[str, Any]) -> str:
     place = f" at {found['at']}" if found["at"] else ""
-    return f"    {name:<20} {found['worst']:.3g}{_unit(found)}{place}"
+    return f"    {name:<20} {found['worst']:.6g}{_unit(found)}{place}"
 
 
 def _unit(found: Mapping[str, Any]) -> str:

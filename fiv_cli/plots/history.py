@@ -22,9 +22,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     dataset = layers[0].dataset
     motions = motion.motions(dataset)
     names = motion.variables(dataset, settings)
-    figure, axes = style.new_panels(
-        len(names), len(motions), points.title(dataset), sharex="col", sharey="row"
-    )
+    figure, axes = style.new_panels(len(names), len(motions), points.title(dataset), sharex="col")
     for number, ax in enumerate(axes):
         row, column = divmod(number, len(motions))
         _panel(ax, motions[column], names[row], settings)
@@ -40,10 +38,8 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
 
 def _panel(ax: Axes, one: motion.Motion, name: str, settings: Mapping[str, Any]) -> None:
     many = one.time.size > style.MANY_MARKS
-    for state, first, last in motion.contact_runs(one, settings):
-        # a stretch reaches to the sample after it, where the next one begins
-        end = one.time[min(last, one.time.size - 1)]
-        ax.axvspan(one.time[first], end, color=style.CLASSES.get(state), alpha=SHADE, lw=0)
+    for state, begin, end in motion.contact_spans(one, settings):
+        ax.axvspan(begin, end, color=style.CLASSES[state], alpha=SHADE, lw=0)
     values = motion.of_contact(one.data[name], settings)
     ax.plot(one.time, values, color=style.BLACK, lw=0.9, rasterized=many)
     ax.margins(x=0)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.data import select
 from fiv_cli.data.reading import flag_names
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import points
@@ -22,12 +23,23 @@ NO_STATES = frozenset({"F_T", "F_N", "contact_state", "status", "reason", "w"})
 
 
 @dataclass(frozen=True)
+class Event:
+    """A transition: instant, s; contact, from 1; contact states before and after."""
+
+    time: float
+    contact: int
+    before: str
+    after: str
+
+
+@dataclass(frozen=True)
 class Motion:
     """One motion: `label` names what tells it from the others; `time` in s, without padding."""
 
     label: str
     time: np.ndarray
     data: xr.Dataset
+    events: tuple[Event, ...]
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -61,7 +73,26 @@ def _motion(dataset: xr.Dataset, line: points.Line) -> Motion:
     data = dataset.isel(line.index)
     time = data["time"].values
     known = np.isfinite(time) & np.isfinite(data[displacements(dataset)[0]].values)
-    return Motion(line.label, time[known], data.isel(time=np.flatnonzero(known)))
+    ledger = tuple(_events(dataset, line))
+    return Motion(line.label, time[known], data.isel(time=np.flatnonzero(known)), ledger)
+
+
+def _events(dataset: xr.Dataset, line: points.Line) -> Iterator[Event]:
+    """The event ledger of one motion; nothing where the dataset keeps none."""
+    if "event_to" not in dataset:
+        return
+    sizes = select.row_sizes(dataset, "event_to")
+    assert sizes is not None  # the ledger is ragged by its definition
+    row = np.ravel_multi_index([line.index[str(d)] for d in sizes.dims], sizes.shape)
+    mine = np.flatnonzero(select.row_of_each(sizes) == row)
+    before, after = (flag_names(dataset[f"event_{end}"].attrs) for end in ("from", "to"))
+    for place in mine:
+        yield Event(
+            float(dataset["event_time"].values[place]),
+            int(dataset["event_contact"].values[place]),
+            before[int(dataset["event_from"].values[place])],
+            after[int(dataset["event_to"].values[place])],
+        )
 
 
 def displacements(dataset: xr.Dataset) -> list[str]:
@@ -113,7 +144,23 @@ def contact_runs(motion: Motion, settings: Mapping[str, Any]) -> Iterator[tuple[
         yield names.get(int(codes[first]), "unknown"), first, last
 
 
+def contact_spans(
+    motion: Motion, settings: Mapping[str, Any]
+) -> Iterator[tuple[str, float, float]]:
+    """(contact state, begin, end in s): from the event ledger, else between samples."""
+    contact = int(settings.get("contact", 1))
+    events = [event for event in motion.events if event.contact == contact]
+    if not events:
+        for state, first, last in contact_runs(motion, settings):
+            # a stretch reaches to the sample after it, where the next one begins
+            yield state, motion.time[first], motion.time[min(last, motion.time.size - 1)]
+        return
+    borders = [motion.time[0], *(event.time for event in events), motion.time[-1]]
+    states = [events[0].before, *(event.after for event in events)]
+    yield from zip(states, borders[:-1], borders[1:], strict=True)
+
+
 def states_present(every: Sequence[Motion], settings: Mapping[str, Any]) -> list[str]:
     """The contact states that occur, in their fixed order."""
-    seen = {name for motion in every for name, _, _ in contact_runs(motion, settings)}
+    seen = {name for motion in every for name, _, _ in contact_spans(motion, settings)}
     return [name for name in CONTACT_STATES if name in seen]

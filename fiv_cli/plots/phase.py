@@ -25,9 +25,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     dataset = layers[0].dataset
     motions = motion.motions(dataset)
     names = _states(dataset, settings)
-    figure, axes = style.new_panels(
-        1, len(motions), points.title(dataset), sharex=True, sharey=True
-    )
+    figure, axes = style.new_panels(1, len(motions), points.title(dataset))
     for ax, one in zip(axes, motions, strict=True):
         _panel(ax, one, names, settings)
         ax.set_xlabel(labels.short_label(dataset[names[0]]))
@@ -55,7 +53,7 @@ def _panel(
     for state, pieces in stretches.items():
         ax.add_collection(
             LineCollection(
-                pieces, colors=style.CLASSES.get(state, style.BLACK), lw=1.0, label=state,
+                pieces, colors=style.CLASSES[state], lw=1.0, label=state,
                 rasterized=many,
             )
         )  # fmt: skip

@@ -38,6 +38,7 @@ CLASSES = {
     "slip-": GREEN,
     "stick": ORANGE,
     "separation": PURPLE,
+    "not_computed": "#F2F2F2",
     "stable": SKY,
     "unstable": VERMILLION,
 }
