@@ -131,3 +131,8 @@ def endless(request: Request) -> Outcome:
     if request.parameters["N"] == 2.0 and request.parameters["v"] == 1.0:
         time.sleep(60.0)
     return answer(request)
+
+
+def malformed(request: Request) -> Outcome:
+    """Returns a variable that no table knows."""
+    return Outcome(values={"no_such_variable": 1.0})

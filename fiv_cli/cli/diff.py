@@ -1,0 +1,48 @@
+"""``fiv diff``: do two datasets agree."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from fiv_cli.cli.common import json_option, print_json
+
+DIFFERENT = 5
+
+
+@click.command("diff")
+@click.argument("first", type=click.Path(path_type=Path), metavar="A.nc")
+@click.argument("second", type=click.Path(path_type=Path), metavar="B.nc")
+@click.option(
+    "--tolerances",
+    type=click.Path(path_type=Path),
+    help="TOML file with [default], [sampled], [variables.NAME] (rtol, atol) and ignore = [...].",
+)
+@json_option
+def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -> int:
+    """Compare two datasets; the exit code is 5 when they differ.
+
+    Status and class are compared exactly; numbers where both sides are equilibrium or periodic
+    (relative 1e-6 unless --tolerances says otherwise); quasi-periodic and chaotic motions by L_s
+    and shares of time only.
+
+    \b
+    Examples:
+      fiv diff runs/a.nc runs/b.nc
+      fiv diff runs/a.nc sweeps/a/reference.nc --tolerances sweeps/a/tolerances.toml
+    """
+    from fiv_cli.data.compare import Tolerances, compare, read_tolerances
+    from fiv_cli.data.netcdf import read_datasets
+
+    chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
+    found = compare(read_datasets(first), read_datasets(second), chosen)
+    if as_json:
+        print_json({"equal": not found, "differences": [asdict(one) for one in found]})
+    else:
+        for one in found:
+            click.echo(f"{one.what}: {one.text}" + (f" ({one.count})" if one.count > 1 else ""))
+        if not found:
+            click.echo(f"{first} and {second} agree")
+    return DIFFERENT if found else 0

@@ -1,0 +1,147 @@
+"""``fiv regress``: small sweeps against their stored answers."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from fiv_cli.errors import UsageError
+
+if TYPE_CHECKING:
+    from fiv_cli.data.compare import Difference
+
+DIFFERENT = 5
+SHOWN = 10
+"""Differences that are printed of one sweep."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A regression sweep: a folder with a case, its answer and its tolerances."""
+
+    folder: Path
+
+    @property
+    def case(self) -> Path:
+        """The case file."""
+        return self.folder / "case.toml"
+
+    @property
+    def reference(self) -> Path:
+        """The stored answer."""
+        return self.folder / "reference.nc"
+
+    @property
+    def tolerances(self) -> Path:
+        """How close an answer must come."""
+        return self.folder / "tolerances.toml"
+
+
+@click.command("regress")
+@click.argument("folder", type=click.Path(path_type=Path), default=Path("sweeps"), metavar="[DIR]")
+@click.option("--workers", type=click.IntRange(min=1), default=2, show_default=True)
+@click.option(
+    "--regenerate",
+    is_flag=True,
+    help="Store new answers instead. Refused while the working tree has changes.",
+)
+def command(folder: Path, workers: int, regenerate: bool) -> int:
+    """Run every sweep of DIR (default: sweeps) and compare it with its reference.
+
+    Each sweep is a folder with case.toml, reference.nc and tolerances.toml. The exit code is 5
+    when any differs.
+
+    \b
+    Examples:
+      fiv regress
+      fiv regress sweeps/belt-map
+      fiv regress --regenerate
+    """
+    sweeps = find_sweeps(folder)
+    if regenerate:
+        _refuse_dirty_tree(folder)
+    results = [_regress(sweep, workers, regenerate) for sweep in sweeps]
+    return 0 if all(results) else DIFFERENT
+
+
+def find_sweeps(folder: Path) -> list[Sweep]:
+    """The sweeps in a folder, or the one that the folder is.
+
+    Raises
+    ------
+    UsageError
+        there is none.
+    """
+    if (folder / "case.toml").is_file():
+        return [Sweep(folder)]
+    found = [Sweep(path.parent) for path in sorted(folder.glob("*/case.toml"))]
+    if not found:
+        raise UsageError(
+            f"{folder}: holds no sweep\nnext: name a folder with NAME/case.toml and "
+            "NAME/reference.nc in it"
+        )
+    return found
+
+
+def _regress(sweep: Sweep, workers: int, regenerate: bool) -> bool:
+    """Run one sweep; True when it agrees."""
+    with tempfile.TemporaryDirectory(prefix="fiv-regress-") as scratch:
+        output = Path(scratch) / "result.nc"
+        _run(sweep, output, workers)
+        if regenerate:
+            shutil.copyfile(output, sweep.reference)
+            click.echo(f"{sweep.folder.name}: reference stored")
+            return True
+        differences = _differences(sweep, output)
+    _print(sweep, differences)
+    return not differences
+
+
+def _run(sweep: Sweep, output: Path, workers: int) -> None:
+    from fiv_cli.case.load import load_case
+    from fiv_cli.sweep.policy import Policy
+    from fiv_cli.sweep.progress import for_stderr
+    from fiv_cli.sweep.run import run_case
+
+    run_case(load_case(sweep.case), output, Policy(workers=workers), for_stderr(quiet=True))
+
+
+def _differences(sweep: Sweep, output: Path) -> list[Difference]:
+    from fiv_cli.data.compare import Tolerances, compare, read_tolerances
+    from fiv_cli.data.netcdf import read_datasets
+
+    own = sweep.tolerances
+    tolerances = read_tolerances(own) if own.exists() else Tolerances()
+    return compare(read_datasets(sweep.reference), read_datasets(output), tolerances)
+
+
+def _print(sweep: Sweep, differences: Sequence[Difference]) -> None:
+    if not differences:
+        click.echo(f"{sweep.folder.name}: agrees")
+        return
+    click.echo(f"{sweep.folder.name}: {len(differences)} differences (reference against now)")
+    for one in differences[:SHOWN]:
+        click.echo(f"  {one.what}: {one.text}" + (f" ({one.count})" if one.count > 1 else ""))
+
+
+def _refuse_dirty_tree(folder: Path) -> None:
+    """New references must belong to a commit."""
+    inside = folder if folder.is_dir() else Path()
+    state = subprocess.run(
+        ["git", "-C", str(inside), "status", "--porcelain", "--untracked-files=no"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if state.returncode == 0 and state.stdout.strip():
+        raise UsageError(
+            "the working tree has changes, so new references would belong to no commit\n"
+            "next: commit first, then `fiv regress --regenerate`"
+        )

@@ -1,0 +1,144 @@
+"""``fiv run``: case files in, datasets out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from fiv_cli.cli.common import set_option
+from fiv_cli.errors import CaseError, InputError, UsageError
+
+if TYPE_CHECKING:
+    from fiv_cli.case.case import Case
+    from fiv_cli.sweep.policy import Policy
+    from fiv_cli.sweep.run import Summary
+
+INCOMPLETE = 4
+"""Exit code: finished, but some points failed, ran out of budget or are still to do."""
+
+
+@click.command("run")
+@click.argument("cases", nargs=-1, required=True, metavar="CASE...")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Dataset to write. Default: runs/STEM.nc; with --set, runs/STEM-DIGEST.nc.",
+)
+@set_option
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    default=2,
+    show_default=True,
+    help="Worker processes; 1: compute in this process.",
+)
+@click.option(
+    "--resume/--fresh",
+    default=True,
+    help="Keep what is stored and run the rest (default), or throw it away.",
+)
+@click.option(
+    "--keep-going/--fail-fast",
+    default=True,
+    help="Go on after a failed point (default), or stop.",
+)
+@click.option("--max-points", type=click.IntRange(min=0), help="Run at most so many points now.")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Wall-clock limit of one point; beyond it the point fails, and is run again on resume.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@click.option("-v", "--verbose", is_flag=True, help="Say more; tracebacks of internal errors.")
+def command(
+    cases: tuple[str, ...],
+    output: Path | None,
+    overrides: tuple[str, ...],
+    workers: int,
+    resume: bool,
+    keep_going: bool,
+    max_points: int | None,
+    time_limit: float | None,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    """Run case files; each becomes one NetCDF dataset, whose path is printed.
+
+    What is finished is kept in STEM.run beside the dataset: after a crash, Ctrl-C or kill the
+    same command goes on where it stopped, and the dataset is the same to the last bit. A longer
+    axis computes only its new points.
+
+    \b
+    Examples:
+      fiv run configs/ch7/fig_7_06.toml
+      fiv run a.toml b.toml --workers 4
+      fiv run a.toml --set grid.mu_k=[0.3] -o one.nc
+      fiv run a.toml --max-points 20          # a first look
+    """
+    from fiv_cli.sweep.policy import Policy
+
+    policy = Policy(
+        workers=workers,
+        fresh=not resume,
+        fail_fast=not keep_going,
+        max_points=max_points,
+        time_limit=time_limit,
+    )
+    loaded = load_all(cases, overrides)
+    outputs = _outputs(loaded, output)
+    summaries = [
+        _run(case, path, policy, quiet, verbose) for case, path in zip(loaded, outputs, strict=True)
+    ]
+    return 0 if all(summary.complete for summary in summaries) else INCOMPLETE
+
+
+def load_all(sources: Sequence[str], overrides: Sequence[str]) -> list[Case]:
+    """Every case, or one error with everything that is wrong in any of them."""
+    from fiv_cli.case.load import load_case
+
+    cases, wrong = [], []
+    for source in sources:
+        try:
+            cases.append(load_case(source, overrides))
+        except CaseError as error:
+            wrong.append(error)
+    if len(wrong) == 1:
+        raise wrong[0]
+    if wrong:
+        raise InputError("\n".join(str(error) for error in wrong))
+    return cases
+
+
+def _outputs(cases: Sequence[Case], output: Path | None) -> list[Path]:
+    """Where each case goes; no two to the same place."""
+    from fiv_cli.case.identity import default_output
+
+    if output is not None and len(cases) > 1:
+        raise UsageError("-o names one dataset, but there are several cases\nnext: leave -o out")
+    paths = [output or default_output(case) for case in cases]
+    for i, path in enumerate(paths):
+        if path in paths[:i]:
+            raise UsageError(
+                f"{cases[paths.index(path)].source} and {cases[i].source} would both be written "
+                f"to {path}\nnext: run them one by one with -o FILE.nc"
+            )
+    return paths
+
+
+def _run(case: Case, output: Path, policy: Policy, quiet: bool, verbose: bool) -> Summary:
+    from fiv_cli.sweep.plan import make_plan
+    from fiv_cli.sweep.progress import for_stderr
+    from fiv_cli.sweep.run import run_case
+
+    if verbose:
+        click.echo("\n".join(make_plan(case).describe()), err=True)
+    summary = run_case(case, output, policy, for_stderr(quiet))
+    if not quiet:
+        click.echo("\n".join(summary.lines()), err=True)
+    click.echo(output)
+    return summary

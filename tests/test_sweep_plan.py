@@ -1,0 +1,216 @@
+"""Laws of the planner: points, keys, chains, starts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sweep_fakes
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fiv_cli.sweep.plan import AnalysisPlan, make_plan
+from fiv_cli.sweep.points import exclusion, parameters_at, request_at, resolve_start
+
+HEAD = 'schema = 1\n[model]\nname = "belt-1dof"\n'
+RESPONSE = '[[analysis]]\nkind = "response"\n'
+
+
+def plan_of(text: str) -> AnalysisPlan:
+    """The plan of the first analysis of a case."""
+    return make_plan(sweep_fakes.case(text)).analyses[0]
+
+
+def grid(**axes: list[float]) -> str:
+    """A case with numeric axes."""
+    lines = "".join(f"{name} = {values}\n" for name, values in axes.items())
+    return f"{HEAD}[grid]\n{lines}{RESPONSE}"
+
+
+numbers = st.lists(
+    st.floats(0.1, 50.0, allow_nan=False).map(lambda x: round(x, 3)),
+    min_size=1,
+    max_size=5,
+    unique=True,
+)
+
+
+@given(first=numbers, second=numbers)
+@settings(max_examples=30, deadline=None)
+def test_points_follow_the_dims_in_c_order(first: list[float], second: list[float]) -> None:
+    plan = plan_of(grid(k=first, m=second))
+    assert plan.layout.shape == (len(first), len(second), 1)
+    expected = [(k, m) for k in first for m in second]
+    assert [plan.point(i)[0] for i in range(plan.size)] == expected
+
+
+@given(values=numbers, more=numbers)
+@settings(max_examples=30, deadline=None)
+def test_a_key_belongs_to_the_point_and_not_to_its_position(
+    values: list[float], more: list[float]
+) -> None:
+    def keys_by_value(axis: list[float]) -> dict[float, bytes]:
+        keys = plan_of(grid(k=axis)).keys()
+        return {value: keys[i].tobytes() for i, value in enumerate(axis)}
+
+    union = sorted(set(values) | set(more))
+    short, long = keys_by_value(values), keys_by_value(union)
+    assert all(long[value] == short[value] for value in values)
+    assert len(set(long.values())) == len(union)
+
+
+@given(values=numbers, direction=st.sampled_from(["up", "down"]))
+@settings(max_examples=30, deadline=None)
+def test_chains_cover_each_point_once_in_the_order_of_the_axis(
+    values: list[float], direction: str
+) -> None:
+    text = f"""{HEAD}[grid]
+m = [1.0, 2.0]
+k = {values}
+[[initial]]
+label = "far"
+kind = "state"
+[[initial]]
+label = "branch"
+kind = "continue"
+along = "k"
+direction = "{direction}"
+from = "far"
+{RESPONSE}"""
+    plan = plan_of(text)
+    (chains,) = plan.chain_sets()
+    covered = [*plan.single_positions(), *chains.positions.ravel()]
+    assert sorted(covered) == list(range(plan.size))
+    for chain in chains.positions:
+        followed = [plan.point(int(position))[0][1] for position in chain]
+        assert followed == sorted(values, reverse=direction == "down")
+
+
+def test_a_chain_keeps_its_keys_when_it_grows_at_its_far_end_only() -> None:
+    def chain_keys(*values: float) -> list[bytes]:
+        axis = ", ".join(map(str, values))
+        plan = plan_of(sweep_fakes.CHAIN.replace("{ start = 1, stop = 8, num = 8 }", f"[{axis}]"))
+        keys = plan.keys()
+        (chains,) = plan.chain_sets()
+        return [keys[position].tobytes() for position in chains.positions[0]]
+
+    short = chain_keys(1.0, 2.0, 3.0)
+    assert chain_keys(1.0, 2.0, 3.0, 4.0)[:3] == short
+    assert not set(chain_keys(0.5, 1.0, 2.0, 3.0)) & set(short)
+
+
+def test_random_starts_are_those_of_the_point_wherever_it_lies() -> None:
+    def starts(axis: str) -> dict[tuple[float, str], dict[str, float]]:
+        plan = plan_of(
+            f"""{HEAD}[grid]
+k = {axis}
+[[initial]]
+label = "far"
+kind = "random"
+count = 3
+seed = 7
+box = {{ x = [-1.0, 1.0], x_dot = [0.0, 2.0] }}
+{RESPONSE}"""
+        )
+        found = {}
+        for position in range(plan.size):
+            values, index = plan.point(position)
+            entry = plan.entry(index)
+            assert entry is not None
+            start = resolve_start(plan.template, values, entry)
+            found[values[0], start.label] = dict(start.values)
+        return found
+
+    few, many = starts("[1.0, 2.0]"), starts("[0.5, 1.0, 1.5, 2.0]")
+    assert {label for _, label in few} == {"far-000", "far-001", "far-002"}
+    assert all(many[point] == start for point, start in few.items())
+    assert len({str(start) for start in many.values()}) == len(many)
+    assert all(-1 <= s["x"] <= 1 and 0 <= s["x_dot"] <= 2 for s in many.values())
+
+
+def test_a_start_takes_parameters_and_axes() -> None:
+    plan = plan_of(
+        f"""{HEAD}[grid]
+v = [0.5, 3.0]
+"initial.x" = [-1.0, 1.0]
+[[initial]]
+label = "belt"
+kind = "state"
+state = {{ x = 9.0, x_dot = "v" }}
+{RESPONSE}"""
+    )
+    entry = plan.entry(0)
+    assert entry is not None
+    start = resolve_start(plan.template, (3.0, -1.0), entry)
+    assert (start.kind, dict(start.values)) == ("state", {"x": -1.0, "x_dot": 3.0})
+    assert plan.layout.dim_names == ("v", "initial_x", "initial")
+
+
+def test_axes_of_the_start_are_no_dims_of_an_analysis_without_starts() -> None:
+    plan = make_plan(
+        sweep_fakes.case(
+            f'{HEAD}[grid]\nv = [0.5, 3.0]\n"initial.x" = [-1.0, 1.0]\n{RESPONSE}'
+            '[[analysis]]\nkind = "eigenvalues"\n'
+        )
+    )
+    assert [analysis.layout.dim_names for analysis in plan.analyses] == [
+        ("v", "initial_x", "initial"),
+        ("v",),
+    ]
+
+
+def test_zipped_axes_share_a_dim() -> None:
+    plan = plan_of(
+        f"{HEAD}[grid]\nk = [1.0, 1.0, 2.0]\nm = [3.0, 4.0, 5.0]\n"
+        f'[sweep]\nzip = [["k", "m"]]\n{RESPONSE}'
+    )
+    assert plan.layout.dim_names == ("k_m", "initial")
+    assert [plan.point(i)[0] for i in range(3)] == [(1.0, 3.0), (1.0, 4.0), (2.0, 5.0)]
+
+
+@given(kinetic=numbers, static=numbers)
+@settings(max_examples=30, deadline=None)
+def test_points_with_mu_k_above_mu_s_are_counted(
+    kinetic: list[float], static: list[float]
+) -> None:
+    plan = plan_of(grid(mu_k=kinetic, m=[1.0, 2.0], mu_s=static))
+    found = sum(
+        bool(exclusion(plan.template, parameters_at(plan.template, plan.point(i)[0])))
+        for i in range(plan.size)
+    )
+    assert plan.excluded() == found == 2 * sum(k > s for k in kinetic for s in static)
+
+
+def test_a_law_sees_its_own_parameters_only() -> None:
+    plan = plan_of(
+        f'{HEAD}[grid]\nfriction = ["coulomb", "hyperbolic"]\nk = [1.0, 2.0]\n{RESPONSE}'
+    )
+    coulomb = request_at(plan.template, ("coulomb", 2.0), None)
+    hyperbolic = request_at(plan.template, ("hyperbolic", 2.0), None)
+    assert (coulomb.law, hyperbolic.law) == ("coulomb", "hyperbolic")
+    assert "mu_s" in coulomb.parameters and "mu_s" not in hyperbolic.parameters
+    assert hyperbolic.parameters["k"] == 2.0
+    assert {request.law for request in plan.systems()} == {"coulomb", "hyperbolic"}
+
+
+def test_a_million_points_are_planned_without_listing_them() -> None:
+    plan = plan_of(
+        f"{HEAD}[grid]\nk = {{ start = 1, stop = 1000, num = 1000 }}\n"
+        f"m = {{ start = 1, stop = 1000, num = 1000 }}\n{RESPONSE}"
+    )
+    assert plan.size == 1_000_000
+    assert plan.point(999_999)[0] == (1000.0, 1000.0)
+    assert len(list(plan.systems())) == 1
+
+
+def test_the_description_names_points_chains_and_what_is_left_out() -> None:
+    text = sweep_fakes.CHAIN.replace("v = [0.5, 1.0]", "mu_k = [0.1, 0.9]")
+    lines = make_plan(sweep_fakes.case(text)).describe()
+    assert any("32 points (mu_k 2 x N 8 x initial 2)" in line for line in lines)
+    assert any("2 chains of 8 points along N up" in line for line in lines)
+    assert any("16 points with mu_k > mu_s" in line for line in lines)
+
+
+@pytest.mark.parametrize("text", [sweep_fakes.BELT, sweep_fakes.CHAIN])
+def test_keys_are_distinct(text: str) -> None:
+    plan = plan_of(text)
+    assert len(np.unique(plan.keys(), axis=0)) == plan.size

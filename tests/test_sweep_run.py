@@ -1,0 +1,391 @@
+"""A run is the same to the last bit however it is cut, interrupted, resumed or extended."""
+
+from __future__ import annotations
+
+import dataclasses
+import errno
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sweep_fakes
+
+from fiv_cli.data import shard
+from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
+from fiv_cli.sweep.lock import hold, holder
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import INTERVAL, Lines, Silent
+from fiv_cli.sweep.run import Summary, run_case
+
+HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
+
+
+def policy(**changes: Any) -> Policy:
+    """The policy of the tests: in this process, with the stand-in physics."""
+    return dataclasses.replace(HERE, **changes)
+
+
+def sweep(output: Path, text: str = sweep_fakes.BELT, **changes: Any) -> Summary:
+    """Run a case from text."""
+    return run_case(sweep_fakes.case(text), output, policy(**changes), Silent())
+
+
+@pytest.fixture
+def count_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """File in which the executor `counted` writes its runs."""
+    path = tmp_path / "count"
+    monkeypatch.setenv("FIV_TEST_COUNT", str(path))
+    return path
+
+
+def runs(count_file: Path) -> list[str]:
+    """What the executor `counted` was asked to run."""
+    return count_file.read_text().splitlines() if count_file.exists() else []
+
+
+@pytest.mark.parametrize("text", [sweep_fakes.BELT, sweep_fakes.CHAIN])
+def test_workers_and_chunks_leave_no_trace(tmp_path: Path, text: str) -> None:
+    sweep(tmp_path / "a.nc", text)
+    expected = (tmp_path / "a.nc").read_bytes()
+    for name, changes in {
+        "one": {"chunk_points": 1},
+        "three": {"chunk_points": 3},
+        "all": {"chunk_points": 1000},
+        "workers": {"workers": 2, "in_process_below": 0.0, "chunk_points": 4},
+    }.items():
+        sweep(tmp_path / f"{name}.nc", text, **changes)
+        assert (tmp_path / f"{name}.nc").read_bytes() == expected, name
+
+
+@pytest.mark.parametrize("text", [sweep_fakes.BELT, sweep_fakes.CHAIN])
+@pytest.mark.parametrize("first", [1, 7, 20])
+def test_a_run_in_two_goes_is_the_run_in_one(tmp_path: Path, text: str, first: int) -> None:
+    sweep(tmp_path / "a.nc", text)
+    partial = sweep(tmp_path / "b.nc", text, max_points=first, chunk_points=3)
+    assert partial.ran == first
+    assert not partial.complete
+    rest = sweep(tmp_path / "b.nc", text)
+    assert rest.ran == sum(rest.counts.values()) - first
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_deleted_dataset_comes_back_without_a_run(tmp_path: Path) -> None:
+    output = tmp_path / "a.nc"
+    sweep(output)
+    before = output.read_bytes()
+    output.unlink()
+    assert sweep(output).ran == 0
+    assert output.read_bytes() == before
+
+
+def test_points_land_where_their_coordinates_say(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    dataset = read_datasets(tmp_path / "a.nc")[""]
+    assert dataset["L_s"].dims == ("N", "v", "initial")
+    point = dataset.sel(N=3.0, v=2.0, initial="far")
+    x = np.sin(3.0 * 1.7 + 2.0) + 0.3 * 2.0
+    assert float(point["L_s"]) == pytest.approx(x * x, rel=1e-15)
+    rows = dataset["section_row_size"].values.ravel()
+    position = np.ravel_multi_index((2, 2, 1), (5, 3, 2))
+    begin = rows[:position].sum()
+    values = dataset["section_value"].values[begin : begin + rows[position]]
+    assert values == pytest.approx(np.sin(np.arange(3) + x), rel=1e-15)
+    assert np.isnan(dataset["floquet_multiplier"].sel(N=2.0).values[..., 1]).all()
+
+
+def test_a_longer_axis_runs_its_new_points_only(tmp_path: Path, count_file: Path) -> None:
+    longer = sweep_fakes.BELT.replace("stop = 5, num = 5", "stop = 7, num = 7")
+    sweep(tmp_path / "a.nc", executor="sweep_fakes:counted")
+    count_file.unlink()
+    sweep(tmp_path / "a.nc", longer, executor="sweep_fakes:counted")
+    assert sorted({float(line.split()[0]) for line in runs(count_file)}) == [6.0, 7.0]
+    assert len(runs(count_file)) == 2 * 3 * 2
+    sweep(tmp_path / "b.nc", longer)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_chain_goes_on_at_its_far_end(tmp_path: Path, count_file: Path) -> None:
+    shorter = sweep_fakes.CHAIN.replace("stop = 8, num = 8", "stop = 5, num = 5")
+    sweep(tmp_path / "a.nc", shorter, executor="sweep_fakes:counted")
+    count_file.unlink()
+    sweep(tmp_path / "a.nc", sweep_fakes.CHAIN, executor="sweep_fakes:counted")
+    assert {float(line.split()[0]) for line in runs(count_file)} == {6.0, 7.0, 8.0}
+    sweep(tmp_path / "b.nc", sweep_fakes.CHAIN)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_chain_carries_and_stops_where_its_class_changes(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc", sweep_fakes.CHAIN)
+    up = read_datasets(tmp_path / "a.nc")[""].sel(initial="up", v=1.0)
+    assert up["status"].values.tolist() == [0, 0, 0, 0, 0, 0, 0, 4]
+    assert up["attractor"].values.tolist() == [1, 1, 1, 1, 1, 1, 3, -1]
+    x = np.sin(1.7 + 1.0) + 0.3
+    for i, N in enumerate(up["N"].values):
+        if i:
+            x = np.sin(N * 1.7 + 1.0) + 0.1 * x
+        if i < 7:
+            assert float(up["L_s"][i]) == pytest.approx(x * x, rel=1e-14)
+
+
+def test_a_chain_may_start_again_where_it_was_lost(tmp_path: Path) -> None:
+    text = sweep_fakes.CHAIN.replace('from = "far"', 'from = "far"\non_loss = "restart"')
+    sweep(tmp_path / "a.nc", text)
+    dataset = read_datasets(tmp_path / "a.nc")[""]
+    assert (dataset["status"] == 0).all()
+    last = dataset["L_s"].sel(N=8.0)
+    assert (last.sel(initial="up") == last.sel(initial="far")).all()
+
+
+def test_a_failed_point_loses_no_other_and_says_how_to_run_it_alone(tmp_path: Path) -> None:
+    summary = sweep(tmp_path / "a.nc", executor="sweep_fakes:raising")
+    assert summary.counts["failed"] == 6
+    assert summary.counts["ok"] == 24
+    assert not summary.complete
+    ((what, command),) = summary.errors
+    assert what == "ValueError: N is two"
+    assert "--set 'grid.N=[2.0]' --set 'grid.v=[0.5]'" in command
+    assert "ValueError: N is two" in (tmp_path / "a.run" / "run.log").read_text()
+    again = sweep(tmp_path / "a.nc")
+    assert (again.ran, again.complete) == (6, True)
+    sweep(tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_fail_fast_stops_and_keeps_what_is_finished(tmp_path: Path) -> None:
+    summary = sweep(
+        tmp_path / "a.nc", executor="sweep_fakes:raising", fail_fast=True, chunk_points=1
+    )
+    assert summary.counts["failed"] == 1
+    assert summary.counts["pending"] == 23
+    assert summary.counts["ok"] == 6
+
+
+def test_a_chain_broken_by_an_outer_failure_is_made_whole_on_resume(tmp_path: Path) -> None:
+    for on_loss in ("stop", "restart"):
+        text = sweep_fakes.CHAIN.replace('from = "far"', f'from = "far"\non_loss = "{on_loss}"')
+        output = tmp_path / f"{on_loss}.nc"
+        broken = sweep(output, text, executor="sweep_fakes:raising")
+        assert broken.counts["failed"] == 4
+        sweep(output, text, max_points=5, chunk_points=1)
+        sweep(output, text)
+        sweep(tmp_path / "whole.nc", text, fresh=True)
+        assert output.read_bytes() == (tmp_path / "whole.nc").read_bytes()
+
+
+def test_a_result_that_cannot_be_stored_is_a_failed_point(tmp_path: Path) -> None:
+    summary = sweep(tmp_path / "a.nc", executor="sweep_fakes:malformed")
+    assert summary.counts["failed"] == 30
+    assert "cannot be stored" in summary.errors[0][0]
+
+
+def test_mu_k_above_mu_s_is_not_computed(tmp_path: Path) -> None:
+    text = sweep_fakes.BELT.replace("v = [0.5, 1.0, 2.0]", "mu_k = [0.1, 0.9]")
+    summary = sweep(tmp_path / "a.nc", text)
+    assert (summary.counts["not_computed"], summary.counts["ok"]) == (10, 10)
+    assert summary.complete
+
+
+def test_another_case_is_refused_and_named(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    other = sweep_fakes.BELT.replace('"belt-1dof"', '"belt-1dof"\nparameters = { k = 2.0 }')
+    with pytest.raises(StoreMismatchError):
+        sweep(tmp_path / "a.nc", other)
+    (tmp_path / "a.nc").unlink()
+    with pytest.raises(StoreMismatchError, match=r"parameters\.k") as caught:
+        sweep(tmp_path / "a.nc", other)
+    assert caught.value.exit_code == 6
+    assert "--fresh" in str(caught.value)
+    assert sweep(tmp_path / "a.nc", other, fresh=True).ran == 30
+
+
+def test_titles_and_claims_do_not_count(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    renamed = sweep_fakes.BELT.replace("fake sweep", "another title")
+    assert sweep(tmp_path / "a.nc", renamed).ran == 0
+    assert read_datasets(tmp_path / "a.nc")[""].attrs["title"] == "another title"
+
+
+def test_a_damaged_shard_is_reported_and_its_points_are_run_again(tmp_path: Path) -> None:
+    output = tmp_path / "a.nc"
+    sweep(output, chunk_points=10)
+    expected = output.read_bytes()
+    first, second, _ = sorted((tmp_path / "a.run" / "shards").glob("*.h5"))
+    first.write_bytes(first.read_bytes()[:-1000])
+    second.write_bytes(b"not a shard")
+    summary = sweep(output)
+    assert [path for path, _ in summary.ignored] == [first, second]
+    assert summary.ran == 20
+    assert output.read_bytes() == expected
+
+
+@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize("step", ["open", "write", "fsync", "replace"])
+def test_a_stop_at_any_write_loses_only_what_was_in_flight(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, step: str
+) -> None:
+    """Kill the program (as an exception that nothing catches) at each write of the store."""
+    sweep(tmp_path / "whole.nc")
+    output = tmp_path / "a.nc"
+
+    class Killed(BaseException):
+        pass
+
+    calls = iter(range(1000))
+    genuine = {"fsync": os.fsync, "replace": Path.replace, "write": shard._write_synced}
+
+    def strike() -> None:
+        if next(calls) == number:
+            raise Killed
+
+    def half_written(path: Path, content: bytes) -> None:
+        if next(calls) == number:
+            path.write_bytes(content[: len(content) // 2])
+            raise Killed
+        genuine["write"](path, content)
+
+    if step == "fsync":
+        monkeypatch.setattr(shard.os, "fsync", lambda fd: (strike(), genuine["fsync"](fd)))
+    elif step == "replace":
+        monkeypatch.setattr(
+            Path, "replace", lambda self, to: (strike(), genuine["replace"](self, to))[1]
+        )
+    elif step == "write":
+        monkeypatch.setattr(shard, "_write_synced", half_written)
+    else:
+        monkeypatch.setattr(
+            shard, "_write_synced", lambda path, content: (strike(), genuine["write"](path, content))
+        )
+    with pytest.raises(Killed):
+        sweep(output, chunk_points=8)
+    monkeypatch.undo()
+    sweep(output)
+    assert output.read_bytes() == (tmp_path / "whole.nc").read_bytes()
+    assert not list((tmp_path / "a.run").glob("**/.*.tmp"))
+
+
+def test_a_full_disk_is_a_clear_error_and_loses_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    output = tmp_path / "a.nc"
+    genuine = shard._write_synced
+    shards = iter(range(100))
+
+    def full(path: Path, content: bytes) -> None:
+        if path.parent.name == "shards" and next(shards) == 2:
+            path.write_bytes(content[:100])
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        genuine(path, content)
+
+    monkeypatch.setattr(shard, "_write_synced", full)
+    with pytest.raises(StorageError, match="No space left on device") as caught:
+        sweep(output, chunk_points=5)
+    assert caught.value.exit_code == 2
+    stored = list((tmp_path / "a.run" / "shards").iterdir())
+    assert sorted(path.name for path in stored) == ["000000.h5", "000001.h5"]
+    monkeypatch.undo()
+    assert sweep(output).ran == 20
+
+
+def test_a_worker_that_dies_once_costs_nothing(tmp_path: Path, count_file: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    summary = sweep(
+        tmp_path / "b.nc",
+        executor="sweep_fakes:deadly_once",
+        workers=2,
+        in_process_below=0.0,
+        chunk_points=4,
+    )
+    assert count_file.exists()
+    assert summary.complete
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+@pytest.mark.parametrize(("text", "failed"), [(sweep_fakes.BELT, 2), (sweep_fakes.CHAIN, 2)])
+def test_a_point_that_kills_its_worker_twice_is_one_failed_point(
+    tmp_path: Path, text: str, failed: int
+) -> None:
+    changes = {"workers": 2, "in_process_below": 0.0, "chunk_points": 4}
+    summary = sweep(tmp_path / "b.nc", text, executor="sweep_fakes:deadly", **changes)
+    assert summary.counts["failed"] == failed
+    dataset = read_datasets(tmp_path / "b.nc")[""]
+    assert (dataset["status"].sel(N=3.0, v=1.0) == 2).all()
+    assert (dataset["reason"].sel(N=3.0, v=1.0) == 2).all()
+    sweep(tmp_path / "b.nc", text, **changes)
+    sweep(tmp_path / "a.nc", text)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_wall_clock_limit_fails_the_point_only_until_resume(tmp_path: Path) -> None:
+    summary = sweep(
+        tmp_path / "a.nc", executor="sweep_fakes:endless", time_limit=0.5, chunk_points=10
+    )
+    assert summary.counts["failed"] == 2
+    assert "longer than 0.5 s" in summary.errors[0][0]
+    assert sweep(tmp_path / "a.nc").complete
+    sweep(tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_live_run_locks_its_directory(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    folder = tmp_path / "a.run"
+    assert holder(folder) is None
+    with hold(folder):
+        assert holder(folder) == os.getpid()
+        with pytest.raises(LockedError, match=str(os.getpid())):
+            sweep(tmp_path / "a.nc")
+    (folder / "lock").write_text("999999999")
+    assert sweep(tmp_path / "a.nc").ran == 0
+
+
+def test_outputs_that_cannot_be_written_are_refused_before_anything_runs(
+    tmp_path: Path, count_file: Path
+) -> None:
+    (tmp_path / "notes.nc").write_text("my notes")
+    (tmp_path / "folder.nc").mkdir()
+    for output, error in (
+        (tmp_path / "folder.nc", UsageError),
+        (tmp_path / "notes.nc", UsageError),
+        (tmp_path / "notes.nc" / "a.nc", StorageError),
+    ):
+        with pytest.raises(error) as caught:
+            sweep(output, executor="sweep_fakes:counted")
+        assert caught.value.exit_code == 2
+    assert (tmp_path / "notes.nc").read_text() == "my notes"
+    assert not runs(count_file)
+
+
+def test_the_run_directory_tells_what_it_belongs_to(tmp_path: Path) -> None:
+    case = sweep_fakes.case(sweep_fakes.BELT, "model.parameters.k=2.0")
+    run_case(case, tmp_path / "a.nc", policy(), Silent())
+    folder = tmp_path / "a.run"
+    assert json.loads((folder / "identity.json").read_text())["model"] == "belt-1dof"
+    assert (folder / "case.toml").read_text().startswith("# --set model.parameters.k=2.0\n")
+    assert "30 points run" in (folder / "run.log").read_text()
+
+
+def test_several_analyses_become_groups(tmp_path: Path) -> None:
+    text = sweep_fakes.BELT + '[[analysis]]\nkind = "response"\nname = "again"\nt_max = 10\n'
+    sweep(tmp_path / "a.nc", text)
+    groups = read_datasets(tmp_path / "a.nc")
+    assert list(groups) == ["response", "again"]
+    assert groups["response"]["L_s"].equals(groups["again"]["L_s"])
+
+
+def test_lines_come_every_thirty_seconds() -> None:
+    now = [0.0]
+    lines: list[str] = []
+    progress = Lines(lines.append, lambda: now[0])
+    progress.begin(100, 10)
+    progress.advance(5, 0)
+    now[0] += INTERVAL
+    progress.advance(5, 1)
+    progress.end()
+    assert lines == [
+        "100 points, 10 already stored, 90 to run",
+        "20 of 100 points done, 1 failed",
+    ]
