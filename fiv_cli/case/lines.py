@@ -57,7 +57,7 @@ class _Walk:
         path = self.resolve(key[:-1]) + key[-1:]
         self.lines.setdefault(path, line)
         if brackets == 1:
-            return self.resolve(path)
+            return path
         index = self.counts.get(path, -1) + 1
         self.counts[path] = index
         self.lines[(*path, index)] = line

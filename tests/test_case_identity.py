@@ -1,0 +1,165 @@
+"""What makes two cases, or two points, the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import nextafter
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fiv_cli.analyses.base import SolverSettings, Start
+from fiv_cli.analyses.execute import Request
+from fiv_cli.case import identity
+from fiv_cli.case.case import Case
+from fiv_cli.case.identity import (
+    default_output,
+    differences,
+    digest,
+    document,
+    fingerprint,
+    point_key,
+)
+from fiv_cli.case.load import parse_case
+
+TEXT = """\
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = [1.0, 2.0]
+[[initial]]
+label = "near"
+kind = "equilibrium"
+[[analysis]]
+kind = "response"
+[[analysis]]
+kind = "equilibrium"
+"""
+
+
+def parse(*overrides: str, text: str = TEXT) -> Case:
+    return parse_case(text, "configs/ch3/belt.toml", overrides)
+
+
+class TestFingerprint:
+    @pytest.mark.parametrize(
+        "override",
+        ["grid.v=[1.0, 2.0, 3.0]", "title=other", "reference=other", 'assumed=["x"]'],
+    )
+    def test_what_does_not_count(self, override: str) -> None:
+        assert fingerprint(parse(override)) == fingerprint(parse())
+
+    @pytest.mark.parametrize(
+        ("override", "place"),
+        [
+            ("model.parameters.m=2", "parameters.m"),
+            ("friction.law=stribeck", "law"),
+            ("analysis.response.t_max=10", "analyses.response.settings.t_max"),
+            ("solver.rtol=1e-10", "solver.rtol"),
+            ("initial.near.offset.x=1e-3", "starts.near.offset.x"),
+            ("grid.c=[0.0, 1.0]", "axes"),
+        ],
+    )
+    def test_what_counts_is_named(self, override: str, place: str) -> None:
+        changed = parse(override)
+        assert fingerprint(changed) != fingerprint(parse())
+        found = differences(document(parse()), changed)
+        assert any(line.startswith(f"{place}: ") for line in found)
+
+    def test_no_differences_from_itself(self) -> None:
+        assert differences(document(parse()), parse("grid.v=[7.0]")) == []
+
+    def test_one_analysis_is_compared_with_its_own(self) -> None:
+        case = parse()
+        assert differences(document(case, case.analyses[1]), case) == []
+
+    def test_starts_do_not_count_where_there_are_none(self) -> None:
+        changed = parse("initial.near.offset.x=1e-3")
+        assert fingerprint(parse(), parse().analyses[1]) == fingerprint(
+            changed, changed.analyses[1]
+        )
+
+    def test_numerics_version_counts(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        before = fingerprint(parse())
+        monkeypatch.setattr(identity, "NUMERICS_VERSION", identity.NUMERICS_VERSION + 1)
+        assert fingerprint(parse()) != before
+
+    def test_an_axis_of_laws_may_grow(self) -> None:
+        few = parse('grid.friction=["coulomb"]')
+        more = parse('grid.friction=["coulomb", "hyperbolic", "stribeck"]')
+        assert fingerprint(few) == fingerprint(more)
+
+    def test_a_laws_own_parameter_counts_on_an_axis_of_laws(self) -> None:
+        laws = 'grid.friction=["stribeck", "hyperbolic"]'
+        for value in ("1.0", "2.0"):
+            changed = parse(laws, f"friction.hyperbolic.delta={value}")
+            assert fingerprint(changed) != fingerprint(parse(laws))
+
+
+class TestPointKey:
+    def request(self, **changes: Any) -> Request:
+        case = parse()
+        request = Request(
+            model=case.model,
+            law=case.law,
+            options=case.options,
+            parameters=case.parameters_at(case.law, {"v": 1.0}),
+            analysis="response",
+            settings=case.analyses[0].settings,
+            solver=case.solver,
+            start=Start("near", "equilibrium", {"x": 0.0}),
+        )
+        return replace(request, **changes)
+
+    def test_same_request_same_key(self) -> None:
+        assert point_key(self.request()) == point_key(self.request())
+        assert len(point_key(self.request())) == 64
+
+    @pytest.mark.parametrize(
+        "changes",
+        [
+            {"parameters": {"v": 2.0}},
+            {"law": "stribeck"},
+            {"analysis": "history"},
+            {"settings": {}},
+            {"solver": SolverSettings(rtol=1e-10)},
+            {"start": None},
+            {"start": Start("near", "equilibrium", {"x": nextafter(0.0, 1.0)})},
+            {"start": Start("far", "equilibrium", {"x": 0.0})},
+        ],
+    )
+    def test_what_counts(self, changes: dict[str, Any]) -> None:
+        assert point_key(self.request(**changes)) != point_key(self.request())
+
+    def test_one_ulp_counts(self) -> None:
+        parameters = self.request().parameters
+        moved = {**parameters, "m": nextafter(parameters["m"], 2.0)}
+        assert point_key(self.request(parameters=moved)) != point_key(self.request())
+
+    def test_order_of_names_and_sign_of_zero_do_not_count(self) -> None:
+        parameters = dict(reversed(self.request().parameters.items()))
+        moved = {name: -0.0 if value == 0.0 else value for name, value in parameters.items()}
+        assert point_key(self.request(parameters=moved)) == point_key(self.request())
+
+    def test_what_is_carried_over_does_not_count_but_context_does(self) -> None:
+        carrying = self.request(start=Start("near", "equilibrium", {"x": 0.0}, {"state": [1.0]}))
+        assert point_key(carrying) == point_key(self.request())
+        assert point_key(self.request(), {"chain": "up"}) != point_key(self.request())
+
+
+class TestOutput:
+    def test_stem(self) -> None:
+        assert default_output(parse()) == Path("runs/belt.nc")
+
+    def test_overrides_get_a_file_of_their_own(self) -> None:
+        output = default_output(parse("solver.rtol=1e-8"))
+        assert output.parent == Path("runs")
+        assert output.name.startswith("belt-")
+        assert output != default_output(parse("solver.rtol=1e-7"))
+
+    def test_digest_is_of_what_is_set(self) -> None:
+        assert digest(["a=1.0", "b=2"]) == digest(["b = 2", "a=1.00"])
+        assert digest(["a=1", "a=2"]) == digest(["a=2"])
+        assert digest(["a=1"]) != digest(["a=2"])
