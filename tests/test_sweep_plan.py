@@ -169,9 +169,7 @@ def test_zipped_axes_share_a_dim() -> None:
 
 @given(kinetic=numbers, static=numbers)
 @settings(max_examples=30, deadline=None)
-def test_points_with_mu_k_above_mu_s_are_counted(
-    kinetic: list[float], static: list[float]
-) -> None:
+def test_points_with_mu_k_above_mu_s_are_counted(kinetic: list[float], static: list[float]) -> None:
     plan = plan_of(grid(mu_k=kinetic, m=[1.0, 2.0], mu_s=static))
     found = sum(
         bool(exclusion(plan.template, parameters_at(plan.template, plan.point(i)[0])))

@@ -257,7 +257,9 @@ def test_a_stop_at_any_write_loses_only_what_was_in_flight(
         monkeypatch.setattr(shard, "_write_synced", half_written)
     else:
         monkeypatch.setattr(
-            shard, "_write_synced", lambda path, content: (strike(), genuine["write"](path, content))
+            shard,
+            "_write_synced",
+            lambda path, content: (strike(), genuine["write"](path, content)),
         )
     with pytest.raises(Killed):
         sweep(output, chunk_points=8)

@@ -122,7 +122,18 @@ def _dim_size(dim: str, layout: Layout, survey: _Survey) -> int:
         for variable in layout.variables
         if dim in variable.dims and variable.name in survey.own_shapes
     ]
-    return max(found, default=1) or 1
+    return max(found, default=_known_size(dim, layout)) or 1
+
+
+def _known_size(dim: str, layout: Layout) -> int:
+    """Size of an own dim before any point is known."""
+    model = get_model(layout.model)
+    if dim == "contact":
+        return model.contacts
+    if dim == "state":
+        displacements = len(model.states({**model.default_options(), **layout.options}))
+        return 2 * displacements if layout.kind == "eigenvalues" else displacements
+    return 1
 
 
 def _fill(

@@ -1,0 +1,172 @@
+"""Comparison of datasets: each kind of difference is found, and only those that count."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fiv_cli.data.compare import (
+    Difference,
+    Tolerance,
+    Tolerances,
+    compare,
+    read_tolerances,
+)
+from fiv_cli.data.flags import ATTRACTOR, STATUS
+from fiv_cli.errors import InputError, UsageError
+
+PERIODIC, CHAOTIC = ATTRACTOR.codes["periodic"], ATTRACTOR.codes["chaotic"]
+
+
+def dataset() -> xr.Dataset:
+    """Three periodic points and a chaotic one."""
+    flags = {
+        "flag_values": np.int8([0, 1, 2, 3]),
+        "flag_meanings": "equilibrium periodic x chaotic",
+    }
+    attractor = np.array([[PERIODIC, PERIODIC], [PERIODIC, CHAOTIC]], np.int8)
+    dims = ("mu_k", "initial")
+    return xr.Dataset(
+        {
+            "status": (dims, np.zeros((2, 2), np.int8), {"units": "1"}),
+            "attractor": (dims, attractor, {"units": "1", **flags}),
+            "L_s": (dims, np.array([[1.0, 2.0], [3.0, 4.0]]), {"units": "m2"}),
+            "period": (dims, np.array([[1.0, 2.0], [np.nan, np.nan]]), {"units": "s"}),
+            "n_steps": (dims, np.full((2, 2), 7.0), {"units": "1"}),
+            "section_value": ("section_obs", np.arange(6.0), {"units": "m"}),
+            "section_row_size": (
+                dims,
+                np.array([[1, 2], [0, 3]], np.int32),
+                {"units": "1", "sample_dimension": "section_obs"},
+            ),
+        },
+        coords={"mu_k": ("mu_k", [0.1, 0.2]), "initial": ("initial", ["near", "far"])},
+    )
+
+
+def differences(
+    right: xr.Dataset, tolerances: Tolerances | None = None, left: xr.Dataset | None = None
+) -> list[Difference]:
+    """Differences of `right` from `dataset`."""
+    return compare({"": left or dataset()}, {"": right}, tolerances or Tolerances())
+
+
+def changed(name: str, index: tuple[int, ...], value: float) -> xr.Dataset:
+    """`dataset` with one value changed."""
+    result = dataset()
+    result[name].values[index] = value
+    return result
+
+
+def test_a_dataset_agrees_with_itself() -> None:
+    assert differences(dataset()) == []
+
+
+def test_a_number_that_differs_is_named_with_its_place() -> None:
+    (found,) = differences(changed("L_s", (0, 1), 2.001))
+    assert (found.what, found.count) == ("L_s", 1)
+    assert "2 against 2.001 at mu_k=0.1, initial=far" in found.text
+
+
+def test_the_worst_offender_is_shown() -> None:
+    right = changed("L_s", (0, 1), 2.001)
+    right["L_s"].values[1, 0] = 4.0
+    (found,) = differences(right)
+    assert found.count == 2
+    assert "3 against 4 at mu_k=0.2, initial=near" in found.text
+
+
+def test_two_ulp_are_no_difference() -> None:
+    right = dataset()
+    right["L_s"] = right["L_s"].copy(data=np.nextafter(np.nextafter(right["L_s"], 9.0), 9.0))
+    assert differences(right) == []
+
+
+def test_a_tolerance_of_its_own() -> None:
+    right = changed("L_s", (0, 1), 2.001)
+    assert differences(right, Tolerances(variables={"L_s": Tolerance(rtol=1e-3)})) == []
+    assert differences(right, Tolerances(ignore=("L_s",))) == []
+    assert differences(right, Tolerances(default=Tolerance(rtol=1e-4)))
+
+
+def test_a_number_against_nan_is_a_difference() -> None:
+    assert [d.what for d in differences(changed("period", (1, 0), 1.0))] == ["period"]
+    assert [d.what for d in differences(changed("period", (0, 0), np.nan))] == ["period"]
+
+
+def test_status_and_class_are_exact() -> None:
+    (found,) = differences(changed("status", (1, 1), STATUS.codes["failed"]))
+    assert found.what == "status"
+    (found,) = differences(changed("attractor", (0, 0), CHAOTIC))
+    assert "periodic against chaotic at mu_k=0.1, initial=near" in found.text
+
+
+def test_chaotic_points_are_compared_by_statistics_only() -> None:
+    assert differences(changed("L_s", (1, 1), 4.2)) == []
+    assert [d.what for d in differences(changed("L_s", (1, 1), 5.0))] == ["L_s"]
+    assert differences(changed("period", (1, 1), 3.0)) == []
+    assert differences(changed("section_value", (4,), 99.0)) == []
+
+
+def test_work_is_compared_only_when_asked() -> None:
+    right = changed("n_steps", (0, 0), 8.0)
+    assert differences(right) == []
+    asked = Tolerances(variables={"n_steps": Tolerance(0.0, 0.0)})
+    assert [d.what for d in differences(right, asked)] == ["n_steps"]
+
+
+def test_rows_of_ragged_arrays() -> None:
+    (found,) = differences(changed("section_value", (2,), 2.5))
+    assert "2 against 2.5 at mu_k=0.1, initial=far" in found.text
+    right = dataset()
+    right["section_row_size"].values[:] = [[2, 1], [0, 3]]
+    (found,) = differences(right)
+    assert "1 against 2 values at mu_k=0.1, initial=near" in found.text
+
+
+def test_the_shape_of_a_dataset() -> None:
+    assert differences(dataset().drop_vars("L_s"))[0].text == "only in the first dataset"
+    moved = dataset().assign_coords(mu_k=[0.1, 0.25])
+    assert [(d.what, d.count) for d in differences(moved)] == [("mu_k", 1)]
+    shorter = dataset().isel(mu_k=[0])
+    assert any(d.what == "mu_k" and "2 against 1 values" in d.text for d in differences(shorter))
+    renamed = dataset()
+    renamed["L_s"].attrs["units"] = "mm2"
+    assert "'m2' against 'mm2'" in differences(renamed)[0].text
+    turned = dataset()
+    turned["L_s"] = turned["L_s"].transpose()
+    assert differences(turned)[0].what == "L_s"
+
+
+def test_analyses_are_compared_by_name() -> None:
+    found = compare({"a": dataset()}, {"b": dataset()}, Tolerances())
+    assert [(d.what, d.text) for d in found] == [
+        ("a", "only in the first dataset"),
+        ("b", "only in the second dataset"),
+    ]
+    (found_inside,) = compare({"a": dataset()}, {"a": changed("L_s", (0, 0), 9.0)}, Tolerances())
+    assert found_inside.what == "a/L_s"
+
+
+def test_tolerances_are_read_from_toml(tmp_path: Path) -> None:
+    path = tmp_path / "tolerances.toml"
+    path.write_text(
+        'ignore = ["period"]\n[default]\nrtol = 1e-3\n[variables.L_s]\nrtol = 0.5\natol = 0.0\n'
+    )
+    tolerances = read_tolerances(path)
+    assert tolerances.of("L_s") == Tolerance(0.5, 0.0)
+    assert tolerances.of("x_max") == Tolerance(rtol=1e-3)
+    assert tolerances.ignore == ("period",)
+
+
+@pytest.mark.parametrize("text", ["[default]\nrtoll = 1\n", "nonsense", "[defaults]\nrtol = 1\n"])
+def test_a_bad_table_of_tolerances(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "tolerances.toml"
+    path.write_text(text)
+    with pytest.raises(InputError):
+        read_tolerances(path)
+    with pytest.raises(UsageError):
+        read_tolerances(tmp_path / "missing.toml")

@@ -1,0 +1,152 @@
+"""A shard holds what was put in, or says that it does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fiv_cli.analyses.base import Outcome
+from fiv_cli.data.block import Block, pack
+from fiv_cli.data.shard import (
+    UnreadableShard,
+    from_plain,
+    read_shard,
+    shard_bytes,
+    to_plain,
+    write_shard,
+)
+from fiv_cli.data.variables import INT_FILL, variables_of
+from fiv_cli.errors import StorageError
+from fiv_cli.models import get_model
+
+VARIABLES = variables_of("response", get_model("belt-1dof"), {}, {})
+
+
+def keys(count: int) -> list[bytes]:
+    """Distinct keys."""
+    return [bytes([i]) * 32 for i in range(count)]
+
+
+def block() -> Block:
+    """Three points: a full one, an empty one, a failed one."""
+    full = Outcome(
+        values={"attractor": "periodic", "L_s": 0.1, "n_steps": 7, "floquet_multiplier": [1.0]},
+        ragged={"section_value": [0.3, 0.1]},
+    )
+    failed = Outcome("failed", "diverged", message="boom")
+    carried = {2: {"carry": {"x": np.array([0.1, np.nan]), "phase": 0.2}, "lost": False}}
+    return pack([full, Outcome(), failed], keys(3), VARIABLES, carried)
+
+
+def assert_equal(left: Block, right: Block) -> None:
+    """Two blocks hold the same."""
+    for name in ("keys", "status", "reason"):
+        np.testing.assert_array_equal(getattr(left, name), getattr(right, name))
+    for name in ("values", "row_sizes", "ragged"):
+        a, b = getattr(left, name), getattr(right, name)
+        assert a.keys() == b.keys()
+        for key in a:
+            np.testing.assert_array_equal(a[key], b[key])
+            assert a[key].dtype == b[key].dtype
+    assert left.messages == right.messages
+
+
+def test_what_goes_in_comes_out(tmp_path: Path) -> None:
+    path = tmp_path / "000001.h5"
+    write_shard(path, block(), "response")
+    back, analysis = read_shard(path)
+    assert analysis == "response"
+    assert_equal(back, block())
+    np.testing.assert_array_equal(back.carries[2]["carry"]["x"], [0.1, np.nan])
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_points_are_padded_with_what_means_not_computed() -> None:
+    packed = block()
+    assert packed.status.tolist() == [0, 0, 2]
+    assert packed.values["attractor"].tolist() == [1, -1, -1]
+    assert packed.values["n_steps"].tolist() == [7, INT_FILL, INT_FILL]
+    np.testing.assert_array_equal(packed.values["L_s"], [0.1, np.nan, np.nan])
+    assert packed.row_sizes["section"].tolist() == [2, 0, 0]
+    assert "period" not in packed.values
+
+
+@pytest.mark.parametrize("keep", [0, 1, 100, 0.5, 0.9, -1])
+def test_a_truncated_shard_is_unreadable(tmp_path: Path, keep: float) -> None:
+    path = tmp_path / "a.h5"
+    content = shard_bytes(block(), "response")
+    path.write_bytes(content[: int(keep * len(content)) if 0 < keep < 1 else int(keep)])
+    with pytest.raises(UnreadableShard):
+        read_shard(path)
+
+
+@given(place=st.floats(0.0, 1.0, exclude_max=True), value=st.integers(1, 255))
+@settings(max_examples=60, deadline=None)
+def test_no_flipped_byte_changes_an_answer(
+    tmp_path_factory: pytest.TempPathFactory, place: float, value: int
+) -> None:
+    path = tmp_path_factory.mktemp("flip") / "a.h5"
+    content = bytearray(shard_bytes(block(), "response"))
+    content[int(place * len(content))] ^= value
+    path.write_bytes(content)
+    try:
+        back, _ = read_shard(path)
+    except UnreadableShard:
+        return
+    assert_equal(back, block())
+
+
+def test_foreign_files_are_unreadable(tmp_path: Path) -> None:
+    text = tmp_path / "a.h5"
+    text.write_text("hello")
+    other = tmp_path / "b.h5"
+    with h5py.File(other, "w") as file:
+        file["x"] = 1.0
+    for path in (text, other, tmp_path / "missing.h5", tmp_path):
+        with pytest.raises(UnreadableShard):
+            read_shard(path)
+
+
+def test_a_folder_that_is_not_there_is_a_storage_error(tmp_path: Path) -> None:
+    with pytest.raises(StorageError, match="No such file"):
+        write_shard(tmp_path / "gone" / "a.h5", block(), "response")
+
+
+plain = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**53), 2**53)
+    | st.floats(allow_nan=False)
+    | st.text(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
+    max_leaves=8,
+)
+
+
+@given(value=plain)
+@settings(max_examples=100, deadline=None)
+def test_plain_data_survives(value: object) -> None:
+    assert from_plain(to_plain(value)) == value
+
+
+@pytest.mark.parametrize(
+    ("outcome", "why"),
+    [
+        (Outcome(values={"nonsense": 1.0}), "nonsense"),
+        (Outcome(values={"L_s": [1.0, 2.0]}), "L_s has 1 dims"),
+        (Outcome(values={"attractor": "wobbly"}), "wobbly"),
+        (Outcome(status="great"), "great"),
+        (Outcome(ragged={"L_s": [1.0]}), "L_s"),
+        (Outcome(ragged={"section_value": 1.0}), "section_value has 0 dims"),
+    ],
+)
+def test_what_cannot_be_stored_fails_alone_and_says_why(outcome: Outcome, why: str) -> None:
+    packed = pack([outcome, Outcome(values={"L_s": 1.0})], keys(2), VARIABLES)
+    assert packed.status.tolist() == [2, 0]
+    assert why in packed.messages[0]
+    assert packed.values["L_s"][1] == 1.0
