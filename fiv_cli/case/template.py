@@ -88,7 +88,7 @@ def _default(model: Model, parameter: Parameter) -> str:
 
 def _grid(model: Model, axis: Parameter | None) -> list[str]:
     if axis is None:
-        return ["# [grid]", "# mu_k = { start = 0.1, stop = 0.3, step = 0.05 }"]
+        return ["# [grid]", "#   mu_k = { start = 0.1, stop = 0.3, step = 0.05 }"]
     high = default_value(model, axis) or 1.0
     line = f"{axis.name} = {{ start = {high / 2!r}, stop = {high!r}, num = 5 }}"
     return [

@@ -80,7 +80,9 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        return importlib.import_module(COMMANDS[cmd_name][0]).command
+        command: click.Command = importlib.import_module(COMMANDS[cmd_name][0]).command
+        _name_environment(command, cmd_name)
+        return command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -106,11 +108,18 @@ class LazyGroup(click.Group):
         return names or click.Command.shell_complete(self, ctx, incomplete)
 
 
+def _name_environment(command: click.Command, name: str) -> None:
+    """Give every option the twin that its flag suggests: ``run --workers`` is FIV_RUN_WORKERS."""
+    for option in command.params:
+        if isinstance(option, click.Option) and option.envvar is None:
+            flag = max(option.opts, key=len).lstrip("-")
+            option.envvar = f"FIV_{name}_{flag}".replace("-", "_").upper()
+
+
 @click.group(
     cls=LazyGroup,
     epilog=EPILOG,
     context_settings={
-        "auto_envvar_prefix": "FIV",
         "help_option_names": ["-h", "--help"],
         "max_content_width": 100,
     },

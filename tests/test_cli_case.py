@@ -1,0 +1,406 @@
+"""The commands around case files, through a real process where the shell sees the difference."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+
+from fiv_cli.analyses import all_analyses
+from fiv_cli.case.load import parse_case
+from fiv_cli.case.schema import case_schema
+from fiv_cli.case.template import case_template
+from fiv_cli.cli.common import plain_table
+from fiv_cli.cli.main import COMMANDS, run
+from fiv_cli.errors import LockedError
+from fiv_cli.friction import all_laws
+from fiv_cli.models import all_models
+
+CASE = """\
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = [1.0, 2.0]
+[[analysis]]
+kind = "response"
+"""
+
+# What `fiv --help` must not wait for.
+HEAVY = ("numba", "xarray", "matplotlib", "sympy", "scipy", "pydantic", "numpy", "rich", "joblib")
+
+ENTRY = "import sys; from fiv_cli.cli.main import main; sys.argv[0] = 'fiv'; main()"
+
+
+def fiv(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run the program in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", ENTRY, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+        timeout=120,
+    )
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    file = tmp_path / "belt.toml"
+    file.write_text(CASE)
+    return file
+
+
+class TestHelp:
+    def test_help_imports_nothing_heavy(self) -> None:
+        script = (
+            "import sys\n"
+            "from fiv_cli.cli.main import run\n"
+            "code = run(['--help'])\n"
+            f"loaded = [name for name in {HEAVY} if name in sys.modules]\n"
+            "sys.exit(code or ', '.join(loaded) or 0)\n"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+        assert "Exit codes" in done.stdout
+
+    def test_help_lists_every_command(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["--help"]) == 0
+        out = capsys.readouterr().out
+        for name, (_, text) in COMMANDS.items():
+            assert re.search(rf"^  {name} +{re.escape(text)}$", out, re.MULTILINE)
+
+    @pytest.mark.parametrize("name", COMMANDS)
+    def test_every_command_teaches_by_example(self, name: str) -> None:
+        command = importlib.import_module(COMMANDS[name][0]).command
+        assert isinstance(command, click.Command)
+        help_text = click.Context(command, info_name=name).get_help()
+        assert f"fiv {name}" in help_text
+
+    def test_version(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["--version"]) == 0
+        assert capsys.readouterr().out.startswith("fiv ")
+
+
+class TestExitCodes:
+    def test_done(self, case: Path) -> None:
+        done = fiv("check", str(case))
+        assert (done.returncode, done.stderr) == (0, "")
+
+    @pytest.mark.parametrize(
+        ("arguments", "fragment"),
+        [
+            (["modles"], "did you mean 'models'"),
+            (["models", "--no-such-option"], "No such option"),
+            (["models", "belt-1dov"], "did you mean 'belt-1dof'"),
+            (["models", "stribek", "--laws"], "did you mean 'stribeck'"),
+            (["new", "belt"], "did you mean 'belt-1dof'"),
+            (["new", "belt-1dof", "--analysis", "respond"], "did you mean 'response'"),
+            (["check"], "Missing argument"),
+            (["check", "none.toml"], "no such file"),
+            (["check", "."], "is a folder"),
+        ],
+    )
+    def test_usage(self, arguments: list[str], fragment: str) -> None:
+        done = fiv(*arguments)
+        assert done.returncode == 2
+        assert fragment in done.stderr
+        assert done.stdout == ""
+        assert "Traceback" not in done.stderr
+
+    def test_invalid_case(self, case: Path) -> None:
+        case.write_text(CASE.replace("v =", "w ="))
+        done = fiv("check", str(case))
+        assert done.returncode == 3
+        assert f"{case}:5: grid.w: " in done.stderr
+        assert "Traceback" not in done.stderr
+
+    def test_malformed_override(self, case: Path) -> None:
+        done = fiv("check", str(case), "--set", "grid")
+        assert done.returncode == 2
+        assert "--set grid: PATH=VALUE is wanted" in done.stderr
+
+    def test_invalid_override(self, case: Path) -> None:
+        done = fiv("check", str(case), "--set", "model.parameters.m=-1")
+        assert done.returncode == 3
+        assert "(--set model.parameters.m=-1)" in done.stderr
+
+    def test_every_case_is_checked_and_the_worst_decides(self, case: Path, tmp_path: Path) -> None:
+        bad = tmp_path / "bad.toml"
+        bad.write_text("schema = 2\n")
+        done = fiv("check", str(bad), str(case), "none.toml")
+        assert done.returncode == 3
+        assert "belt-1dof" in done.stdout
+        assert "schema" in done.stderr
+        assert "none.toml" in done.stderr
+
+    def test_interrupt(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("fiv_cli.cli.main.cli", _Raising(KeyboardInterrupt()))
+        assert run(["models"]) == 130
+
+    def test_own_errors_carry_their_code(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("fiv_cli.cli.main.cli", _Raising(LockedError("held by 42")))
+        assert run(["models"]) == 7
+
+    def test_internal_error_is_one_paragraph(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        monkeypatch.delenv("FIV_DEBUG", raising=False)
+        monkeypatch.setattr("fiv_cli.cli.main.cli", _Raising(RuntimeError("boom")))
+        assert run(["models"]) == 1
+        error = capsys.readouterr().err
+        assert error.startswith("fiv: internal error: RuntimeError: boom")
+        assert "Traceback" not in error
+
+    def test_internal_error_with_traceback_on_demand(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        monkeypatch.setenv("FIV_DEBUG", "1")
+        monkeypatch.setattr("fiv_cli.cli.main.cli", _Raising(RuntimeError("boom")))
+        assert run(["models"]) == 1
+        assert "Traceback" in capsys.readouterr().err
+
+    def test_terminated(self) -> None:
+        script = (
+            "import os, signal, sys\n"
+            "from fiv_cli.cli import main\n"
+            "class Waiting:\n"
+            "    def make_context(self, *_):\n"
+            "        os.kill(os.getpid(), signal.SIGTERM)\n"
+            "        signal.pause()\n"
+            "main.cli = Waiting()\n"
+            "main.main()\n"
+        )
+        done = subprocess.run([sys.executable, "-c", script], check=False, timeout=60)
+        assert done.returncode == 143
+
+    def test_a_reader_that_goes_away_is_no_trouble(self) -> None:
+        command = [sys.executable, "-c", ENTRY, "schema"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            assert process.stdout is not None
+            assert process.stderr is not None
+            process.stdout.close()
+            assert process.stderr.read() == b""
+        assert process.returncode == 141
+
+    @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+    def test_a_full_disk_is_said(self) -> None:
+        with Path("/dev/full").open("w") as full:
+            done = subprocess.run(
+                [sys.executable, "-c", ENTRY, "schema"],
+                stdout=full,
+                stderr=subprocess.PIPE,
+                text=True,
+                check=False,
+            )
+        assert done.returncode == 2
+        assert "No space left" in done.stderr
+        assert "Traceback" not in done.stderr
+
+
+class _Raising:
+    """A command group that fails."""
+
+    def __init__(self, error: BaseException) -> None:
+        self.error = error
+
+    def make_context(self, *_: object) -> click.Context:
+        raise self.error
+
+
+class TestModels:
+    def test_list(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["models"]) == 0
+        out = capsys.readouterr().out
+        assert all(f"\n{name} " in out for name in all_models())
+
+    @pytest.mark.parametrize("name", list(all_models()))
+    def test_one(self, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+        model = all_models()[name]
+        assert run(["models", name]) == 0
+        out = capsys.readouterr().out
+        for parameter in model.parameters:
+            assert re.search(rf"^{parameter.name} +\S+ +{parameter.unit} ", out, re.MULTILINE)
+        for state in model.states(model.default_options()):
+            assert f"  {state.name}'' = " in out
+        assert "|F_T| <= " in out
+
+    def test_equations_are_those_of_the_model(self, capsys: pytest.CaptureFixture[str]) -> None:
+        run(["models", "belt-1dof"])
+        out = capsys.readouterr().out
+        assert "  x'' = (F_T - c*x' - k*(-u0*cos(omega*t) + x))/m\n" in out
+        assert "  F_T = F_N*mu_k*sgn(v)" in out
+
+    @pytest.mark.parametrize("name", list(all_laws()))
+    def test_law(self, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["models", name, "--laws"]) == 0
+        out = capsys.readouterr().out
+        assert "F_T = " in out
+        assert ("never sticks" in out) == (all_laws()[name].capacity is None)
+
+    def test_json(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["models", "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert found["schema"] == 1
+        assert [model["name"] for model in found["models"]] == list(all_models())
+        assert run(["models", "stribeck", "--laws", "--json"]) == 0
+        law = json.loads(capsys.readouterr().out)
+        assert [parameter["name"] for parameter in law["parameters"]] == [
+            "mu_s",
+            "mu_k",
+            "v_s",
+            "delta",
+        ]
+
+    def test_plain_table(self) -> None:
+        assert plain_table(("a", "bb"), [("ccc", "d")]) == ["a    bb", "ccc  d"]
+
+
+class TestCheck:
+    def test_json(self, case: Path, tmp_path: Path) -> None:
+        bad = tmp_path / "bad.toml"
+        bad.write_text(CASE.replace("v =", "w ="))
+        done = fiv("check", "--json", str(case), str(bad))
+        assert done.returncode == 3
+        good, wrong = json.loads(done.stdout)["cases"]
+        assert (good["valid"], good["problems"]) == (True, [])
+        assert good["plan"]
+        assert not wrong["valid"]
+        assert [(p["path"], p["line"]) for p in wrong["problems"]] == [("grid.w", 5)]
+
+    def test_environment_twin_of_an_option(self, case: Path) -> None:
+        done = fiv("check", str(case), FIV_CHECK_SET="model.parameters.m=-1")
+        assert done.returncode == 3
+
+    def test_the_plan_counts_points(self, case: Path) -> None:
+        assert "2 points" in fiv("check", str(case)).stdout
+
+
+class TestNew:
+    @pytest.mark.parametrize("kind", list(all_analyses()))
+    @pytest.mark.parametrize("name", list(all_models()))
+    def test_valid_as_it_stands(self, name: str, kind: str) -> None:
+        text = case_template(all_models()[name], all_analyses()[kind])
+        case = parse_case(text, "new.toml")
+        assert (case.model, case.analyses[0].kind) == (name, kind)
+        assert not case.explicit
+
+    @pytest.mark.parametrize("kind", list(all_analyses()))
+    @pytest.mark.parametrize("name", list(all_models()))
+    def test_valid_with_every_default_spelt_out(self, name: str, kind: str) -> None:
+        """Taking the # off the lines of defaults gives the same case."""
+        text = case_template(all_models()[name], all_analyses()[kind])
+        bare = parse_case(text, "new.toml")
+        parameters = [name for name in bare.parameters if f"\n# {name} = " in text]
+        for parameter in parameters:
+            text = text.replace(f"\n# {parameter} = ", f"\n{parameter} = ")
+        text = text.replace("# [solver]", "[solver]").replace("# method", "method")
+        spelt = parse_case(text.replace("# rtol", "rtol"), "new.toml")
+        assert set(spelt.explicit) == set(parameters)
+        assert spelt.parameters == bare.parameters
+        assert spelt.solver == bare.solver
+
+    @pytest.mark.parametrize("kind", list(all_analyses()))
+    def test_every_setting_is_there(self, kind: str) -> None:
+        analysis = all_analyses()[kind]
+        text = case_template(all_models()["belt-1dof"], analysis)
+        for setting in analysis.settings:
+            text = text.replace(f"\n# {setting.name} = ", f"\n{setting.name} = ")
+        given = parse_case(text, "new.toml").analyses[0].settings
+        assert all(given[setting.name] is not None for setting in analysis.settings)
+
+    def test_stdout_is_the_file(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["new", "pin-on-disc"]) == 0
+        expected = case_template(all_models()["pin-on-disc"], all_analyses()["response"])
+        assert capsys.readouterr().out == expected
+
+
+def walk(schema: Any) -> Iterator[dict[str, Any]]:
+    """Every object in a JSON document."""
+    if isinstance(schema, dict):
+        yield schema
+    inner = schema.values() if isinstance(schema, dict) else schema
+    for one in inner if isinstance(schema, dict | list) else ():
+        yield from walk(one)
+
+
+class TestSchema:
+    def branch(self, table: str, key: str, value: str) -> dict[str, Any]:
+        """What the schema says of `table` where `key` is `value`."""
+        for rule in case_schema()["$defs"][table]["allOf"]:
+            if rule["if"]["properties"][key]["const"] == value:
+                return rule["then"]
+        raise AssertionError(f"no rule for {value}")
+
+    def test_references_resolve(self) -> None:
+        schema = case_schema()
+        references = [one["$ref"] for one in walk(schema) if isinstance(one.get("$ref"), str)]
+        assert references
+        assert {ref.removeprefix("#/$defs/") for ref in references} <= set(schema["$defs"])
+
+    def test_types_are_those_of_json_schema(self) -> None:
+        types = {"object", "array", "string", "number", "integer", "boolean", "null"}
+        found = {one["type"] for one in walk(case_schema()) if isinstance(one.get("type"), str)}
+        assert found <= types
+
+    def test_names_are_listed(self) -> None:
+        tables = case_schema()["$defs"]
+        assert tables["ModelTable"]["properties"]["name"]["enum"] == list(all_models())
+        assert tables["AnalysisTable"]["properties"]["kind"]["enum"] == list(all_analyses())
+        assert set(all_laws()) < set(tables["FrictionTable"]["properties"]["law"]["enum"])
+
+    @pytest.mark.parametrize("name", list(all_models()))
+    def test_parameters_of_a_model(self, name: str) -> None:
+        known = self.branch("ModelTable", "name", name)["properties"]["parameters"]
+        assert list(known["properties"]) == [p.name for p in all_models()[name].parameters]
+        assert not known["additionalProperties"]
+        assert all(about["description"] for about in known["properties"].values())
+
+    @pytest.mark.parametrize("kind", list(all_analyses()))
+    def test_settings_of_an_analysis(self, kind: str) -> None:
+        settings = all_analyses()[kind].settings
+        rule = self.branch("AnalysisTable", "kind", kind)
+        assert set(rule["properties"]) == {setting.name for setting in settings}
+        assert rule.get("required", []) == [s.name for s in settings if s.required]
+
+    def test_every_table_of_the_case_is_described(self) -> None:
+        properties = case_schema()["properties"]
+        assert set(properties) >= {"schema", "model", "friction", "grid", "sweep", "initial"}
+        assert all("description" in about or "$ref" in about for about in properties.values())
+
+    def test_command(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["schema"]) == 0
+        assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(case_schema()))
+
+
+class TestCompletion:
+    def complete(self, words: Sequence[str]) -> list[str]:
+        done = fiv(
+            _FIV_COMPLETE="bash_complete",
+            COMP_WORDS=" ".join(["fiv", *words]),
+            COMP_CWORD=str(len(words)),
+        )
+        assert done.returncode == 0
+        return [line.partition(",")[2] for line in done.stdout.splitlines()]
+
+    def test_commands(self) -> None:
+        assert self.complete(["s"]) == ["schema", "status", "show"]
+
+    def test_options(self) -> None:
+        assert "--laws" in self.complete(["models", "--l"])
+
+    @pytest.mark.parametrize("shell", ["zsh", "fish"])
+    def test_script(self, shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["completion", shell]) == 0
+        assert "_FIV_COMPLETE" in capsys.readouterr().out
