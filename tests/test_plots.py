@@ -32,7 +32,8 @@ def marks(ax, label):
 
 
 def legend_texts(owner):
-    legend = owner.get_legend() if hasattr(owner, "get_legend") else owner.legends[0]
+    """Entries of the legend of a panel or, where there are several panels, of the figure."""
+    legend = owner.legends[0] if hasattr(owner, "legends") else owner.get_legend()
     return [text.get_text() for text in legend.get_texts()]
 
 
@@ -82,6 +83,15 @@ def test_several_datasets_share_a_diagram():
     assert {"damped, near", "damped, far", "undamped"} <= set(legend_texts(ax))
 
 
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_members_of_a_random_start_share_colour_and_legend_entry(kind):
+    dataset = data.bifurcation().assign_coords(initial=["far-000", "far-001"])
+    (ax,) = draw(dataset, figure(kind)).axes
+    assert legend_texts(ax)[0] == "far"
+    assert len({line.get_color() for line in ax.lines[:2]}) == 1
+    assert not {"far-000", "far-001"} & set(legend_texts(ax))
+
+
 def test_kinds_of_one_dataset_refuse_several():
     with pytest.raises(UsageError, match="shows one dataset"):
         draw([("a", data.stability_map()), ("b", data.stability_map())], figure("map"))
@@ -117,8 +127,17 @@ def test_a_curve_of_classes_has_their_names_at_the_ticks():
 
 def test_lines_of_a_second_axis_say_its_value_with_unit():
     drawn = draw(data.stability_map(), figure("curve", x="Omega", select={"initial": "exists"}))
-    assert "$N_0$ = 20 N" in legend_texts(drawn.axes[0])
+    assert "$N_0$ = 20 N" in legend_texts(drawn)
     assert len([line for line in drawn.axes[0].lines if "N_0" in line.get_label()]) == 17
+
+
+def test_a_curve_runs_along_the_longest_axis_unless_the_figure_says_otherwise():
+    dataset = data.stability_map(nx=3, ny=50)
+    drawn = draw(dataset, figure("curve", variable="L_s"))
+    assert drawn.axes[0].get_xlabel() == "normal preload $N_0$ (N)"
+    many = draw(dataset, figure("curve", variable="L_s", x="Omega"))
+    assert len(legend_texts(many)) == 40
+    assert len(many.axes[0].lines) > 100
 
 
 def test_an_axis_of_names_is_drawn_at_its_names():
@@ -562,6 +581,20 @@ def test_plot_takes_one_figure_and_a_path(stored):
 def test_plot_writes_several_figures_beside_the_path_given(stored):
     result = run(plot_command, "history.nc", "-o", "motion.pdf")
     assert result.stdout.split() == ["motion-history-history.pdf", "motion-history-phase.pdf"]
+
+
+def test_plot_draws_every_analysis_of_a_file_with_several(stored):
+    from fiv_cli.data.netcdf import write_datasets
+
+    analyses = {"modes": data.eigenvalues(), "steady": data.bifurcation()}
+    bare = {name: dataset.drop_attrs(deep=False) for name, dataset in analyses.items()}
+    write_datasets(stored / "two.nc", bare, data.attributes())
+    assert run(plot_command, "two.nc").stdout.split() == [
+        "two-eigenvalues.png",
+        "two-bifurcation.png",
+        "two-curve.png",
+    ]
+    assert "steady: Omega 46 x initial 2" in run(show_command, "two.nc").stdout
 
 
 def test_plot_overlays_files_where_a_figure_can(stored):

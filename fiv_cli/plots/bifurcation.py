@@ -29,11 +29,11 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     name = points.one_variable(settings, DEFAULT)
     clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
-    colours = style.line_colours(len(clouds))
     count = sum(y.size for _, _, y in clouds)
     looks: dict[str, Any] = {"ms": style.dot_size(count), "rasterized": count > style.MANY_MARKS}
-    for (label, x, y), colour in zip(clouds, colours, strict=True):
-        ax.plot(x, y, ".", mew=0, ls="none", color=colour, label=label, **looks)
+    entries = points.entries([label for label, _, _ in clouds])
+    for (_, x, y), entry in zip(clouds, entries, strict=True):
+        ax.plot(x, y, ".", mew=0, ls="none", color=entry.colour, label=entry.label, **looks)
     _dress(ax, layers, name, settings)
     return figure
 

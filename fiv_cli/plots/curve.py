@@ -35,13 +35,15 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     names = variables_of(layers[0].dataset, settings)
     curves = [c for layer in layers for name in names for c in _curves(layer, name, settings)]
-    colours = style.line_colours(len(curves))
+    entries = points.entries(
+        [points.joined(curve.name if len(names) > 1 else "", curve.label) for curve in curves]
+    )
     classes = bool(flag_names(layers[0].dataset[names[0]].attrs))
-    for number, (curve, colour) in enumerate(zip(curves, colours, strict=True)):
+    for curve, entry in zip(curves, entries, strict=True):
         # lines of classes lie on one another: each is moved a little, and there is no in-between
-        shift = classes * CLASS_SHIFT * (number - (len(curves) - 1) / 2)
-        label = points.joined(curve.name if len(names) > 1 else "", curve.label)
-        ax.plot(curve.x, curve.y + shift, "." if classes else ".-", ms=3, color=colour, label=label)
+        y = curve.y + classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
+        mark = "." if classes else ".-"
+        ax.plot(curve.x, y, mark, ms=3, color=entry.colour, label=entry.label)
     _dress(ax, layers, names, settings)
     return figure
 

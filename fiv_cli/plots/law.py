@@ -33,7 +33,7 @@ def draw_laws(names: Sequence[str]) -> Figure:
 
 
 def _draw(laws: Sequence[Law]) -> Figure:
-    figure, (ax,) = style.new_panels(1, 1, laws[0].title if len(laws) == 1 else "Friction laws")
+    figure, (ax,) = style.new_panels(1, 1, _title(laws))
     for law, colour in zip(laws, style.line_colours(len(laws)), strict=True):
         _curve(ax, law, colour)
     forces = [not _scales_with_load(law) for law in laws]
@@ -45,6 +45,11 @@ def _draw(laws: Sequence[Law]) -> Figure:
     ax.plot([], [], "--", color=style.BLACK, lw=1.0, label="held in stick")
     figure.legend(loc="outside lower center")
     return figure
+
+
+def _title(laws: Sequence[Law]) -> str:
+    title = laws[0].title if len(laws) == 1 else "friction laws"
+    return title[0].upper() + title[1:]
 
 
 def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray:

@@ -53,18 +53,23 @@ def _variable(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
 
 
 def _axes(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:
-    """The two axes: as the figure says, else the first two numeric ones that vary."""
-    x = points.abscissa(dataset, settings)
-    if "y" in settings:
-        return x, select.axis_of(dataset, str(settings["y"]))
-    others = [axis for axis in points.varying_axes(dataset) if axis.dims != x.dims]
-    numeric = [axis for axis in others if select.is_numeric(axis)]
-    if not others:
+    """The two axes: as the figure says, else the first two that vary, numeric ones before others.
+
+    Raises
+    ------
+    UsageError : fewer than two axes vary
+    """
+    named = {key: select.axis_of(dataset, str(settings[key])) for key in "xy" if key in settings}
+    taken = [axis.dims for axis in named.values()]
+    free = [axis for axis in points.varying_axes(dataset) if axis.dims not in taken]
+    free.sort(key=lambda axis: not select.is_numeric(axis))
+    if len(named) + len(free) < 2:
         raise UsageError(
-            f"a map needs two axes, and this dataset varies along {x.name} only\n"
+            "a map needs two axes along which the dataset varies\n"
             "draw a curve, or run the case with a second axis in [grid]"
         )
-    return x, (numeric or others)[0]
+    x = named["x"] if "x" in named else free.pop(0)
+    return x, named["y"] if "y" in named else free.pop(0)
 
 
 def _panels(
@@ -96,7 +101,9 @@ def _dress(
     if number >= len(panels):
         ax.set_axis_off()
         return
-    points.dress_axis(ax, axes[0], "x")
+    if number + columns >= len(panels):  # nothing below it
+        points.dress_axis(ax, axes[0], "x")
+        ax.tick_params(labelbottom=True)
     if number % columns == 0:
         points.dress_axis(ax, axes[1], "y")
     ax.set_title(panels[number].label)

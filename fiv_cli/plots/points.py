@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,14 @@ from fiv_cli.plots import labels, style
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+
+MOST_ENTRIES_INSIDE = 8
+MOST_ENTRIES_IN_COLUMN = 20
+MOST_ENTRIES = 2 * MOST_ENTRIES_IN_COLUMN
+
+# The number that a random start's label ends with.
+RANDOM_MEMBER = re.compile(r"-\d{3,}(?=,|$)")
 
 
 @dataclass(frozen=True)
@@ -53,15 +62,15 @@ def _first_axis(dataset: xr.Dataset, dim: str) -> xr.DataArray:
     return select.axis_of(dataset, dim if dim in along or not along else along[0])
 
 
-def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any], key: str = "x") -> xr.DataArray:
-    """The axis that ``x`` names, else the first numeric one that varies.
+def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.DataArray:
+    """The axis that ``x`` names, else the numeric one with the most values, the first of these.
 
     Raises
     ------
     UsageError : no axis varies, so there is nothing to draw against
     """
-    if key in settings:
-        return select.axis_of(dataset, str(settings[key]))
+    if "x" in settings:
+        return select.axis_of(dataset, str(settings["x"]))
     varying = varying_axes(dataset)
     numeric = [axis for axis in varying if select.is_numeric(axis)]
     if not varying:
@@ -69,7 +78,7 @@ def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any], key: str = "x") -
             "this figure needs an axis along which the dataset varies, and there is none\n"
             "draw a history, or run the case with a [grid]"
         )
-    return (numeric or varying)[0]
+    return max(numeric or varying, key=lambda axis: axis.size)
 
 
 def known_variable(dataset: xr.Dataset, name: str) -> str:
@@ -157,6 +166,27 @@ def joined(*words: str) -> str:
     return ", ".join(word for word in words if word)
 
 
+@dataclass(frozen=True)
+class Entry:
+    """How a line looks: its colour, its legend entry (None: not in the legend), its number."""
+
+    colour: Any
+    label: str | None
+    number: int
+
+
+def entries(names: Sequence[str]) -> list[Entry]:
+    """An entry for each line; the members of a random start share one (``far-000`` is ``far``)."""
+    stems = [RANDOM_MEMBER.sub("", name) for name in names]
+    distinct = list(dict.fromkeys(stems))
+    colours = style.line_colours(len(distinct))
+    numbers = [distinct.index(stem) for stem in stems]
+    return [
+        Entry(colours[number], None if stem in stems[:place] else stem, number)
+        for place, (stem, number) in enumerate(zip(stems, numbers, strict=True))
+    ]
+
+
 def is_class(dataset: xr.Dataset, variable: str, *names: str) -> xr.DataArray:
     """Where the flag `variable` has one of the classes, over its dims."""
     array = dataset[variable]
@@ -196,15 +226,17 @@ def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
         )  # fmt: skip
 
 
-def legend(ax: Axes, title: str = "") -> None:
-    """A legend where it hides least; beside the panel when it is long; none for a single line."""
-    handles, names = ax.get_legend_handles_labels()
-    if not names:
-        return
-    if len(names) <= 8:
-        ax.legend(handles, names, title=title or None, markerscale=2.0)
-        return
-    ax.legend(
-        handles, names, title=title or None, loc="center left", bbox_to_anchor=(1.01, 0.5),
-        ncols=1 + (len(names) - 1) // 20, markerscale=2.0,
-    )  # fmt: skip
+def legend(ax: Axes) -> None:
+    """A legend where it hides least; beside the panels when it is long; none for a single line."""
+    handles, names = _thinned(*ax.get_legend_handles_labels())
+    if len(names) > MOST_ENTRIES_INSIDE:
+        columns = 1 + (len(names) - 1) // MOST_ENTRIES_IN_COLUMN
+        ax.figure.legend(handles, names, loc="outside right upper", ncols=columns, markerscale=2.0)
+    elif names:
+        ax.legend(handles, names, markerscale=2.0)
+
+
+def _thinned(handles: Sequence[Any], names: Sequence[str]) -> tuple[list[Any], list[str]]:
+    """Of too many entries some, evenly spread: the colours of many lines are a ramp."""
+    kept = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_ENTRIES)).astype(int))
+    return [handles[place] for place in kept], [names[place] for place in kept]
