@@ -19,7 +19,7 @@ from fiv_cli.analyses import all_analyses
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.schema import case_schema
 from fiv_cli.case.template import case_template
-from fiv_cli.cli.common import plain_table
+from fiv_cli.cli.common import plain_table, print_table
 from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.errors import LockedError
 from fiv_cli.friction import all_laws
@@ -262,6 +262,15 @@ class TestModels:
             "v_s",
             "delta",
         ]
+
+    def test_a_terminal_shows_brackets_as_they_are(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+        print_table("[model]", ("a long name",), [("[b]",)])
+        out = capsys.readouterr().out
+        assert "[model]" in out
+        assert "[b]" in out
 
     def test_plain_table(self) -> None:
         assert plain_table(("a", "bb"), [("ccc", "d")]) == ["a    bb", "ccc  d"]
