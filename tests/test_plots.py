@@ -174,7 +174,7 @@ def test_a_map_has_a_panel_for_each_start_and_a_cell_for_each_point():
 def test_a_map_colours_classes_alike_everywhere_and_names_them():
     dataset = data.stability_map()
     drawn = draw(dataset, figure("map"))
-    expected = ["equilibrium", "periodic", "undecided", "not computed"]
+    expected = ["equilibrium", "periodic", "undecided", "not reached"]
     assert legend_texts(drawn) == expected
     (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
     place = mesh.get_array()

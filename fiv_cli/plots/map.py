@@ -158,7 +158,7 @@ def _paint_classes(
         Patch(color=colour, label=name.replace("_", " "))
         for colour, name in zip(colours, present.values(), strict=True)
     ]
-    _legend(figure, handles, bool((~known).any()))
+    _legend(figure, handles, _why_missing(dataset, known))
 
 
 def _edges(count: int) -> np.ndarray:
@@ -172,9 +172,17 @@ def _hatch(ax: Axes, missing: np.ndarray) -> None:
         ax.patch.set(hatch=HATCH, edgecolor=style.GREY)
 
 
-def _legend(figure: Figure, handles: list[Patch], gaps: bool) -> None:
-    if gaps:
-        handles.append(Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label="not computed"))
+def _why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
+    """What the hatched cells are: failed, not reached, ...; nothing where every cell is known."""
+    if bool(known.all()):
+        return ""
+    kinds = [kind for kind in points.gaps(dataset) if kind not in ("undecided", "budget")]
+    return ", ".join(kinds) or "no value"
+
+
+def _legend(figure: Figure, handles: list[Patch], missing: str) -> None:
+    if missing:
+        handles.append(Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing))
     figure.legend(handles=handles, loc="outside lower center", ncols=max(1, min(4, len(handles))))
 
 
@@ -197,5 +205,6 @@ def _paint_numbers(
     for ax, plane in zip(axes, planes, strict=False):
         _hatch(ax, np.isnan(plane))
     figure.colorbar(meshes[0], ax=list(axes), label=labels.axis_label(array))
-    if bool(values.isnull().any()):
-        _legend(figure, [], True)
+    missing = _why_missing(dataset, values.notnull())
+    if missing:
+        _legend(figure, [], missing)
