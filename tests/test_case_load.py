@@ -620,6 +620,11 @@ class TestOverrides:
             (analysis,) = parse(BELT, f"analysis.{key}.t_end=7").analyses
             assert analysis.settings["t_end"] == 7.0
 
+    def test_a_parameter_that_is_an_axis_is_set_in_the_grid(self) -> None:
+        problem = only_problem(PIN, "model.parameters.N0=30")
+        assert problem.path == "grid.N0"
+        assert problem.suggestion.endswith("--set grid.N0=[VALUE]")
+
     def test_later_wins(self) -> None:
         assert parse(BELT, "title=a", "title=b").title == "b"
 
