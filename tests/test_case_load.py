@@ -560,6 +560,7 @@ class TestClaims:
             '"decreasing"',
             "{ value = 1.0, tolerance = 0.1 }",
             "{ interval = [0.1, 0.2], tolerance = 0 }",
+            '{ interval = [0.1, 0.2], tolerance = 0, of = "chaotic" }',
             '{ less_than = "fig_3_5:L_s" }',
         ],
     )
@@ -577,6 +578,7 @@ class TestClaims:
             "{ value = 1, tolerance = -1 }",
             "{ interval = [2, 1], tolerance = 0 }",
             "{ interval = 2, tolerance = 0 }",
+            '{ interval = [1, 2], tolerance = 0, of = "caotic" }',
             '{ less_than = "L_s" }',
             "{ }",
             "3",
