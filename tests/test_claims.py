@@ -270,6 +270,25 @@ def test_an_interval_of_a_class_is_where_it_occurs_along_the_axis():
     assert tried(dataset, "attractor", outside).verdict == CONFIRMED
 
 
+@pytest.mark.parametrize(
+    ("place", "verdict"), [(4, CONFIRMED), (1, UNDETERMINED), (3, UNDETERMINED), (9, UNDETERMINED)]
+)
+def test_an_undecided_point_matters_only_where_it_could_move_an_end(place, verdict):
+    """Periodic from 0.4 to 0.7: inside it cannot matter, at an end or outside it can."""
+    classes = ["equilibrium"] * 3 + ["periodic"] * 4 + ["equilibrium"] * 3
+    classes[place] = "undecided"
+    expect = {"interval": [0.4, 0.7], "tolerance": 0.01, "of": "periodic"}
+    assert tried(sweep(classes), "attractor", expect).verdict == verdict
+
+
+def test_an_end_that_no_undecided_point_could_reach_is_missed():
+    classes = ["undecided"] + ["equilibrium"] * 4 + ["periodic"] * 4
+    expect = {"interval": [0.4, 0.9], "tolerance": 0.01, "of": "periodic"}
+    assert tried(sweep(classes), "attractor", expect).verdict == CONTRADICTED
+    never = tried(sweep(["equilibrium"] * 3), "attractor", expect)
+    assert (never.verdict, never.hits) == (CONTRADICTED, 0)
+
+
 def test_section_values_are_claimed_row_by_row():
     rows = [[1.0, 2.0], [], [3.0]]
     dataset = sweep(["periodic", "equilibrium", "undecided"], rows=rows)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -57,12 +57,22 @@ class Verdict:
 
 @dataclass(frozen=True)
 class _Trial:
-    """One claim tried on every point; masks of equal shape, `places` names the misses."""
+    """One claim tried on every point.
+
+    Attributes
+    ----------
+    hit, open : masks, shape (n,); never both
+    found : what the dataset holds, in words
+    row : where each of the n lies, shape (n,); several may lie at the same place
+    place : row -> its name
+    noun : what is counted
+    """
 
     hit: np.ndarray
     open: np.ndarray
     found: str
-    places: Callable[[np.ndarray], list[str]]
+    row: np.ndarray
+    place: Callable[[int], str]
     noun: str = "points"
 
 
@@ -146,12 +156,16 @@ def _finding(trial: _Trial, hits: int, points: int, unknown: int) -> str:
     parts = [f"{hits} of {points} {trial.noun}", trial.found]
     if unknown:
         parts.append(f"{unknown} not decided or not computed")
-    missed = trial.places(~trial.hit & ~trial.open)
-    if missed:
-        named = "; ".join(missed[:NAMED_MISSES])
-        rest = len(missed) - NAMED_MISSES
-        parts.append(f"not at {named}" + (f" and {rest} more" if rest > 0 else ""))
+    parts.append(_where_missed(trial))
     return ", ".join(part for part in parts if part)
+
+
+def _where_missed(trial: _Trial) -> str:
+    """The first places that were missed by name, the rest by number."""
+    missed = np.unique(trial.row[~trial.hit & ~trial.open])
+    named = "; ".join(filter(None, (trial.place(int(row)) for row in missed[:NAMED_MISSES])))
+    rest = missed.size - NAMED_MISSES
+    return f"not at {named}" + (f" and {rest} more" if rest > 0 else "") if named else ""
 
 
 def _try(claim: ClaimSpec, part: xr.Dataset, other: Callable[[str], Analyses | None]) -> _Trial:
@@ -234,26 +248,38 @@ def _try_interval(variable: str, expect: Mapping[str, Any], part: xr.Dataset) ->
         found = _axis_values_where(found, str(expect["of"]), variable, part)
     low, high = (float(bound) for bound in expect["interval"])
     tolerance = float(expect["tolerance"])
-    known = np.sort(found.values[~found.open & ~np.isnan(found.values)])
-    ends = (known[0], known[-1]) if known.size else (math.inf, -math.inf)
-    unknown = bool(found.open.any())
-    hit, open_ = zip(
-        _end_matches(low - ends[0], tolerance, unknown),
-        _end_matches(ends[1] - high, tolerance, unknown),
-        strict=True,
+    ends = (
+        _end(low - found.values, found.open, tolerance),
+        _end(found.values - high, found.open, tolerance),
     )
     label = _one_axis(part) if "of" in expect else part[variable]
-    return _Trial(np.array(hit), np.array(open_), _range(found, label), lambda missed: [], "ends")
+    return _Trial(
+        np.array([end == "hit" for end in ends]),
+        np.array([end == "open" for end in ends]),
+        _range(found, label),
+        np.arange(2),
+        lambda end: "",
+        "ends",
+    )
 
 
-def _end_matches(excess: float, tolerance: float, unknown: bool) -> tuple[bool, bool]:
-    """(hit, open) of one end, `excess` being how far what is found goes beyond it.
+def _end(excess: np.ndarray, unknown: np.ndarray, tolerance: float) -> str:
+    """Whether one end of an interval is a "hit", a "miss" or "open".
 
-    Open points may still push an end outwards, never back.
+    Parameters
+    ----------
+    excess : how far each value goes beyond the end, shape (n,); NaN: that is not known either
+    unknown : the value may be there or not, shape (n,)
     """
-    beyond = excess > tolerance
-    reached = abs(excess) <= tolerance
-    return reached and not unknown, unknown and not beyond
+    known = np.nanmax(excess[~unknown], initial=-math.inf)
+    maybe = excess[unknown]
+    may_reach = bool((np.isnan(maybe) | (np.abs(maybe) <= tolerance)).any())
+    may_exceed = bool((np.isnan(maybe) | (maybe > tolerance)).any())
+    if known > tolerance:
+        return "miss"
+    if known >= -tolerance:
+        return "open" if may_exceed else "hit"
+    return "open" if may_reach else "miss"
 
 
 def _axis_values_where(found: _Values, name: str, variable: str, part: xr.Dataset) -> _Values:
@@ -292,7 +318,8 @@ def _try_monotonic(variable: str, expect: str, part: xr.Dataset) -> _Trial:
         (steps > 0).ravel() & ~open_.ravel(),
         open_.ravel(),
         _range(known, part[variable]),
-        _step_places(axis, array.shape[0]),
+        np.arange(steps.size),
+        lambda step: _step_name(axis, step),
         "steps",
     )
 
@@ -314,12 +341,10 @@ def _steps(lines: np.ndarray, unknown: np.ndarray, sense: float) -> tuple[np.nda
     return sense * np.diff(known, axis=-1), missing[:, 1:] | missing[:, :-1]
 
 
-def _step_places(axis: xr.DataArray, lines: int) -> Callable[[np.ndarray], list[str]]:
-    starts = np.tile(axis.values[:-1], lines)
-    ends = np.tile(axis.values[1:], lines)
-    return lambda missed: [
-        f"{axis.name} = {a:g} to {b:g}" for a, b in zip(starts[missed], ends[missed], strict=True)
-    ]
+def _step_name(axis: xr.DataArray, step: int) -> str:
+    """A step by its ends; steps are counted line after line."""
+    begin = step % (axis.size - 1)
+    return f"{axis.name} = {axis.values[begin]:g} to {axis.values[begin + 1]:g}"
 
 
 def _try_less_than(
@@ -399,14 +424,12 @@ def _reindexed(array: xr.DataArray, dim: str, axis: xr.DataArray) -> xr.DataArra
 
 def _trial(found: _Values, hit: np.ndarray, text: str) -> _Trial:
     return _Trial(
-        hit & ~found.open, found.open, text, lambda missed: list(_names_of(found, missed))
+        hit & ~found.open,
+        found.open,
+        text,
+        found.row,
+        lambda row: point_name(found.rows, row),
     )
-
-
-def _names_of(found: _Values, missed: np.ndarray) -> Iterator[str]:
-    """``mu_k = 0.9, initial = far`` for the points that were missed, each once."""
-    for row in dict.fromkeys(found.row[missed].tolist()):
-        yield point_name(found.rows, row) or "the only point"
 
 
 def point_name(points: xr.DataArray, row: int) -> str:
