@@ -136,3 +136,17 @@ def endless(request: Request) -> Outcome:
 def malformed(request: Request) -> Outcome:
     """Returns a variable that no table knows."""
     return Outcome(values={"no_such_variable": 1.0})
+
+
+def cheap(request: Request) -> Outcome:
+    """A full set of scalars in no time, for sweeps of a million points."""
+    x = request.parameters["Omega"] * 0.5 + request.parameters["N0"]
+    extremes = {
+        f"{state}_{kind}": x
+        for state in ("phi", "phi_dot", "theta", "theta_dot")
+        for kind in ("min", "max", "rms")
+    }
+    return Outcome(
+        values={"attractor": "periodic", "L_s": x, "period": 1.0 / x, "n_steps": 10, **extremes},
+        ragged={"section_value": [x, x / 3.0]},
+    )

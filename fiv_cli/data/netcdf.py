@@ -161,7 +161,12 @@ def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
     for name, dataset in datasets.items():
         group = None if len(datasets) == 1 else name
         with xr.open_dataset(
-            path, engine="netcdf4", group=group, decode_times=False, mask_and_scale=False
+            path,
+            engine="netcdf4",
+            group=group,
+            decode_times=False,
+            mask_and_scale=False,
+            cache=False,
         ) as written:
             _check_group(written, dataset)
 

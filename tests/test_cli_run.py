@@ -1,0 +1,208 @@
+"""The commands run, status, diff, regress and history through the command line."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from fiv_cli.cli.main import run as fiv
+from fiv_cli.data.netcdf import read_datasets
+
+EQUILIBRIUM = """
+schema = 1
+title = "equilibria of the pin"
+[model]
+name = "pin-on-disc"
+[grid]
+N0 = [10.0, 20.0]
+mu_k = [0.1, 0.2]
+[[analysis]]
+kind = "equilibrium"
+"""
+
+RESPONSE = """
+schema = 1
+title = "a belt"
+[model]
+name = "belt-1dof"
+parameters = { c = 0.1 }
+[grid]
+v = [0.5, 1.0]
+[[initial]]
+label = "rest"
+kind = "state"
+[[initial]]
+label = "fast"
+kind = "state"
+state = { x_dot = "v" }
+[[analysis]]
+kind = "response"
+t_max = 200.0
+"""
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every test in a folder of its own, with a case in it."""
+    monkeypatch.chdir(tmp_path)
+    Path("pin.toml").write_text(EQUILIBRIUM)
+    Path("belt.toml").write_text(RESPONSE)
+
+
+def test_a_case_becomes_a_dataset_whose_path_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fiv(["run", "pin.toml"]) == 0
+    out, err = capsys.readouterr()
+    assert out == "runs/pin.nc\n"
+    assert "4 points: 4 ok" in err
+    assert read_datasets(Path("runs/pin.nc"))[""].attrs["title"] == "equilibria of the pin"
+
+
+def test_quiet_says_nothing_but_the_path(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    assert capsys.readouterr() == ("runs/pin.nc\n", "")
+
+
+def test_several_cases_and_overrides(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fiv(["run", "pin.toml", "belt.toml", "-q"]) == 0
+    assert capsys.readouterr().out == "runs/pin.nc\nruns/belt.nc\n"
+    assert fiv(["run", "pin.toml", "--set", "grid.N0=[10.0]", "-q"]) == 0
+    (path,) = capsys.readouterr().out.split()
+    assert path.startswith("runs/pin-")
+    assert read_datasets(Path(path))[""].sizes["N0"] == 1
+
+
+def test_everything_wrong_with_any_case_is_said_before_anything_runs(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("bad.toml").write_text(EQUILIBRIUM.replace("N0", "NO"))
+    Path("worse.toml").write_text("schema = 2")
+    assert fiv(["run", "pin.toml", "bad.toml", "worse.toml"]) == 3
+    err = capsys.readouterr().err
+    assert "bad.toml" in err and "worse.toml" in err
+    assert not Path("runs").exists()
+
+
+def test_usage_errors(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("notes.nc").write_text("notes")
+    Path("copy").mkdir()
+    shutil.copy("pin.toml", "copy/pin.toml")
+    for arguments in (
+        ["run", "missing.toml"],
+        ["run", "pin.toml", "belt.toml", "-o", "x.nc"],
+        ["run", "pin.toml", "copy/pin.toml"],
+        ["run", "pin.toml", "-o", "notes.nc"],
+        ["run", "pin.toml", "-o", "copy"],
+        ["run", "pin.toml", "--workers", "0"],
+        ["run"],
+    ):
+        assert fiv(arguments) == 2, arguments
+        assert "Traceback" not in capsys.readouterr().err
+
+
+def test_the_dataset_of_another_case_is_left_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fiv(["run", "pin.toml", "-q", "-o", "x.nc"]) == 0
+    before = Path("x.nc").read_bytes()
+    assert fiv(["run", "belt.toml", "-q", "-o", "x.nc"]) == 6
+    assert Path("x.nc").read_bytes() == before
+    assert fiv(["run", "belt.toml", "-q", "-o", "x.nc", "--fresh"]) == 0
+
+
+def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fiv(["status", "pin.toml"]) == 0
+    assert "0 of 4 points done" in capsys.readouterr().out
+    assert fiv(["run", "pin.toml", "--max-points", "3", "-q"]) == 4
+    capsys.readouterr()
+    assert fiv(["status", "pin.toml", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["counts"]["ok"] == 3
+    assert document["counts"]["pending"] == 1
+    assert document["running"] is None
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+
+
+def test_diff(capsys: pytest.CaptureFixture[str]) -> None:
+    fiv(["run", "pin.toml", "-q", "-o", "a.nc"])
+    fiv(["run", "pin.toml", "-q", "-o", "b.nc"])
+    fiv(["run", "pin.toml", "-q", "-o", "c.nc", "--set", "model.parameters.k1=1501.0"])
+    capsys.readouterr()
+    assert fiv(["diff", "a.nc", "b.nc"]) == 0
+    assert "agree" in capsys.readouterr().out
+    assert fiv(["diff", "a.nc", "c.nc"]) == 5
+    assert "equilibrium: " in capsys.readouterr().out
+    assert fiv(["diff", "a.nc", "c.nc", "--json"]) == 5
+    found = json.loads(capsys.readouterr().out)
+    assert not found["equal"]
+    Path("loose.toml").write_text("[default]\nrtol = 0.1\n")
+    assert fiv(["diff", "a.nc", "c.nc", "--tolerances", "loose.toml"]) == 0
+    Path("text.nc").write_text("no")
+    assert fiv(["diff", "a.nc", "text.nc"]) == 3
+    assert fiv(["diff", "a.nc", "missing.nc"]) == 2
+
+
+def sweep_folder() -> Path:
+    """A regression sweep with a fresh reference."""
+    folder = Path("sweeps/pin")
+    folder.mkdir(parents=True)
+    shutil.copy("pin.toml", folder / "case.toml")
+    assert fiv(["run", "pin.toml", "-q", "-o", str(folder / "reference.nc")]) == 0
+    shutil.rmtree(folder / "reference.run")
+    return folder
+
+
+def test_regress_agrees_until_an_answer_changes(capsys: pytest.CaptureFixture[str]) -> None:
+    folder = sweep_folder()
+    capsys.readouterr()
+    assert fiv(["regress"]) == 0
+    assert "pin: agrees" in capsys.readouterr().out
+    fiv(["run", "pin.toml", "-q", "-o", "c.nc", "--set", "model.parameters.k1=1501.0"])
+    shutil.copy("c.nc", folder / "reference.nc")
+    assert fiv(["regress"]) == 5
+    assert "against" in capsys.readouterr().out
+    assert fiv(["regress", str(folder)]) == 5
+    assert fiv(["regress", "nowhere"]) == 2
+
+
+def test_regenerate_needs_a_clean_tree(capsys: pytest.CaptureFixture[str]) -> None:
+    folder = sweep_folder()
+    identity = ["-c", "user.name=t", "-c", "user.email=t@t"]
+    for arguments in (["init", "-q"], ["add", "."], [*identity, "commit", "-qm", "x"]):
+        subprocess.run(["git", *arguments], check=True)
+    (folder / "case.toml").write_text(EQUILIBRIUM + "\n# changed\n")
+    assert fiv(["regress", "--regenerate"]) == 2
+    subprocess.run(["git", *identity, "commit", "-qam", "y"], check=True)
+    assert fiv(["regress", "--regenerate"]) == 0
+    assert fiv(["regress"]) == 0
+
+
+def test_history_of_a_point(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fiv(["history", "belt.toml", "--at", "v=0.5,initial=fast", "--t-end", "5"]) == 0
+    path = Path(capsys.readouterr().out.strip())
+    assert path == Path("runs/belt-history-v=0.5_initial=fast.nc")
+    dataset = read_datasets(path)[""]
+    assert dataset["time"].values[-1] == 5.0
+    assert dataset["v"].values.tolist() == [0.5]
+    assert float(dataset["x_dot"].isel(time=0).item()) == 0.5
+    assert dataset.attrs["point"] == "v=0.5, initial=fast"
+
+
+@pytest.mark.parametrize(
+    "at",
+    ["v=0.7,initial=fast", "v=0.5", "v=0.5,initial=slow", "w=1", "v", "v=0.5,v=1.0,initial=rest"],
+)
+def test_history_off_the_grid(capsys: pytest.CaptureFixture[str], at: str) -> None:
+    assert fiv(["history", "belt.toml", "--at", at]) == 2
+    assert "next:" in capsys.readouterr().err
+    assert not Path("runs").exists()
+
+
+def test_history_does_not_replace_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:
+    fiv(["run", "belt.toml", "-q"])
+    at = ["--at", "v=0.5,initial=rest", "--t-end", "2 s"]
+    assert fiv(["history", "belt.toml", *at, "-o", "runs/belt.nc"]) == 2
+    assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
+    assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
+    assert fiv(["history", "belt.toml", *at, "--sample", "-1"]) == 2
