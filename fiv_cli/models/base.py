@@ -102,7 +102,9 @@ class Contact:
     gap : positive when the surfaces are apart, m; None when the contact cannot separate
     gap_coordinate : name of the state that a closed rigid gap determines; None otherwise
     ends_at_zero_normal_force : the run ends ("contact lost") when F_N reaches zero
-    impulse : momentum balance of an impact, see `Impact`; None when there is none
+    impact : "plastic" (the gap rate is zero after re-contact) or "none"; the impulse acts on
+        the accelerations as F_N does, and its tangential part is ignored
+    closing_rate : gap rate that the impulse is computed from, when it is not the gap's own
     """
 
     slip_velocity: Any
@@ -111,7 +113,8 @@ class Contact:
     gap: Any | None = None
     gap_coordinate: str | None = None
     ends_at_zero_normal_force: bool = False
-    impact: Mapping[str, Any] | None = None
+    impact: str = "plastic"
+    closing_rate: Any | None = None
 
 
 @dataclass(frozen=True)

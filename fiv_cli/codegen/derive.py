@@ -1,0 +1,485 @@
+"""From a model and a law to the equations of every contact state.
+
+Each contact slips, sticks or is separated. In every combination the contact forces follow from
+conditions that are affine in them (accelerations are affine in the contact forces): a sticking
+contact has no slip acceleration, a closed rigid contact no gap acceleration. From these come the
+rates, the switching functions, the contact forces and the powers of the energy balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import sympy
+
+from fiv_cli.codegen.graph import Graph, Node
+from fiv_cli.codegen.symbols import Symbols
+from fiv_cli.friction.base import Law, Slip
+from fiv_cli.models.base import Contact, Equations, Model
+
+SLIP, STICK, SEPARATION = 0, 1, 2
+
+# Kinds of switching function; each is positive inside the contact state that it guards.
+VELOCITY = 0  # sign * v_rel of a slipping contact
+CAPACITY_UP = 1  # static capacity - F_T of a sticking contact
+CAPACITY_DOWN = 2  # static capacity + F_T of a sticking contact
+NORMAL = 3  # F_N of a closed contact
+GAP = 4  # gap of a separated contact
+JAMMING = 5  # determinant of the algebraic normal force
+
+# What `field` functions report per contact, and of the energy balance.
+CONTACT_OUTPUTS = ("F_N", "F_T", "slip_velocity")
+ENERGY_OUTPUTS = (
+    "kinetic_energy",
+    "potential_energy",
+    "other_power",  # damping, excitation, normal forces: what changes T + U without friction
+    "friction_power",  # of the friction forces on the system
+    "drive_power",  # put in by the belt or the disc through the contacts
+)
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A switching function."""
+
+    kind: int
+    contact: int
+    node: Node
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """The equations of one combination of slip, stick and separation.
+
+    Attributes
+    ----------
+    kinds : SLIP, STICK or SEPARATION, per contact
+    values : nodes of the state vector; a constrained entry is a function of the others
+    rates : their time derivatives
+    guards : switching functions
+    angle : angle of the sector, None where it does not move or does not exist
+    contacts : nodes of `CONTACT_OUTPUTS`, per contact
+    energies : nodes of `ENERGY_OUTPUTS`
+    impacts : contact -> velocity entries after an impact on it (position -> node)
+    """
+
+    kinds: tuple[int, ...]
+    values: tuple[Node, ...]
+    rates: tuple[Node, ...]
+    guards: tuple[Guard, ...]
+    angle: Node | None
+    contacts: tuple[tuple[Node, Node, Node], ...]
+    energies: tuple[Node, ...]
+    impacts: Mapping[int, Mapping[int, Node]]
+
+    @property
+    def name(self) -> str:
+        """``slip``, ``stick_slip`` ...: one word per contact."""
+        return "_".join(("slip", "stick", "separation")[kind] for kind in self.kinds)
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """Everything that follows from a model with a law.
+
+    Attributes
+    ----------
+    graph : the expressions
+    state_names : entries of the state vector: coordinates, velocities, internal states
+    parameter_names : entries of the parameter vector: parameters, signs of slip, zone
+    states : contact states by `index_of`
+    smooth : per contact, whether its law has no border at zero slip
+    zone : start and width parameters of the sector and its contact, if any
+    """
+
+    graph: Graph
+    state_names: tuple[str, ...]
+    parameter_names: tuple[str, ...]
+    states: Mapping[int, ContactState]
+    smooth: tuple[bool, ...]
+    zone: tuple[str, str, int] | None
+
+
+def index_of(kinds: Sequence[int]) -> int:
+    """Index of a combination of contact kinds: base 3, contact 0 first."""
+    return sum(kind * 3**place for place, kind in enumerate(kinds))
+
+
+def derive(
+    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
+) -> Derivation:
+    """Derive all contact states of `model` under `options` with `law`."""
+    return _Deriver(model, law, options, structural).derive()
+
+
+class _Deriver:
+    def __init__(
+        self, model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
+    ) -> None:
+        self.law = law
+        self.symbols = Symbols(structural)
+        self.graph = Graph()
+        self.equations: Equations = model.equations(self.symbols, options)
+        self.contacts = self.equations.contacts
+        self.coordinates = [state.name for state in model.states(options)]
+        self.internal = [
+            f"{name}_{i + 1}" if len(self.contacts) > 1 else name
+            for i in range(len(self.contacts))
+            for name in law.states
+        ]
+        own = {parameter.name for parameter in model.parameters}
+        self.parameters = [p.name for p in model.parameters]
+        self.parameters += [p.name for p in law.parameters if p.name not in own]
+        self.law_forces = [self._law_force(i) for i in range(len(self.contacts))]
+
+    # --- the parts of the vector ------------------------------------------------------------
+    @property
+    def state_names(self) -> list[str]:
+        velocities = [f"{name}_dot" for name in self.coordinates]
+        return [*self.coordinates, *velocities, *self.internal]
+
+    def derive(self) -> Derivation:
+        states = {}
+        for kinds in product((SLIP, STICK, SEPARATION), repeat=len(self.contacts)):
+            if all(self._possible(i, kind) for i, kind in enumerate(kinds)):
+                states[index_of(kinds)] = self._contact_state(kinds)
+        signs = [f"sign.{i}" for i in range(len(self.contacts))]
+        zone = self.equations.zone
+        return Derivation(
+            graph=self.graph,
+            state_names=tuple(self.state_names),
+            parameter_names=(*self.parameters, *signs, "zone"),
+            states=states,
+            smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
+            zone=None if zone is None else (zone.start, zone.width, zone.contact),
+        )
+
+    def _possible(self, contact: int, kind: int) -> bool:
+        if kind == STICK:
+            return self.law.capacity is not None
+        if kind == SEPARATION:
+            return self.contacts[contact].gap is not None
+        return True
+
+    # --- the law ------------------------------------------------------------------------------
+    def _law_parameters(self) -> dict[str, Any]:
+        given = self.equations.law_parameters
+        return {
+            p.name: given.get(p.name, self.symbols.parameter(p.name)) for p in self.law.parameters
+        }
+
+    def _slip(self, contact: int) -> Slip:
+        sign = self.symbols.sign(contact)
+        v = sympy.Symbol("v", real=True)
+        names = self._internal_of(contact)
+        return Slip(
+            v=v,
+            sign=sign,
+            speed=sign * v,
+            N=self.symbols.normal_force(contact),
+            states={
+                name: self.symbols.coordinate(entry)
+                for name, entry in zip(self.law.states, names, strict=True)
+            },
+        )
+
+    def _internal_of(self, contact: int) -> list[str]:
+        width = len(self.law.states)
+        return self.internal[contact * width : (contact + 1) * width]
+
+    def _law_force(self, contact: int) -> Any:
+        return self.law.force(self._slip(contact), self._law_parameters())
+
+    def _is_smooth(self, contact: int) -> bool:
+        borders = self.symbols.sign(contact) in self.law_forces[contact].free_symbols
+        return self.law.capacity is None and not borders
+
+    # --- one contact state ----------------------------------------------------------------------
+    def _contact_state(self, kinds: tuple[int, ...]) -> ContactState:
+        names = self._leaves(kinds)
+        self._constrain(kinds, names)
+        forces = self._forces(kinds, names)
+        names.update(forces.nodes)
+        rates = self._rates(names)
+        return ContactState(
+            kinds=kinds,
+            values=tuple(names[self._entry(name)] for name in self.state_names),
+            rates=tuple(rates),
+            guards=self._guards(kinds, names, forces.determinant),
+            angle=self._angle(kinds, names),
+            contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
+            energies=tuple(self._energies(names)),
+            impacts=self._impacts(kinds, names),
+        )
+
+    def _entry(self, name: str) -> Any:
+        return self.symbols.coordinate(name)
+
+    def _leaves(self, kinds: tuple[int, ...]) -> dict[Any, Node]:
+        symbols, graph = self.symbols, self.graph
+        names: dict[Any, Node] = {symbols.time: graph.time(), symbols.zone: graph.parameter("zone")}
+        for position, name in enumerate(self.state_names):
+            names[self._entry(name)] = graph.state(position, name)
+        for name in self.parameters:
+            names[sympy.Symbol(f"p.{name}", real=True)] = graph.parameter(name)
+        for i, kind in enumerate(kinds):
+            names[symbols.sign(i)] = graph.parameter(f"sign.{i}")
+            names[symbols.closed(i)] = graph.number(0.0 if kind == SEPARATION else 1.0)
+        return names
+
+    def _constrain(self, kinds: tuple[int, ...], names: dict[Any, Node]) -> None:
+        """Replace the entries that a closed rigid gap or a sticking contact determines.
+
+        In stick the slip velocity is zero identically, not up to integration error.
+        """
+        for contact, kind in zip(self.contacts, kinds, strict=True):
+            if kind != SEPARATION and self._is_rigid(contact):
+                self._eliminate(contact.gap, contact.gap_coordinate, names)
+                rate = self._time_derivative(contact.gap)
+                self._eliminate(rate, f"{contact.gap_coordinate}_dot", names)
+        for contact, kind in zip(self.contacts, kinds, strict=True):
+            if kind == STICK:
+                self._eliminate(contact.slip_velocity, f"{contact.slip_coordinate}_dot", names)
+
+    def _eliminate(self, expression: Any, entry: str, names: dict[Any, Node]) -> None:
+        symbol = self._entry(entry)
+        slope = sympy.diff(expression, symbol)
+        names[symbol] = self.graph.build(-expression.subs(symbol, 0) / slope, names)
+
+    @staticmethod
+    def _is_rigid(contact: Contact) -> bool:
+        return contact.normal_force is None
+
+    def _time_derivative(self, expression: Any) -> Any:
+        """Total derivative of a function of coordinates and time."""
+        total = sympy.diff(expression, self.symbols.time)
+        for name in self.coordinates:
+            slope = sympy.diff(expression, self.symbols.coordinate(name))
+            total += slope * self.symbols.velocity(name)
+        return total
+
+    # --- contact forces -------------------------------------------------------------------------
+    def _forces(self, kinds: tuple[int, ...], names: dict[Any, Node]) -> _Forces:
+        unknowns, conditions = self._unknowns(kinds)
+        known = self._explicit_forces(kinds, names)
+        names = {**names, **known}
+        rows = [self._affine(c, unknowns, names) for c in conditions]
+        solution, determinant = _solve(self.graph, rows)
+        for symbol, node in zip(unknowns, solution, strict=True):
+            known[symbol] = node
+        names = {**names, **known}
+        for i, kind in enumerate(kinds):
+            if kind == SLIP:
+                force = self._slip_force(i)
+                known[self.symbols.tangential_force(i)] = self.graph.build(force, names)
+        return _Forces(known, determinant)
+
+    def _slip_force(self, contact: int) -> Any:
+        v = self._slip(contact).v
+        return self.law_forces[contact].subs(v, self.contacts[contact].slip_velocity)
+
+    def _unknowns(self, kinds: tuple[int, ...]) -> tuple[list[Any], list[Any]]:
+        """Force symbols to solve for, and the expressions that must vanish."""
+        unknowns, conditions = [], []
+        for i, (contact, kind) in enumerate(zip(self.contacts, kinds, strict=True)):
+            if kind == STICK:
+                unknowns.append(self.symbols.tangential_force(i))
+                conditions.append(self._slip_acceleration(contact))
+            if kind != SEPARATION and self._is_rigid(contact):
+                unknowns.append(self.symbols.normal_force(i))
+                conditions.append(self._gap_acceleration(contact))
+        slipping = {
+            self.symbols.tangential_force(i): self._slip_force(i)
+            for i, kind in enumerate(kinds)
+            if kind == SLIP
+        }
+        return unknowns, [condition.subs(slipping) for condition in conditions]
+
+    def _explicit_forces(
+        self, kinds: tuple[int, ...], names: Mapping[Any, Node]
+    ) -> dict[Any, Node]:
+        known: dict[Any, Node] = {}
+        for i, (contact, kind) in enumerate(zip(self.contacts, kinds, strict=True)):
+            if kind == SEPARATION:
+                known[self.symbols.normal_force(i)] = self.graph.zero
+                known[self.symbols.tangential_force(i)] = self.graph.zero
+            elif contact.normal_force is not None:
+                node = self.graph.build(contact.normal_force, names)
+                known[self.symbols.normal_force(i)] = node
+        return known
+
+    def _slip_acceleration(self, contact: Contact) -> Any:
+        return self._second_derivative(contact.slip_velocity)
+
+    def _gap_acceleration(self, contact: Contact) -> Any:
+        return self._second_derivative(self._time_derivative(contact.gap))
+
+    def _second_derivative(self, velocity: Any) -> Any:
+        """Total derivative of a function of coordinates, velocities and time."""
+        total = self._time_derivative(velocity)
+        for name in self.coordinates:
+            slope = sympy.diff(velocity, self.symbols.velocity(name))
+            if slope != 0:
+                total += slope * self.equations.accelerations[name]
+        return total
+
+    def _affine(
+        self, expression: Any, unknowns: Sequence[Any], names: Mapping[Any, Node]
+    ) -> tuple[list[Node], Node]:
+        """``(coefficients, rest)`` of an expression affine in `unknowns`."""
+        slopes = [sympy.diff(expression, symbol) for symbol in unknowns]
+        rest = expression.subs({symbol: 0 for symbol in unknowns})
+        build = self.graph.build
+        return [build(slope, names) for slope in slopes], build(rest, names)
+
+    # --- rates, guards, outputs --------------------------------------------------------------------
+    def _rates(self, names: Mapping[Any, Node]) -> list[Node]:
+        build = self.graph.build
+        rates = [names[self.symbols.velocity(name)] for name in self.coordinates]
+        rates += [build(self.equations.accelerations[name], names) for name in self.coordinates]
+        for contact in range(len(self.contacts)):
+            rates += self._internal_rates(contact, names)
+        return rates
+
+    def _internal_rates(self, contact: int, names: Mapping[Any, Node]) -> list[Node]:
+        if self.law.rates is None:
+            return []
+        slip = self._slip(contact)
+        rates = self.law.rates(slip, self._law_parameters())
+        velocity = self.contacts[contact].slip_velocity
+        return [
+            self.graph.build(rates[name].subs(slip.v, velocity), names) for name in self.law.states
+        ]
+
+    def _guards(
+        self, kinds: tuple[int, ...], names: Mapping[Any, Node], determinant: Node | None
+    ) -> tuple[Guard, ...]:
+        guards: list[Guard] = []
+        for i, kind in enumerate(kinds):
+            guards += self._guards_of(i, kind, names)
+        if determinant is not None and not determinant.constant:
+            # A friction force opposes the slip acceleration that it is solved from: each
+            # sticking contact turns the sign of the determinant.
+            orientation = self.graph.number((-1.0) ** kinds.count(STICK))
+            guards.append(Guard(JAMMING, 0, self.graph.mul(orientation, determinant)))
+        return tuple(guards)
+
+    def _guards_of(self, contact: int, kind: int, names: Mapping[Any, Node]) -> list[Guard]:
+        graph, description = self.graph, self.contacts[contact]
+        if kind == SEPARATION:
+            return [Guard(GAP, contact, graph.build(description.gap, names))]
+        guards = []
+        normal = names[self.symbols.normal_force(contact)]
+        if kind == STICK:
+            demand = names[self.symbols.tangential_force(contact)]
+            capacity = self._capacity(contact, names)
+            guards.append(Guard(CAPACITY_UP, contact, graph.subtract(capacity, demand)))
+            guards.append(Guard(CAPACITY_DOWN, contact, graph.add(capacity, demand)))
+        elif not self._is_smooth(contact):
+            sign = names[self.symbols.sign(contact)]
+            velocity = graph.build(description.slip_velocity, names)
+            guards.append(Guard(VELOCITY, contact, graph.mul(sign, velocity)))
+        if description.gap is not None or description.ends_at_zero_normal_force:
+            guards.append(Guard(NORMAL, contact, normal))
+        return guards
+
+    def _capacity(self, contact: int, names: Mapping[Any, Node]) -> Node:
+        assert self.law.capacity is not None
+        normal = self.symbols.normal_force(contact)
+        return self.graph.build(self.law.capacity(normal, self._law_parameters()), names)
+
+    def _angle(self, kinds: tuple[int, ...], names: Mapping[Any, Node]) -> Node | None:
+        zone = self.equations.zone
+        if zone is None or kinds[zone.contact] == STICK:
+            return None
+        return self.graph.build(zone.angle, names)
+
+    def _contact_outputs(self, contact: int, names: Mapping[Any, Node]) -> tuple[Node, Node, Node]:
+        return (
+            names[self.symbols.normal_force(contact)],
+            names[self.symbols.tangential_force(contact)],
+            self.graph.build(self.contacts[contact].slip_velocity, names),
+        )
+
+    def _energies(self, names: Mapping[Any, Node]) -> list[Node]:
+        build, graph = self.graph.build, self.graph
+        kinetic, potential = self.equations.kinetic_energy, self.equations.potential_energy
+        power = self._second_derivative(kinetic + potential)
+        forces = [self.symbols.tangential_force(i) for i in range(len(self.contacts))]
+        other = build(power.subs({force: 0 for force in forces}), names)
+        friction, drive = graph.zero, graph.zero
+        for force, contact in zip(forces, self.contacts, strict=True):
+            on_system = sympy.diff(power, force)
+            friction = graph.add(friction, graph.mul(names[force], build(on_system, names)))
+            velocity = build(on_system + contact.slip_velocity, names)
+            drive = graph.add(drive, graph.mul(names[force], velocity))
+        return [build(kinetic, names), build(potential, names), other, friction, drive]
+
+    # --- impacts ---------------------------------------------------------------------------------
+    def _impacts(
+        self, kinds: tuple[int, ...], names: Mapping[Any, Node]
+    ) -> dict[int, dict[int, Node]]:
+        return {
+            i: self._impact(i, names)
+            for i, (contact, kind) in enumerate(zip(self.contacts, kinds, strict=True))
+            if kind == SEPARATION and contact.impact == "plastic"
+        }
+
+    def _impact(self, contact: int, names: Mapping[Any, Node]) -> dict[int, Node]:
+        """Velocities after the impulse that closes the gap plastically."""
+        graph, description = self.graph, self.contacts[contact]
+        force = self.symbols.normal_force(contact)
+        rate = self._time_derivative(description.gap)
+        responses = {
+            name: sympy.diff(self.equations.accelerations[name], force)
+            for name in self.coordinates
+        }
+        effect = sum(
+            sympy.diff(rate, self.symbols.velocity(name)) * response
+            for name, response in responses.items()
+        )
+        closing = rate if description.closing_rate is None else description.closing_rate
+        impulse = graph.negative(graph.div(graph.build(closing, names), graph.build(effect, names)))
+        after = {}
+        for name, response in responses.items():
+            if response != 0:
+                velocity = names[self.symbols.velocity(name)]
+                jump = graph.mul(impulse, graph.build(response, names))
+                position = self.state_names.index(f"{name}_dot")
+                after[position] = graph.add(velocity, jump)
+        return after
+
+
+@dataclass(frozen=True)
+class _Forces:
+    nodes: dict[Any, Node]
+    determinant: Node | None
+
+
+def _solve(
+    graph: Graph, rows: Sequence[tuple[list[Node], Node]]
+) -> tuple[list[Node], Node | None]:
+    """Solve ``coefficients . u + rest = 0`` by elimination; also its determinant."""
+    matrix = [list(coefficients) for coefficients, _ in rows]
+    right = [graph.negative(rest) for _, rest in rows]
+    size = len(rows)
+    determinant: Node | None = None
+    for column in range(size):
+        pivot = matrix[column][column]
+        determinant = pivot if determinant is None else graph.mul(determinant, pivot)
+        for row in range(column + 1, size):
+            factor = graph.div(matrix[row][column], pivot)
+            for k in range(column + 1, size):
+                eliminated = graph.mul(factor, matrix[column][k])
+                matrix[row][k] = graph.subtract(matrix[row][k], eliminated)
+            right[row] = graph.subtract(right[row], graph.mul(factor, right[column]))
+    solution: list[Node] = [graph.zero] * size
+    for row in reversed(range(size)):
+        total = right[row]
+        for k in range(row + 1, size):
+            total = graph.subtract(total, graph.mul(matrix[row][k], solution[k]))
+        solution[row] = graph.div(total, matrix[row][row])
+    return solution, determinant

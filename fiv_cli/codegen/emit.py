@@ -1,0 +1,402 @@
+"""Straight-line text from the expression graph.
+
+Two kinds of function come out, both with the signature ``(c, t, y, out)``: pointwise ones, and
+Taylor steps, which write the series of the state vector and of the switching functions about
+(t, y). A series that is structurally a polynomial (time; a displacement in stick) stops at its
+degree. The text is Python that can be read and run, and nothing but assignments, + - * /, the
+functions of `graph.UNARY` and `pow`: `lower.py` turns exactly that into machine code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from fiv_cli.codegen.graph import Graph, Node
+
+UNBOUNDED = 10**6  # degree of a series that does not end
+PARTNER = {"sin": "cos", "cos": "sin"}  # series that need each other
+
+
+class Coefficients:
+    """Constant nodes that the code needs, each in one slot of the array ``c``."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._slots: dict[int, int] = {}
+
+    def text(self, node: Node) -> str:
+        """A literal, or the slot of `node`."""
+        if node.op == "number":
+            return repr(node.value)
+        slot = self._slots.get(node.index)
+        if slot is None:
+            slot = self._slots[node.index] = len(self.nodes)
+            self.nodes.append(node)
+        return f"c[{slot}]"
+
+
+def reachable(roots: Iterable[Node]) -> list[Node]:
+    """Varying nodes that `roots` depend on, arguments first."""
+    found: dict[int, Node] = {}
+    stack = [root for root in roots if not root.constant]
+    while stack:
+        node = stack.pop()
+        if node.index not in found:
+            found[node.index] = node
+            stack.extend(arg for arg in node.args if not arg.constant)
+    return [found[index] for index in sorted(found)]
+
+
+def pointwise(
+    graph: Graph, name: str, comment: str, outputs: Sequence[Node], coefficients: Coefficients
+) -> list[str]:
+    """Text of a function that writes `outputs` at (t, y)."""
+    lines = [f"def {name}(c, t, y, out):", f"    # {comment}"]
+    names: dict[int, str] = {}
+    for node in reachable(outputs):
+        names[node.index] = graph.name(node)
+        lines.append(f"    {graph.name(node)} = {_value(node, names, coefficients)}")
+    for row, node in enumerate(outputs):
+        text = coefficients.text(node) if node.constant else names[node.index]
+        lines.append(f"    out[{row}] = {text}")
+    return lines
+
+
+def constants(name: str, nodes: Sequence[Node], parameters: Sequence[str]) -> list[str]:
+    """Text of the function that fills ``c`` (its ``out``) from the parameters (its ``y``)."""
+    lines = [f"def {name}(c, t, y, out):", "    # what depends on parameters alone"]
+    done: dict[int, str] = {}
+    for node in nodes:
+        _constant_lines(node, parameters, done, lines)
+    lines += [f"    out[{slot}] = {done[node.index]}" for slot, node in enumerate(nodes)]
+    return lines
+
+
+def _constant_lines(
+    node: Node, parameters: Sequence[str], done: dict[int, str], lines: list[str]
+) -> None:
+    if node.index in done:
+        return
+    if node.op == "number":
+        done[node.index] = repr(node.value)
+        return
+    for arg in node.args:
+        _constant_lines(arg, parameters, done, lines)
+    inner = [done[arg.index] for arg in node.args]
+    if node.op == "parameter":
+        text = f"y[{list(parameters).index(node.value)}]  # {node.value}"
+    elif node.op.endswith("_constant"):
+        sign = {"add": "+", "mul": "*", "div": "/"}[node.op.removesuffix("_constant")]
+        text = f"{inner[0]} {sign} {inner[1]}"
+    elif node.op == "pow":
+        text = f"pow({inner[0]}, {node.value!r})"
+    else:
+        text = f"{node.op}({inner[0]})"
+    done[node.index] = f"k{node.index}"
+    lines.append(f"    k{node.index} = {text}")
+
+
+def _value(node: Node, names: dict[int, str], coefficients: Coefficients) -> str:
+    """The value of one varying node."""
+    if node.op == "time":
+        return "t"
+    if node.op == "state":
+        return f"y[{node.value}]"
+    inner = [names[arg.index] for arg in node.args]
+    if node.op == "linear":
+        terms = [
+            _weighted(weight, text, coefficients)
+            for weight, text in zip(node.value[1:], inner, strict=True)
+        ]
+        return _sum(_constant_term(node, coefficients) + terms)
+    if node.op in ("mul", "div"):
+        return f"{inner[0]} {'*' if node.op == 'mul' else '/'} {inner[1]}"
+    if node.op == "pow":
+        return f"pow({inner[0]}, {node.value!r})"
+    return f"{node.op}({inner[0]})"
+
+
+def _constant_term(node: Node, coefficients: Coefficients) -> list[str]:
+    text = coefficients.text(node.value[0])
+    return [] if text == "0.0" else [text]
+
+
+def _weighted(weight: Node, text: str, coefficients: Coefficients) -> str:
+    factor = coefficients.text(weight)
+    if factor == "1.0":
+        return text
+    if factor == "-1.0":
+        return f"-{text}"
+    return f"{factor} * {text}"
+
+
+def _sum(terms: Sequence[str]) -> str:
+    """Terms joined by + and -."""
+    if not terms:
+        return "0.0"
+    text = terms[0]
+    for term in terms[1:]:
+        text += f" - {term[1:]}" if term.startswith("-") else f" + {term}"
+    return text
+
+
+def _over(k: int) -> str:
+    """Division by a whole number, as text after a term."""
+    return "" if k == 1 else f" * {1.0 / k!r}"
+
+
+class TaylorStep:
+    """Writes the series of a state vector and of some outputs about (t, y).
+
+    Parameters
+    ----------
+    graph : where the nodes live
+    values, rates : nodes of the state vector and of its derivatives; with a tangent vector,
+        its nodes follow those of the state vector
+    outputs : further nodes whose series are written after the states'
+    order : highest order K
+    coefficients : slots of what depends on parameters alone
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        values: Sequence[Node],
+        rates: Sequence[Node],
+        outputs: Sequence[Node],
+        order: int,
+        coefficients: Coefficients,
+    ) -> None:
+        self.values, self.rates, self.outputs = list(values), list(rates), list(outputs)
+        self.order = order
+        self.name = graph.name
+        self.coefficients = coefficients
+        self.lines: list[str] = []
+        self.nodes = _with_partners(graph, [*self.values, *self.rates, *self.outputs])
+        self.size = len(values)
+        self.leaves = {
+            node.index: position
+            for position, node in enumerate(self.values)
+            if self._is_own_leaf(node, position)
+        }
+        self.leaf_names = {self.values[p].index: graph.name(self.values[p]) for p in self.leaves.values()}
+        self.partners = {
+            (node.op, node.args[0].index): node for node in self.nodes if node.op in PARTNER
+        }
+        self.degrees = self._degrees()
+
+    def _is_own_leaf(self, node: Node, position: int) -> bool:
+        """Whether this entry is integrated, not a function of other entries."""
+        if node.op == "tangent":
+            return bool(node.value + self.size // 2 == position)
+        return node.op == "state" and node.value == position
+
+    # --- structure ----------------------------------------------------------------------------
+    def _degrees(self) -> dict[int, int]:
+        """Degree of every series that is structurally a polynomial."""
+        leaf_degrees = dict.fromkeys(self.leaves, UNBOUNDED)
+        while True:
+            degrees = self._propagate(leaf_degrees)
+            found = {
+                leaf: min(UNBOUNDED, self._degree(self.rates[position], degrees) + 1)
+                for leaf, position in self.leaves.items()
+            }
+            found = {leaf: 0 if self._vanishes(leaf) else d for leaf, d in found.items()}
+            if found == leaf_degrees:
+                return degrees
+            leaf_degrees = found
+
+    def _vanishes(self, leaf: int) -> bool:
+        rate = self.rates[self.leaves[leaf]]
+        return rate.op == "number" and rate.value == 0.0
+
+    def _propagate(self, leaf_degrees: dict[int, int]) -> dict[int, int]:
+        degrees: dict[int, int] = {}
+        for node in self.nodes:
+            degrees[node.index] = self._degree_of(node, degrees, leaf_degrees)
+        return degrees
+
+    def _degree_of(
+        self, node: Node, degrees: dict[int, int], leaf_degrees: dict[int, int]
+    ) -> int:
+        if node.op == "time":
+            return 1
+        if node.op in ("state", "tangent"):
+            return leaf_degrees[node.index]
+        inner = [self._degree(arg, degrees) for arg in node.args]
+        if node.op == "linear":
+            return max(inner)
+        if node.op == "mul":
+            return min(UNBOUNDED, sum(inner))
+        return UNBOUNDED
+
+    @staticmethod
+    def _degree(node: Node, degrees: dict[int, int]) -> int:
+        return 0 if node.constant else degrees[node.index]
+
+    # --- text --------------------------------------------------------------------------------------
+    def text(self, name: str, comment: str) -> list[str]:
+        """The whole function."""
+        self.lines = [f"def {name}(c, t, y, out):", f"    # {comment}; order {self.order}"]
+        for k in range(self.order + 1):
+            self._write_order(k)
+        return self.lines
+
+    def _write_order(self, k: int) -> None:
+        for node in self.nodes:
+            if k <= self.degrees[node.index] and not self._is_integrated(node, k):
+                self._assign(node, k)
+        for row, node in enumerate([*self.values, *self.outputs]):
+            text = self._known(node, k)
+            self.lines.append(f"    out[{row * (self.order + 1) + k}] = {text or '0.0'}")
+        if k < self.order:
+            for leaf, position in self.leaves.items():
+                self._integrate(leaf, position, k)
+
+    def _is_integrated(self, node: Node, k: int) -> bool:
+        return node.index in self.leaves and k > 0
+
+    def _integrate(self, leaf: int, position: int, k: int) -> None:
+        """The next coefficient of a state: that of its rate over k + 1."""
+        if k + 1 > self.degrees[leaf]:
+            return
+        rate = self._known(self.rates[position], k) or "0.0"
+        factor = _over(k + 1)
+        self.lines.append(f"    {self.leaf_names[leaf]}_{k + 1} = {rate}{factor}")
+
+    def _known(self, node: Node, k: int) -> str:
+        """Coefficient k of a series as text; empty when it is structurally zero."""
+        if node.constant:
+            text = self.coefficients.text(node) if k == 0 else ""
+            return "" if text == "0.0" else text
+        return f"{self.name(node)}_{k}" if k <= self.degrees[node.index] else ""
+
+    def _assign(self, node: Node, k: int) -> None:
+        text = getattr(self, f"_series_{node.op}")(node, k)
+        self.lines.append(f"    {self.name(node)}_{k} = {text}")
+        if node.op == "tanh":
+            self.lines.append(f"    {self.name(node)}q_{k} = {self._one_minus_square(node, k)}")
+
+    def _series_time(self, node: Node, k: int) -> str:
+        return "t" if k == 0 else "1.0"
+
+    def _series_state(self, node: Node, k: int) -> str:
+        return f"y[{node.value}]"
+
+    def _series_tangent(self, node: Node, k: int) -> str:
+        return f"y[{node.value + self.size // 2}]"
+
+    def _series_linear(self, node: Node, k: int) -> str:
+        terms = _constant_term(node, self.coefficients) if k == 0 else []
+        for weight, arg in zip(node.value[1:], node.args, strict=True):
+            known = self._known(arg, k)
+            if known:
+                terms.append(_weighted(weight, known, self.coefficients))
+        return _sum(terms)
+
+    def _products(self, left: Node, right: Node, k: int, start: int, stop: int) -> list[str]:
+        """Terms left_j * right_{k-j}, start <= j < stop, that are not structurally zero."""
+        pairs = [(self._known(left, j), self._known(right, k - j)) for j in range(start, stop)]
+        return [f"{a} * {b}" for a, b in pairs if a and b]
+
+    def _series_mul(self, node: Node, k: int) -> str:
+        left, right = node.args
+        if left is not right:
+            return _sum(self._products(left, right, k, 0, k + 1))
+        return self._square(left, k)
+
+    def _square(self, node: Node, k: int) -> str:
+        """Coefficient k of a square: each pair once."""
+        pairs = self._products(node, node, k, 0, (k + 1) // 2)
+        middle = self._known(node, k // 2) if k % 2 == 0 else ""
+        terms = [f"2.0 * ({_sum(pairs)})"] if pairs else []
+        if middle:
+            terms.append(f"{middle} * {middle}")
+        return _sum(terms)
+
+    def _series_div(self, node: Node, k: int) -> str:
+        above, below = node.args
+        rest = [self._known(above, k)] if self._known(above, k) else []
+        rest += [f"-{term}" for term in self._products(node, below, k, 0, k)]
+        return f"({_sum(rest)}) / {self._known(below, 0)}"
+
+    def _series_pow(self, node: Node, k: int) -> str:
+        base, exponent = node.args[0], node.value
+        if k == 0:
+            return f"pow({self._known(base, 0)}, {exponent!r})"
+        terms = []
+        for j in range(k):
+            known = self._known(base, k - j)
+            if known:
+                terms.append(f"{exponent * (k - j) - j!r} * {known} * {self.name(node)}_{j}")
+        return f"({_sum(terms)}) / ({float(k)!r} * {self._known(base, 0)})"
+
+    def _series_sqrt(self, node: Node, k: int) -> str:
+        base = self._known(node.args[0], k)
+        if k == 0:
+            return f"sqrt({base})"
+        rest = ([base] if base else []) + [f"-{t}" for t in self._products(node, node, k, 1, k)]
+        return f"({_sum(rest)}) / (2.0 * {self.name(node)}_0)"
+
+    def _chain(self, inner: Node, outer: Node, k: int) -> str:
+        """sum of j inner_j outer_{k-j} over j = 1..k, divided by k."""
+        terms = []
+        for j in range(1, k + 1):
+            a, b = self._known(inner, j), self._known(outer, k - j)
+            if a and b:
+                terms.append(f"{a} * {b}" if j == 1 else f"{float(j)!r} * {a} * {b}")
+        return f"({_sum(terms)}){_over(k)}"
+
+    def _series_exp(self, node: Node, k: int) -> str:
+        if k == 0:
+            return f"exp({self._known(node.args[0], 0)})"
+        return self._chain(node.args[0], node, k)
+
+    def _series_log(self, node: Node, k: int) -> str:
+        base = node.args[0]
+        if k == 0:
+            return f"log({self._known(base, 0)})"
+        rest = [self._known(base, k)] if self._known(base, k) else []
+        for j in range(1, k):
+            known = self._known(base, k - j)
+            if known:
+                rest.append(f"-{j / k!r} * {self.name(node)}_{j} * {known}")
+        return f"({_sum(rest)}) / {self._known(base, 0)}"
+
+    def _series_sin(self, node: Node, k: int) -> str:
+        """The two series need each other's lower orders."""
+        argument = node.args[0]
+        if k == 0:
+            return f"sin({self._known(argument, 0)})"
+        return self._chain(argument, self.partners["cos", argument.index], k)
+
+    def _series_cos(self, node: Node, k: int) -> str:
+        argument = node.args[0]
+        if k == 0:
+            return f"cos({self._known(argument, 0)})"
+        return "-" + self._chain(argument, self.partners["sin", argument.index], k)
+
+    def _series_tanh(self, node: Node, k: int) -> str:
+        """w' = (1 - w^2) a'."""
+        argument = node.args[0]
+        if k == 0:
+            return f"tanh({self._known(argument, 0)})"
+        terms = []
+        for j in range(1, k + 1):
+            known = self._known(argument, j)
+            if known:
+                terms.append(f"{float(j)!r} * {known} * {self.name(node)}q_{k - j}")
+        return f"({_sum(terms)}){_over(k)}"
+
+    def _one_minus_square(self, node: Node, k: int) -> str:
+        return f"{'1.0 ' if k == 0 else ''}- ({self._square(node, k)})"
+
+
+def _with_partners(graph: Graph, roots: Sequence[Node]) -> list[Node]:
+    """What `roots` depend on and, for each sine or cosine there, the other of the pair."""
+    extra = [
+        graph.unary(PARTNER[node.op], node.args[0])
+        for node in reachable(roots)
+        if node.op in PARTNER
+    ]
+    return reachable([*roots, *extra])

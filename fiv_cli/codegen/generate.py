@@ -1,0 +1,263 @@
+"""The generated module of a model with a law: text, tables, machine code.
+
+What is cached per user: one JSON file with the text and the tables (made once, with SymPy), and
+one object file per text. Loading both takes milliseconds and imports neither SymPy nor LLVM's
+optimiser.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fiv_cli.codegen import NUMERICS_VERSION, cache
+
+if TYPE_CHECKING:
+    from fiv_cli.codegen.derive import ContactState, Derivation
+    from fiv_cli.friction.base import Law
+    from fiv_cli.models.base import Model
+
+FLOW, TANGENT = "flow", "tangent"
+
+
+@dataclass(frozen=True)
+class StateTable:
+    """What the driver must know of one contact state.
+
+    Attributes
+    ----------
+    kinds : 0 slip, 1 stick, 2 separation, per contact
+    name : prefix of its functions
+    guards : (kind, contact) of each switching function, in order
+    has_angle : whether the sector's angle follows the switching functions
+    impacts : contacts with an impact function
+    """
+
+    kinds: tuple[int, ...]
+    name: str
+    guards: tuple[tuple[int, int], ...]
+    has_angle: bool
+    impacts: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Generated:
+    """Text and tables of one system.
+
+    Attributes
+    ----------
+    key : content key
+    order : order of the Taylor steps
+    state_names, parameter_names : entries of the vectors
+    n_coefficients : length of the array ``c``
+    states : index of the contact state -> its table
+    smooth : per contact, whether the law has no border at zero slip
+    zone : (start parameter, width parameter, contact) of the sector, or None
+    texts : "flow" and "tangent"
+    """
+
+    key: str
+    order: int
+    state_names: tuple[str, ...]
+    parameter_names: tuple[str, ...]
+    n_coefficients: int
+    states: Mapping[int, StateTable]
+    smooth: tuple[bool, ...]
+    zone: tuple[str, str, int] | None
+    texts: Mapping[str, str]
+    _engines: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the generalised coordinates."""
+        names = set(self.state_names)
+        return tuple(name for name in self.state_names if f"{name}_dot" in names)
+
+    def address(self, function: str, part: str = FLOW) -> int:
+        """Address of a generated function, compiling its text if need be."""
+        if part not in self._engines:
+            self._engines[part] = _load(self.texts[part])
+        return int(self._engines[part].get_function_address(function))
+
+    def is_compiled(self, part: str = FLOW) -> bool:
+        """Whether the object code of this text is in the cache."""
+        return cache.read(_object_name(self.texts[part])) is not None
+
+
+def generate(
+    model: Model,
+    law: Law,
+    options: Mapping[str, str],
+    structural: Mapping[str, float],
+    order: int,
+    announce: Callable[[str], None] = lambda message: None,
+) -> Generated:
+    """Text and tables, from the cache or made now; `announce` says so when they are made."""
+    key = _text_key(model, law, options, structural, order)
+    stored = cache.read(f"{key}.json")
+    if stored is None:
+        announce(f"generating code for {model.name} with {law.name} friction (once per user)")
+        stored = _make(model, law, options, structural, order)
+        cache.write(f"{key}.json", stored)
+    return _from_json(key, json.loads(stored))
+
+
+def _text_key(
+    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float], order: int
+) -> str:
+    package = Path(__file__).parent
+    sources = sorted(package.glob("*.py")) + [package.parent / "models" / "base.py"]
+    modules = {model.equations.__module__, law.force.__module__}
+    modules |= _law_modules()
+    files = sources + sorted(_source_file(module) for module in modules)
+    settings = [dict(sorted(options.items())), dict(sorted(structural.items())), order]
+    return cache.content_key(
+        [
+            cache.source_of(*files),
+            model.name,
+            law.name,
+            json.dumps(settings),
+            str(NUMERICS_VERSION),
+        ]
+    )
+
+
+def _law_modules() -> set[str]:
+    """Every law's file: laws may be composed of one another."""
+    from fiv_cli.friction import all_laws
+
+    return {law.force.__module__ for law in all_laws().values()}
+
+
+def _source_file(module: str) -> Path:
+    import sys
+
+    file = sys.modules[module].__file__
+    assert file is not None
+    return Path(file)
+
+
+def _make(
+    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float], order: int
+) -> bytes:
+    from fiv_cli.codegen.derive import derive
+    from fiv_cli.codegen.emit import Coefficients, constants
+
+    derivation = derive(model, law, options, structural)
+    coefficients = Coefficients()
+    title = f"{model.name}, {law.name} friction, options {dict(options)}"
+    flow = [f"# {title}", "# state: " + ", ".join(derivation.state_names)]
+    tangent = [f"# tangent flow of {title}"]
+    for state in derivation.states.values():
+        flow += _flow_text(derivation, state, order, coefficients)
+        tangent += _tangent_text(derivation, state, order, coefficients)
+    flow += constants("coefficients", coefficients.nodes, derivation.parameter_names)
+    content = {
+        "order": order,
+        "state_names": derivation.state_names,
+        "parameter_names": derivation.parameter_names,
+        "n_coefficients": len(coefficients.nodes),
+        "states": {index: _table(state) for index, state in derivation.states.items()},
+        "smooth": derivation.smooth,
+        "zone": derivation.zone,
+        "texts": {FLOW: "\n".join(flow) + "\n", TANGENT: "\n".join(tangent) + "\n"},
+    }
+    return json.dumps(content).encode()
+
+
+def _table(state: ContactState) -> dict[str, Any]:
+    return {
+        "kinds": state.kinds,
+        "name": state.name,
+        "guards": [(guard.kind, guard.contact) for guard in state.guards],
+        "has_angle": state.angle is not None,
+        "impacts": sorted(state.impacts),
+    }
+
+
+def _flow_text(
+    derivation: Derivation, state: ContactState, order: int, coefficients: Any
+) -> list[str]:
+    from fiv_cli.codegen.emit import TaylorStep, pointwise
+
+    switching = [guard.node for guard in state.guards]
+    angle = [] if state.angle is None else [state.angle]
+    step = TaylorStep(
+        derivation.graph, state.values, state.rates, switching + angle, order, coefficients
+    )
+    lines = step.text(f"{state.name}_taylor", f"series of state and switching, {state.name}")
+    contacts = [node for outputs in state.contacts for node in outputs]
+    outputs = [*state.values, *state.rates, *switching, *angle, *contacts, *state.energies]
+    graph, name = derivation.graph, f"{state.name}_field"
+    lines += pointwise(graph, name, f"{state.name}: rates and forces", outputs, coefficients)
+    for contact, after in state.impacts.items():
+        values = [after.get(i, node) for i, node in enumerate(state.values)]
+        name = f"{state.name}_impact_{contact}"
+        lines += pointwise(graph, name, "state after a plastic impact", values, coefficients)
+    return lines
+
+
+def _tangent_text(
+    derivation: Derivation, state: ContactState, order: int, coefficients: Any
+) -> list[str]:
+    from fiv_cli.codegen.emit import TaylorStep
+
+    graph = derivation.graph
+    switching = [guard.node for guard in state.guards]
+    switching += [] if state.angle is None else [state.angle]
+    step = TaylorStep(
+        graph,
+        [*state.values, *map(graph.tangent, state.values)],
+        [*state.rates, *map(graph.tangent, state.rates)],
+        [*switching, *map(graph.tangent, switching)],
+        order,
+        coefficients,
+    )
+    return step.text(f"{state.name}_tangent", f"series with a tangent vector, {state.name}")
+
+
+def _from_json(key: str, content: dict[str, Any]) -> Generated:
+    zone = content["zone"]
+    return Generated(
+        key=key,
+        order=content["order"],
+        state_names=tuple(content["state_names"]),
+        parameter_names=tuple(content["parameter_names"]),
+        n_coefficients=content["n_coefficients"],
+        states={int(i): _state_table(table) for i, table in content["states"].items()},
+        smooth=tuple(content["smooth"]),
+        zone=None if zone is None else (zone[0], zone[1], zone[2]),
+        texts=content["texts"],
+    )
+
+
+def _state_table(table: dict[str, Any]) -> StateTable:
+    return StateTable(
+        kinds=tuple(table["kinds"]),
+        name=table["name"],
+        guards=tuple((kind, contact) for kind, contact in table["guards"]),
+        has_angle=table["has_angle"],
+        impacts=tuple(table["impacts"]),
+    )
+
+
+def _object_name(text: str) -> str:
+    from fiv_cli.codegen import lower
+
+    source = cache.source_of(Path(lower.__file__))
+    return cache.content_key([text, source, lower.machine_description()]) + ".o"
+
+
+def _load(text: str) -> Any:
+    from fiv_cli.codegen import lower
+
+    name = _object_name(text)
+    code = cache.read(name)
+    if code is None:
+        code = lower.compile_text(text)
+        cache.write(name, code)
+    return lower.load_object(code)

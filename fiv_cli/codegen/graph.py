@@ -1,0 +1,313 @@
+"""An expression graph in which equal subexpressions are one node.
+
+SymPy trees come in, straight-line code goes out. Nodes that depend on parameters alone are
+*constant*: they are computed once per run, not once per step. Sums are kept as linear
+combinations with constant weights, so a mass or a stiffness never costs an operation per order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+
+# An inner sum is merged into an outer one up to this many terms: beyond it, sharing the inner
+# sum is cheaper (the normal force of a disc enters every modal equation).
+MERGED_TERMS = 4
+
+UNARY = ("exp", "log", "sqrt", "sin", "cos", "tanh")
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """One operation.
+
+    Attributes
+    ----------
+    index : position in the graph; arguments come before their users
+    op : "number", "parameter", "time", "state", "tangent", "linear", "mul", "div", "pow" or
+        one of `UNARY`
+    args : argument nodes; for "linear": term nodes
+    value : number, name, exponent; for "linear": the weights, constant term first
+    constant : depends on parameters alone
+    """
+
+    index: int
+    op: str
+    args: tuple[Node, ...]
+    value: Any
+    constant: bool
+
+
+class Graph:
+    """Builds nodes, each once."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._known: dict[tuple[Any, ...], Node] = {}
+        self._tangents: dict[int, Node] = {}
+        self._names: dict[int, str] = {}
+        self.zero = self.number(0.0)
+        self.one = self.number(1.0)
+
+    # --- leaves -------------------------------------------------------------------------
+    def number(self, value: float) -> Node:
+        """A literal."""
+        return self._node("number", (), float(value) + 0.0, True)
+
+    def parameter(self, name: str) -> Node:
+        """A parameter, a sign of slip or the zone: constant within a contact state."""
+        return self._node("parameter", (), name, True)
+
+    def time(self) -> Node:
+        """Time, s."""
+        return self._node("time", (), None, False)
+
+    def state(self, position: int, name: str) -> Node:
+        """Entry of the state vector, called `name` in the generated text."""
+        node = self._node("state", (), position, False)
+        self._names[node.index] = name
+        return node
+
+    def name(self, node: Node) -> str:
+        """What `node` is called in the generated text."""
+        return self._names.get(node.index, f"n{node.index}")
+
+    # --- sums and products ----------------------------------------------------------------
+    def linear(self, constant: Node, terms: Sequence[tuple[Node, Node]]) -> Node:
+        """``constant + sum(weight * node)``; weights and constant are constant nodes."""
+        weights: dict[int, Node] = {}
+        members: dict[int, Node] = {}
+        for weight, node in terms:
+            constant = self._gather(constant, weight, node, weights, members)
+        kept = [i for i in sorted(members) if not _is(weights[i], 0.0)]
+        if not kept:
+            return constant
+        if len(kept) == 1 and _is(constant, 0.0) and _is(weights[kept[0]], 1.0):
+            return members[kept[0]]
+        value = (constant, *(weights[i] for i in kept))
+        return self._node("linear", tuple(members[i] for i in kept), value, False)
+
+    def _gather(
+        self,
+        constant: Node,
+        weight: Node,
+        node: Node,
+        weights: dict[int, Node],
+        members: dict[int, Node],
+    ) -> Node:
+        """Add one term, merging short inner sums; returns the new constant term."""
+        if node.constant:
+            return self._constant_sum(constant, self._constant_product(weight, node))
+        if node.op == "linear" and len(node.args) <= MERGED_TERMS:
+            constant = self._constant_sum(constant, self._constant_product(weight, node.value[0]))
+            inner = zip(node.value[1:], node.args, strict=True)
+            pairs = [(self._constant_product(weight, w), a) for w, a in inner]
+        else:
+            pairs = [(weight, node)]
+        for w, a in pairs:
+            members[a.index] = a
+            old = weights.get(a.index)
+            weights[a.index] = w if old is None else self._constant_sum(old, w)
+        return constant
+
+    def add(self, *nodes: Node) -> Node:
+        """Sum."""
+        return self.linear(self.zero, [(self.one, node) for node in nodes])
+
+    def negative(self, node: Node) -> Node:
+        """Minus `node`."""
+        return self.mul(self.number(-1.0), node)
+
+    def subtract(self, left: Node, right: Node) -> Node:
+        """``left - right``."""
+        return self.linear(self.zero, [(self.one, left), (self.number(-1.0), right)])
+
+    def mul(self, left: Node, right: Node) -> Node:
+        """Product; a constant factor becomes a weight."""
+        if left.constant and right.constant:
+            return self._constant_product(left, right)
+        if left.constant:
+            return self.linear(self.zero, [(left, right)])
+        if right.constant:
+            return self.linear(self.zero, [(right, left)])
+        return self._bare_product(left, right)
+
+    def _bare_product(self, left: Node, right: Node) -> Node:
+        """Product of two varying nodes, with constant weights of either pulled out."""
+        weight = self.one
+        factors = []
+        for node in (left, right):
+            if node.op == "linear" and len(node.args) == 1 and _is(node.value[0], 0.0):
+                weight = self._constant_product(weight, node.value[1])
+                node = node.args[0]
+            factors.append(node)
+        factors.sort(key=lambda node: node.index)
+        product = self._node("mul", tuple(factors), None, False)
+        return self.linear(self.zero, [(weight, product)])
+
+    def div(self, numerator: Node, denominator: Node) -> Node:
+        """Quotient; division by a constant becomes a weight."""
+        if denominator.constant:
+            inverse = self._constant_quotient(self.one, denominator)
+            if numerator.constant:
+                return self._constant_quotient(numerator, denominator)
+            return self.linear(self.zero, [(inverse, numerator)])
+        return self._node("div", (numerator, denominator), None, False)
+
+    def power(self, base: Node, exponent: float) -> Node:
+        """`base` to a fixed exponent: products for small whole ones."""
+        if exponent == 0.0:
+            return self.one
+        if exponent < 0.0:
+            return self.div(self.one, self.power(base, -exponent))
+        if exponent == 0.5:
+            return self.unary("sqrt", base)
+        if exponent == int(exponent) and exponent <= 8:
+            return self._whole_power(base, int(exponent))
+        return self._node("pow", (base,), float(exponent), base.constant)
+
+    def _whole_power(self, base: Node, exponent: int) -> Node:
+        if exponent == 1:
+            return base
+        half = self._whole_power(base, exponent // 2)
+        square = self.mul(half, half)
+        return self.mul(square, base) if exponent % 2 else square
+
+    def unary(self, op: str, argument: Node) -> Node:
+        """exp, log, sqrt, sin, cos or tanh."""
+        if argument.op == "number":
+            return self.number(getattr(math, op)(argument.value))
+        return self._node(op, (argument,), None, argument.constant)
+
+    # --- constants ------------------------------------------------------------------------
+    def _constant_sum(self, left: Node, right: Node) -> Node:
+        if left.op == "number" and right.op == "number":
+            return self.number(left.value + right.value)
+        if _is(left, 0.0):
+            return right
+        if _is(right, 0.0):
+            return left
+        return self._node("add_constant", (left, right), None, True)
+
+    def _constant_product(self, left: Node, right: Node) -> Node:
+        if left.op == "number" and right.op == "number":
+            return self.number(left.value * right.value)
+        for one, other in ((left, right), (right, left)):
+            if _is(one, 0.0):
+                return self.zero
+            if _is(one, 1.0):
+                return other
+        if left.index > right.index:
+            left, right = right, left
+        return self._node("mul_constant", (left, right), None, True)
+
+    def _constant_quotient(self, left: Node, right: Node) -> Node:
+        if left.op == "number" and right.op == "number":
+            return self.number(left.value / right.value)
+        if _is(right, 1.0):
+            return left
+        return self._node("div_constant", (left, right), None, True)
+
+    # --- from SymPy -----------------------------------------------------------------------
+    def build(self, expression: Any, names: Mapping[Any, Node]) -> Node:
+        """The node of a SymPy expression; `names` maps its free symbols to nodes."""
+        return self._build(sympy.sympify(expression), names, {})
+
+    def _build(self, expression: Any, names: Mapping[Any, Node], done: dict[Any, Node]) -> Node:
+        node = done.get(expression)
+        if node is None:
+            node = self._convert(expression, names, done)
+            done[expression] = node
+        return node
+
+    def _convert(self, expression: Any, names: Mapping[Any, Node], done: dict[Any, Node]) -> Node:
+        if expression.is_Symbol:
+            return names[expression]
+        if expression.is_number:
+            return self.number(float(expression))
+        if expression.is_Add:
+            return self.add(*(self._build(arg, names, done) for arg in expression.args))
+        if expression.is_Mul:
+            return self._quotient(expression, names, done)
+        if expression.is_Pow and expression.exp.is_number:
+            return self.power(self._build(expression.base, names, done), float(expression.exp))
+        op = expression.func.__name__
+        if op not in UNARY:
+            raise NotImplementedError(f"no series for {expression.func} in {expression}")
+        return self.unary(op, self._build(expression.args[0], names, done))
+
+    def _quotient(self, product: Any, names: Mapping[Any, Node], done: dict[Any, Node]) -> Node:
+        """A product with its negative powers collected in one denominator."""
+        above, below = self.one, self.one
+        for factor in product.args:
+            if factor.is_Pow and factor.exp.is_number and factor.exp.is_negative:
+                node = self.power(self._build(factor.base, names, done), -float(factor.exp))
+                below = self.mul(below, node)
+            else:
+                above = self.mul(above, self._build(factor, names, done))
+        return self.div(above, below) if below is not self.one else above
+
+    # --- derivatives ----------------------------------------------------------------------
+    def tangent(self, node: Node) -> Node:
+        """Directional derivative of `node` along the tangent vector."""
+        known = self._tangents.get(node.index)
+        if known is None:
+            known = self.zero if node.constant or node.op == "time" else self._differentiate(node)
+            self._tangents[node.index] = known
+        return known
+
+    def _differentiate(self, node: Node) -> Node:
+        if node.op == "state":
+            tangent = self._node("tangent", (), node.value, False)
+            self._names[tangent.index] = f"d_{self.name(node)}"
+            return tangent
+        inner = [self.tangent(arg) for arg in node.args]
+        if node.op == "linear":
+            return self.linear(self.zero, list(zip(node.value[1:], inner, strict=True)))
+        if node.op == "mul":
+            left, right = node.args
+            return self.add(self.mul(inner[0], right), self.mul(left, inner[1]))
+        if node.op == "div":
+            rest = self.subtract(inner[0], self.mul(node, inner[1]))
+            return self.div(rest, node.args[1])
+        return self.mul(self._slope(node), inner[0])
+
+    def _slope(self, node: Node) -> Node:
+        """Derivative of a function of one argument with respect to it."""
+        argument = node.args[0]
+        if node.op == "pow":
+            return self.mul(self.number(node.value), self.power(argument, node.value - 1.0))
+        if node.op == "exp":
+            return node
+        if node.op == "log":
+            return self.div(self.one, argument)
+        if node.op == "sqrt":
+            return self.div(self.number(0.5), node)
+        if node.op == "sin":
+            return self.unary("cos", argument)
+        if node.op == "cos":
+            return self.negative(self.unary("sin", argument))
+        return self.subtract(self.one, self.mul(node, node))  # tanh
+
+    def _node(self, op: str, args: tuple[Node, ...], value: Any, constant: bool) -> Node:
+        key = (op, tuple(arg.index for arg in args), _hashable(value))
+        node = self._known.get(key)
+        if node is None:
+            node = Node(len(self.nodes), op, args, value, constant)
+            self.nodes.append(node)
+            self._known[key] = node
+        return node
+
+
+def _is(node: Node, value: float) -> bool:
+    return node.op == "number" and node.value == value
+
+
+def _hashable(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(item.index for item in value)
+    return value

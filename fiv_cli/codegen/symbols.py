@@ -1,0 +1,58 @@
+"""The vocabulary that models and laws are written in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy
+
+
+class Symbols:
+    """SymPy symbols by name; two calls with one name give the same symbol.
+
+    A parameter that must be written into the code (a structural one) is a number instead.
+    """
+
+    def __init__(self, structural: Mapping[str, float] | None = None) -> None:
+        self._structural = dict(structural or {})
+        self.time = sympy.Symbol("t", real=True)
+        self.zone = self._real("zone")
+
+    @staticmethod
+    def _real(name: str) -> sympy.Symbol:
+        return sympy.Symbol(name, real=True)
+
+    def parameter(self, name: str) -> Any:
+        """Parameter `name`; a number where its value is structural."""
+        if name in self._structural:
+            return sympy.nsimplify(self._structural[name])
+        return self._real(f"p.{name}")
+
+    def coordinate(self, name: str) -> sympy.Symbol:
+        """Generalised coordinate (or internal state of the law)."""
+        return self._real(f"q.{name}")
+
+    def velocity(self, name: str) -> sympy.Symbol:
+        """Rate of the generalised coordinate `name`."""
+        return self._real(f"q.{name}_dot")
+
+    def tangential_force(self, contact: int) -> sympy.Symbol:
+        """F_T of a contact, N, along +v_rel on the model."""
+        return self._real(f"F_T.{contact}")
+
+    def normal_force(self, contact: int) -> sympy.Symbol:
+        """F_N of a contact, N, positive in compression."""
+        return self._real(f"F_N.{contact}")
+
+    def closed(self, contact: int) -> sympy.Symbol:
+        """1 while the contact is closed, 0 in separation (for energies)."""
+        return self._real(f"closed.{contact}")
+
+    def sign(self, contact: int) -> sympy.Symbol:
+        """Sign of slip of a contact, +1 or -1: a property of the contact state."""
+        return self._real(f"sign.{contact}")
+
+    def in_zone(self, outside: Any, inside: Any) -> Any:
+        """`outside` off the sector and `inside` on it, both exactly."""
+        return outside * (1 - self.zone) + inside * self.zone

@@ -1,0 +1,1 @@
+"""The contact state machine and the event-exact integrator, once for all models."""

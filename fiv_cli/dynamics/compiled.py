@@ -1,0 +1,33 @@
+"""Where and how the hand-written kernels are compiled.
+
+numba's cache does not notice an edit in a file that a cached function calls into. Its folder is
+therefore named after the content of all kernel files: an edited engine never runs stale code.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numba
+
+from fiv_cli.codegen.cache import cache_root, content_key, source_of
+
+KERNEL_FILES = ("call.py", "compiled.py", "kernel.py", "roots.py")
+
+CACHE = {"cache": True, "error_model": "numpy", "fastmath": False}
+
+
+def kernel_key() -> str:
+    """Hash of the kernels and of numba itself."""
+    folder = Path(__file__).parent
+    files = [folder / name for name in KERNEL_FILES]
+    return content_key([source_of(*files), numba.__version__])
+
+
+def is_warm() -> bool:
+    """Whether this user's cache holds the compiled kernels."""
+    folder = Path(numba.config.CACHE_DIR)
+    return any(folder.rglob("kernel.advance*.nbc"))
+
+
+numba.config.CACHE_DIR = str(cache_root() / f"kernels-{kernel_key()}")

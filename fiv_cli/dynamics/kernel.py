@@ -1,0 +1,823 @@
+"""The driver: contact state machine, event location, sections and measures, for every model.
+
+It knows a model only by tables of addresses and switching functions (`system.py` fills them).
+All state of a run is in arrays, so a run can be stopped and taken up again; the named constants
+below are the only indices.
+
+One step: the generated code writes the series of the state and of every switching function; the
+step is as long as the last coefficients allow; the earliest root of any switching function ends
+it. What follows an event is decided by `decide`: of the candidate contact states, sticking ones
+first, the first one is taken in which every switching function is positive in the sense of its
+first non-vanishing derivative. That single rule covers stick against reversal, release in the
+direction of the demanded force, several contacts at once, grazing, re-contact at zero
+compression, and transitions that follow one another at one instant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fiv_cli.dynamics.call import call_generated
+from fiv_cli.dynamics.compiled import CACHE
+from fiv_cli.dynamics.roots import NO_ROOT, first_root
+
+# Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
+SLIP, STICK, SEPARATION = 0, 1, 2
+VELOCITY, CAPACITY_UP, CAPACITY_DOWN, NORMAL, GAP, JAMMING = 0, 1, 2, 3, 4, 5
+
+# Codes of a contact's state in ledgers and samples.
+CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
+
+# table[state, ...]
+TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE = 0, 1, 2, 3, 4
+TABLE_WIDTH = 5
+
+# config[...]
+N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, METHOD = range(7)
+ZONE_START, ZONE_WIDTH, ZONE_CONTACT = 7, 8, 9  # parameter slots of the sector; -1: none
+CONFIG_WIDTH = 10
+METHOD_TAYLOR, METHOD_RK4 = 0, 1
+
+# clock[...]
+TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE = 0, 1, 2, 3, 4
+CLOCK_WIDTH = 5
+
+# tolerances[...]
+RTOL, FIXED_STEP, BOUND = 0, 1, 2
+
+# counters[...]
+STEPS, EVENTS, CHAINED, SECTIONS, SAMPLED, LEDGER, GRAZINGS, IMPACTS = range(8)
+COUNTERS_WIDTH = 8
+
+# limits[...]
+MAX_STEPS, MAX_EVENTS, MAX_SECTIONS = 0, 1, 2
+
+# section[...]: what ends up in the section buffer
+SECTION_KIND, SECTION_FROM, SECTION_TO, SECTION_CONTACT, SECTION_STATE, SECTION_DIRECTION = range(6)
+SECTION_NONE, SECTION_EVENT, SECTION_ZERO, SECTION_PHASE = 0, 1, 2, 3
+
+# measures[...]
+M_TIME, M_SPREAD, M_OTHER, M_FRICTION, M_DRIVE, M_IMPACT, M_RESIDUAL = range(7)
+MEASURES_WIDTH = 7
+
+# Why `advance` returned.
+REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STATE, JAMMED = range(8)
+
+ENDLESS = 1e300  # step over which every series is a polynomial
+CHAIN_CAP = 50  # transitions at one instant
+ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
+VANISHING = 1e-10  # ... and so is a derivative
+BISECTIONS = 80
+
+# field output: state, rates, switching, the sector's angle if any, then per contact
+# (F_N, F_T, v_rel), then energies
+PER_CONTACT = 3
+KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(5)
+N_ENERGIES = 5
+
+
+@njit("int64(int64[::1], int64)", **CACHE)
+def state_index(kinds, contacts):  # type: ignore[no-untyped-def]
+    """Index of a combination of kinds: base 3, contact 0 first."""
+    index = 0
+    for i in range(contacts - 1, -1, -1):
+        index = 3 * index + kinds[i]
+    return index
+
+
+@njit("int64(int64, float64)", **CACHE)
+def code_of(kind, sign):  # type: ignore[no-untyped-def]
+    """Code of a contact's state in ledgers."""
+    if kind == SLIP:
+        return CODE_SLIP_PLUS if sign > 0.0 else CODE_SLIP_MINUS
+    return CODE_STICK if kind == STICK else CODE_SEPARATION
+
+
+@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
+    """Value of the series that begins at `offset`."""
+    value = series[offset + order]
+    for k in range(order - 1, -1, -1):
+        value = value * x + series[offset + k]
+    return value
+
+
+@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
+    """Derivative of the series that begins at `offset`."""
+    value = 0.0
+    for k in range(order, 0, -1):
+        value = value * x + k * series[offset + k]
+    return value
+
+
+@njit("float64(float64[::1], int64, int64)", **CACHE)
+def time_scale(series, n, order):  # type: ignore[no-untyped-def]
+    """Shortest time in which a state's last terms catch up with its first ones."""
+    shortest = ENDLESS
+    for i in range(n):
+        first = i * (order + 1)
+        for top in range(order - 1, order + 1):
+            high = abs(series[first + top])
+            for k in range(3):
+                low = abs(series[first + k])
+                if low > 0.0 and high > 0.0:
+                    shortest = min(shortest, (low / high) ** (1.0 / (top - k)))
+    return shortest
+
+
+@njit("float64(float64[::1], int64, int64, float64, float64)", **CACHE)
+def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
+    """Step for which the last two terms stay below rtol times each state's own scale.
+
+    The scale of a state is the largest of its first terms over the last step, so it follows the
+    motion and not the units.
+    """
+    if last <= 0.0:
+        last = time_scale(series, n, order)
+        if last == ENDLESS:
+            return ENDLESS
+    worst = 0.0
+    worst_before = 0.0
+    for i in range(n):
+        first = i * (order + 1)
+        scale = max(abs(series[first]), abs(series[first + 1]) * last)
+        scale = max(scale, abs(series[first + 2]) * last * last)
+        if scale > 0.0:
+            worst = max(worst, abs(series[first + order]) / scale)
+            worst_before = max(worst_before, abs(series[first + order - 1]) / scale)
+    step = ENDLESS
+    if worst > 0.0:
+        step = (rtol / worst) ** (1.0 / order)
+    if worst_before > 0.0:
+        step = min(step, (rtol / worst_before) ** (1.0 / (order - 1)))
+    return step
+
+
+@njit("int64(float64[::1], int64, int64, float64, int64, int64[::1])", **CACHE)
+def leading(series, offset, order, step, known_zeros, strip):  # type: ignore[no-untyped-def]
+    """Sign of the first non-vanishing derivative of a switching function; its order in `strip`.
+
+    `step` is the time over which derivatives are compared; 0 compares the first two terms over
+    the time in which the second makes up the first.
+    """
+    scale = 0.0
+    if step == 0.0 and series[offset + 1] != 0.0:
+        step = abs(series[offset] / series[offset + 1])
+    power = 1.0
+    for k in range(order + 1):
+        scale += abs(series[offset + k]) * power
+        power *= step
+    power = 1.0
+    for k in range(order):
+        term = series[offset + k] * power
+        tolerance = (ZERO if k == 0 else VANISHING) * scale
+        if k >= known_zeros and abs(term) > tolerance:
+            strip[0] = k
+            return 1 if term > 0.0 else -1
+        power *= step
+    strip[0] = 0
+    return 0
+
+
+@njit(
+    "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
+    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64, int64[::1])",
+    **CACHE,
+)
+def consistent(  # type: ignore[no-untyped-def]
+    table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances, strips,
+    trigger_kind, trigger_contact, at_rest,
+):
+    """Whether a candidate contact state can follow: every switching function leads positive."""
+    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
+    index = state_index(kinds, contacts)
+    if table[index, TAYLOR] == 0:
+        return False
+    call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
+    call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
+    step = step_size(series, n, order, tolerances[RTOL], clock[LAST_STEP])
+    if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
+        step = clock[LAST_STEP] if clock[LAST_STEP] > 0.0 else 0.0
+    strip = np.empty(1, np.int64)
+    for g in range(table[index, N_GUARDS]):
+        kind, contact = guards[index, g, 0], guards[index, g, 1]
+        known_zeros = 0
+        if kind == VELOCITY and at_rest[contact] == 1:
+            known_zeros = 1
+        if kind == trigger_kind and contact == trigger_contact:
+            known_zeros = 1
+        if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
+            known_zeros = 1
+        sign = leading(series, (n + g) * (order + 1), order, step, known_zeros, strip)
+        if sign < 0:
+            return False
+        strips[g] = strip[0]
+    return True
+
+
+@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
+    """Sum of the absolute terms of a series over a step."""
+    scale = 0.0
+    power = 1.0
+    for k in range(order + 1):
+        scale += abs(series[offset + k]) * power
+        power *= step
+    return scale
+
+
+@njit("int64(int64[:, ::1], int64, int64)", **CACHE)
+def contact_outputs(table, index, n):  # type: ignore[no-untyped-def]
+    """Where the contact outputs begin in the field output."""
+    return 2 * n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
+
+
+@njit(
+    "float64(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
+    "float64[::1], float64[::1], int64)",
+    **CACHE,
+)
+def slip_velocity(  # type: ignore[no-untyped-def]
+    table, guards, config, clock, kinds, coefficients, y, field, contact
+):
+    """v_rel of a contact; zero when it is zero to rounding."""
+    n, contacts = config[N_STATES], config[N_CONTACTS]
+    index = state_index(kinds, contacts)
+    call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+    v = field[contact_outputs(table, index, n) + PER_CONTACT * contact + 2]
+    scale = 0.0
+    for i in range(config[N_COORDINATES], n):
+        scale += abs(y[i])
+    return 0.0 if abs(v) <= ZERO * scale else v
+
+
+@njit(
+    "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
+    "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64)",
+    **CACHE,
+)
+def decide(  # type: ignore[no-untyped-def]
+    table, guards, config, clock, kinds, parameters, coefficients, y, series, field, tolerances,
+    strips, trigger_kind, trigger_contact,
+):
+    """Choose the contact state that follows at (t, y); False when none is consistent.
+
+    Selection rule where several are consistent (stiction is not unique at zero slip): sticking
+    before slipping, staying closed before separating, and all contacts jointly.
+    """
+    contacts = config[N_CONTACTS]
+    first_sign = config[N_PARAMETERS] - 1 - contacts
+    choices = np.empty((contacts, 4), np.int64)
+    choice_signs = np.empty((contacts, 4))
+    count = np.zeros(contacts, np.int64)
+    at_rest = np.zeros(contacts, np.int64)
+    for i in range(contacts):
+        sign = parameters[first_sign + i]
+        triggered = trigger_contact == i
+        if kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
+            choices[i, 0], choice_signs[i, 0], count[i] = SEPARATION, sign, 1
+            continue
+        if kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
+            at_rest[i] = 1
+        elif kinds[i] == SEPARATION:
+            v = slip_velocity(table, guards, config, clock, kinds, coefficients, y, field, i)
+            at_rest[i] = 1 if v == 0.0 else 0
+            sign = sign if v == 0.0 else np.sign(v)
+        else:  # a contact whose slip ends at the same instant
+            v = slip_velocity(table, guards, config, clock, kinds, coefficients, y, field, i)
+            at_rest[i] = 1 if v == 0.0 else 0
+        if at_rest[i] == 1:
+            choices[i, count[i]], choice_signs[i, count[i]] = STICK, sign
+            count[i] += 1
+        choices[i, count[i]], choice_signs[i, count[i]] = SLIP, sign
+        count[i] += 1
+        if at_rest[i] == 1:
+            choices[i, count[i]], choice_signs[i, count[i]] = SLIP, -sign
+            count[i] += 1
+        if triggered and (trigger_kind == GAP or trigger_kind == NORMAL):
+            choices[i, count[i]], choice_signs[i, count[i]] = SEPARATION, sign
+            count[i] += 1
+    combinations = 1
+    for i in range(contacts):
+        combinations *= count[i]
+    for combination in range(combinations):
+        rest = combination
+        for i in range(contacts - 1, -1, -1):
+            pick = rest % count[i]
+            rest //= count[i]
+            kinds[i] = choices[i, pick]
+            parameters[first_sign + i] = choice_signs[i, pick]
+        if consistent(
+            table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances,
+            strips, trigger_kind, trigger_contact, at_rest,
+        ):
+            return True
+    return False
+
+
+@njit(
+    "void(int64[:, ::1], int64[::1], int64, float64[::1], float64, float64[::1], float64[::1],"
+    "float64, float64[:, ::1], float64[::1])",
+    **CACHE,
+)
+def state_after(  # type: ignore[no-untyped-def]
+    table, config, index, coefficients, t, y, series, x, stages, out
+):
+    """State a time x into the step that begins at (t, y)."""
+    n, order = config[N_STATES], config[ORDER]
+    if config[METHOD] == METHOD_TAYLOR:
+        for i in range(n):
+            out[i] = series_value(series, i * (order + 1), order, x)
+        return
+    field, inner = stages[0], stages[1]
+    call_generated(table[index, FIELD], coefficients, t, y, field)
+    for i in range(n):  # stage by stage: classical Runge-Kutta of order 4 (thesis 3.39, 3.40)
+        out[i] = field[i] + x / 6.0 * field[n + i]
+        inner[i] = field[i] + 0.5 * x * field[n + i]
+    start = stages[2]
+    for i in range(n):
+        start[i] = field[i]
+    call_generated(table[index, FIELD], coefficients, t + 0.5 * x, inner, field)
+    for i in range(n):
+        out[i] += x / 3.0 * field[n + i]
+        inner[i] = start[i] + 0.5 * x * field[n + i]
+    call_generated(table[index, FIELD], coefficients, t + 0.5 * x, inner, field)
+    for i in range(n):
+        out[i] += x / 3.0 * field[n + i]
+        inner[i] = start[i] + x * field[n + i]
+    call_generated(table[index, FIELD], coefficients, t + x, inner, field)
+    for i in range(n):
+        out[i] += x / 6.0 * field[n + i]
+    call_generated(table[index, FIELD], coefficients, t + x, out, field)
+    for i in range(n):
+        out[i] = field[i]  # constrained entries exactly
+
+
+@njit(
+    "float64(int64[:, ::1], int64[::1], int64, float64[::1], float64, float64[::1], float64[::1],"
+    "float64, float64[:, ::1], float64[::1], int64, float64, float64)",
+    **CACHE,
+)
+def bisected(  # type: ignore[no-untyped-def]
+    table, config, index, coefficients, t, y, series, step, stages, out, entry, factor, shift
+):
+    """Where ``factor * (output entry) + shift`` falls to zero in a step, by bisection (rk4).
+
+    NO_ROOT when it is positive at the end of the step; entries count in the field output.
+    """
+    state_after(table, config, index, coefficients, t, y, series, step, stages, out)
+    call_generated(table[index, FIELD], coefficients, t + step, out, stages[0])
+    if factor * stages[0, entry] + shift > 0.0:
+        return NO_ROOT
+    low, high = 0.0, step
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        state_after(table, config, index, coefficients, t, y, series, middle, stages, out)
+        call_generated(table[index, FIELD], coefficients, t + middle, out, stages[0])
+        if factor * stages[0, entry] + shift > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high / step
+
+
+@njit(
+    "float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1],"
+    "float64[:, ::1], float64[:, ::1])",
+    **CACHE,
+)
+def located(  # type: ignore[no-untyped-def]
+    series, offset, order, step, strip, factor, shift, p, stack, intervals
+):
+    """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
+    power = 1.0
+    for k in range(order + 1):
+        p[k] = factor * series[offset + k] * power
+        power *= step
+    p[0] += shift
+    if strip > 0:
+        for k in range(order + 1 - strip):
+            p[k] = p[k + strip]
+    return first_root(p, order - strip, stack, intervals)
+
+
+@njit(
+    "void(int64[:, ::1], int64[::1], int64, int64[::1], float64[::1], float64[::1], float64[::1],"
+    "float64[::1], float64[::1], float64, float64[:, ::1], float64[::1], int64[::1], float64[::1],"
+    "float64[:, ::1], float64[:, ::1], int64[:, ::1])",
+    **CACHE,
+)
+def take_samples(  # type: ignore[no-untyped-def]
+    table, config, index, kinds, parameters, coefficients, clock, y, series, tau, stages, out,
+    counters, sample_times, sample_states, sample_outputs, sample_codes,
+):
+    """Record the samples that fall into the step of length tau."""
+    n, contacts = config[N_STATES], config[N_CONTACTS]
+    first_sign = config[N_PARAMETERS] - 1 - contacts
+    first = contact_outputs(table, index, n)
+    t = clock[TIME]
+    while counters[SAMPLED] < len(sample_times) and sample_times[counters[SAMPLED]] <= t + tau:
+        row = counters[SAMPLED]
+        x = min(max(sample_times[row] - t, 0.0), tau)
+        state_after(table, config, index, coefficients, t, y, series, x, stages, out)
+        call_generated(table[index, FIELD], coefficients, t + x, out, stages[0])
+        for i in range(n):
+            sample_states[row, i] = stages[0, i]
+        for i in range(PER_CONTACT * contacts + N_ENERGIES):
+            sample_outputs[row, i] = stages[0, first + i]
+        for i in range(contacts):
+            sample_codes[row, i] = code_of(kinds[i], parameters[first_sign + i])
+        counters[SAMPLED] += 1
+
+
+@njit(
+    "void(int64[:, ::1], int64[::1], int64, int64[::1], float64[::1], float64[::1], float64[::1],"
+    "float64[::1], float64, float64[:, ::1], float64[::1], float64[:, ::1], float64[::1],"
+    "float64[::1], float64[:, ::1], float64[:, ::1])",
+    **CACHE,
+)
+def take_measures(  # type: ignore[no-untyped-def]
+    table, config, index, kinds, coefficients, clock, y, series, tau, stages, out, quadrature,
+    reference, measures, extremes, shares,
+):
+    """Integrate the measures along the step of length tau by Gauss quadrature.
+
+    extremes is (3, n): least and greatest value, integral of the square; shares is
+    (contacts, 3): time in slip, stick, separation.
+    """
+    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
+    energies = contact_outputs(table, index, n) + PER_CONTACT * contacts
+    t = clock[TIME]
+    last_x = 0.0
+    measures[M_TIME] += tau
+    for i in range(contacts):
+        shares[i, kinds[i]] += tau
+    for node in range(quadrature.shape[0] + 1):
+        at_end = node == quadrature.shape[0]
+        x = tau if at_end else quadrature[node, 0] * tau
+        weight = 0.0 if at_end else quadrature[node, 1] * tau
+        state_after(table, config, index, coefficients, t, y, series, x, stages, out)
+        for i in range(n):
+            value = out[i]
+            extremes[0, i] = min(extremes[0, i], value)
+            extremes[1, i] = max(extremes[1, i], value)
+            extremes[2, i] += weight * value * value
+            if i < config[N_COORDINATES]:
+                measures[M_SPREAD] += weight * (value - reference[i]) ** 2
+            if config[METHOD] == METHOD_TAYLOR:
+                offset = i * (order + 1)
+                before = series_slope(series, offset, order, last_x)
+                if before * series_slope(series, offset, order, x) < 0.0:
+                    low, high = last_x, x
+                    for _ in range(BISECTIONS):
+                        middle = 0.5 * (low + high)
+                        if before * series_slope(series, offset, order, middle) > 0.0:
+                            low = middle
+                        else:
+                            high = middle
+                    value = series_value(series, offset, order, 0.5 * (low + high))
+                    extremes[0, i] = min(extremes[0, i], value)
+                    extremes[1, i] = max(extremes[1, i], value)
+        last_x = x
+        if not at_end:
+            call_generated(table[index, FIELD], coefficients, t + x, out, stages[0])
+            measures[M_OTHER] += weight * stages[0, energies + OTHER_POWER]
+            measures[M_FRICTION] += weight * stages[0, energies + FRICTION_POWER]
+            measures[M_DRIVE] += weight * stages[0, energies + DRIVE_POWER]
+
+
+@njit(
+    "void(int64[:, ::1], int64[::1], int64, float64[::1], float64[::1], float64[::1], float64,"
+    "float64[:, ::1], float64[::1], float64[::1])",
+    **CACHE,
+)
+def move_tangents(  # type: ignore[no-untyped-def]
+    table, config, index, coefficients, clock, y, tau, tangents, joined, series
+):
+    """Carry the tangent vectors (rows) over a step of length tau."""
+    n, order = config[N_STATES], config[ORDER]
+    for row in range(tangents.shape[0]):
+        for i in range(n):
+            joined[i] = y[i]
+            joined[n + i] = tangents[row, i]
+        call_generated(table[index, TANGENT], coefficients, clock[TIME], joined, series)
+        for i in range(n):
+            tangents[row, i] = series_value(series, (n + i) * (order + 1), order, tau)
+
+
+@njit(
+    "void(int64[:, ::1], int64[::1], int64, int64, float64[::1], float64[::1], float64[::1],"
+    "float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[::1])",
+    **CACHE,
+)
+def switching_rates(  # type: ignore[no-untyped-def]
+    table, config, index, entry, coefficients, clock, y, tangents, joined, series, rates, delays
+):
+    """At an event: the rates before it, and by how much each tangent delays it.
+
+    A trajectory displaced by a tangent vector d meets the switching function g later by
+    -dg(d) / g'; what the delay does to the state after the event is `saltate`'s.
+    """
+    n, order = config[N_STATES], config[ORDER]
+    outputs = table[index, N_GUARDS] + table[index, HAS_ANGLE]
+    for row in range(tangents.shape[0]):
+        for i in range(n):
+            joined[i] = y[i]
+            joined[n + i] = tangents[row, i]
+        call_generated(table[index, TANGENT], coefficients, clock[TIME], joined, series)
+        for i in range(n):
+            rates[i] = series[i * (order + 1) + 1]
+        speed = series[(2 * n + entry) * (order + 1) + 1]
+        change = series[(2 * n + outputs + entry) * (order + 1)]
+        delays[row] = -change / speed if speed != 0.0 else 0.0
+
+
+@njit("void(int64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1])", **CACHE)
+def saltate(config, series, rates, tangents, delays):  # type: ignore[no-untyped-def]
+    """Tangents after an event: d + (f_before - f_after) delay; `series` is that of the new state."""
+    order = config[ORDER]
+    for row in range(tangents.shape[0]):
+        for i in range(config[N_STATES]):
+            after = series[i * (order + 1) + 1]
+            tangents[row, i] += (rates[i] - after) * delays[row]
+
+
+@njit("void(int64[::1], float64[::1], float64[::1], float64)", **CACHE)
+def enter_zone(config, clock, parameters, angle):  # type: ignore[no-untyped-def]
+    """Set the sector that `angle` lies in and its borders."""
+    clock[ZONE_LOW], clock[ZONE_HIGH] = -np.inf, np.inf
+    zone_slot = config[N_PARAMETERS] - 1
+    parameters[zone_slot] = 0.0
+    if config[ZONE_START] < 0:
+        return
+    width = parameters[config[ZONE_WIDTH]]
+    if width <= 0.0:
+        return
+    turn = 2.0 * np.pi
+    if width >= turn:
+        parameters[zone_slot] = 1.0
+        return
+    start = parameters[config[ZONE_START]]
+    base = start + turn * np.floor((angle - start) / turn)
+    if angle - base < width:
+        parameters[zone_slot] = 1.0
+        clock[ZONE_LOW], clock[ZONE_HIGH] = base, base + width
+    else:
+        clock[ZONE_LOW], clock[ZONE_HIGH] = base + width, base + turn
+
+
+@njit("void(int64[::1], float64[::1], float64[::1], boolean)", **CACHE)
+def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped-def]
+    """Enter the neighbouring sector."""
+    zone_slot = config[N_PARAMETERS] - 1
+    width = parameters[config[ZONE_WIDTH]]
+    parameters[zone_slot] = 1.0 - parameters[zone_slot]
+    span = width if parameters[zone_slot] == 1.0 else 2.0 * np.pi - width
+    if upwards:
+        clock[ZONE_LOW] = clock[ZONE_HIGH]
+        clock[ZONE_HIGH] = clock[ZONE_LOW] + span
+    else:
+        clock[ZONE_HIGH] = clock[ZONE_LOW]
+        clock[ZONE_LOW] = clock[ZONE_HIGH] - span
+
+
+@njit(
+    "int64(int64[:, ::1], int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1],"
+    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64[::1], int64[::1],"
+    "float64, int64[::1], float64, int64[::1], float64[::1], float64[:, ::1], float64[::1],"
+    "float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], boolean, float64[:, ::1],"
+    "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
+    "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])",
+    **CACHE,
+)
+def advance(  # type: ignore[no-untyped-def]
+    table, impacts, guards, config, clock, kinds, parameters, coefficients, y, tolerances, strips,
+    counters, limits, t_stop, section, phase_interval, ends, section_times, section_states,
+    sample_times, sample_states, sample_outputs, sample_codes, ledger, measuring, quadrature,
+    reference, measures, extremes, shares, tangents, series, work, stages, stack, intervals,
+):
+    """Run until t_stop, a full section buffer, a budget or an end; returns why it stopped."""
+    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
+    first_sign = config[N_PARAMETERS] - 1 - contacts
+    taylor = config[METHOD] == METHOD_TAYLOR
+    out, joined, p, rates, delays = stages[3], stages[4], stages[5], stages[6], stages[7]
+    angle_up, angle_down, section_strip = strips.shape[0] - 3, strips.shape[0] - 2, strips.shape[0] - 1
+    with_tangents = tangents.shape[0] > 0
+    call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
+    while True:
+        t = clock[TIME]
+        if t >= t_stop:
+            return REACHED
+        if counters[STEPS] >= limits[MAX_STEPS]:
+            return STEP_BUDGET
+        if counters[EVENTS] >= limits[MAX_EVENTS]:
+            return EVENT_BUDGET
+        counters[STEPS] += 1
+        index = state_index(kinds, contacts)
+        n_guards, has_angle = table[index, N_GUARDS], table[index, HAS_ANGLE]
+        # --- the step -----------------------------------------------------------------------
+        if taylor:
+            call_generated(table[index, TAYLOR], coefficients, t, y, series)
+            step = step_size(series, n, order, tolerances[RTOL], clock[LAST_STEP])
+            if step < ENDLESS:
+                clock[LAST_STEP] = step
+            for i in range(n):
+                y[i] = series[i * (order + 1)]
+        else:
+            step = tolerances[FIXED_STEP]
+            clock[LAST_STEP] = step
+        goal = t + step
+        reaches_stop, reaches_phase = False, False
+        if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= min(goal, t_stop):
+            goal, reaches_phase = clock[NEXT_PHASE], True
+        elif t_stop <= goal:
+            goal, reaches_stop = t_stop, True
+        step = goal - t
+        # --- the first switching function to fall to zero -----------------------------------
+        fraction, hit = 1.0, -1
+        for g in range(n_guards):
+            if taylor:
+                root = located(
+                    series, (n + g) * (order + 1), order, step, strips[g], 1.0, 0.0, p, stack, intervals
+                )
+            else:
+                root = bisected(
+                    table, config, index, coefficients, t, y, series, step, stages, out, 2 * n + g, 1.0, 0.0
+                )
+            if root < fraction or (root == 1.0 and hit < 0):
+                fraction, hit = root, g
+        if has_angle == 1 and clock[ZONE_HIGH] < np.inf:
+            for side in range(2):
+                factor = -1.0 if side == 0 else 1.0
+                shift = clock[ZONE_HIGH] if side == 0 else -clock[ZONE_LOW]
+                strip = strips[angle_up] if side == 0 else strips[angle_down]
+                if taylor:
+                    root = located(
+                        series, (n + n_guards) * (order + 1), order, step, strip, factor, shift,
+                        p, stack, intervals,
+                    )
+                else:
+                    root = bisected(
+                        table, config, index, coefficients, t, y, series, step, stages, out,
+                        2 * n + n_guards, factor, shift,
+                    )
+                if root < fraction or (root == 1.0 and hit < 0):
+                    fraction, hit = root, n_guards + side
+        crossing = 0
+        if section[SECTION_KIND] == SECTION_ZERO:
+            entry = section[SECTION_STATE]
+            value = y[entry]
+            if strips[section_strip] > 0 and taylor:
+                value = series[entry * (order + 1) + 1]
+            elif strips[section_strip] > 0:
+                call_generated(table[index, FIELD], coefficients, t, y, stages[0])
+                value = stages[0, n + entry]
+            factor = 1.0 if value > 0.0 else -1.0
+            if taylor:
+                root = located(
+                    series, entry * (order + 1), order, step, strips[section_strip], factor, 0.0,
+                    p, stack, intervals,
+                )
+            else:
+                root = bisected(
+                    table, config, index, coefficients, t, y, series, step, stages, out, entry, factor, 0.0
+                )
+            if root < fraction and root > 0.0:
+                fraction, hit = root, n_guards + 2
+                crossing = 1 if factor < 0.0 else -1
+        tau = step if hit < 0 else fraction * step
+        # --- along the step --------------------------------------------------------------------
+        if counters[SAMPLED] < len(sample_times):
+            take_samples(
+                table, config, index, kinds, parameters, coefficients, clock, y, series, tau, stages,
+                out, counters, sample_times, sample_states, sample_outputs, sample_codes,
+            )
+        if measuring:
+            take_measures(
+                table, config, index, kinds, coefficients, clock, y, series, tau, stages, out,
+                quadrature, reference, measures, extremes, shares,
+            )
+        if with_tangents:
+            move_tangents(table, config, index, coefficients, clock, y, tau, tangents, joined, work)
+        state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
+        for i in range(n):
+            y[i] = out[i]
+            if not abs(out[i]) < tolerances[BOUND]:
+                return DIVERGED
+        for g in range(strips.shape[0]):
+            strips[g] = 0
+        if hit < 0:
+            clock[TIME] = goal
+            counters[CHAINED] = 0
+            if reaches_phase:
+                row = counters[SECTIONS]
+                section_times[row] = goal
+                for i in range(n):
+                    section_states[row, i] = y[i]
+                counters[SECTIONS] += 1
+                clock[NEXT_PHASE] += phase_interval
+                if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                    return SECTION_FULL
+            continue
+        clock[TIME] = t + tau
+        if hit == n_guards + 2:  # only a section: the contact state stays
+            counters[CHAINED] = 0
+            strips[section_strip] = 1
+            wanted = section[SECTION_DIRECTION]
+            if wanted == 0 or wanted == crossing:
+                row = counters[SECTIONS]
+                section_times[row] = clock[TIME]
+                for i in range(n):
+                    section_states[row, i] = y[i]
+                section_states[row, section[SECTION_STATE]] = 0.0
+                counters[SECTIONS] += 1
+                if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                    return SECTION_FULL
+            continue
+        # --- an event ---------------------------------------------------------------------------
+        counters[CHAINED] = counters[CHAINED] + 1 if tau <= 0.0 else 0
+        if counters[CHAINED] > CHAIN_CAP:
+            return NO_STATE
+        if with_tangents:
+            entry = hit if hit < n_guards else n_guards
+            switching_rates(
+                table, config, index, entry, coefficients, clock, y, tangents, joined, work, rates, delays
+            )
+        trigger_kind, trigger_contact = -1, config[ZONE_CONTACT]
+        residual = 0.0
+        if hit < n_guards:
+            trigger_kind, trigger_contact = guards[index, hit, 0], guards[index, hit, 1]
+            if taylor:
+                offset = (n + hit) * (order + 1)
+                scale = series_scale(series, offset, order, step)
+                if scale > 0.0:
+                    residual = abs(series_value(series, offset, order, tau)) / scale
+        before_kind = kinds[trigger_contact]
+        before_sign = parameters[first_sign + trigger_contact]
+        before = code_of(before_kind, before_sign)
+        impacted = False
+        if trigger_kind == JAMMING:
+            return JAMMED
+        if trigger_kind == NORMAL and ends[trigger_contact] == 1:
+            return CONTACT_LOST
+        if trigger_kind == GAP and impacts[index, trigger_contact] != 0:
+            energies = contact_outputs(table, index, n) + PER_CONTACT * contacts
+            call_generated(table[index, FIELD], coefficients, clock[TIME], y, stages[0])
+            kinetic = stages[0, energies + KINETIC]
+            call_generated(impacts[index, trigger_contact], coefficients, clock[TIME], y, out)
+            for i in range(n):
+                y[i] = out[i]
+            call_generated(table[index, FIELD], coefficients, clock[TIME], y, stages[0])
+            measures[M_IMPACT] += kinetic - stages[0, energies + KINETIC]
+            counters[IMPACTS] += 1
+            impacted = True
+        if hit >= n_guards:
+            cross_border(config, clock, parameters, hit == n_guards)
+            call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
+            call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
+            strips[angle_down if hit == n_guards else angle_up] = 1
+        elif not decide(
+            table, guards, config, clock, kinds, parameters, coefficients, y, series, stages[0],
+            tolerances, strips, trigger_kind, trigger_contact,
+        ):
+            return NO_STATE
+        for i in range(n):
+            y[i] = series[i * (order + 1)]
+        if with_tangents:
+            saltate(config, series, rates, tangents, delays)
+        after = code_of(kinds[trigger_contact], parameters[first_sign + trigger_contact])
+        index_after = state_index(kinds, contacts)
+        if index_after == index and before == after and not impacted and hit < n_guards:
+            counters[GRAZINGS] += 1
+            continue
+        counters[EVENTS] += 1
+        measures[M_RESIDUAL] = max(measures[M_RESIDUAL], residual)
+        if counters[LEDGER] < ledger.shape[0]:
+            row = counters[LEDGER]
+            ledger[row, 0], ledger[row, 1], ledger[row, 2] = clock[TIME], before, after
+            ledger[row, 3], ledger[row, 4] = trigger_contact, residual
+            counters[LEDGER] += 1
+        if (
+            section[SECTION_KIND] == SECTION_EVENT
+            and trigger_contact == section[SECTION_CONTACT]
+            and before_kind == section[SECTION_FROM]
+            and kinds[trigger_contact] == section[SECTION_TO]
+            and hit < n_guards
+        ):
+            row = counters[SECTIONS]
+            section_times[row] = clock[TIME]
+            for i in range(n):
+                section_states[row, i] = y[i]
+            counters[SECTIONS] += 1
+            if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                return SECTION_FULL
+
+
+@njit("void(int64, float64[::1], float64, float64[::1], float64[::1])", **CACHE)
+def call_once(address, coefficients, time, state, out):  # type: ignore[no-untyped-def]
+    """Call one generated function (from Python)."""
+    call_generated(address, coefficients, time, state, out)

@@ -1,0 +1,368 @@
+"""A motion: one run of a system, taken forward piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.base import Section, SolverSettings
+from fiv_cli.dynamics import kernel, roots
+from fiv_cli.dynamics.system import System, Vector
+
+SCRATCH_ROWS = 8
+BOUND = 1e12  # a state beyond this has diverged
+DIRECTIONS = {"up": 1, "down": -1, "both": 0}
+KIND_NAMES = {"slip": kernel.SLIP, "stick": kernel.STICK, "separation": kernel.SEPARATION}
+CODE_NAMES = ("slip+", "slip-", "stick", "separation")
+
+
+class Stop(IntEnum):
+    """Why a motion stopped."""
+
+    REACHED = kernel.REACHED
+    SECTION_FULL = kernel.SECTION_FULL
+    STEP_BUDGET = kernel.STEP_BUDGET
+    EVENT_BUDGET = kernel.EVENT_BUDGET
+    DIVERGED = kernel.DIVERGED
+    CONTACT_LOST = kernel.CONTACT_LOST
+    NO_STATE = kernel.NO_STATE
+    JAMMED = kernel.JAMMED
+
+
+# Reasons of the outcomes of motions that could not go on.
+STOP_REASONS = {
+    Stop.STEP_BUDGET: "too_many_steps",
+    Stop.EVENT_BUDGET: "too_many_events",
+    Stop.DIVERGED: "diverged",
+    Stop.CONTACT_LOST: "contact_lost",
+    Stop.NO_STATE: "no_consistent_state",
+    Stop.JAMMED: "jammed",
+}
+
+
+@dataclass
+class Measures:
+    """What is integrated along a motion while measuring.
+
+    Attributes
+    ----------
+    totals : see the M_ constants of the kernel
+    extremes : least value, greatest value, integral of the square; shape (3, n_states)
+    shares : time in slip, stick, separation; shape (n_contacts, 3)
+    reference : the sliding equilibrium that L_s is measured from; shape (n_coordinates,)
+    """
+
+    totals: Vector
+    extremes: NDArray[np.float64]
+    shares: NDArray[np.float64]
+    reference: Vector
+
+    @property
+    def time(self) -> float:
+        """Measured time, s."""
+        return float(self.totals[kernel.M_TIME])
+
+
+@dataclass
+class Samples:
+    """The motion at given times.
+
+    Attributes
+    ----------
+    times : shape (n,), s
+    states : shape (n, n_states)
+    outputs : per contact (F_N, F_T, v_rel), then energies and powers; shape (n, ...)
+    codes : contact states, see `CODE_NAMES`; shape (n, n_contacts)
+    count : samples taken so far
+    """
+
+    times: Vector
+    states: NDArray[np.float64]
+    outputs: NDArray[np.float64]
+    codes: NDArray[np.int64]
+    count: int = 0
+
+
+class Motion:
+    """One run of a system.
+
+    Parameters
+    ----------
+    system : the compiled system
+    parameters : every parameter, SI
+    solver : integrator settings
+    state : initial state by name, the rest 0
+    time : initial time, s
+    """
+
+    def __init__(
+        self,
+        system: System,
+        parameters: Mapping[str, float],
+        solver: SolverSettings,
+        state: Mapping[str, float] | Vector,
+        time: float = 0.0,
+    ) -> None:
+        self.system = system
+        self.solver = solver
+        self.tables = system.tables
+        self._allocate(system, solver)
+        self.parameters = system.parameter_vector(parameters)
+        self.y[:] = state if isinstance(state, np.ndarray) else system.state_vector(state)
+        self.clock[kernel.TIME] = time
+        self.started = self._enter()
+
+    def _allocate(self, system: System, solver: SolverSettings) -> None:
+        n, contacts = len(system.state_names), system.n_contacts
+        order = system.generated.order
+        guards = self.tables.guards.shape[1]
+        self.config = self.tables.config.copy()
+        rk4 = solver.method == "rk4"
+        self.config[kernel.METHOD] = kernel.METHOD_RK4 if rk4 else kernel.METHOD_TAYLOR
+        self.clock = np.zeros(kernel.CLOCK_WIDTH)
+        self.kinds = np.zeros(contacts, np.int64)
+        self.coefficients = np.zeros(max(system.generated.n_coefficients, 1))
+        self.y = np.zeros(n)
+        self.tolerances = np.array([solver.rtol, solver.step, BOUND])
+        self.strips = np.zeros(guards + 3, np.int64)
+        self.counters = np.zeros(kernel.COUNTERS_WIDTH, np.int64)
+        self.limits = np.array([solver.max_steps, solver.max_events, 0], np.int64)
+        rows = 2 * n + 2 * guards + 2
+        self.series = np.zeros(rows * (order + 1))
+        self.work = np.zeros(rows * (order + 1))
+        width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
+        self.stages = np.zeros((SCRATCH_ROWS, width))
+        self.stack, self.intervals = roots.scratch(order)
+        self.quadrature = gauss_nodes(order // 2 + 3)
+        self.measures = self._no_measures()
+        self.ledger = np.zeros((0, 5))
+        self.tangents = np.zeros((0, n))
+
+    def _no_measures(self) -> Measures:
+        n, contacts = len(self.system.state_names), self.system.n_contacts
+        extremes = np.zeros((3, n))
+        extremes[0], extremes[1] = np.inf, -np.inf
+        return Measures(
+            np.zeros(kernel.MEASURES_WIDTH),
+            extremes,
+            np.zeros((contacts, 3)),
+            np.zeros(len(self.system.coordinates)),
+        )
+
+    # --- start ----------------------------------------------------------------------------------
+    def _enter(self) -> bool:
+        """Find the contact state of the initial state; False when none is consistent."""
+        self._fill_coefficients()
+        for i in range(self.system.n_contacts):
+            self.kinds[i] = kernel.SEPARATION if self._is_open(i) else kernel.SLIP
+        velocities = self._slip_velocities()
+        first = len(self.parameters) - 1 - self.system.n_contacts
+        for i, v in enumerate(velocities):
+            if self.kinds[i] == kernel.SLIP:
+                self.parameters[first + i] = -1.0 if v < 0.0 else 1.0
+                at_rest = v == 0.0 and not self.system.generated.smooth[i]
+                self.kinds[i] = kernel.STICK if at_rest else kernel.SLIP
+        self._enter_zone()
+        return self._decide()
+
+    def _fill_coefficients(self) -> None:
+        call(self.config[kernel.COEFFICIENTS], self.coefficients, 0.0, self.parameters,
+             self.coefficients)  # fmt: skip
+
+    def _field(self, kinds: NDArray[np.int64]) -> tuple[int, Vector]:
+        index = kernel.state_index(kinds, len(kinds))
+        out = np.zeros(self.stages.shape[1])
+        address = self.tables.table[index, kernel.FIELD]
+        call(address, self.coefficients, self.time, self.y, out)
+        return index, out
+
+    def _is_open(self, contact: int) -> bool:
+        if not self.tables.separable[contact]:
+            return False
+        kinds = np.full(self.system.n_contacts, kernel.SEPARATION, np.int64)
+        index, out = self._field(kinds)
+        place = [tuple(g) for g in self.tables.guards[index]].index((kernel.GAP, contact))
+        return bool(out[2 * len(self.y) + place] > 0.0)
+
+    def _slip_velocities(self) -> list[float]:
+        field = np.zeros(self.stages.shape[1])
+        return [
+            kernel.slip_velocity(
+                self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
+                self.coefficients, self.y, field, i,
+            )
+            for i in range(self.system.n_contacts)
+        ]  # fmt: skip
+
+    def _enter_zone(self) -> None:
+        zone_state = np.zeros(self.system.n_contacts, np.int64)
+        index, out = self._field(zone_state)
+        has_angle = self.tables.table[index, kernel.HAS_ANGLE] == 1
+        place = 2 * len(self.y) + self.tables.table[index, kernel.N_GUARDS]
+        angle = float(out[place]) if has_angle else 0.0
+        kernel.enter_zone(self.config, self.clock, self.parameters, angle)
+        self._fill_coefficients()
+
+    def _decide(self) -> bool:
+        found = kernel.decide(
+            self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
+            self.parameters, self.coefficients, self.y, self.series, self.stages[0],
+            self.tolerances, self.strips, -1, -1,
+        )  # fmt: skip
+        if found:
+            order = self.system.generated.order
+            self.y[:] = self.series[: len(self.y) * (order + 1) : order + 1]
+        return bool(found)
+
+    # --- going on -------------------------------------------------------------------------------
+    @property
+    def time(self) -> float:
+        """Current time, s."""
+        return float(self.clock[kernel.TIME])
+
+    @property
+    def n_events(self) -> int:
+        """Events so far."""
+        return int(self.counters[kernel.EVENTS])
+
+    @property
+    def n_steps(self) -> int:
+        """Steps so far."""
+        return int(self.counters[kernel.STEPS])
+
+    @property
+    def codes(self) -> list[int]:
+        """Contact states, see `CODE_NAMES`."""
+        first = len(self.parameters) - 1 - self.system.n_contacts
+        return [
+            int(kernel.code_of(kind, self.parameters[first + i]))
+            for i, kind in enumerate(self.kinds)
+        ]
+
+    def keep_ledger(self, rows: int) -> None:
+        """Record up to `rows` further events."""
+        self.ledger = np.zeros((rows, 5))
+        self.counters[kernel.LEDGER] = 0
+
+    def start_measuring(self, reference: Vector) -> None:
+        """Forget what was measured and measure from here on, L_s about `reference`."""
+        residual = self.measures.totals[kernel.M_RESIDUAL]
+        self.measures = self._no_measures()
+        self.measures.totals[kernel.M_RESIDUAL] = residual
+        self.measures.reference[:] = reference
+
+    def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
+        """Carry tangent vectors (rows) along from here on."""
+        self.tangents = np.ascontiguousarray(tangents, dtype=float)
+        if len(tangents):
+            self.tables = replace_table(self.tables, self.system.tangent_table)
+
+    def run(
+        self,
+        t_stop: float,
+        section: Section | None = None,
+        sections: tuple[Vector, NDArray[np.float64]] | None = None,
+        samples: Samples | None = None,
+        measuring: bool = False,
+        phase_interval: float = 0.0,
+    ) -> Stop:
+        """Go on until `t_stop`, full `sections`, or an end.
+
+        Parameters
+        ----------
+        t_stop : s
+        section : what goes into `sections`
+        sections : times (m,) and states (m, n_states) to fill from the front
+        samples : filled where its times are reached
+        measuring : whether `measures` are integrated
+        phase_interval : period of the excitation, s, for a stroboscopic section
+        """
+        if not self.started:
+            return Stop.NO_STATE
+        times, states = sections or (np.zeros(1), np.zeros((1, len(self.y))))
+        samples = samples or no_samples(self.system)
+        self.counters[kernel.SECTIONS] = 0
+        self.counters[kernel.SAMPLED] = samples.count
+        self.limits[kernel.MAX_SECTIONS] = len(times)
+        code = kernel.advance(
+            self.tables.table, self.tables.impacts, self.tables.guards, self.config, self.clock,
+            self.kinds, self.parameters, self.coefficients, self.y, self.tolerances, self.strips,
+            self.counters, self.limits, t_stop, self.section_vector(section), phase_interval,
+            self.tables.ends, times, states, samples.times, samples.states, samples.outputs,
+            samples.codes, self.ledger, measuring, self.quadrature, self.measures.reference,
+            self.measures.totals, self.measures.extremes, self.measures.shares, self.tangents,
+            self.series, self.work, self.stages, self.stack, self.intervals,
+        )  # fmt: skip
+        samples.count = int(self.counters[kernel.SAMPLED])
+        return Stop(code)
+
+    @property
+    def n_sections(self) -> int:
+        """Section points of the last `run`."""
+        return int(self.counters[kernel.SECTIONS])
+
+    def section_vector(self, section: Section | None) -> NDArray[np.int64]:
+        """A section as the kernel reads it."""
+        vector = np.zeros(6, np.int64)
+        if section is None:
+            return vector
+        vector[kernel.SECTION_CONTACT] = section.contact - 1
+        if section.kind == "event":
+            before, after = section.event.split("->")
+            vector[kernel.SECTION_KIND] = kernel.SECTION_EVENT
+            vector[kernel.SECTION_FROM] = KIND_NAMES[before]
+            vector[kernel.SECTION_TO] = KIND_NAMES[after]
+        elif section.kind == "zero":
+            vector[kernel.SECTION_KIND] = kernel.SECTION_ZERO
+            vector[kernel.SECTION_STATE] = self.system.state_names.index(section.state)
+            vector[kernel.SECTION_DIRECTION] = DIRECTIONS[section.direction]
+        else:
+            vector[kernel.SECTION_KIND] = kernel.SECTION_PHASE
+        return vector
+
+    # --- energy ---------------------------------------------------------------------------------
+    def energy(self) -> float:
+        """Kinetic and potential energy, J."""
+        index, out = self._field(self.kinds)
+        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
+        first += kernel.PER_CONTACT * self.system.n_contacts
+        return float(out[first + kernel.KINETIC] + out[first + kernel.POTENTIAL])
+
+
+def call(address: Any, coefficients: Vector, time: float, state: Vector, out: Vector) -> None:
+    """Call a generated function from Python."""
+    kernel.call_once(address, coefficients, time, state, out)
+
+
+def replace_table(tables: Any, table: NDArray[np.int64]) -> Any:
+    """`tables` with another table of addresses."""
+    from dataclasses import replace
+
+    return replace(tables, table=table)
+
+
+def gauss_nodes(count: int) -> NDArray[np.float64]:
+    """Gauss-Legendre nodes and weights on [0, 1]; shape (count, 2)."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return np.ascontiguousarray(np.stack([0.5 * (nodes + 1.0), 0.5 * weights], axis=1))
+
+
+def samples_at(system: System, times: Vector) -> Samples:
+    """Room for the motion at `times`."""
+    contacts, count = system.n_contacts, len(times)
+    return Samples(
+        times,
+        np.zeros((count, len(system.state_names))),
+        np.zeros((count, kernel.PER_CONTACT * contacts + kernel.N_ENERGIES)),
+        np.zeros((count, contacts), np.int64),
+    )
+
+
+def no_samples(system: System) -> Samples:
+    """No samples at all."""
+    return samples_at(system, np.zeros(0))

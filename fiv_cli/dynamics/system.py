@@ -1,0 +1,197 @@
+"""A compiled system: a model, a law and options, ready to move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
+from fiv_cli.codegen.generate import Generated, generate
+from fiv_cli.friction import get_law
+from fiv_cli.friction.base import Law
+from fiv_cli.models import get_model
+from fiv_cli.models.base import Model
+
+SystemKey = tuple[str, str, tuple[tuple[str, str], ...], tuple[tuple[str, float], ...], int]
+Vector = NDArray[np.float64]
+
+LEAST_ORDER = 8
+
+
+def taylor_order(rtol: float) -> int:
+    """Order of the series that costs least at this tolerance: 1 - ln(rtol)/2.
+
+    Jorba & Zou, Experimental Mathematics 14 (2005) 99, section 3.2.
+    """
+    return max(LEAST_ORDER, math.ceil(1.0 - 0.5 * math.log(rtol)))
+
+
+def system_key(
+    model: str,
+    law: str,
+    options: Mapping[str, str],
+    parameters: Mapping[str, float],
+    solver: SolverSettings,
+) -> SystemKey:
+    """What decides the generated code: names, options, structural values and order."""
+    structural = tuple((name, parameters[name]) for name in get_law(law).structural)
+    return model, law, tuple(sorted(options.items())), structural, taylor_order(solver.rtol)
+
+
+_BUILT: dict[SystemKey, System] = {}
+
+
+def build_system(
+    model: str,
+    law: str,
+    options: Mapping[str, str],
+    parameters: Mapping[str, float],
+    solver: SolverSettings,
+    announce: Callable[[str], None] = lambda message: None,
+) -> System:
+    """The compiled system, from memory, from the per-user cache, or made now.
+
+    `announce` is called with a sentence when something has to be generated or compiled.
+    """
+    key = system_key(model, law, options, parameters, solver)
+    if key not in _BUILT:
+        _BUILT[key] = _make(get_model(model), get_law(law), key, announce)
+    return _BUILT[key]
+
+
+def _make(model: Model, law: Law, key: SystemKey, announce: Callable[[str], None]) -> System:
+    _announce_kernels(announce)
+    options, structural, order = dict(key[2]), dict(key[3]), key[4]
+    generated = generate(model, law, options, structural, order, announce)
+    if not generated.is_compiled():
+        announce(f"compiling {model.name} with {law.name} friction (once per user)")
+    return System(model, law, options, generated)
+
+
+def _announce_kernels(announce: Callable[[str], None]) -> None:
+    from fiv_cli.dynamics import compiled
+
+    if not compiled.is_warm():
+        announce("compiling the integrator (once per user, a few seconds)")
+
+
+@dataclass(frozen=True)
+class System:
+    """A compiled system.
+
+    Attributes
+    ----------
+    model, law, options : what it is
+    generated : text, tables and machine code
+    """
+
+    model: Model
+    law: Law
+    options: Mapping[str, str]
+    generated: Generated
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Entries of the state vector."""
+        return self.generated.state_names
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Generalised coordinates: the first entries of the state vector."""
+        return self.generated.coordinates
+
+    @property
+    def n_contacts(self) -> int:
+        """Number of contacts."""
+        return len(self.generated.smooth)
+
+    @cached_property
+    def tables(self) -> Tables:
+        """What the driver reads."""
+        return _tables(self.generated, self.model, self.options)
+
+    @cached_property
+    def tangent_table(self) -> NDArray[np.int64]:
+        """`Tables.table` with the tangent functions, compiled on first use."""
+        from fiv_cli.dynamics import kernel
+
+        table = self.tables.table.copy()
+        for index, state in self.generated.states.items():
+            name = f"{state.name}_tangent"
+            table[index, kernel.TANGENT] = self.generated.address(name, TANGENT_TEXT)
+        return table
+
+    def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
+        """Parameters in generated order, slip signs +1, sector 0; shape (n_parameters,)."""
+        names = self.generated.parameter_names
+        own = len(names) - 1 - self.n_contacts
+        values = [parameters[name] for name in names[:own]]
+        return np.array([*values, *([1.0] * self.n_contacts), 0.0])
+
+    def state_vector(self, values: Mapping[str, float]) -> Vector:
+        """State vector from named values, the rest 0; shape (n_states,)."""
+        return np.array([float(values.get(name, 0.0)) for name in self.state_names])
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Tables of addresses and switching functions, indexed by contact state (see kernel.py)."""
+
+    table: NDArray[np.int64]
+    impacts: NDArray[np.int64]
+    guards: NDArray[np.int64]
+    config: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    separable: tuple[bool, ...]
+
+
+def _tables(generated: Generated, model: Model, options: Mapping[str, str]) -> Tables:
+    from fiv_cli.dynamics import kernel
+
+    contacts = len(generated.smooth)
+    count = 3**contacts
+    most = max(len(state.guards) for state in generated.states.values())
+    table = np.zeros((count, kernel.TABLE_WIDTH), np.int64)
+    impacts = np.zeros((count, contacts), np.int64)
+    guards = np.full((count, max(most, 1), 2), -1, np.int64)
+    for index, state in generated.states.items():
+        table[index, kernel.TAYLOR] = generated.address(f"{state.name}_taylor")
+        table[index, kernel.FIELD] = generated.address(f"{state.name}_field")
+        table[index, kernel.N_GUARDS] = len(state.guards)
+        table[index, kernel.HAS_ANGLE] = int(state.has_angle)
+        for contact in state.impacts:
+            impacts[index, contact] = generated.address(f"{state.name}_impact_{contact}")
+        for place, guard in enumerate(state.guards):
+            guards[index, place] = guard
+    separable = tuple(
+        any(state.kinds[i] == kernel.SEPARATION for state in generated.states.values())
+        for i in range(contacts)
+    )
+    ends = np.array([int(not separable[i]) for i in range(contacts)], np.int64)
+    return Tables(table, impacts, guards, _config(generated), ends, separable)
+
+
+def _config(generated: Generated) -> NDArray[np.int64]:
+    from fiv_cli.dynamics import kernel
+
+    config = np.full(kernel.CONFIG_WIDTH, -1, np.int64)
+    config[kernel.N_STATES] = len(generated.state_names)
+    config[kernel.N_CONTACTS] = len(generated.smooth)
+    config[kernel.ORDER] = generated.order
+    config[kernel.N_PARAMETERS] = len(generated.parameter_names)
+    config[kernel.N_COORDINATES] = len(generated.coordinates)
+    config[kernel.COEFFICIENTS] = generated.address("coefficients")
+    config[kernel.METHOD] = kernel.METHOD_TAYLOR
+    config[kernel.ZONE_CONTACT] = 0
+    if generated.zone is not None:
+        start, width, contact = generated.zone
+        config[kernel.ZONE_START] = generated.parameter_names.index(start)
+        config[kernel.ZONE_WIDTH] = generated.parameter_names.index(width)
+        config[kernel.ZONE_CONTACT] = contact
+    return config
