@@ -334,6 +334,15 @@ def test_eigenvalues_mark_every_unstable_point():
     assert marks(bottom, "failed")[:, 0] == pytest.approx([0.175])
 
 
+def test_a_mode_can_be_selected_by_its_number():
+    dataset = data.eigenvalues().assign_coords(mode=range(4))
+    top, _ = draw(dataset, figure("eigenvalues", select={"mode": 2})).axes
+    assert np.array_equal(
+        marks(top, "mode 2")[:, 1], dataset["eigenvalue_real"][:, 2], equal_nan=True
+    )
+    assert not [line for line in top.lines if line.get_label() == "mode 0"]
+
+
 @pytest.mark.parametrize(
     ("name", "velocity", "expected"),
     [

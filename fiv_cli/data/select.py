@@ -78,10 +78,14 @@ def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def axis_names(dataset: xr.Dataset) -> list[str]:
-    """Names of every axis that can be selected on, observations of ragged arrays left out."""
+    """Names of every axis that can be selected on, observations of ragged arrays left out.
+
+    Axes that advance together are all named, their common dim is not.
+    """
     hidden = set(ragged_dims(dataset))
     coords = [name for name, c in dataset.coords.items() if c.ndim == 1 and c.dims[0] not in hidden]
-    bare = [dim for dim in dataset.dims if dim not in dataset.coords and dim not in hidden]
+    named = {dataset.coords[name].dims[0] for name in coords}
+    bare = [dim for dim in dataset.dims if dim not in named and dim not in hidden]
     return [str(name) for name in [*coords, *bare]]
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.data import select
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
 
@@ -45,16 +46,16 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
 def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None:
     dim = str(axis.dims[0])
     x = points.positions(axis)
-    modes = dataset.sizes["mode"]
+    modes = select.axis_of(dataset, "mode").values
     lines = points.lines(dataset, [dim], points.grid_dims(dataset))
     # the colour of unstable points is no mode's
-    colours = [c for c in style.line_colours(modes + 1) if c != style.VERMILLION]
+    colours = [c for c in style.line_colours(modes.size + 1) if c != style.VERMILLION]
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
-        for mode in range(modes):
+        for mode, number_of_mode in enumerate(modes):
             y = part[name].isel(mode=mode).values
             dash = DASHES[number % len(DASHES)]
-            label = points.joined(f"mode {mode + 1}", line.label)
+            label = points.joined(f"mode {number_of_mode}", line.label)
             ax.plot(x, y, dash, color=colours[mode], label=label)
             unstable = part[PARTS[0]].isel(mode=mode).values > 0.0
             ax.plot(
