@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from pathlib import Path
 
 import numpy as np
@@ -204,6 +205,18 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(
         write_datasets(path, {"x": crossing_modes()}, {"title": "new"})
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_disk_that_refuses_more_is_a_storage_error(tmp_path: Path) -> None:
+    """The system itself refuses files above 4 KiB, so that the library fails as on a full disk."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
+    try:
+        with pytest.raises(StorageError, match="disk full"):
+            write_datasets(tmp_path / "a.nc", {"x": crossing_modes()}, {"title": "new"})
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert not list(tmp_path.iterdir())
 
 
 def test_reading_what_is_no_dataset(tmp_path: Path) -> None:

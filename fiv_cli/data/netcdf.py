@@ -197,4 +197,7 @@ def _sync(path: Path) -> None:
 
 
 def _cause(error: Exception) -> str:
-    return (isinstance(error, OSError) and error.strerror) or str(error)
+    """What the system says; the NetCDF library hides that a disk is full behind its own words."""
+    if isinstance(error, OSError) and error.strerror and (error.errno or 0) > 0:
+        return error.strerror
+    return f"{error} (is the disk full?)"

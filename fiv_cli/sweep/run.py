@@ -92,9 +92,8 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         journal = Journal(folder, make_plan(case))
         journal.load()
         _sweep_beats(folder)
-        with _reported(journal, output, begun, progress) as scheduled:
-            scheduler = Scheduler(journal, policy, progress, _logger(folder))
-            scheduled.append(scheduler)
+        scheduler = Scheduler(journal, policy, progress, _logger(folder))
+        with _reported(scheduler, output, begun):
             scheduler.run()
         write_dataset(journal, output)
         return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
@@ -133,26 +132,21 @@ def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
 
 
 @contextmanager
-def _reported(
-    journal: Journal, output: Path, begun: float, progress: Progress
-) -> Iterator[list[Scheduler]]:
+def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None]:
     """Sum up and log on every path, also when the run is interrupted or fails."""
-    log = _logger(journal.folder)
+    journal, log, note = scheduler.journal, scheduler.log, scheduler.progress.note
     log(f"fiv {fiv_cli.__version__}: {journal.plan.size} points to {output}")
     for path, why in journal.ignored:
         log(f"ignored {path}: {why}")
-    scheduled: list[Scheduler] = []
     try:
-        yield scheduled
+        yield
     except BaseException as error:
-        ran = scheduled[0].ran if scheduled else 0
-        summary = _summed_up(journal, output, ran, time.monotonic() - begun)
-        for line in summary.lines():
-            progress.note(line)
-        progress.note("what is finished is kept; the same command goes on from here")
-        log(f"stopped by {type(error).__name__} after {ran} points")
+        log(f"stopped by {type(error).__name__} after {scheduler.ran} points")
+        for line in _summed_up(journal, output, scheduler.ran, time.monotonic() - begun).lines():
+            note(line)
+        note("what is finished is kept; the same command goes on from here")
         raise
-    log(f"finished: {scheduled[0].ran} points run")
+    log(f"finished: {scheduler.ran} points run")
 
 
 def _claim(folder: Path, case: Case, fresh: bool) -> None:

@@ -1,0 +1,100 @@
+"""One point of a sweep again: which start it has, and what it is called."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+import sweep_fakes
+
+from fiv_cli.analyses.base import Outcome
+from fiv_cli.analyses.execute import Request
+from fiv_cli.errors import UsageError
+from fiv_cli.sweep import again, worker
+from fiv_cli.sweep.again import find_point, run_again
+
+
+@pytest.fixture
+def seen(monkeypatch: pytest.MonkeyPatch) -> list[Request]:
+    """Requests that reach the physics, for which the stand-in answers."""
+    requests: list[Request] = []
+
+    def motion(request: Request) -> Outcome:
+        requests.append(request)
+        time = np.linspace(0.0, 1.0, 3)
+        return Outcome(values={"time": time, "x": time})
+
+    monkeypatch.setattr(again, "execute", motion)
+    monkeypatch.setattr(again, "prepare", sweep_fakes.prepare)
+    monkeypatch.setattr(again, "Task", partial(worker.Task, executor="sweep_fakes:answer"))
+    return requests
+
+
+def run(text: str, at: dict[str, str], **settings: float) -> Any:
+    """Run a point again."""
+    point = find_point(sweep_fakes.case(text), at)
+    return run_again(point, settings, lambda text: None)
+
+
+def test_the_point_keeps_its_parameters_start_and_place(seen: list[Request]) -> None:
+    dataset, outcome = run(sweep_fakes.BELT, {"N": "3", "v": "2.0", "initial": "far"}, t_end=7.0)
+    (request,) = seen
+    assert outcome.status == "ok"
+    assert (request.analysis, request.settings["t_end"]) == ("history", 7.0)
+    assert (request.parameters["N"], request.parameters["v"]) == (3.0, 2.0)
+    assert request.start is not None
+    assert dict(request.start.values) == {"x_dot": 2.0}
+    assert dict(dataset.sizes)["time"] == 3
+    assert dataset["N"].values.tolist() == [3.0]
+    assert dataset["initial"].values.tolist() == ["far"]
+
+
+def test_without_an_end_the_budget_of_the_sweep_is_taken(seen: list[Request]) -> None:
+    run(sweep_fakes.BELT + "t_max = 55.0\n", {"N": "3", "v": "2.0", "initial": "far"})
+    assert seen[0].settings["t_end"] == 55.0
+
+
+def test_a_continued_start_is_followed_to_the_point(seen: list[Request]) -> None:
+    run(sweep_fakes.CHAIN, {"N": "3", "v": "1.0", "initial": "up"})
+    start = seen[0].start
+    assert start is not None and start.carried is not None
+    first = np.sin(1.7 + 1.0) + 0.3
+    assert start.kind == "continue"
+    assert start.carried["x"] == pytest.approx(np.sin(2 * 1.7 + 1.0) + 0.1 * first, rel=1e-15)
+
+
+def test_the_first_point_of_a_branch_has_the_start_of_the_chain(seen: list[Request]) -> None:
+    run(sweep_fakes.CHAIN, {"N": "1", "v": "1.0", "initial": "up"})
+    start = seen[0].start
+    assert start is not None
+    assert (start.kind, dict(start.values)) == ("state", {"x": 1.0})
+
+
+def test_a_branch_that_ended_before_the_point(seen: list[Request]) -> None:
+    with pytest.raises(UsageError, match="ends before this point"):
+        run(sweep_fakes.CHAIN, {"N": "8", "v": "1.0", "initial": "up"})
+
+
+def test_a_point_that_is_not_computed() -> None:
+    text = sweep_fakes.BELT.replace("v = [0.5, 1.0, 2.0]", "mu_k = [0.1, 0.9]")
+    with pytest.raises(UsageError, match="mu_k_above_mu_s"):
+        find_point(sweep_fakes.case(text), {"N": "3", "mu_k": "0.9", "initial": "far"})
+
+
+def test_zipped_axes_are_named_by_what_makes_them_unique() -> None:
+    text = sweep_fakes.BELT.replace(
+        "N = { start = 1, stop = 5, num = 5 }\nv = [0.5, 1.0, 2.0]",
+        'k = [1.0, 1.0, 2.0]\nm = [3.0, 4.0, 5.0]\n[sweep]\nzip = [["k", "m"]]',
+    )
+    case = sweep_fakes.case(text)
+    assert find_point(case, {"m": "4", "initial": "far"}).place == {
+        "k": 1.0,
+        "m": 4.0,
+        "initial": "far",
+    }
+    with pytest.raises(UsageError, match="several points"):
+        find_point(case, {"k": "1", "initial": "far"})
+    with pytest.raises(UsageError, match="no point"):
+        find_point(case, {"k": "2", "m": "4", "initial": "far"})
