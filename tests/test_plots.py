@@ -140,6 +140,19 @@ def test_a_curve_runs_along_the_longest_axis_unless_the_figure_says_otherwise():
     assert len(many.axes[0].lines) > 100
 
 
+def test_axes_that_advance_together_are_each_an_axis():
+    omega = data.bifurcation()["Omega"]
+    dataset = data.bifurcation().rename_dims(Omega="Omega_N0").drop_indexes("Omega")
+    dataset = dataset.assign_coords(N0=("Omega_N0", 10 * omega.values, {"units": "N"}))
+    for name, label in (("Omega", r"disc speed $\Omega$ (rad/s)"), ("N0", "$N_{0}$ (N)")):
+        (ax,) = draw(dataset, figure("curve", x=name)).axes
+        assert ax.get_xlabel() == label
+        assert np.array_equal(marks(ax, "far")[:, 0], dataset[name])
+    drawn = draw(dataset, figure("curve", x="initial", select={"N0": 20}))
+    assert r"$\Omega$ = 2 rad/s" in drawn.get_suptitle()
+    assert list(summarise({"": dataset})["analyses"][""]["axes"]) == ["Omega", "initial", "N0"]
+
+
 def test_an_axis_of_names_is_drawn_at_its_names():
     dataset = data.bifurcation().rename(Omega="geometry")
     dataset = dataset.isel(geometry=[0, 1]).assign_coords(geometry=["linear", "nonlinear"])
