@@ -20,6 +20,7 @@ from fiv_cli.sweep.lock import hold, holder
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import INTERVAL, Lines, Silent
 from fiv_cli.sweep.run import Summary, run_case
+from fiv_cli.sweep.scheduler import Pace
 
 HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
 
@@ -376,6 +377,28 @@ def test_several_analyses_become_groups(tmp_path: Path) -> None:
     groups = read_datasets(tmp_path / "a.nc")
     assert list(groups) == ["response", "again"]
     assert groups["response"]["L_s"].equals(groups["again"]["L_s"])
+
+
+def test_tasks_grow_with_what_is_measured() -> None:
+    pace = Pace()
+    assert pace.count(10_000, 2, HERE) == 1
+    pace.learn(1, 0.9)  # loads code
+    assert pace.remaining(10_000) is None
+    counts = []
+    for _ in range(8):
+        counts.append(pace.count(100_000, 2, HERE))
+        pace.learn(counts[-1], 1e-3 * counts[-1])
+    assert counts == sorted(counts)
+    assert counts[0] == 1
+    assert counts[-1] == 500
+    assert pace.remaining(10_000) == pytest.approx(10.0)
+    assert pace.count(16, 2, HERE) == 2
+
+
+def test_long_runs_have_longer_tasks_up_to_a_bound() -> None:
+    pace = Pace(seconds_per_point=1e-3, last_count=10**9, tasks=9)
+    assert pace.count(2_000_000, 2, HERE) == 5000
+    assert pace.count(10**9, 2, HERE) == 20_000
 
 
 def test_lines_come_every_thirty_seconds() -> None:

@@ -156,7 +156,7 @@ class AnalysisPlan:
         names = {axis.name for axis in axes if axis.kind in ("option", "law")}
         for law in self.template.names:
             names |= set(get_law(law).structural)
-        return names | {forcing.amplitude for forcing in get_model(self.layout.model).forcings}
+        return names
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,9 @@ MANY_SHARDS = 400
 LONGEST_CHUNK = 20.0
 """Seconds that a chunk may take; what a kill can lose."""
 
+LOADING = 1.0
+"""Seconds that a first point may take to load code before it counts as slow itself."""
+
 FRUITLESS_RESTARTS = 3
 """Deaths of workers in a row, none of which had begun a point, after which we give up."""
 
@@ -43,18 +46,23 @@ class Pace:
 
     seconds_per_point: float | None = None
     last_count: int = 0
+    tasks: int = 0
 
     def learn(self, points: int, seconds: float) -> None:
-        """Take a finished task into account; recent ones count most."""
+        """Take a finished task into account; the first, which also loads code, only until then."""
         cost = seconds / points
         before = self.seconds_per_point
-        self.seconds_per_point = cost if before is None else 0.7 * before + 0.3 * cost
+        self.tasks += 1
+        if before is None or self.tasks == 2:
+            self.seconds_per_point = cost
+        else:
+            self.seconds_per_point = 0.7 * before + 0.3 * cost
 
     def count(self, left: int, workers: int, policy: Policy) -> int:
         """Points of the next task: short tasks first, then as long as `policy` aims for."""
         if policy.chunk_points is not None:
             return policy.chunk_points
-        if self.seconds_per_point is None:
+        if self.seconds_per_point is None or self.tasks == 1:
             return 1
         cost = max(self.seconds_per_point, 1e-7)
         target = min(max(policy.chunk_seconds, cost * left / MANY_SHARDS), LONGEST_CHUNK)
@@ -63,8 +71,11 @@ class Pace:
         return self.last_count
 
     def remaining(self, left: int) -> float | None:
-        """Estimated work, s."""
-        return None if self.seconds_per_point is None else self.seconds_per_point * left
+        """Estimated work, s; None while what is measured may be the loading of code."""
+        cost = self.seconds_per_point
+        if cost is None or (self.tasks == 1 and cost < LOADING):
+            return None
+        return cost * left
 
 
 @dataclass
