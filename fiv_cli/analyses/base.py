@@ -11,6 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from fiv_cli.dynamics.settings import Section, SolverSettings
+
+__all__ = ["Analysis", "Outcome", "Section", "Setting", "SolverSettings", "Start"]
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -38,48 +42,6 @@ class Setting:
     minimum: float = float("-inf")
     exclusive: bool = False
     required: bool = False
-
-
-@dataclass(frozen=True)
-class Section:
-    """A Poincaré section.
-
-    Attributes
-    ----------
-    kind : "event" (a transition), "zero" (a velocity passes zero) or "phase" (stroboscopic)
-    event : "slip->stick" or "stick->slip" when kind is "event"
-    state : velocity state, e.g. ``x1_dot``, when kind is "zero"
-    direction : "up", "down" or "both" when kind is "zero"
-    phase : phase of the excitation, rad, when kind is "phase"
-    contact : contact of the event, 1-based
-    """
-
-    kind: str
-    event: str = "slip->stick"
-    state: str = ""
-    direction: str = "both"
-    phase: float = 0.0
-    contact: int = 1
-
-
-@dataclass(frozen=True)
-class SolverSettings:
-    """How motions are integrated.
-
-    Attributes
-    ----------
-    method : "taylor" or "rk4"
-    rtol : relative tolerance of a Taylor step
-    step : step of rk4, s (ignored by taylor)
-    max_events : events after which a run ends with status "budget"
-    max_steps : steps after which a run ends with status "budget"
-    """
-
-    method: str = "taylor"
-    rtol: float = 1e-9
-    step: float = 1e-3
-    max_events: int = 1_000_000
-    max_steps: int = 50_000_000
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Section, SolverSettings
+from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.system import System, Vector
 
@@ -96,8 +96,9 @@ class Motion:
     system : the compiled system
     parameters : every parameter, SI
     solver : integrator settings
-    state : initial state by name, the rest 0
+    state : initial state by name, the rest 0; or a state vector
     time : initial time, s
+    sticking : contacts that stick from the start; they take on the drive's velocity
     """
 
     def __init__(
@@ -107,6 +108,7 @@ class Motion:
         solver: SolverSettings,
         state: Mapping[str, float] | Vector,
         time: float = 0.0,
+        sticking: tuple[bool, ...] = (),
     ) -> None:
         self.system = system
         self.solver = solver
@@ -115,7 +117,7 @@ class Motion:
         self.parameters = system.parameter_vector(parameters)
         self.y[:] = state if isinstance(state, np.ndarray) else system.state_vector(state)
         self.clock[kernel.TIME] = time
-        self.started = self._enter()
+        self.started = self._enter(sticking)
 
     def _allocate(self, system: System, solver: SolverSettings) -> None:
         n, contacts = len(system.state_names), system.n_contacts
@@ -155,9 +157,12 @@ class Motion:
         )
 
     # --- start ----------------------------------------------------------------------------------
-    def _enter(self) -> bool:
+    def _enter(self, sticking: tuple[bool, ...]) -> bool:
         """Find the contact state of the initial state; False when none is consistent."""
         self._fill_coefficients()
+        if any(sticking):
+            kinds = np.array([kernel.STICK if s else kernel.SLIP for s in sticking], np.int64)
+            self.y[:] = self._field(kinds)[1][: len(self.y)]
         for i in range(self.system.n_contacts):
             self.kinds[i] = kernel.SEPARATION if self._is_open(i) else kernel.SLIP
         velocities = self._slip_velocities()

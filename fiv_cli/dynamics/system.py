@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.generate import Generated, generate
 from fiv_cli.friction import get_law

@@ -1,0 +1,47 @@
+"""What the integrator and the Poincaré sections are told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Section:
+    """A Poincaré section.
+
+    Attributes
+    ----------
+    kind : "event" (a transition), "zero" (a velocity passes zero) or "phase" (stroboscopic)
+    event : "slip->stick" or "stick->slip" when kind is "event"
+    state : velocity state, e.g. ``x1_dot``, when kind is "zero"
+    direction : "up", "down" or "both" when kind is "zero"
+    phase : phase of the excitation, rad, when kind is "phase"
+    contact : contact of the event, 1-based
+    """
+
+    kind: str
+    event: str = "slip->stick"
+    state: str = ""
+    direction: str = "both"
+    phase: float = 0.0
+    contact: int = 1
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """How motions are integrated.
+
+    Attributes
+    ----------
+    method : "taylor" or "rk4"
+    rtol : relative tolerance of a Taylor step
+    step : step of rk4, s (ignored by taylor)
+    max_events : events after which a run ends with status "budget"
+    max_steps : steps after which a run ends with status "budget"
+    """
+
+    method: str = "taylor"
+    rtol: float = 1e-9
+    step: float = 1e-3
+    max_events: int = 1_000_000
+    max_steps: int = 50_000_000
