@@ -114,7 +114,11 @@ def _storable(outcome: Outcome, variables: Sequence[Variable]) -> Outcome:
 def _converted(outcome: Outcome, table: Mapping[tuple[str, bool], Variable]) -> Outcome:
     if outcome.status not in STATUS.codes:
         raise ValueError(f"unknown status {outcome.status!r}")
-    values = {name: _array(value, table[name, False]) for name, value in outcome.values.items()}
+    values = {
+        name: _array(value, table[name, False])
+        for name, value in outcome.values.items()
+        if (name, True) not in table  # a summary of what a ragged variable holds row by row
+    }
     ragged = {name: _row(value, table[name, True]) for name, value in outcome.ragged.items()}
     _check_rows(ragged, table)
     return Outcome(outcome.status, outcome.reason, values, ragged, outcome.message)

@@ -127,9 +127,13 @@ def _history(
         Variable("contact_state", "1", "state of contact", along, "flag", "contact_state"),
         Variable("kinetic_energy", "J", "kinetic energy", ("time",)),
         Variable("potential_energy", "J", "potential energy", ("time",)),
-        Variable("friction_work", "J", "work of friction on the model since t = 0", ("time",)),
-        Variable("drive_work", "J", "work of the drive since t = 0", ("time",)),
-        Variable("other_work", "J", "work of all other forces since t = 0", ("time",)),
+        Variable("friction_power", "W", "power of friction on the model", ("time",)),
+        Variable("drive_power", "W", "power of the drive", ("time",)),
+        Variable("other_power", "W", "power of all other forces", ("time",)),
+        Variable("friction_work", "J", "work of friction on the model"),
+        Variable("drive_work", "J", "work of the drive"),
+        Variable("other_work", "J", "work of all other forces"),
+        Variable("impact_loss", "J", "energy lost in impacts"),
         Variable("event_time", "s", "instant of the event", ragged="event"),
         Variable("event_from", "1", "contact before", (), "flag", "contact_state", ragged="event"),
         Variable("event_to", "1", "contact after", (), "flag", "contact_state", ragged="event"),
@@ -173,7 +177,6 @@ def _eigenvalues(
         Variable("coupled_with", "1", "mode of equal frequency; -1: none", mode, "int"),
         Variable("growth_rate", "rad s-1", "largest real part"),
         Variable("stable", "1", "whether the equilibrium is stable", (), "flag", "stable"),
-        Variable("residual", "1", "largest residual of the eigenvalue problem"),
     ]
 
 
