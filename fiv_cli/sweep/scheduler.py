@@ -59,14 +59,17 @@ class Pace:
             self.seconds_per_point = 0.7 * before + 0.3 * cost
 
     def count(self, left: int, workers: int, policy: Policy) -> int:
-        """Points of the next task: short tasks first, then as long as `policy` aims for."""
+        """Points of the next task: short tasks first, then as long as `policy` aims for.
+
+        `workers` share what is left; with 0 of them it all falls to this process.
+        """
         if policy.chunk_points is not None:
             return policy.chunk_points
         if self.seconds_per_point is None or self.tasks == 1:
             return 1
         cost = max(self.seconds_per_point, 1e-7)
         target = min(max(policy.chunk_seconds, cost * left / MANY_SHARDS), LONGEST_CHUNK)
-        share = -(-left // (4 * workers))
+        share = -(-left // (4 * workers)) if workers else left
         self.last_count = int(max(1, min(target / cost, share, 8 * self.last_count + 8)))
         return self.last_count
 
@@ -182,7 +185,8 @@ class Scheduler:
     def _next_job(self, queue: Queue, pace: Pace, heartbeat: Path | None) -> Job | None:
         if self._full():
             return None
-        count = pace.count(queue.left, self.policy.workers, self.policy)
+        workers = self._pool.workers if self._pool else 0
+        count = pace.count(queue.left, workers, self.policy)
         if self.policy.max_points is not None:
             count = min(count, self.policy.max_points - self._dispatched)
         job = queue.next_job(count, heartbeat)
