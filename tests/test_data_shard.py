@@ -141,6 +141,7 @@ def test_plain_data_survives(value: object) -> None:
         (Outcome(values={"L_s": [1.0, 2.0]}), "L_s has 1 dims"),
         (Outcome(values={"attractor": "wobbly"}), "wobbly"),
         (Outcome(status="great"), "great"),
+        (Outcome(reason="bad luck"), "bad luck"),
         (Outcome(ragged={"L_s": [1.0]}), "L_s"),
         (Outcome(ragged={"section_value": 1.0}), "section_value has 0 dims"),
     ],

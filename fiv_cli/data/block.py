@@ -114,6 +114,7 @@ def _storable(outcome: Outcome, variables: Sequence[Variable]) -> Outcome:
 def _converted(outcome: Outcome, table: Mapping[tuple[str, bool], Variable]) -> Outcome:
     if outcome.status not in STATUS.codes:
         raise ValueError(f"unknown status {outcome.status!r}")
+    reason_code(outcome.reason)
     values = {
         name: _array(value, table[name, False])
         for name, value in outcome.values.items()

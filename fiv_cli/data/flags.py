@@ -95,6 +95,10 @@ REASONS: tuple[Reason, ...] = (
         "jammed", "the contact sticks for good although the belt moves: the mechanism is locked"
     ),
     Reason("not_converged", "the iteration did not settle: try another start or a smaller step"),
+    Reason(
+        "tests_disagree",
+        "section points and Lyapunov exponent say different things of the motion: raise t_max",
+    ),
 )
 
 STATUS = FlagTable(
@@ -130,13 +134,24 @@ TABLES: Mapping[str, FlagTable] = {
 
 
 def reason_code(name: str) -> int:
-    """Code of a reason; an empty name is ``none``, an unknown one ``internal_error``."""
-    return REASON.codes.get(name or "none", REASON.codes["internal_error"])
+    """Code of a reason; an empty name is ``none``.
+
+    Raises
+    ------
+    KeyError
+        the table has no such reason.
+    """
+    return REASON.codes[name or "none"]
 
 
 def retried_codes() -> frozenset[int]:
     """Codes of the reasons whose points are run again on resume."""
     return frozenset(code for code, reason in enumerate(REASONS) if reason.retried)
+
+
+def is_retried(name: str) -> bool:
+    """Whether a point that failed for this reason is run again on resume."""
+    return any(reason.retried and reason.name == name for reason in REASONS)
 
 
 def advice(name: str) -> str:

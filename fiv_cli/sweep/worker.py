@@ -23,7 +23,7 @@ from typing import Any
 from fiv_cli.analyses.base import Outcome, Start
 from fiv_cli.analyses.execute import Request
 from fiv_cli.data.block import Block, pack
-from fiv_cli.data.flags import reason_code, retried_codes
+from fiv_cli.data.flags import is_retried
 from fiv_cli.data.shard import from_plain, to_plain
 from fiv_cli.data.variables import Variable
 from fiv_cli.sweep.points import (
@@ -237,7 +237,7 @@ def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
     changed = followed and before is not None and attractor != before.attractor
     lost = outcome.status != "ok" or outcome.carry is None or changed
     blocked = "" if before is None else before.blocked
-    if outcome.status == "failed" and reason_code(outcome.reason) in retried_codes():
+    if outcome.status == "failed" and is_retried(outcome.reason):
         blocked = outcome.reason
     return ChainState(lost, None if lost else _stored_form(outcome.carry), attractor, blocked)
 
