@@ -30,7 +30,8 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     name = points.one_variable(settings, DEFAULT)
     clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
     count = sum(y.size for _, _, y in clouds)
-    looks: dict[str, Any] = {"ms": style.dot_size(count), "rasterized": count > style.MANY_MARKS}
+    columns = points.abscissa(layers[0].dataset, settings).size
+    looks: dict[str, Any] = {"ms": style.dot_size(columns), "rasterized": count > style.MANY_MARKS}
     entries = points.entries([label for label, _, _ in clouds])
     for (_, x, y), entry in zip(clouds, entries, strict=True):
         ax.plot(x, y, ".", mew=0, ls="none", color=entry.colour, label=entry.label, **looks)

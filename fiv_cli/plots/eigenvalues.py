@@ -26,7 +26,10 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
-    """A colour for each mode, a dash for each value of the other axes; unstable points marked."""
+    """A colour for each mode, a dash for each value of the other axes; unstable points marked.
+
+    Of a conjugate pair the eigenvalue with positive imaginary part is drawn.
+    """
     dataset = layers[0].dataset
     if PARTS[0] not in dataset:
         raise UsageError("no eigenvalues in this dataset\nadd an analysis of kind `eigenvalues`")
@@ -46,17 +49,17 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
 def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None:
     dim = str(axis.dims[0])
     x = points.positions(axis)
-    modes = select.axis_of(dataset, "mode").values
+    modes = _modes(dataset)
     lines = points.lines(dataset, [dim], points.grid_dims(dataset))
     # the colour of unstable points is no mode's
-    colours = [c for c in style.line_colours(modes.size + 1) if c != style.VERMILLION]
+    colours = [c for c in style.line_colours(len(modes) + 1) if c != style.VERMILLION]
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
-        for mode, number_of_mode in enumerate(modes):
+        for (mode, label_of_mode), colour in zip(modes.items(), colours, strict=False):
             y = part[name].isel(mode=mode).values
             dash = DASHES[number % len(DASHES)]
-            label = points.joined(f"mode {number_of_mode}", line.label)
-            ax.plot(x, y, dash, color=colours[mode], label=label)
+            label = points.joined(f"mode {label_of_mode}", line.label)
+            ax.plot(x, y, dash, color=colour, label=label)
             unstable = part[PARTS[0]].isel(mode=mode).values > 0.0
             ax.plot(
                 x[unstable], y[unstable], "o", ms=3.5, color=style.VERMILLION, mec="white", mew=0.4,
@@ -64,3 +67,11 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             )  # fmt: skip
     if np.any(dataset[PARTS[0]].values > 0.0):
         ax.plot([], [], "o", ms=3.5, color=style.VERMILLION, label="unstable")
+
+
+def _modes(dataset: xr.Dataset) -> dict[int, str]:
+    """Place -> number of the modes to draw: of a conjugate pair the one of positive frequency."""
+    numbers = select.axis_of(dataset, "mode").values
+    imaginary = dataset["eigenvalue_imag"].transpose(..., "mode").values.reshape(-1, numbers.size)
+    twins = (imaginary < 0.0).any(axis=0) & ~(imaginary >= 0.0).any(axis=0)
+    return {place: str(numbers[place]) for place in np.flatnonzero(~twins).tolist()}

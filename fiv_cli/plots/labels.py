@@ -20,7 +20,7 @@ GREEK = frozenset(
 # The thesis writes the angle with the open form of the letter.
 VARIANTS = {"phi": r"\varphi"}
 
-TITLE_WIDTH = 68
+TITLE_WIDTH = 92
 LONGEST_MEANING = 40
 
 
@@ -28,12 +28,20 @@ def axis_label(variable: xr.DataArray, name: str = "") -> str:
     r"""What stands at an axis: ``disc speed $\Omega$ (rad/s)``, or ``$\varphi$ (rad)``."""
     name = name or str(variable.name)
     meaning = str(variable.attrs.get("long_name", ""))
-    words = meaning if 0 < len(meaning) <= LONGEST_MEANING else ""
+    words = _with_symbols(meaning) if 0 < len(meaning) <= LONGEST_MEANING else ""
     if has_symbol(variable, name):
         words = f"{words} ${symbol(variable, name)}$".strip()
     words = words or name.replace("_", " ")
     unit = unit_text(str(variable.attrs.get("units", "1")))
     return f"{words} ({unit})" if unit else words
+
+
+def _with_symbols(words: str) -> str:
+    """Names of states and parameters among the words as symbols: ``phi at the section``."""
+    return " ".join(
+        f"${symbol_of_name(word)}$" if word.split("_")[0] in GREEK else word
+        for word in words.split()
+    )
 
 
 def short_label(variable: xr.DataArray, name: str = "") -> str:

@@ -183,7 +183,7 @@ def _why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
 def _legend(figure: Figure, handles: list[Patch], missing: str) -> None:
     if missing:
         handles.append(Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing))
-    figure.legend(handles=handles, loc="outside lower center", ncols=max(1, min(4, len(handles))))
+    figure.legend(handles=handles, loc="outside lower center", ncols=max(1, min(5, len(handles))))
 
 
 def _paint_numbers(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,8 +47,8 @@ def _panel(
     x, y = (motion.of_contact(one.data[name], settings) for name in names)
     path = np.column_stack([x, y])
     stretches: dict[str, list[np.ndarray]] = {}
-    for state, first, last in motion.contact_runs(one, settings):
-        stretches.setdefault(state, []).append(path[first : last + 1])
+    for state, first, last in _joined_runs(list(motion.contact_runs(one, settings))):
+        stretches.setdefault(state, []).append(path[first:last])
     many = one.time.size > style.MANY_MARKS
     for state, pieces in stretches.items():
         ax.add_collection(
@@ -62,6 +62,20 @@ def _panel(
     ax.set_title(one.label)
     ax.xaxis.set_major_locator(MaxNLocator(5))
     points.scale(ax, settings)
+
+
+def _joined_runs(runs: list[tuple[str, int, int]]) -> Iterator[tuple[str, int, int]]:
+    """The runs, each prolonged so that they meet.
+
+    The step from one run to the next goes to the one that slips, for what sticks moves straight
+    on at constant velocity; between two that slip it goes to the first.
+    """
+    states = [None, *(state for state, _, _ in runs), None]
+    for number, (state, first, last) in enumerate(runs, start=1):
+        before, after = states[number - 1], states[number + 1]
+        takes_before = before == "stick" != state
+        takes_after = after is not None and not (state == "stick" != after)
+        yield state, first - takes_before, last + takes_after
 
 
 def _legend(figure: Figure, states: Sequence[str]) -> None:

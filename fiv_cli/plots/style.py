@@ -105,11 +105,11 @@ def class_colours(names: Sequence[str]) -> list[str]:
     return [CLASSES.get(name, LINES[index % len(LINES)]) for index, name in enumerate(names)]
 
 
-def dot_size(count: int) -> float:
-    """Diameter (points) of the dots of a figure that has `count` of them."""
-    if count < 500:
-        return 4.5
-    return 2.5 if count < MANY_MARKS else 1.2
+def dot_size(columns: int) -> float:
+    """Diameter (points) of the dots of a diagram with so many columns of dots side by side."""
+    if columns < 60:
+        return 3.5
+    return 2.2 if columns < 400 else 1.2
 
 
 def line_colours(count: int) -> list[Any]:
