@@ -628,6 +628,20 @@ def test_plot_draws_every_analysis_of_a_file_with_several(stored):
     assert "steady: Omega 46 x initial 2" in run(show_command, "two.nc").stdout
 
 
+def test_plot_leaves_out_figures_of_the_sweep_that_a_history_cannot_show(stored):
+    sweep = '[[figure]]\nkind = "bifurcation"\n'
+    for tables, drawn in (
+        (sweep, ["one-history.png", "one-phase.png"]),
+        (sweep + '[[figure]]\nkind = "phase"', ["one-phase.png"]),
+    ):
+        data.history().assign_attrs(data.attributes(tables)).to_netcdf(stored / "one.nc")
+        result = run(plot_command, "one.nc")
+        assert result.stdout.split() == drawn
+        assert "figure bifurcation is left out" in result.stderr
+    with pytest.raises(UsageError, match="no values at a section"):
+        run(plot_command, "one.nc", "--figure", "bifurcation")
+
+
 def test_plot_overlays_files_where_a_figure_can(stored):
     result = run(plot_command, "bifurcation.nc", "bifurcation.nc", "--figure", "curve")
     assert result.stdout.split() == ["bifurcation-curve.png"]

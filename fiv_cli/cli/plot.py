@@ -11,6 +11,7 @@ import click
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
     from fiv_cli.case.case import FigureSpec
@@ -68,12 +69,12 @@ def _of_laws(laws: Sequence[str]) -> list[tuple[Path, Figure]]:
 def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Figure]]:
     """(default path, figure) of every figure; those that overlay are drawn once for all files."""
     from fiv_cli.data.reading import read_analyses
-    from fiv_cli.plots import draw, figures_of
+    from fiv_cli.plots import draw
     from fiv_cli.plots.drawing import KINDS
 
     sources = [(file, read_analyses(file)) for file in files]
     for number, (file, source) in enumerate(sources):
-        for figure in _chosen(figures_of(source), name):
+        for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if not KINDS[figure.kind].overlays or len(files) == 1:
                 yield default, draw(source, figure)
@@ -81,7 +82,29 @@ def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, F
                 yield default, draw([(f.stem, s) for f, s in sources], figure)
 
 
-def _chosen(figures: list[FigureSpec], name: str | None) -> list[FigureSpec]:
+def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:
+    """The figures to draw: the one called `name`, or all that the dataset can show."""
+    from fiv_cli.plots import default_figures, figures_of
+
+    figures = figures_of(source)
+    if name is not None:
+        return _called(figures, name)
+    return _possible(file, source, figures) or default_figures(source)
+
+
+def _possible(
+    file: Path, source: dict[str, xr.Dataset], figures: list[FigureSpec]
+) -> list[FigureSpec]:
+    """The figures that the dataset can show; the others are named on stderr."""
+    from fiv_cli.plots import can_draw
+
+    for figure in figures:
+        if not can_draw(source, figure):
+            click.echo(f"{file}: figure {figure.name} is left out: nothing to draw", err=True)
+    return [figure for figure in figures if can_draw(source, figure)]
+
+
+def _called(figures: list[FigureSpec], name: str) -> list[FigureSpec]:
     """The figures called `name`; a kind that the case does not ask for is drawn as it comes.
 
     Raises
@@ -91,8 +114,6 @@ def _chosen(figures: list[FigureSpec], name: str | None) -> list[FigureSpec]:
     from fiv_cli.case.case import FigureSpec
     from fiv_cli.plots.drawing import KINDS
 
-    if name is None:
-        return figures
     named = [figure for figure in figures if figure.name == name]
     if not named and name not in KINDS:
         known = ", ".join(dict.fromkeys([*(figure.name for figure in figures), *KINDS]))

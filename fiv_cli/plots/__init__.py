@@ -7,8 +7,8 @@ be drawn from this dataset) and ``draw(layers, settings) -> Figure``, and list i
 
 from __future__ import annotations
 
-from fiv_cli.plots.drawing import default_figures, draw, figures_of
+from fiv_cli.plots.drawing import can_draw, default_figures, draw, figures_of
 from fiv_cli.plots.law import draw_laws
 from fiv_cli.plots.style import save
 
-__all__ = ["default_figures", "draw", "draw_laws", "figures_of", "save"]
+__all__ = ["can_draw", "default_figures", "draw", "draw_laws", "figures_of", "save"]

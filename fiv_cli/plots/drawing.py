@@ -103,6 +103,17 @@ def _numbered(stem: str, count: int) -> str:
     return stem if count == 1 else f"{stem}-{count}"
 
 
+def can_draw(source: Source, figure: FigureSpec) -> bool:
+    """Whether the dataset holds what a figure of this kind shows.
+
+    The history of one point of a sweep carries the figures of the sweep, for example.
+    """
+    analyses = _analyses(source)
+    named = str(figure.settings.get("analysis", ""))
+    candidates = [analyses[named]] if named in analyses else list(analyses.values())
+    return any(_kind(figure.kind).suits(dataset) for dataset in candidates)
+
+
 def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> Figure:
     """Draw one figure.
 
