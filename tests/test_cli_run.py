@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from fiv_cli.cli.main import run as fiv
+from fiv_cli.data.flags import ATTRACTOR
 from fiv_cli.data.netcdf import read_datasets
 
 EQUILIBRIUM = """
@@ -42,6 +43,34 @@ state = { x_dot = "v" }
 [[analysis]]
 kind = "response"
 t_max = 200.0
+"""
+
+
+MIXED = """
+schema = 1
+[model]
+name = "pin-on-disc"
+[grid]
+N0 = [20.0, 30.0]
+Omega = { start = 2, stop = 5, num = 4 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { phi_dot = "Omega" }
+[[initial]]
+label = "any"
+kind = "random"
+box = { phi = [-0.1, 0.1], theta_dot = [-1.0, 1.0] }
+[[initial]]
+label = "down"
+kind = "continue"
+along = "Omega"
+direction = "down"
+from = "far"
+on_loss = "restart"
+[[analysis]]
+kind = "response"
+t_max = 30.0
 """
 
 
@@ -176,6 +205,21 @@ def test_regenerate_needs_a_clean_tree(capsys: pytest.CaptureFixture[str]) -> No
     subprocess.run(["git", *identity, "commit", "-qam", "y"], check=True)
     assert fiv(["regress", "--regenerate"]) == 0
     assert fiv(["regress"]) == 0
+
+
+def test_the_real_engine_leaves_no_trace_of_how_it_was_run() -> None:
+    """Continued, random and plain starts; one process, two workers, two goes."""
+    Path("mixed.toml").write_text(MIXED)
+    fiv(["run", "mixed.toml", "-q", "-o", "a.nc", "--workers", "1"])
+    fiv(["run", "mixed.toml", "-q", "-o", "b.nc", "--time-limit", "600"])
+    fiv(["run", "mixed.toml", "-q", "-o", "c.nc", "--max-points", "7"])
+    fiv(["run", "mixed.toml", "-q", "-o", "c.nc"])
+    expected = Path("a.nc").read_bytes()
+    assert Path("b.nc").read_bytes() == expected
+    assert Path("c.nc").read_bytes() == expected
+    dataset = read_datasets(Path("a.nc"))[""]
+    assert float(dataset["energy_residual"].max()) < 1e-9
+    assert (dataset["attractor"].sel(initial="far") == ATTRACTOR.codes["periodic"]).any()
 
 
 def test_history_of_a_point(capsys: pytest.CaptureFixture[str]) -> None:
