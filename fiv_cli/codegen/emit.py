@@ -102,7 +102,7 @@ def _value(node: Node, names: dict[int, str], coefficients: Coefficients) -> str
         return "t"
     if node.op == "state":
         return f"y[{node.value}]"
-    inner = [names[arg.index] for arg in node.args]
+    inner = [coefficients.text(a) if a.constant else names[a.index] for a in node.args]
     if node.op == "linear":
         terms = [
             _weighted(weight, text, coefficients)

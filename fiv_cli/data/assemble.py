@@ -212,7 +212,7 @@ def _variable(variable: Variable, layout: Layout, array: Array) -> xr.Variable:
         return xr.Variable((variable.sample_dim,), array, _attributes(variable))
     if variable.kind == "coordinate":
         return xr.Variable(variable.dims, array, _attributes(variable))
-    shaped = array.reshape(*layout.shape, *array.shape[1:])
+    shaped = array.reshape((*layout.shape, *array.shape[1:]))
     return xr.Variable((*layout.dim_names, *variable.dims), shaped, _attributes(variable))
 
 

@@ -65,6 +65,7 @@ MEASURES_WIDTH = 7
 REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STATE, JAMMED = range(8)
 
 ENDLESS = 1e300  # step over which every series is a polynomial
+POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
 CHAIN_CAP = 50  # transitions at one instant
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
@@ -114,7 +115,7 @@ def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
 
 @njit("float64(float64[::1], int64, int64)", **CACHE)
 def time_scale(series, n, order):  # type: ignore[no-untyped-def]
-    """Shortest time in which a state's last terms catch up with its first ones."""
+    """Shortest time in which a series' last terms catch up with its first ones."""
     shortest = ENDLESS
     for i in range(n):
         first = i * (order + 1)
@@ -129,9 +130,10 @@ def time_scale(series, n, order):  # type: ignore[no-untyped-def]
 
 @njit("float64(float64[::1], int64, int64, float64, float64)", **CACHE)
 def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
-    """Step for which the last two terms stay below rtol times each state's own scale.
+    """Step for which the last two terms stay below rtol times each series' own scale.
 
-    The scale of a state is the largest of its first terms over the last step, so it follows the
+    `n` counts the states and the switching functions: in stick the state may be a polynomial
+    while the demanded force is not. The scale of a series is the largest of its first terms over the last step, so it follows the
     motion and not the units.
     """
     if last <= 0.0:
@@ -153,6 +155,22 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     if worst_before > 0.0:
         step = min(step, (rtol / worst_before) ** (1.0 / (order - 1)))
     return step
+
+
+@njit("float64(float64[::1], int64, int64, int64, float64)", **CACHE)
+def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untyped-def]
+    """Step for a motion that is a polynomial, exact over any length.
+
+    Roots are located as fractions of the step, so it must not dwarf the time to the next event.
+    """
+    if last > 0.0:
+        return POLYNOMIAL_STEPS * last
+    step = ENDLESS
+    for g in range(n_guards):
+        offset = (n + g) * (order + 1)
+        if series[offset + 1] != 0.0:
+            step = min(step, 2.0 * abs(series[offset] / series[offset + 1]))
+    return step if step > 0.0 else ENDLESS
 
 
 @njit("int64(float64[::1], int64, int64, float64, int64, int64[::1])", **CACHE)
@@ -197,7 +215,8 @@ def consistent(  # type: ignore[no-untyped-def]
         return False
     call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
     call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
-    step = step_size(series, n, order, tolerances[RTOL], clock[LAST_STEP])
+    rows = n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
+    step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
     if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
         step = clock[LAST_STEP] if clock[LAST_STEP] > 0.0 else 0.0
     strip = np.empty(1, np.int64)
@@ -622,9 +641,12 @@ def advance(  # type: ignore[no-untyped-def]
         # --- the step -----------------------------------------------------------------------
         if taylor:
             call_generated(table[index, TAYLOR], coefficients, t, y, series)
-            step = step_size(series, n, order, tolerances[RTOL], clock[LAST_STEP])
+            rows = n + n_guards + has_angle
+            step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
             if step < ENDLESS:
                 clock[LAST_STEP] = step
+            else:
+                step = polynomial_step(series, n, n_guards, order, clock[LAST_STEP])
             for i in range(n):
                 y[i] = series[i * (order + 1)]
         else:

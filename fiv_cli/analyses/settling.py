@@ -1,0 +1,83 @@
+"""Has a return map settled? Pure functions of the section points met so far.
+
+A map has settled on period m when the last points repeat those m earlier to `SETTLED`, and the
+rate at which the repetition improves leaves less than that to come. The second condition is what
+tells a slow transient (a multiplier of -0.99) from a settled motion.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fiv_cli.dynamics.compiled import CACHE
+
+SETTLED = 1e-8  # relative to the largest value of each state at the section
+LONGEST = 64  # longest period looked for, in section points
+NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
+FLOOR = 1e-13  # a repetition this close is rounding: its rate says nothing
+
+
+@njit("float64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
+def _distance(points, scales, row, m):  # type: ignore[no-untyped-def]
+    """Largest scaled difference between a point and the one m earlier."""
+    worst = 0.0
+    for i in range(points.shape[1]):
+        worst = max(worst, abs(points[row, i] - points[row - m, i]) / scales[i])
+    return worst
+
+
+@njit("float64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
+def _repetition(points, scales, count, m):  # type: ignore[no-untyped-def]
+    """Largest difference of the last m points from those m earlier."""
+    worst = 0.0
+    for back in range(m):
+        worst = max(worst, _distance(points, scales, count - 1 - back, m))
+    return worst
+
+
+@njit("boolean(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
+def _shrinking_divisor(points, scales, count, m):  # type: ignore[no-untyped-def]
+    """Whether a shorter period is on its way: its repetition is small and still improves.
+
+    A negative multiplier makes every second period agree sooner than every one.
+    """
+    for d in range(1, m // 2 + 1):
+        if m % d == 0:
+            now = _repetition(points, scales, count, d)
+            before = _repetition(points, scales, count - m, d)
+            if now <= NEARLY and now < before:
+                return True
+    return False
+
+
+@njit("int64(float64[:, ::1], float64[::1], int64, int64, float64)", **CACHE)
+def _settled_period(points, scales, count, longest, tolerance):  # type: ignore[no-untyped-def]
+    for m in range(1, min(longest, (count - 1) // 2) + 1):
+        if _distance(points, scales, count - 1, m) > tolerance:
+            continue
+        now = _repetition(points, scales, count, m)
+        if now > tolerance:
+            continue
+        before = _repetition(points, scales, count - m, m)
+        rate = now / before if before > 0.0 else 0.0
+        if now <= FLOOR or (rate < 1.0 and now * rate / (1.0 - rate) <= tolerance):
+            shorter = count >= 3 * m + 1 and _shrinking_divisor(points, scales, count, m)
+            return 0 if shorter else m
+    return 0
+
+
+def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
+    """Section points per period of a settled map; 0 when it has not settled.
+
+    Parameters
+    ----------
+    points : section points, oldest first; shape (count, n). Two columns of an excitation's phase
+        (cosine, sine) belong to them on a forced system
+    """
+    if len(points) < 3:
+        return 0
+    scales = np.maximum(np.max(np.abs(points), axis=0), np.finfo(float).tiny)
+    points = np.ascontiguousarray(points)
+    return int(_settled_period(points, scales, len(points), LONGEST, tolerance))
