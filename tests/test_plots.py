@@ -683,6 +683,11 @@ def test_show_counts_classes_and_ranges(stored):
     assert "0 to 0.001 rad2" in printed
 
 
+def test_show_lists_few_labels_and_counts_many():
+    dataset = data.stability_map(initial=[f"far-{n:03d}" for n in range(30)])
+    assert "far-000, ..., far-029, 30 values" in "\n".join(summary_lines(summarise({"": dataset})))
+
+
 def test_show_names_the_point_of_the_worst_value():
     dataset = data.bifurcation()
     residual = np.full((46, 2), 1e-12)

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 # How far to trust a number: the greatest is the worst.
 TRUST = ("energy_residual", "event_residual", "residual", "transient_used", "n_steps", "n_events")
 
+# Labels of an axis that are all listed; of more, the first and the last.
+MOST_NAMES = 8
+
 GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source")
 
 
@@ -133,7 +136,9 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
 
 def _axis_line(found: Mapping[str, Any]) -> str:
     if "values" in found:
-        return ", ".join(found["values"])
+        names = found["values"]
+        listed = names if len(names) <= MOST_NAMES else [names[0], "...", names[-1]]
+        return ", ".join(listed) + (f", {len(names)} values" if listed != names else "")
     return f"{found['first']:g} to {found['last']:g}{_unit(found)}, {found['size']} values"
 
 
