@@ -195,6 +195,14 @@ def test_regress_agrees_until_an_answer_changes(capsys: pytest.CaptureFixture[st
     assert fiv(["regress", "nowhere"]) == 2
 
 
+def test_a_sweep_without_a_reference_says_how_to_make_one(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (sweep_folder() / "reference.nc").unlink()
+    assert fiv(["regress"]) == 2
+    assert "--regenerate" in capsys.readouterr().err
+
+
 def test_regenerate_needs_a_clean_tree(capsys: pytest.CaptureFixture[str]) -> None:
     folder = sweep_folder()
     identity = ["-c", "user.name=t", "-c", "user.email=t@t"]

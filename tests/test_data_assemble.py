@@ -69,6 +69,13 @@ def test_a_later_block_replaces_a_point() -> None:
     assert dataset["section_value"].values.tolist() == [4.0]
 
 
+def test_a_case_without_a_grid_has_variables_without_dims() -> None:
+    what = layout("equilibrium", dims=())
+    dataset = assemble(what, lambda: [(at(0), packed(what, Outcome(values={"n_solutions": 1})))])
+    assert dataset["n_solutions"].dims == ()
+    assert int(dataset["n_solutions"]) == 1
+
+
 def test_points_without_a_block_are_pending() -> None:
     dataset = assemble(layout("response", starts=True), list)
     assert (dataset["status"] == TABLES["status"].codes["pending"]).all()

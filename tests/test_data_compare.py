@@ -97,6 +97,20 @@ def test_a_number_against_nan_is_a_difference() -> None:
     assert [d.what for d in differences(changed("period", (0, 0), np.nan))] == ["period"]
 
 
+def test_infinities_agree_with_themselves_only() -> None:
+    left = changed("period", (0, 0), np.inf)
+    assert differences(changed("period", (0, 0), np.inf), left=left) == []
+    for value in (-np.inf, np.nan, 1.0):
+        assert [d.what for d in differences(changed("period", (0, 0), value), left=left)]
+
+
+def test_a_single_point_without_dims() -> None:
+    one = xr.Dataset({"L_s": ((), 1.0, {"units": "m2"})})
+    other = xr.Dataset({"L_s": ((), 2.0, {"units": "m2"})})
+    assert differences(one, left=one) == []
+    assert "1 against 2 at the only point" in differences(other, left=one)[0].text
+
+
 def test_status_and_class_are_exact() -> None:
     (found,) = differences(changed("status", (1, 1), STATUS.codes["failed"]))
     assert found.what == "status"

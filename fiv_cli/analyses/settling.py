@@ -16,7 +16,7 @@ from fiv_cli.dynamics.compiled import CACHE
 SETTLED = 1e-8  # relative to the largest value of each state at the section
 LONGEST = 64  # longest period looked for, in section points
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
-FLOOR = 1e-13  # a repetition this close is rounding: its rate says nothing
+FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
 
 
 @njit("float64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)

@@ -117,6 +117,10 @@ def _differences(sweep: Sweep, output: Path) -> list[Difference]:
     from fiv_cli.data.compare import Tolerances, compare, read_tolerances
     from fiv_cli.data.netcdf import read_datasets
 
+    if not sweep.reference.exists():
+        raise UsageError(
+            f"{sweep.reference}: missing\nnext: `fiv regress {sweep.folder} --regenerate`"
+        )
     own = sweep.tolerances
     tolerances = read_tolerances(own) if own.exists() else Tolerances()
     return compare(read_datasets(sweep.reference), read_datasets(output), tolerances)

@@ -256,9 +256,11 @@ def _differs(a: xr.DataArray, b: xr.DataArray, tolerance: Tolerance) -> xr.DataA
     x, y = a.values, b.values
     if not _is_number(a):
         return a.copy(data=x != y)
-    allowed = tolerance.atol + tolerance.rtol * np.fmax(np.abs(x), np.abs(y))
-    apart = np.abs(x - y) > np.nan_to_num(allowed, nan=0.0)
-    return a.copy(data=apart | (np.isnan(x) != np.isnan(y)))
+    finite = np.isfinite(x) & np.isfinite(y)
+    u, w = np.where(finite, x, 0.0), np.where(finite, y, 0.0)
+    allowed = tolerance.atol + tolerance.rtol * np.maximum(np.abs(u), np.abs(w))
+    same = np.where(finite, np.abs(u - w) <= allowed, (x == y) | (np.isnan(x) & np.isnan(y)))
+    return a.copy(data=~same.astype(bool))
 
 
 def _worst(a: xr.DataArray, b: xr.DataArray, bad: Mask) -> str:
@@ -271,12 +273,12 @@ def _worst(a: xr.DataArray, b: xr.DataArray, bad: Mask) -> str:
 
 
 def _gap(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float64]:
-    """Relative distance; infinite where only one side is a number."""
+    """Relative distance; infinite where a side is not a number."""
     x, y = np.asarray(x, float), np.asarray(y, float)
-    scale = np.fmax(np.abs(x), np.abs(y))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        gap = np.abs(x - y) / np.where(scale > 0.0, scale, 1.0)
-    return np.where(np.isnan(x) != np.isnan(y), np.inf, np.nan_to_num(gap, nan=0.0))
+    finite = np.isfinite(x) & np.isfinite(y)
+    u, w = np.where(finite, x, 0.0), np.where(finite, y, 0.0)
+    scale = np.maximum(np.abs(u), np.abs(w))
+    return np.where(finite, np.abs(u - w) / np.where(scale > 0.0, scale, 1.0), np.inf)
 
 
 def _named(variable: xr.DataArray, value: Any) -> str:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.data.assemble import Placed
 from fiv_cli.data.block import KEY_BYTES, Block
-from fiv_cli.data.flags import STATUS, retried_codes
+from fiv_cli.data.flags import REASONS, STATUS, retried_codes
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
@@ -122,7 +122,7 @@ class Journal:
             yield positions, block
 
     def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
-        """(position, message) of failed points with different first lines, at most `limit`."""
+        """(position, what) of failed points for different reasons, at most `limit`."""
         found: dict[str, tuple[int, str]] = {}
         failed = STATUS.codes["failed"]
         record = self.records[index]
@@ -140,9 +140,15 @@ class Journal:
         failed = STATUS.codes["failed"]
         for row in np.flatnonzero((block.status == failed) & (positions >= 0)):
             position = int(positions[row])
-            message = block.messages.get(int(row), "")
             if record.status[position] == failed:
-                found.setdefault(message.partition("\n")[0], (position, message))
+                what = _explained(int(block.reason[row]), block.messages.get(int(row), ""))
+                found.setdefault(what, (position, what))
+
+
+def _explained(code: int, message: str) -> str:
+    """Why a point failed: its own words, or what the table of reasons says."""
+    reason = REASONS[code]
+    return message.partition("\n")[0] or f"{reason.name}: {reason.advice}"
 
 
 class _Finder:

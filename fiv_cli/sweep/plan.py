@@ -290,7 +290,7 @@ def _described(analysis: AnalysisPlan) -> list[str]:
     sizes = zip(layout.dim_names, layout.shape, strict=True)
     grid = " x ".join(f"{name} {size}" for name, size in sizes) or "a single point"
     title = layout.kind if layout.name == layout.kind else f"{layout.name} ({layout.kind})"
-    lines = [f"  {title}: {layout.size} points ({grid})"]
+    lines = [f"  {title}: {counted(layout.size)} ({grid})"]
     for dim in layout.dims:
         lines.extend(f"    {_axis_text(axis)}" for axis in dim.axes)
     for chains in analysis.chain_sets():
@@ -298,11 +298,18 @@ def _described(analysis: AnalysisPlan) -> list[str]:
         assert entry is not None
         number, length = chains.positions.shape
         direction = f"{entry.spec.along} {entry.spec.direction}"
-        lines.append(f"    {entry.label}: {number} chains of {length} points along {direction}")
+        lines.append(
+            f"    {entry.label}: {counted(number, 'chain')} of {counted(length)} along {direction}"
+        )
     excluded = analysis.excluded()
     if excluded:
         lines.append(f"    {excluded} points with mu_k > mu_s will not be computed")
     return lines
+
+
+def counted(count: int, noun: str = "point") -> str:
+    """``1 point``, ``2 points``."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _axis_text(axis: Axis) -> str:

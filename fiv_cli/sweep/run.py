@@ -23,7 +23,7 @@ from fiv_cli.sweep import journal as store
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.lock import hold
 from fiv_cli.sweep.output import check_output, run_folder
-from fiv_cli.sweep.plan import AnalysisPlan, Plan, make_plan
+from fiv_cli.sweep.plan import AnalysisPlan, Plan, counted, make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.scheduler import Scheduler
@@ -64,7 +64,7 @@ class Summary:
         total = sum(self.counts.values())
         lines = [f"ignored {path}: {why}; its points are run again" for path, why in self.ignored]
         lines.append(
-            f"{self.output}: {total} points: {counts} ({self.ran} run now, {self.seconds:.1f} s)"
+            f"{self.output}: {counted(total)}: {counts} ({self.ran} run now, {self.seconds:.1f} s)"
         )
         for what, command in self.errors:
             lines += [f"  {what}", f"    alone: {command}"]
@@ -189,8 +189,7 @@ def _errors(journal: Journal) -> list[tuple[str, str]]:
     """The first distinct errors, with the command that runs each point alone."""
     found = []
     for index, analysis in enumerate(journal.plan.analyses):
-        for position, message in journal.messages(index, SHOWN_ERRORS):
-            what = message.partition("\n")[0] or "failed"
+        for position, what in journal.messages(index, SHOWN_ERRORS):
             found.append((what, reproduction(journal.plan, analysis, position)))
     return found[:SHOWN_ERRORS]
 
