@@ -90,6 +90,7 @@ def test_members_of_a_random_start_share_colour_and_legend_entry(kind):
     assert legend_texts(ax)[0] == "far"
     assert len({line.get_color() for line in ax.lines[:2]}) == 1
     assert not {"far-000", "far-001"} & set(legend_texts(ax))
+    assert {line.get_linestyle() for line in ax.lines[:2]} == {"None"}
 
 
 def test_kinds_of_one_dataset_refuse_several():
@@ -521,6 +522,12 @@ def test_units_read_as_people_write_them(unit, text):
 )
 def test_names_become_symbols(name, latex):
     assert words.symbol_of_name(name) == latex
+
+
+def test_words_stay_words_and_symbols_symbols():
+    solutions = xr.DataArray(0, name="n_solutions", attrs={"long_name": "equilibria found"})
+    assert words.axis_label(solutions) == "equilibria found"
+    assert words.axis_label(xr.DataArray(0, name="C_0_1", attrs={"units": "m"})) == "$C_{0,1}$ (m)"
 
 
 def test_a_class_has_one_colour():

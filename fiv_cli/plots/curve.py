@@ -42,7 +42,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     for curve, entry in zip(curves, entries, strict=True):
         # lines of classes lie on one another: each is moved a little, and there is no in-between
         y = curve.y + classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
-        mark = "." if classes else ".-"
+        mark = "." if classes or entry.scattered else ".-"
         ax.plot(curve.x, y, mark, ms=3, color=entry.colour, label=entry.label)
     _dress(ax, layers, names, settings)
     return figure

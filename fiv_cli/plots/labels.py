@@ -22,6 +22,7 @@ VARIANTS = {"phi": r"\varphi"}
 
 TITLE_WIDTH = 92
 LONGEST_MEANING = 40
+LONGEST_SUBSCRIPT = 3  # x_rms is a symbol, n_solutions is words
 
 
 def axis_label(variable: xr.DataArray, name: str = "") -> str:
@@ -53,8 +54,10 @@ def short_label(variable: xr.DataArray, name: str = "") -> str:
 
 def has_symbol(variable: xr.DataArray, name: str) -> bool:
     """Whether the quantity goes by a symbol rather than by words."""
-    stem = name.removesuffix("_dot").split("_")[0].rstrip("0123456789")
-    return "symbol" in variable.attrs or stem in GREEK or len(stem) == 1
+    stem, *subscripts = name.removesuffix("_dot").split("_")
+    letters = stem.rstrip("0123456789")
+    short = len(letters) == 1 and all(len(word) <= LONGEST_SUBSCRIPT for word in subscripts)
+    return "symbol" in variable.attrs or letters in GREEK or short
 
 
 def symbol(variable: xr.DataArray, name: str) -> str:

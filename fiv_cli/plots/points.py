@@ -168,11 +168,20 @@ def joined(*words: str) -> str:
 
 @dataclass(frozen=True)
 class Entry:
-    """How a line looks: its colour, its legend entry (None: not in the legend), its number."""
+    """How a line looks.
+
+    Attributes
+    ----------
+    colour : matplotlib colour
+    label : legend entry; None: not in the legend
+    number : counts the colours
+    scattered : its points have starts of their own, so a line between them means nothing
+    """
 
     colour: Any
     label: str | None
     number: int
+    scattered: bool
 
 
 def entries(names: Sequence[str]) -> list[Entry]:
@@ -182,9 +191,13 @@ def entries(names: Sequence[str]) -> list[Entry]:
     colours = style.line_colours(len(distinct))
     numbers = [distinct.index(stem) for stem in stems]
     return [
-        Entry(colours[number], None if stem in stems[:place] else stem, number)
+        Entry(colours[number], _once(stem, stems[:place]), number, stem != names[place])
         for place, (stem, number) in enumerate(zip(stems, numbers, strict=True))
     ]
+
+
+def _once(label: str, before: Sequence[str]) -> str | None:
+    return None if label in before else label
 
 
 def is_class(dataset: xr.Dataset, variable: str, *names: str) -> xr.DataArray:
