@@ -150,3 +150,15 @@ def cheap(request: Request) -> Outcome:
         values={"attractor": "periodic", "L_s": x, "period": 1.0 / x, "n_steps": 10, **extremes},
         ragged={"section_value": [x, x / 3.0]},
     )
+
+
+MILLION = """
+schema = 1
+[model]
+name = "pin-on-disc"
+[grid]
+N0 = { start = 1, stop = 1000, num = 1000 }
+Omega = { start = 1, stop = 1000, num = 1000 }
+[[analysis]]
+kind = "response"
+"""

@@ -1,0 +1,42 @@
+"""A sweep of a million points within a gigabyte."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+
+PROGRAM = """
+import resource
+from pathlib import Path
+import sweep_fakes
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import Silent
+from fiv_cli.sweep.run import run_case
+
+if __name__ == "__main__":
+    policy = Policy(executor="sweep_fakes:cheap", preparer="sweep_fakes:prepare")
+    summary = run_case(sweep_fakes.case(sweep_fakes.MILLION), Path("a.nc"), policy, Silent())
+    print(summary.counts["ok"], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+@pytest.mark.campaign
+def test_a_million_points_fit_into_a_gigabyte(tmp_path: Path) -> None:
+    """In the parent: a minute or two on two cores."""
+    (tmp_path / "program.py").write_text(PROGRAM)
+    done = subprocess.run(
+        [sys.executable, "program.py"],
+        cwd=tmp_path,
+        env={"PYTHONPATH": str(HERE), "PATH": ""},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    points, kibibytes = map(int, done.stdout.split())
+    assert points == 1_000_000
+    assert kibibytes < 1024 * 1024
