@@ -125,7 +125,9 @@ def _converted(outcome: Outcome, table: Mapping[tuple[str, bool], Variable]) -> 
     return Outcome(outcome.status, outcome.reason, values, ragged, outcome.message)
 
 
-def _array(value: Any, variable: Variable) -> Array:
+def _array(value: Any, variable: Variable) -> Array | float:
+    if type(value) is float and variable.kind == "float" and not variable.dims:
+        return value  # most values are; an array for each would cost more than a cheap model
     array = np.asarray(value)
     if array.dtype.kind in "US":
         array = _codes(array, variable)
@@ -160,11 +162,16 @@ def _check_rows(ragged: Mapping[str, Array], table: Mapping[tuple[str, bool], Va
 def _pack_value(block: Block, outcomes: Sequence[Outcome], variable: Variable) -> None:
     """Stack one variable over the points; nothing where no point has it."""
     found = [outcome.values.get(variable.name) for outcome in outcomes]
-    shapes = [array.shape for array in found if array is not None]
-    if not shapes:
+    if all(value is None for value in found):
         return
+    fill = fill_value(variable)
+    if not variable.dims:
+        plain = [fill if value is None else value for value in found]
+        block.values[variable.name] = np.array(plain, dtype_of(variable))
+        return
+    shapes = [array.shape for array in found if array is not None]
     largest = tuple(max(sizes) for sizes in zip(*shapes, strict=True))
-    stack = np.full((len(found), *largest), fill_value(variable), dtype_of(variable))
+    stack = np.full((len(found), *largest), fill, dtype_of(variable))
     for row, array in enumerate(found):
         if array is not None:
             place: tuple[Any, ...] = (row, *(slice(size) for size in array.shape))

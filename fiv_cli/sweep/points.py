@@ -180,11 +180,11 @@ def _offset(template: Template, values: Values, entry: StartEntry) -> dict[str, 
 
 
 def _state(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
+    state = entry.spec.state
+    if not any(isinstance(value, str) for value in state.values()):
+        return {name: float(value) for name, value in state.items()}
     parameters = parameters_at(template, values)
-    return {
-        name: parameters[value] if isinstance(value, str) else value
-        for name, value in entry.spec.state.items()
-    }
+    return {n: parameters[v] if isinstance(v, str) else v for n, v in state.items()}
 
 
 def _random(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:

@@ -32,7 +32,6 @@ from fiv_cli.sweep.points import (
     Values,
     continued_start,
     exclusion,
-    parameters_at,
     point_key,
     request_at,
     resolve_start,
@@ -220,10 +219,9 @@ def _executed(
     start: Start | None,
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
-    reason = exclusion(template, parameters_at(template, values))
-    if reason:
-        return Outcome("not_computed", reason)
-    return execute(request_at(template, values, start))
+    request = request_at(template, values, start)
+    reason = exclusion(template, request.parameters)
+    return Outcome("not_computed", reason) if reason else execute(request)
 
 
 def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
