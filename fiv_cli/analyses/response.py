@@ -499,7 +499,9 @@ class _Exponent:
 
     @property
     def error(self) -> float:
-        """Standard error of `mean`, from the scatter of blocks."""
+        """Standard error of `mean`, from the scatter of blocks; 0 where it is not finite."""
+        if not np.all(np.isfinite(self.growths)):
+            return 0.0
         groups = np.array_split(np.arange(len(self.growths)), min(16, max(len(self.growths), 1)))
         growths, spans = np.array(self.growths), np.array(self.spans)
         rates = np.array([growths[g].sum() / spans[g].sum() for g in groups if len(g)])

@@ -20,7 +20,7 @@ from numba import njit
 
 from fiv_cli.dynamics.call import call_generated
 from fiv_cli.dynamics.compiled import CACHE
-from fiv_cli.dynamics.roots import NO_ROOT, first_root
+from fiv_cli.dynamics.roots import NO_ROOT, POLYNOMIAL, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
 SLIP, STICK, SEPARATION = 0, 1, 2
@@ -60,6 +60,10 @@ SECTION_NONE, SECTION_EVENT, SECTION_ZERO, SECTION_PHASE = 0, 1, 2, 3
 # measures[...]
 M_TIME, M_SPREAD, M_OTHER, M_FRICTION, M_DRIVE, M_IMPACT, M_RESIDUAL = range(7)
 MEASURES_WIDTH = 7
+
+# options[contact, ...]: candidates of `decide`, (kind, sign) pairs from OFFERS on
+COUNT, AT_REST, OFFERS = 0, 1, 2
+OPTIONS_WIDTH = 2 + 2 * 4
 
 # Why `advance` returned.
 REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STATE, JAMMED = range(8)
@@ -111,6 +115,17 @@ def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
     for k in range(order, 0, -1):
         value = value * x + k * series[offset + k]
     return value
+
+
+@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
+    """Sum of the absolute terms of a series over a step."""
+    scale = 0.0
+    power = 1.0
+    for k in range(order + 1):
+        scale += abs(series[offset + k]) * power
+        power *= step
+    return scale
 
 
 @njit("float64(float64[::1], int64, int64)", **CACHE)
@@ -173,40 +188,34 @@ def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untype
     return step if step > 0.0 else ENDLESS
 
 
-@njit("int64(float64[::1], int64, int64, float64, int64, int64[::1])", **CACHE)
-def leading(series, offset, order, step, known_zeros, strip):  # type: ignore[no-untyped-def]
-    """Sign of the first non-vanishing derivative of a switching function; its order in `strip`.
+@njit("int64(float64[::1], int64, int64, float64, int64)", **CACHE)
+def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untyped-def]
+    """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
-    `step` is the time over which derivatives are compared; 0 compares the first two terms over
-    the time in which the second makes up the first.
+    0 when all vanish. `step` is the time over which derivatives are compared; 0 compares the
+    first two terms over the time in which the second makes up the first.
     """
-    scale = 0.0
     if step == 0.0 and series[offset + 1] != 0.0:
         step = abs(series[offset] / series[offset + 1])
-    power = 1.0
-    for k in range(order + 1):
-        scale += abs(series[offset + k]) * power
-        power *= step
+    scale = series_scale(series, offset, order, step)
     power = 1.0
     for k in range(order):
         term = series[offset + k] * power
         tolerance = (ZERO if k == 0 else VANISHING) * scale
         if k >= known_zeros and abs(term) > tolerance:
-            strip[0] = k
-            return 1 if term > 0.0 else -1
+            return k + 1 if term > 0.0 else -k - 1
         power *= step
-    strip[0] = 0
     return 0
 
 
 @njit(
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64, int64[::1])",
+    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64, int64[:, ::1])",
     **CACHE,
 )
 def consistent(  # type: ignore[no-untyped-def]
     table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances, strips,
-    trigger_kind, trigger_contact, at_rest,
+    trigger_kind, trigger_contact, options,
 ):
     """Whether a candidate contact state can follow: every switching function leads positive."""
     n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
@@ -219,32 +228,20 @@ def consistent(  # type: ignore[no-untyped-def]
     step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
     if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
         step = clock[LAST_STEP] if clock[LAST_STEP] > 0.0 else 0.0
-    strip = np.empty(1, np.int64)
     for g in range(table[index, N_GUARDS]):
         kind, contact = guards[index, g, 0], guards[index, g, 1]
         known_zeros = 0
-        if kind == VELOCITY and at_rest[contact] == 1:
+        if kind == VELOCITY and options[contact, AT_REST] == 1:
             known_zeros = 1
         if kind == trigger_kind and contact == trigger_contact:
             known_zeros = 1
         if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
             known_zeros = 1
-        sign = leading(series, (n + g) * (order + 1), order, step, known_zeros, strip)
-        if sign < 0:
+        lead = leading(series, (n + g) * (order + 1), order, step, known_zeros)
+        if lead < 0:
             return False
-        strips[g] = strip[0]
+        strips[g] = max(lead - 1, 0)
     return True
-
-
-@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
-def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
-    """Sum of the absolute terms of a series over a step."""
-    scale = 0.0
-    power = 1.0
-    for k in range(order + 1):
-        scale += abs(series[offset + k]) * power
-        power *= step
-    return scale
 
 
 @njit("int64(int64[:, ::1], int64, int64)", **CACHE)
@@ -272,14 +269,23 @@ def slip_velocity(  # type: ignore[no-untyped-def]
     return 0.0 if abs(v) <= ZERO * scale else v
 
 
+@njit("void(int64[:, ::1], int64, int64, int64)", **CACHE)
+def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
+    """Add a candidate state of a contact."""
+    place = OFFERS + 2 * options[contact, COUNT]
+    options[contact, place], options[contact, place + 1] = kind, sign
+    options[contact, COUNT] += 1
+
+
 @njit(
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64)",
+    "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64,"
+    "int64[:, ::1])",
     **CACHE,
 )
 def decide(  # type: ignore[no-untyped-def]
     table, guards, config, clock, kinds, parameters, coefficients, y, series, field, tolerances,
-    strips, trigger_kind, trigger_contact,
+    strips, trigger_kind, trigger_contact, options,
 ):
     """Choose the contact state that follows at (t, y); False when none is consistent.
 
@@ -288,49 +294,39 @@ def decide(  # type: ignore[no-untyped-def]
     """
     contacts = config[N_CONTACTS]
     first_sign = config[N_PARAMETERS] - 1 - contacts
-    choices = np.empty((contacts, 4), np.int64)
-    choice_signs = np.empty((contacts, 4))
-    count = np.zeros(contacts, np.int64)
-    at_rest = np.zeros(contacts, np.int64)
-    for i in range(contacts):
-        sign = parameters[first_sign + i]
-        triggered = trigger_contact == i
-        if kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
-            choices[i, 0], choice_signs[i, 0], count[i] = SEPARATION, sign, 1
-            continue
-        if kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
-            at_rest[i] = 1
-        elif kinds[i] == SEPARATION:
-            v = slip_velocity(table, guards, config, clock, kinds, coefficients, y, field, i)
-            at_rest[i] = 1 if v == 0.0 else 0
-            sign = sign if v == 0.0 else np.sign(v)
-        else:  # a contact whose slip ends at the same instant
-            v = slip_velocity(table, guards, config, clock, kinds, coefficients, y, field, i)
-            at_rest[i] = 1 if v == 0.0 else 0
-        if at_rest[i] == 1:
-            choices[i, count[i]], choice_signs[i, count[i]] = STICK, sign
-            count[i] += 1
-        choices[i, count[i]], choice_signs[i, count[i]] = SLIP, sign
-        count[i] += 1
-        if at_rest[i] == 1:
-            choices[i, count[i]], choice_signs[i, count[i]] = SLIP, -sign
-            count[i] += 1
-        if triggered and (trigger_kind == GAP or trigger_kind == NORMAL):
-            choices[i, count[i]], choice_signs[i, count[i]] = SEPARATION, sign
-            count[i] += 1
     combinations = 1
     for i in range(contacts):
-        combinations *= count[i]
+        sign = 1 if parameters[first_sign + i] > 0.0 else -1
+        triggered = trigger_contact == i
+        options[i, COUNT], options[i, AT_REST] = 0, 0
+        if kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
+            offer(options, i, SEPARATION, sign)
+            continue
+        if kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
+            options[i, AT_REST] = 1
+        else:  # re-contact, or a slip that ends at the same instant
+            v = slip_velocity(table, guards, config, clock, kinds, coefficients, y, field, i)
+            options[i, AT_REST] = 1 if v == 0.0 else 0
+            if kinds[i] == SEPARATION and v != 0.0:
+                sign = 1 if v > 0.0 else -1
+        if options[i, AT_REST] == 1:
+            offer(options, i, STICK, sign)
+        offer(options, i, SLIP, sign)
+        if options[i, AT_REST] == 1:
+            offer(options, i, SLIP, -sign)
+        if triggered and (trigger_kind == GAP or trigger_kind == NORMAL):
+            offer(options, i, SEPARATION, sign)
+        combinations *= options[i, COUNT]
     for combination in range(combinations):
         rest = combination
         for i in range(contacts - 1, -1, -1):
-            pick = rest % count[i]
-            rest //= count[i]
-            kinds[i] = choices[i, pick]
-            parameters[first_sign + i] = choice_signs[i, pick]
+            pick = rest % options[i, COUNT]
+            rest //= options[i, COUNT]
+            kinds[i] = options[i, OFFERS + 2 * pick]
+            parameters[first_sign + i] = options[i, OFFERS + 2 * pick + 1]
         if consistent(
             table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances,
-            strips, trigger_kind, trigger_contact, at_rest,
+            strips, trigger_kind, trigger_contact, options,
         ):
             return True
     return False
@@ -404,24 +400,22 @@ def bisected(  # type: ignore[no-untyped-def]
     return high / step
 
 
-@njit(
-    "float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1],"
-    "float64[:, ::1], float64[:, ::1])",
-    **CACHE,
-)
-def located(  # type: ignore[no-untyped-def]
-    series, offset, order, step, strip, factor, shift, p, stack, intervals
-):
+@njit("float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[:, ::1])", **CACHE)
+def located(series, offset, order, step, strip, factor, shift, stack):  # type: ignore[no-untyped-def]
     """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
-    power = 1.0
-    for k in range(order + 1):
-        p[k] = factor * series[offset + k] * power
-        power *= step
-    p[0] += shift
-    if strip > 0:
-        for k in range(order + 1 - strip):
-            p[k] = p[k + strip]
-    return first_root(p, order - strip, stack, intervals)
+    p = stack[POLYNOMIAL]
+    power = factor
+    if strip == 0:
+        p[0] = factor * series[offset] + shift
+        for k in range(1, order + 1):
+            power *= step
+            p[k] = series[offset + k] * power
+    else:  # the first coefficients are known zeros
+        for k in range(1, order + 1):
+            power *= step
+            if k >= strip:
+                p[k - strip] = series[offset + k] * power
+    return first_root(order - strip, stack)
 
 
 @njit(
@@ -610,20 +604,20 @@ def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped
     "float64, int64[::1], float64, int64[::1], float64[::1], float64[:, ::1], float64[::1],"
     "float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], boolean, float64[:, ::1],"
     "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
-    "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])",
+    "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], int64[:, ::1])",
     **CACHE,
 )
 def advance(  # type: ignore[no-untyped-def]
     table, impacts, guards, config, clock, kinds, parameters, coefficients, y, tolerances, strips,
     counters, limits, t_stop, section, phase_interval, ends, section_times, section_states,
     sample_times, sample_states, sample_outputs, sample_codes, ledger, measuring, quadrature,
-    reference, measures, extremes, shares, tangents, series, work, stages, stack, intervals,
+    reference, measures, extremes, shares, tangents, series, work, stages, stack, options,
 ):
     """Run until t_stop, a full section buffer, a budget or an end; returns why it stopped."""
     n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
     first_sign = config[N_PARAMETERS] - 1 - contacts
     taylor = config[METHOD] == METHOD_TAYLOR
-    out, joined, p, rates, delays = stages[3], stages[4], stages[5], stages[6], stages[7]
+    out, joined, rates, delays = stages[3], stages[4], stages[5], stages[6]
     angle_up, angle_down, section_strip = strips.shape[0] - 3, strips.shape[0] - 2, strips.shape[0] - 1
     with_tangents = tangents.shape[0] > 0
     call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
@@ -664,7 +658,7 @@ def advance(  # type: ignore[no-untyped-def]
         for g in range(n_guards):
             if taylor:
                 root = located(
-                    series, (n + g) * (order + 1), order, step, strips[g], 1.0, 0.0, p, stack, intervals
+                    series, (n + g) * (order + 1), order, step, strips[g], 1.0, 0.0, stack
                 )
             else:
                 root = bisected(
@@ -679,8 +673,7 @@ def advance(  # type: ignore[no-untyped-def]
                 strip = strips[angle_up] if side == 0 else strips[angle_down]
                 if taylor:
                     root = located(
-                        series, (n + n_guards) * (order + 1), order, step, strip, factor, shift,
-                        p, stack, intervals,
+                        series, (n + n_guards) * (order + 1), order, step, strip, factor, shift, stack,
                     )
                 else:
                     root = bisected(
@@ -702,7 +695,7 @@ def advance(  # type: ignore[no-untyped-def]
             if taylor:
                 root = located(
                     series, entry * (order + 1), order, step, strips[section_strip], factor, 0.0,
-                    p, stack, intervals,
+                    stack,
                 )
             else:
                 root = bisected(
@@ -725,7 +718,11 @@ def advance(  # type: ignore[no-untyped-def]
             )
         if with_tangents:
             move_tangents(table, config, index, coefficients, clock, y, tau, tangents, joined, work)
-        state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
+        if taylor:
+            for i in range(n):
+                out[i] = series_value(series, i * (order + 1), order, tau)
+        else:
+            state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
         for i in range(n):
             y[i] = out[i]
             if not abs(out[i]) < tolerances[BOUND]:
@@ -804,7 +801,7 @@ def advance(  # type: ignore[no-untyped-def]
             strips[angle_down if hit == n_guards else angle_up] = 1
         elif not decide(
             table, guards, config, clock, kinds, parameters, coefficients, y, series, stages[0],
-            tolerances, strips, trigger_kind, trigger_contact,
+            tolerances, strips, trigger_kind, trigger_contact, options,
         ):
             return NO_STATE
         for i in range(n):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.system import System, Vector
 
-SCRATCH_ROWS = 8
+SCRATCH_ROWS = 7
 BOUND = 1e12  # a state beyond this has diverged
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": kernel.SLIP, "stick": kernel.STICK, "separation": kernel.SEPARATION}
@@ -139,7 +140,8 @@ class Motion:
         self.work = np.zeros(rows * (order + 1))
         width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
         self.stages = np.zeros((SCRATCH_ROWS, width))
-        self.stack, self.intervals = roots.scratch(order)
+        self.stack = roots.scratch(order)
+        self.options = np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64)
         self.quadrature = gauss_nodes(order // 2 + 3)
         self.measures = self._no_measures()
         self.ledger = np.zeros((0, 5))
@@ -217,7 +219,7 @@ class Motion:
         found = kernel.decide(
             self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
             self.parameters, self.coefficients, self.y, self.series, self.stages[0],
-            self.tolerances, self.strips, -1, -1,
+            self.tolerances, self.strips, -1, -1, self.options,
         )  # fmt: skip
         if found:
             order = self.system.generated.order
@@ -301,7 +303,7 @@ class Motion:
             self.tables.ends, times, states, samples.times, samples.states, samples.outputs,
             samples.codes, self.ledger, measuring, self.quadrature, self.measures.reference,
             self.measures.totals, self.measures.extremes, self.measures.shares, self.tangents,
-            self.series, self.work, self.stages, self.stack, self.intervals,
+            self.series, self.work, self.stages, self.stack, self.options,
         )  # fmt: skip
         samples.count = int(self.counters[kernel.SAMPLED])
         return Stop(code)
@@ -351,6 +353,7 @@ def replace_table(tables: Any, table: NDArray[np.int64]) -> Any:
     return replace(tables, table=table)
 
 
+@cache
 def gauss_nodes(count: int) -> NDArray[np.float64]:
     """Gauss-Legendre nodes and weights on [0, 1]; shape (count, 2)."""
     nodes, weights = np.polynomial.legendre.leggauss(count)

@@ -8,15 +8,26 @@ double root nor a root at the very end of the step is lost.
 
 from __future__ import annotations
 
+from math import comb
+
 import numpy as np
 from numba import njit
 
 from fiv_cli.dynamics.compiled import CACHE
 
 NO_ROOT = 2.0
+HIGHEST_ORDER = 24
 ROUNDING = 8.0 * 2.220446049250313e-16
 TWIN_WIDTH = 2.0**-22
 MAX_DEPTH = 60
+# Row of the scratch array that holds the polynomial; rows above it are halved pieces, each with
+# its interval in the last two columns.
+POLYNOMIAL = MAX_DEPTH
+
+INVERSE_BINOMIALS = np.array(
+    [[1.0 / comb(n, k) if k <= n else 0.0 for k in range(HIGHEST_ORDER + 1)]
+     for n in range(HIGHEST_ORDER + 1)]
+)  # fmt: skip
 
 
 @njit("float64(float64[::1], int64, float64)", **CACHE)
@@ -76,44 +87,51 @@ def lowest_point(p, degree, low, high, tolerance):  # type: ignore[no-untyped-de
 def to_bernstein(p, degree, stack):  # type: ignore[no-untyped-def]
     """Bernstein coefficients of p on [0, 1] into row 0 of `stack`."""
     b = stack[0]
-    weight = 1.0  # C(degree, j), built up term by term
     for j in range(degree + 1):
-        b[j] = p[j] / weight
-        weight = weight * (degree - j) / (j + 1)
+        b[j] = p[j] * INVERSE_BINOMIALS[degree, j]
     for level in range(1, degree + 1):  # undo the differences
         for j in range(degree, level - 1, -1):
             b[j] = b[j] + b[j - 1]
 
 
-@njit("float64(float64[::1], int64, float64[:, ::1], float64[:, ::1])", **CACHE)
-def first_root(p, degree, stack, intervals):  # type: ignore[no-untyped-def]
+@njit("float64(int64, float64[:, ::1])", **CACHE)
+def first_root(degree, stack):  # type: ignore[no-untyped-def]
     """First x in [0, 1] where p passes from positive to zero or below; NO_ROOT if none.
 
-    `p` starts positive (its known zeros at the start are divided out by the caller); a start at
-    or below zero is a root at 0. `stack` is (MAX_DEPTH, degree + 1) and `intervals`
-    (MAX_DEPTH, 2) of scratch.
+    `p` is row `POLYNOMIAL` of `stack`, the array that `scratch` makes. It starts positive (its
+    known zeros at the start are divided out by the caller); a start at or below zero is a root
+    at 0.
     """
+    p = stack[POLYNOMIAL]
     if p[0] <= 0.0:
         return 0.0
     total = 0.0
     weighted = 0.0
+    falling = 0.0
     for k in range(1, degree + 1):
-        total += abs(p[k])
-        weighted += k * abs(p[k])
-    if p[0] > total:
+        size = abs(p[k])
+        total += size
+        weighted += k * size
+        if p[k] < 0.0:
+            falling += size
+    if p[0] > falling * (1.0 + ROUNDING):
         return NO_ROOT
     if 2.0 * abs(p[1]) > weighted:  # monotonic over the whole step
-        if evaluate(p, degree, 1.0) > ROUNDING * (total + p[0]):
+        end = evaluate(p, degree, 1.0)
+        if end > ROUNDING * (total + p[0]):
             return NO_ROOT
+        if end < 0.0:
+            return bracketed_root(p, degree, 0.0, 1.0)
     tolerance = ROUNDING * (total + p[0])
+    low_at, high_at = stack.shape[1] - 2, stack.shape[1] - 1
     to_bernstein(p, degree, stack)
-    intervals[0, 0] = 0.0
-    intervals[0, 1] = 1.0
+    stack[0, low_at] = 0.0
+    stack[0, high_at] = 1.0
     top = 0
     while top >= 0:
         b = stack[top]
-        low = intervals[top, 0]
-        high = intervals[top, 1]
+        low = stack[top, low_at]
+        high = stack[top, high_at]
         changes = 0
         negative = False
         for j in range(degree + 1):
@@ -144,13 +162,13 @@ def first_root(p, degree, stack, intervals):  # type: ignore[no-untyped-def]
                 for i in range(degree - j):
                     right[i] = 0.5 * (right[i] + right[i + 1])
             middle = 0.5 * (low + high)
-            intervals[top, 0] = middle
-            intervals[top + 1, 0] = low
-            intervals[top + 1, 1] = middle
+            stack[top, low_at] = middle
+            stack[top + 1, low_at] = low
+            stack[top + 1, high_at] = middle
             top += 1
     return NO_ROOT
 
 
-def scratch(order: int) -> tuple[np.ndarray, np.ndarray]:
-    """Scratch arrays of `first_root` for polynomials up to `order`."""
-    return np.empty((MAX_DEPTH, order + 1)), np.empty((MAX_DEPTH, 2))
+def scratch(order: int) -> np.ndarray:
+    """Scratch array of `first_root` for polynomials up to `order`."""
+    return np.zeros((MAX_DEPTH + 1, order + 3))
