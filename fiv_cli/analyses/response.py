@@ -47,6 +47,7 @@ NEAR = 1e-9  # distance from the equilibrium, relative, that counts as being the
 REGULAR, CHAOTIC = 0.3, 0.7  # what the 0-1 test must say
 SIGNIFICANT = 3.0  # standard errors
 RESTING = 1e-3  # an exponent smaller than this per excitation or section period counts as zero
+STEADY = 0.9  # a section set whose spread falls below this share of itself is still settling
 
 SETTINGS = (
     Setting(
@@ -424,9 +425,14 @@ class _Response:
         threshold = max(SIGNIFICANT * self.exponent_error, RESTING / between)
         if exponent > threshold and regular > CHAOTIC:
             return "chaotic", ""
-        if abs(exponent) <= threshold and regular < REGULAR:
-            return "quasiperiodic", ""
-        return "undecided", "tests_disagree"
+        if abs(exponent) > threshold or regular >= REGULAR:
+            return "undecided", "tests_disagree"
+        return ("quasiperiodic", "") if self._keeps_its_spread() else ("undecided", "time_budget")
+
+    def _keeps_its_spread(self) -> bool:
+        """Whether the section set is as wide at the end as before: a slow spiral is not."""
+        before, after = np.array_split(self.points[: self.count, self.observed], 2)
+        return bool(STEADY < np.std(after) / np.std(before) < 1.0 / STEADY)
 
     # --- what is handed on -------------------------------------------------------------------------------
     def _carry(self, attractor: str) -> dict[str, Any]:
