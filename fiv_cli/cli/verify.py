@@ -1,0 +1,79 @@
+"""``fiv verify``: closed-form answers on the installed build."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from fiv_cli.cli.common import json_option, print_json, print_table
+
+if TYPE_CHECKING:
+    from fiv_cli.verify import Check
+
+DIFFERENCE = 5
+COLUMNS = ("what", "found", "expected", "error", "tolerance", "verdict")
+
+
+@click.command("verify")
+@json_option
+def command(as_json: bool) -> int:
+    """Check this installation against answers that are known without it.
+
+    Computes stick-slip cycles, forced responses, equilibria, eigenvalues and energy balances whose
+    closed forms or published values are known, and prints the error of each beside its tolerance.
+    Exit code 5 when any is outside.
+
+    \b
+    Examples:
+      fiv verify
+      fiv verify --json
+    """
+    from fiv_cli.verify import verify
+
+    checks = verify(lambda message: click.echo(message, err=True))
+    failed = [check for check in checks if not check.passed]
+    if as_json:
+        print_json({"passed": not failed, "checks": [_document(check) for check in checks]})
+    else:
+        _print(checks)
+    click.echo(f"{len(checks) - len(failed)} of {len(checks)} checks passed", err=True)
+    return DIFFERENCE if failed else 0
+
+
+def _document(check: Check) -> dict[str, object]:
+    """One check as plain data; an error that is not a number is null."""
+    return {
+        "name": check.name,
+        "source": check.source,
+        "found": _number(check.found),
+        "expected": check.expected,
+        "error": _number(check.error),
+        "tolerance": check.tolerance,
+        "passed": check.passed,
+    }
+
+
+def _number(value: float) -> float | None:
+    """JSON has no NaN and no infinity."""
+    return value if abs(value) < float("inf") else None
+
+
+def _print(checks: Sequence[Check]) -> None:
+    """One table for each source."""
+    for source in dict.fromkeys(check.source for check in checks):
+        rows = [_row(check) for check in checks if check.source == source]
+        print_table(source, COLUMNS, rows)
+        click.echo()
+
+
+def _row(check: Check) -> tuple[str, ...]:
+    return (
+        check.name,
+        f"{check.found:.12g}",
+        f"{check.expected:.12g}",
+        f"{check.error:.1e}",
+        f"{check.tolerance:.1e}",
+        "ok" if check.passed else "FAILED",
+    )

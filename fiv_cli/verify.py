@@ -1,0 +1,322 @@
+"""Closed-form and published answers, computed anew by the installed build.
+
+Each function below solves one problem whose answer is known independently of this program and
+returns `Check` values: what was found against what is expected. `fiv verify` prints them and the
+test suite runs them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import asin, atan, cos, hypot, inf, nan, pi, sin, sqrt
+from typing import Any
+
+from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+
+RTOL = 1e-12  # tighter than the default of runs, so that closed forms are met to rounding
+CLOSED = 1e-11  # tolerance against a closed form
+RELEASE = Section("event", "stick->slip")
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number against its known value.
+
+    Attributes
+    ----------
+    name : what it is, with its unit
+    source : where the expected value comes from
+    found, expected : values
+    tolerance : largest accepted absolute difference
+    """
+
+    name: str
+    source: str
+    found: float
+    expected: float
+    tolerance: float
+
+    @property
+    def error(self) -> float:
+        """Absolute difference; infinite when nothing was found."""
+        difference = abs(self.found - self.expected)
+        return difference if difference == difference else inf
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within the tolerance."""
+        return self.error <= self.tolerance
+
+
+def verify(announce: Callable[[str], None] = lambda message: None) -> list[Check]:
+    """Every check, computed now.
+
+    Parameters
+    ----------
+    announce : called with a sentence when something must be generated or compiled first
+    """
+    bench = _Bench(announce)
+    return [check for problem in PROBLEMS for check in _solve(problem, bench)]
+
+
+def _solve(problem: Problem, bench: _Bench) -> list[Check]:
+    """The checks of one problem; a problem that cannot be computed is a failed check."""
+    try:
+        return list(problem(bench))
+    except Exception as error:
+        name = f"{problem.__name__}: {type(error).__name__}: {error}"
+        return [Check(name, "not computed", nan, nan, 0.0)]
+
+
+class _Bench:
+    """Runs analyses of a model from its defaults."""
+
+    def __init__(self, announce: Callable[[str], None]) -> None:
+        self.announce = announce
+
+    def run(
+        self,
+        model: str,
+        law: str,
+        analysis: str,
+        start: Mapping[str, float] | None = None,
+        settings: Mapping[str, Any] | None = None,
+        **changes: float,
+    ) -> Outcome:
+        """One outcome; `changes` are parameters that differ from the defaults."""
+        from fiv_cli.analyses import get_analysis
+        from fiv_cli.dynamics.system import build_system
+
+        parameters = default_parameters(model, law) | changes
+        solver = SolverSettings(rtol=RTOL)
+        system = build_system(model, law, {}, parameters, solver, self.announce)
+        kind = get_analysis(analysis)
+        filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
+        begin = None if start is None else Start("start", "state", start)
+        return kind.run(system, parameters, begin, filled, solver)
+
+
+Problem = Callable[[_Bench], Iterator[Check]]
+
+
+def default_parameters(model: str, law: str) -> dict[str, float]:
+    """Default of every parameter of a model with a law, SI."""
+    from fiv_cli.friction import get_law
+    from fiv_cli.models import get_model
+
+    table, defaults = get_model(model), get_model(model).law_defaults
+    values = {p.name: defaults.get(p.name, p.default) for p in get_law(law).parameters}
+    values |= {p.name: p.default for p in table.parameters}
+    return {name: float(value) for name, value in values.items() if value is not None}
+
+
+def _value(outcome: Outcome, name: str) -> float:
+    """A scalar answer, NaN when there is none."""
+    return float(outcome.values.get(name, nan))
+
+
+def _sections(outcome: Outcome, count: int) -> list[float]:
+    """The `count` section values in rising order, NaN when there are others than `count`."""
+    values = sorted(float(value) for value in outcome.ragged.get("section_value", ()))
+    return values if len(values) == count else [nan] * count
+
+
+def _largest_difference(found: Sequence[float], expected: Sequence[float]) -> float:
+    """Over all pairs; infinite when there are more of one than of the other."""
+    if len(found) != len(expected):
+        return inf
+    return max(abs(float(a) - b) for a, b in zip(found, expected, strict=True))
+
+
+def _is(outcome: Outcome, attractor: str) -> float:
+    """1 when the attractor is the one named, else 0."""
+    return float(outcome.values.get("attractor") == attractor)
+
+
+# --- one mass on a belt ------------------------------------------------------------------------
+def coulomb_belt(bench: _Bench) -> Iterator[Check]:
+    """Stick-slip with Coulomb friction: slip is an arc of a circle, stick a straight line."""
+    source = "thesis 3.1.1; closed form"
+    reach, equilibrium = 1.7, 2.3  # (mu_s - mu_k) N / k and mu_k N / k, m
+    slip, stick = pi + 2 * atan(1 / reach), 2 * reach
+    moved = bench.run("belt-1dof", "coulomb", "history", {}, {"t_end": 56.0})
+    first = asin(1 / equilibrium)  # from rest at x = 0 the mass slips up to the belt's speed
+    release = first + 4.0 - (equilibrium - sqrt(equilibrium**2 - 1))
+    releases = [release + cycle * (slip + stick) for cycle in range(7)]
+    expected = [first, *(time for begin in releases for time in (begin, begin + slip))]
+    worst = _largest_difference(moved.ragged["event_time"], expected)
+    yield Check("event times, largest error of 15 (s)", source, worst, 0.0, CLOSED)
+    found = bench.run("belt-1dof", "coulomb", "response", {})
+    radius = hypot(1.0, reach)
+    yield Check("period (s)", source, _value(found, "period"), slip + stick, CLOSED)
+    yield Check("x at stick (m)", source, _sections(found, 1)[0], equilibrium - reach, CLOSED)
+    yield Check("x_max (m)", source, _value(found, "x_max"), equilibrium + radius, CLOSED)
+    yield Check("x_min (m)", source, _value(found, "x_min"), equilibrium - radius, CLOSED)
+    spread = (radius**2 * slip + 2 * reach) / 2 + 2 * reach**3 / 3
+    yield Check("L_s (m2)", source, _value(found, "L_s"), spread / (slip + stick), CLOSED)
+    released = bench.run("belt-1dof", "coulomb", "response", {}, {"section": RELEASE})
+    yield Check("x at release (m)", source, _sections(released, 1)[0], 4.0, CLOSED)
+    yield from _neutral_circle(bench)
+    yield from _multipliers(found)
+
+
+def _neutral_circle(bench: _Bench) -> Iterator[Check]:
+    """Inside the circle of radius v / sqrt(k/m) the undamped sliding oscillates for ever."""
+    source = "thesis 3.1.1; closed form"
+    inside = bench.run("belt-1dof", "coulomb", "response", {"x": 2.0})
+    neutral = float(inside.reason == "neutral_oscillation")
+    yield Check("neutral inside the circle (1 yes)", source, neutral, 1.0, 0.0)
+    yield Check("its L_s (m2)", source, _value(inside, "L_s"), 0.3**2 / 2, CLOSED)
+
+
+def _multipliers(found: Outcome) -> Iterator[Check]:
+    """Stick forgets the start and the flow repeats itself."""
+    source = "one degree of freedom: {1, 0} exactly"
+    first, second = found.values.get("floquet_multiplier", (nan, nan))
+    yield Check("first Floquet multiplier", source, float(first), 1.0, CLOSED)
+    yield Check("second Floquet multiplier", source, float(second), 0.0, CLOSED)
+
+
+def free_decay(bench: _Bench) -> Iterator[Check]:
+    """A Coulomb oscillator at rest loses 4 mu_k N / k per cycle and stops in its dead zone."""
+    source = "Den Hartog 1930; closed form"
+    begin, kinetic, static = 20.0, 0.23, 0.4  # m, N, N
+    half_cycles = 0
+    end = begin
+    while abs(end) > static:
+        half_cycles += 1
+        end = (begin - 2 * half_cycles * kinetic) * (-1) ** half_cycles
+    moved = bench.run(
+        "belt-1dof", "coulomb", "history", {"x": begin}, {"t_end": 200.0}, v=0.0, N=1.0
+    )
+    stops = float(moved.ragged["event_time"][-1]) if len(moved.ragged["event_time"]) else nan
+    yield Check("rest position (m)", source, float(moved.values["x"][-1]), end, CLOSED)
+    yield Check("time of rest (s)", source, stops, half_cycles * pi, CLOSED)
+
+
+def den_hartog(bench: _Bench) -> Iterator[Check]:
+    """Harmonic force and dry friction, without sticking."""
+    source = "Den Hartog, Trans. ASME 53 (1930) 107"
+    for friction, force, ratio in ((0.5, 1.0, 0.6), (0.5, 1.0, 1.5), (0.2, 1.0, 2.0)):
+        gain = 1 / (1 - ratio**2)
+        lag = sin(pi / ratio) / (ratio * (1 + cos(pi / ratio)))
+        expected = force * sqrt(gain**2 - (friction * lag / force) ** 2)
+        found = bench.run(
+            "belt-1dof",
+            "coulomb",
+            "response",
+            {"x": 1.0},
+            {"section": Section("phase")},
+            v=0.0,
+            N=1.0,
+            mu_k=friction,
+            mu_s=friction,
+            u0=force,
+            omega=ratio,
+        )
+        name = f"amplitude at f={friction}, b={ratio} (m)"
+        yield Check(name, source, _value(found, "x_max"), expected, 1e-9)
+
+
+def negative_slope(bench: _Bench) -> Iterator[Check]:
+    """Sliding is unstable if and only if the slope of friction is below -c."""
+    source = "thesis 3.1.1, linear slope: growth -(c + alpha_0)/(2 m)"
+    for damping in (0.05, 0.1, 0.2):
+        found = bench.run("belt-1dof", "linear-slope", "eigenvalues", c=damping)
+        growth = _value(found, "growth_rate")
+        name = f"growth rate at alpha_0=-0.1, c={damping} (1/s)"
+        yield Check(name, source, growth, (0.1 - damping) / 2, 1e-14)
+
+
+def hyperbolic_belt(bench: _Bench) -> Iterator[Check]:
+    """Stick-slip with friction falling hyperbolically."""
+    source = "Leine et al., Nonlinear Dynamics 16 (1998) 41; separate computation"
+    found = bench.run("belt-1dof", "hyperbolic", "response", {}, N=2.5, v=0.2, mu_0=0.4, delta=3.0)
+    for name, expected in (("period", 12.001031295), ("x_max", 1.133944676), ("L_s", 0.378624222)):
+        yield Check(f"hyperbolic law, {name}", source, _value(found, name), expected, 2e-9)
+
+
+def excited_belt(bench: _Bench) -> Iterator[Check]:
+    """A moving base: periods that are multiples of the excitation's, and two coexisting ones."""
+    source = "thesis 3.1.2 (3.10); separate computation"
+    cases = (
+        (0.85, 0.0, 1, (3.7190204,)),
+        (1.2, 0.0, 4, (3.531843, 3.625851)),
+        (1.2, 1.0, 3, (3.866518, 4.026946)),
+    )
+    for omega, velocity, ratio, releases in cases:
+        found = bench.run(
+            "belt-1dof",
+            "coulomb",
+            "response",
+            {"x_dot": velocity},
+            {"section": RELEASE, "t_max": 4000.0},
+            u0=0.5,
+            omega=omega,
+        )
+        label = f"omega={omega} from x_dot={velocity}"
+        yield Check(f"{label}: period_ratio", source, _value(found, "period_ratio"), ratio, 1e-8)
+        for value, expected in zip(_sections(found, len(releases)), releases, strict=True):
+            yield Check(f"{label}: release x (m)", source, value, expected, 1e-6)
+    torus = bench.run("belt-1dof", "coulomb", "response", {}, {"t_max": 20000.0}, u0=0.5, omega=0.5)
+    label = "omega=0.5: "
+    yield Check(f"{label}quasi-periodic (1 yes)", source, _is(torus, "quasiperiodic"), 1.0, 0.0)
+    yield Check(f"{label}exponent (1/s)", source, _value(torus, "lyapunov"), 0.0, 6e-4)
+
+
+# --- pin on a disc -----------------------------------------------------------------------------
+def pin_equilibrium(bench: _Bench) -> Iterator[Check]:
+    """Sliding equilibrium and eigenvalues at N0 = 30 N."""
+    source = "thesis 7.12, 7.13, 7.17; separate computation"
+    found = bench.run("pin-on-disc", "coulomb", "equilibrium")
+    phi, theta = found.values["equilibrium"][0]
+    yield Check("phi at equilibrium (rad)", source, float(phi), 0.03710376, 5e-9)
+    yield Check("theta at equilibrium (rad)", source, float(theta), -0.01889605, 5e-9)
+    yield Check("F_N at equilibrium (N)", source, float(found.values["F_N"][0]), 31.8207708, 5e-8)
+    linear = bench.run("pin-on-disc", "coulomb", "eigenvalues")
+    growths, frequencies = linear.values["eigenvalue_real"], linear.values["eigenvalue_imag"]
+    expected = ((-0.5494, 112.8355), (-0.8673, 219.1599))
+    for mode, (growth, frequency) in enumerate(expected):
+        label = f"eigenvalue {mode + 1}"
+        yield Check(f"{label}, real (1/s)", source, float(growths[2 * mode]), growth, 6e-5)
+        imaginary = abs(float(frequencies[2 * mode]))
+        yield Check(f"{label}, imaginary (rad/s)", source, imaginary, frequency, 6e-5)
+
+
+def pin_stick_slip(bench: _Bench) -> Iterator[Check]:
+    """Stick-slip at Omega = 2 rad/s, and the sliding that coexists with it."""
+    source = "thesis 7.3; separate computation"
+    settings = {"section": RELEASE, "t_max": 60.0}
+    found = bench.run("pin-on-disc", "coulomb", "response", {"phi_dot": 2.0}, settings)
+    yield Check("period (s)", source, _value(found, "period"), 0.06852382, 5e-9)
+    yield Check("phi at release (rad)", source, _sections(found, 1)[0], 0.06695594, 5e-9)
+    near = {"phi": 0.037, "phi_dot": 0.1, "theta": -0.019}
+    slides = bench.run("pin-on-disc", "coulomb", "response", near, settings)
+    yield Check("slides from near (1 yes)", source, _is(slides, "equilibrium"), 1.0, 0.0)
+
+
+def energy(bench: _Bench) -> Iterator[Check]:
+    """Friction, damping and drive book their work; the rest is the change of T + U."""
+    source = "energy balance: relative residual"
+    belt = bench.run(
+        "belt-1dof", "hyperbolic", "history", {}, {"t_end": 100.0}, u0=0.5, omega=0.85, c=0.1
+    )
+    yield Check("belt, 100 s", source, _value(belt, "energy_residual"), 0.0, CLOSED)
+    pin = bench.run(
+        "pin-on-disc", "coulomb", "history", {"phi_dot": 2.0}, {"t_end": 3.0}, beta=2.0, psi_a=1.0
+    )
+    yield Check("pin on a sector, 3 s", source, _value(pin, "energy_residual"), 0.0, CLOSED)
+
+
+PROBLEMS: tuple[Problem, ...] = (
+    coulomb_belt,
+    free_decay,
+    den_hartog,
+    negative_slope,
+    hyperbolic_belt,
+    excited_belt,
+    pin_equilibrium,
+    pin_stick_slip,
+    energy,
+)
