@@ -76,6 +76,13 @@ def test_points_are_padded_with_what_means_not_computed() -> None:
     assert "period" not in packed.values
 
 
+def test_a_count_that_is_not_a_number_is_not_computed() -> None:
+    outcome = Outcome(values={"multiplicity": float("nan"), "n_events": 3.0})
+    packed = pack([outcome], keys(1), VARIABLES)
+    assert packed.values["multiplicity"].tolist() == [INT_FILL]
+    assert packed.values["n_events"].tolist() == [3]
+
+
 @pytest.mark.parametrize("keep", [0, 1, 100, 0.5, 0.9, -1])
 def test_a_truncated_shard_is_unreadable(tmp_path: Path, keep: float) -> None:
     path = tmp_path / "a.h5"

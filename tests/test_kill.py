@@ -18,7 +18,7 @@ schema = 1
 name = "belt-1dof"
 [grid]
 v = { start = 0.5, stop = 2.0, num = 20 }
-N = { start = 5.0, stop = 20.0, num = 40 }
+N = { start = 5.0, stop = 20.0, num = 25 }
 [[initial]]
 label = "far"
 kind = "state"

@@ -322,6 +322,12 @@ def test_a_point_that_kills_its_worker_twice_is_one_failed_point(
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+def test_a_death_within_the_limit_is_no_matter_of_time(tmp_path: Path) -> None:
+    summary = sweep(tmp_path / "a.nc", executor="sweep_fakes:deadly", time_limit=30.0)
+    assert summary.counts["failed"] == 2
+    assert "died twice" in summary.errors[0][0]
+
+
 def test_a_wall_clock_limit_fails_the_point_only_until_resume(tmp_path: Path) -> None:
     summary = sweep(
         tmp_path / "a.nc", executor="sweep_fakes:endless", time_limit=0.5, chunk_points=10

@@ -131,6 +131,8 @@ def _array(value: Any, variable: Variable) -> Array | float:
     array = np.asarray(value)
     if array.dtype.kind in "US":
         array = _codes(array, variable)
+    if variable.kind == "int" and array.dtype.kind == "f":
+        array = np.where(np.isnan(array), INT_FILL, array)
     result = array.astype(dtype_of(variable), casting="unsafe")
     if result.ndim != len(variable.dims):
         raise ValueError(f"{variable.name} has {result.ndim} dims instead of {variable.dims}")

@@ -23,7 +23,7 @@ from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.pool import WorkerPool
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
-from fiv_cli.sweep.worker import Result, lost_point, row_being_run, run_task
+from fiv_cli.sweep.worker import Result, last_beat, lost_point, run_task
 
 MANY_SHARDS = 400
 """A long run makes its chunks longer rather than many more than this."""
@@ -86,7 +86,6 @@ class _Flight:
     """A job that a worker has."""
 
     job: Job
-    since: float
     heartbeat: Path
 
 
@@ -242,7 +241,7 @@ class Scheduler:
             heartbeat = job.task.heartbeat
             assert heartbeat is not None
             future = pool.submit(job.task)
-            self._flights[future] = _Flight(job, time.monotonic(), heartbeat)
+            self._flights[future] = _Flight(job, heartbeat)
             self._held = None
 
     def _heartbeat(self) -> Path:
@@ -251,6 +250,7 @@ class Scheduler:
 
     def _repair(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
         """After a worker died: take its jobs back, and run alone what may have killed it."""
+        noticed = time.time()
         pool.close()
         flights, self._flights = self._flights, {}
         begun = False
@@ -258,14 +258,15 @@ class Scheduler:
             if future.done() and not future.cancelled() and future.exception() is None:
                 self._accept(index, queue, pace, flight.job, future.result())
                 continue
-            row = row_being_run(flight.heartbeat)
+            beat = last_beat(flight.heartbeat)
             flight.heartbeat.unlink(missing_ok=True)
-            begun |= row is not None
-            if flight.job.alone and row is not None:
-                self._accept(index, queue, pace, flight.job, self._given_up(flight))
+            begun |= beat is not None
+            if flight.job.alone and beat is not None:
+                result = self._given_up(flight.job, noticed - beat[1])
+                self._accept(index, queue, pace, flight.job, result)
             else:
                 self._dispatched -= len(flight.job.positions)
-                queue.lost(flight.job, row)
+                queue.lost(flight.job, beat[0] if beat else None)
         self._count_fruitless(begun)
         self.log("a worker died; its points are run again, the suspects alone")
         pool.restart()
@@ -278,13 +279,12 @@ class Scheduler:
                 "next: run again with --workers 1"
             )
 
-    def _given_up(self, flight: _Flight) -> Result:
-        """A point that ended its worker a second time."""
+    def _given_up(self, job: Job, seconds: float) -> Result:
+        """A point that ended its worker a second time, after so many seconds."""
         limit = self.policy.time_limit
-        if limit is not None and time.monotonic() - flight.since >= limit:
-            message = f"took longer than {limit:g} s"
-            return lost_point(flight.job.task, "wall_clock", message)
-        return lost_point(flight.job.task, "worker_died", "the worker died twice on this point")
+        if limit is not None and seconds >= limit:
+            return lost_point(job.task, "wall_clock", f"took longer than {limit:g} s")
+        return lost_point(job.task, "worker_died", "the worker died twice on this point")
 
     def _close(self) -> None:
         if self._pool is not None:

@@ -287,10 +287,13 @@ class _Pulse:
             signal.setitimer(signal.ITIMER_REAL, self._limit)
 
 
-def row_being_run(heartbeat: Path) -> int | None:
-    """The row a dead worker was running; None when it had not begun or had already finished."""
+def last_beat(heartbeat: Path) -> tuple[int, float] | None:
+    """The row a dead worker was running, and since when (seconds since the epoch).
+
+    None when it had not begun or had already finished.
+    """
     try:
-        content = heartbeat.read_bytes()
+        content, since = heartbeat.read_bytes(), heartbeat.stat().st_mtime
     except OSError:
         return None
-    return int.from_bytes(content, "little") if len(content) == 8 else None
+    return (int.from_bytes(content, "little"), since) if len(content) == 8 else None
