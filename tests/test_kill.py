@@ -18,15 +18,15 @@ schema = 1
 name = "belt-1dof"
 [grid]
 v = { start = 0.5, stop = 2.0, num = 20 }
-N = { start = 5.0, stop = 20.0, num = 25 }
+N = { start = 5.0, stop = 20.0, num = 50 }
 [[initial]]
 label = "far"
 kind = "state"
 state = { x = 10.0 }
 [[analysis]]
 kind = "response"
-transient = 1000.0
-t_max = 2000.0
+transient = 2000.0
+t_max = 4000.0
 """
 
 PATIENCE = 60.0
@@ -70,11 +70,15 @@ def alive(pid: int) -> bool:
 
 def workers_of(pid: int) -> list[int]:
     """The worker processes, which are those that compute."""
-    return [
-        child
-        for child in descendants(pid)
-        if b"resource_tracker" not in Path(f"/proc/{child}/cmdline").read_bytes()
-    ]
+    return [child for child in descendants(pid) if b"resource_tracker" not in command_line(child)]
+
+
+def command_line(pid: int) -> bytes:
+    """What a process was started as; one that has ended is none of the workers."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return b"resource_tracker"
 
 
 def wait_for(condition: Callable[[], object], what: str) -> None:
@@ -92,21 +96,24 @@ def running(tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]:
     process = subprocess.Popen(
         command(), cwd=tmp_path, stderr=subprocess.DEVNULL, start_new_session=True
     )
-    shards = tmp_path / "a.run" / "shards"
-    wait_for(lambda: len(workers_of(process.pid)) >= 2, "no workers")
-    at_start = len(list(shards.glob("*.h5")))
-    wait_for(lambda: len(list(shards.glob("*.h5"))) > at_start + 1, "no progress")
-    yield process
-    for pid in [process.pid, *descendants(process.pid)]:
-        if alive(pid):
-            os.kill(pid, signal.SIGKILL)
-    process.wait()
+    try:
+        wait_for(lambda: stored(tmp_path) >= 2 and workers_of(process.pid), "no progress")
+        yield process
+    finally:
+        for pid in [process.pid, *descendants(process.pid)]:
+            if alive(pid):
+                os.kill(pid, signal.SIGKILL)
+        process.wait()
+
+
+def stored(folder: Path) -> int:
+    """Number of finished chunks."""
+    return len(list((folder / "a.run" / "shards").glob("*.h5")))
 
 
 def assert_resumes_to(folder: Path, expected: bytes) -> None:
     """The same command goes on from what is stored and ends with the same dataset."""
-    stored = len(list((folder / "a.run" / "shards").glob("*.h5")))
-    assert stored > 0
+    assert stored(folder) > 0
     done = subprocess.run(command(), cwd=folder, check=True, capture_output=True, text=True)
     assert ", 0 already stored" not in done.stderr
     assert (folder / "a.nc").read_bytes() == expected
@@ -154,6 +161,7 @@ def test_a_killed_worker_is_replaced(
 def test_a_second_run_is_refused_while_the_first_is_alive(
     tmp_path: Path, running: subprocess.Popen[bytes]
 ) -> None:
+    os.kill(running.pid, signal.SIGSTOP)  # alive, but it will not end meanwhile
     second = subprocess.run(command(), cwd=tmp_path, capture_output=True, text=True)
     assert second.returncode == 7
     assert str(running.pid) in second.stderr

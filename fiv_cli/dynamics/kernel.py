@@ -40,8 +40,8 @@ CONFIG_WIDTH = 10
 METHOD_TAYLOR, METHOD_RK4 = 0, 1
 
 # clock[...]
-TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE = 0, 1, 2, 3, 4
-CLOCK_WIDTH = 5
+TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE, FIRST_STEP = 0, 1, 2, 3, 4, 5
+CLOCK_WIDTH = 6  # FIRST_STEP: of the contact state just decided, whose series is at hand; 0: none
 
 # tolerances[...]
 RTOL, FIXED_STEP, BOUND = 0, 1, 2
@@ -71,6 +71,7 @@ REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STA
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
 CHAIN_CAP = 50  # transitions at one instant
+GRAZING = 1e-5  # a switching function that falls slower than this share of its scale may graze
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 BISECTIONS = 80
@@ -226,6 +227,7 @@ def consistent(  # type: ignore[no-untyped-def]
     call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
     rows = n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
     step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
+    clock[FIRST_STEP] = step
     if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
         step = clock[LAST_STEP] if clock[LAST_STEP] > 0.0 else 0.0
     for g in range(table[index, N_GUARDS]):
@@ -280,17 +282,18 @@ def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
 @njit(
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
     "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64,"
-    "int64[:, ::1])",
+    "boolean, int64[:, ::1])",
     **CACHE,
 )
 def decide(  # type: ignore[no-untyped-def]
     table, guards, config, clock, kinds, parameters, coefficients, y, series, field, tolerances,
-    strips, trigger_kind, trigger_contact, options,
+    strips, trigger_kind, trigger_contact, grazing, options,
 ):
     """Choose the contact state that follows at (t, y); False when none is consistent.
 
     Selection rule where several are consistent (stiction is not unique at zero slip): sticking
-    before slipping, staying closed before separating, and all contacts jointly.
+    before slipping, staying closed before separating, and all contacts jointly. `grazing` says
+    that the switching function that triggered may only touch zero, so staying is a candidate.
     """
     contacts = config[N_CONTACTS]
     first_sign = config[N_PARAMETERS] - 1 - contacts
@@ -309,6 +312,11 @@ def decide(  # type: ignore[no-untyped-def]
             options[i, AT_REST] = 1 if v == 0.0 else 0
             if kinds[i] == SEPARATION and v != 0.0:
                 sign = 1 if v > 0.0 else -1
+        released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
+        if released and not grazing:  # the demanded force passes the capacity: it slips its way
+            offer(options, i, SLIP, 1 if trigger_kind == CAPACITY_UP else -1)
+            combinations *= options[i, COUNT]
+            continue
         if options[i, AT_REST] == 1:
             offer(options, i, STICK, sign)
         offer(options, i, SLIP, sign)
@@ -400,22 +408,21 @@ def bisected(  # type: ignore[no-untyped-def]
     return high / step
 
 
-@njit("float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[:, ::1])", **CACHE)
-def located(series, offset, order, step, strip, factor, shift, stack):  # type: ignore[no-untyped-def]
+@njit("float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1])", **CACHE)
+def located(series, offset, order, step, strip, factor, shift, roots):  # type: ignore[no-untyped-def]
     """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
-    p = stack[POLYNOMIAL]
     power = factor
     if strip == 0:
-        p[0] = factor * series[offset] + shift
+        roots[POLYNOMIAL] = factor * series[offset] + shift
         for k in range(1, order + 1):
             power *= step
-            p[k] = series[offset + k] * power
+            roots[POLYNOMIAL + k] = series[offset + k] * power
     else:  # the first coefficients are known zeros
         for k in range(1, order + 1):
             power *= step
             if k >= strip:
-                p[k - strip] = series[offset + k] * power
-    return first_root(order - strip, stack)
+                roots[POLYNOMIAL + k - strip] = series[offset + k] * power
+    return first_root(order - strip, roots)
 
 
 @njit(
@@ -604,19 +611,20 @@ def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped
     "float64, int64[::1], float64, int64[::1], float64[::1], float64[:, ::1], float64[::1],"
     "float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], boolean, float64[:, ::1],"
     "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
-    "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], int64[:, ::1])",
+    "float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[:, ::1])",
     **CACHE,
 )
 def advance(  # type: ignore[no-untyped-def]
     table, impacts, guards, config, clock, kinds, parameters, coefficients, y, tolerances, strips,
     counters, limits, t_stop, section, phase_interval, ends, section_times, section_states,
     sample_times, sample_states, sample_outputs, sample_codes, ledger, measuring, quadrature,
-    reference, measures, extremes, shares, tangents, series, work, stages, stack, options,
+    reference, measures, extremes, shares, tangents, series, work, stages, roots, options,
 ):
     """Run until t_stop, a full section buffer, a budget or an end; returns why it stopped."""
     n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
     first_sign = config[N_PARAMETERS] - 1 - contacts
     taylor = config[METHOD] == METHOD_TAYLOR
+    field = stages[0]
     out, joined, rates, delays = stages[3], stages[4], stages[5], stages[6]
     angle_up, angle_down, section_strip = strips.shape[0] - 3, strips.shape[0] - 2, strips.shape[0] - 1
     with_tangents = tangents.shape[0] > 0
@@ -634,15 +642,18 @@ def advance(  # type: ignore[no-untyped-def]
         n_guards, has_angle = table[index, N_GUARDS], table[index, HAS_ANGLE]
         # --- the step -----------------------------------------------------------------------
         if taylor:
-            call_generated(table[index, TAYLOR], coefficients, t, y, series)
-            rows = n + n_guards + has_angle
-            step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
+            step = clock[FIRST_STEP]
+            clock[FIRST_STEP] = 0.0
+            if step == 0.0:
+                call_generated(table[index, TAYLOR], coefficients, t, y, series)
+                rows = n + n_guards + has_angle
+                step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
+                for i in range(n):
+                    y[i] = series[i * (order + 1)]
             if step < ENDLESS:
                 clock[LAST_STEP] = step
             else:
                 step = polynomial_step(series, n, n_guards, order, clock[LAST_STEP])
-            for i in range(n):
-                y[i] = series[i * (order + 1)]
         else:
             step = tolerances[FIXED_STEP]
             clock[LAST_STEP] = step
@@ -658,7 +669,7 @@ def advance(  # type: ignore[no-untyped-def]
         for g in range(n_guards):
             if taylor:
                 root = located(
-                    series, (n + g) * (order + 1), order, step, strips[g], 1.0, 0.0, stack
+                    series, (n + g) * (order + 1), order, step, strips[g], 1.0, 0.0, roots
                 )
             else:
                 root = bisected(
@@ -673,7 +684,7 @@ def advance(  # type: ignore[no-untyped-def]
                 strip = strips[angle_up] if side == 0 else strips[angle_down]
                 if taylor:
                     root = located(
-                        series, (n + n_guards) * (order + 1), order, step, strip, factor, shift, stack,
+                        series, (n + n_guards) * (order + 1), order, step, strip, factor, shift, roots,
                     )
                 else:
                     root = bisected(
@@ -689,13 +700,13 @@ def advance(  # type: ignore[no-untyped-def]
             if strips[section_strip] > 0 and taylor:
                 value = series[entry * (order + 1) + 1]
             elif strips[section_strip] > 0:
-                call_generated(table[index, FIELD], coefficients, t, y, stages[0])
-                value = stages[0, n + entry]
+                call_generated(table[index, FIELD], coefficients, t, y, field)
+                value = field[n + entry]
             factor = 1.0 if value > 0.0 else -1.0
             if taylor:
                 root = located(
                     series, entry * (order + 1), order, step, strips[section_strip], factor, 0.0,
-                    stack,
+                    roots,
                 )
             else:
                 root = bisected(
@@ -767,7 +778,7 @@ def advance(  # type: ignore[no-untyped-def]
                 table, config, index, entry, coefficients, clock, y, tangents, joined, work, rates, delays
             )
         trigger_kind, trigger_contact = -1, config[ZONE_CONTACT]
-        residual = 0.0
+        residual, grazing = 0.0, True
         if hit < n_guards:
             trigger_kind, trigger_contact = guards[index, hit, 0], guards[index, hit, 1]
             if taylor:
@@ -775,6 +786,8 @@ def advance(  # type: ignore[no-untyped-def]
                 scale = series_scale(series, offset, order, step)
                 if scale > 0.0:
                     residual = abs(series_value(series, offset, order, tau)) / scale
+                    fall = series_slope(series, offset, order, tau) * step / scale
+                    grazing = fall > -GRAZING
         before_kind = kinds[trigger_contact]
         before_sign = parameters[first_sign + trigger_contact]
         before = code_of(before_kind, before_sign)
@@ -785,23 +798,24 @@ def advance(  # type: ignore[no-untyped-def]
             return CONTACT_LOST
         if trigger_kind == GAP and impacts[index, trigger_contact] != 0:
             energies = contact_outputs(table, index, n) + PER_CONTACT * contacts
-            call_generated(table[index, FIELD], coefficients, clock[TIME], y, stages[0])
-            kinetic = stages[0, energies + KINETIC]
+            call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+            kinetic = field[energies + KINETIC]
             call_generated(impacts[index, trigger_contact], coefficients, clock[TIME], y, out)
             for i in range(n):
                 y[i] = out[i]
-            call_generated(table[index, FIELD], coefficients, clock[TIME], y, stages[0])
-            measures[M_IMPACT] += kinetic - stages[0, energies + KINETIC]
+            call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+            measures[M_IMPACT] += kinetic - field[energies + KINETIC]
             counters[IMPACTS] += 1
             impacted = True
         if hit >= n_guards:
             cross_border(config, clock, parameters, hit == n_guards)
             call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
             call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
+            clock[FIRST_STEP] = 0.0
             strips[angle_down if hit == n_guards else angle_up] = 1
         elif not decide(
-            table, guards, config, clock, kinds, parameters, coefficients, y, series, stages[0],
-            tolerances, strips, trigger_kind, trigger_contact, options,
+            table, guards, config, clock, kinds, parameters, coefficients, y, series, field,
+            tolerances, strips, trigger_kind, trigger_contact, grazing, options,
         ):
             return NO_STATE
         for i in range(n):

@@ -140,7 +140,7 @@ class Motion:
         self.work = np.zeros(rows * (order + 1))
         width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
         self.stages = np.zeros((SCRATCH_ROWS, width))
-        self.stack = roots.scratch(order)
+        self.roots = roots.scratch()
         self.options = np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64)
         self.quadrature = gauss_nodes(order // 2 + 3)
         self.measures = self._no_measures()
@@ -219,7 +219,7 @@ class Motion:
         found = kernel.decide(
             self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
             self.parameters, self.coefficients, self.y, self.series, self.stages[0],
-            self.tolerances, self.strips, -1, -1, self.options,
+            self.tolerances, self.strips, -1, -1, True, self.options,
         )  # fmt: skip
         if found:
             order = self.system.generated.order
@@ -303,7 +303,7 @@ class Motion:
             self.tables.ends, times, states, samples.times, samples.states, samples.outputs,
             samples.codes, self.ledger, measuring, self.quadrature, self.measures.reference,
             self.measures.totals, self.measures.extremes, self.measures.shares, self.tangents,
-            self.series, self.work, self.stages, self.stack, self.options,
+            self.series, self.work, self.stages, self.roots, self.options,
         )  # fmt: skip
         samples.count = int(self.counters[kernel.SAMPLED])
         return Stop(code)

@@ -4,6 +4,10 @@ The polynomial lives on [0, 1] (one step). Bernstein coefficients bound it: all 
 root, one change of sign exactly one root, anything else is halved, left half first. A pair of
 roots closer than `TWIN_WIDTH` is told from a near miss at the minimum between them, so neither a
 double root nor a root at the very end of the step is lost.
+
+The functions work on one flat array, made by `scratch`: pieces of the halving, each a row of
+Bernstein coefficients with its interval behind them, and last the polynomial itself. (Views of
+an array would cost more than the arithmetic: each is counted atomically.)
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from math import comb
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fiv_cli.dynamics.compiled import CACHE
 
@@ -20,155 +25,162 @@ HIGHEST_ORDER = 24
 ROUNDING = 8.0 * 2.220446049250313e-16
 TWIN_WIDTH = 2.0**-22
 MAX_DEPTH = 60
-# Row of the scratch array that holds the polynomial; rows above it are halved pieces, each with
-# its interval in the last two columns.
-POLYNOMIAL = MAX_DEPTH
+LAST_DIGITS = 4.5e-16  # two units in the last place: a Newton step below it is noise
+ROW = HIGHEST_ORDER + 3  # coefficients of a piece, then the two ends of its interval
+LOW, HIGH = HIGHEST_ORDER + 1, HIGHEST_ORDER + 2
+POLYNOMIAL = MAX_DEPTH * ROW  # where the polynomial stands
 
 INVERSE_BINOMIALS = np.array(
-    [[1.0 / comb(n, k) if k <= n else 0.0 for k in range(HIGHEST_ORDER + 1)]
-     for n in range(HIGHEST_ORDER + 1)]
-)  # fmt: skip
+    [1.0 / comb(n, k) if k <= n else 0.0 for n in range(ROW) for k in range(ROW)]
+)
 
 
 @njit("float64(float64[::1], int64, float64)", **CACHE)
-def evaluate(p, degree, x):  # type: ignore[no-untyped-def]
-    """Horner's rule."""
-    value = p[degree]
+def evaluate(work, degree, x):  # type: ignore[no-untyped-def]
+    """Value of the polynomial by Horner's rule."""
+    value = work[POLYNOMIAL + degree]
     for k in range(degree - 1, -1, -1):
-        value = value * x + p[k]
+        value = value * x + work[POLYNOMIAL + k]
     return value
 
 
 @njit("float64(float64[::1], int64, float64)", **CACHE)
-def slope(p, degree, x):  # type: ignore[no-untyped-def]
-    """Derivative by Horner's rule."""
+def slope(work, degree, x):  # type: ignore[no-untyped-def]
+    """Its derivative by Horner's rule."""
     value = 0.0
     for k in range(degree, 0, -1):
-        value = value * x + k * p[k]
+        value = value * x + k * work[POLYNOMIAL + k]
     return value
 
 
 @njit("float64(float64[::1], int64, float64, float64)", **CACHE)
-def bracketed_root(p, degree, low, high):  # type: ignore[no-untyped-def]
+def bracketed_root(work, degree, low, high):  # type: ignore[no-untyped-def]
     """Root with p(low) > 0 >= p(high), by Newton steps kept inside the bracket."""
     x = 0.5 * (low + high)
     for _ in range(100):
-        value = evaluate(p, degree, x)
+        value = evaluate(work, degree, x)
         if value > 0.0:
             low = x
         else:
             high = x
-        derivative = slope(p, degree, x)
+        derivative = slope(work, degree, x)
         new = x - value / derivative if derivative != 0.0 else 0.5 * (low + high)
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - x) <= 1e-16 or not low < new < high:
+        if abs(new - x) <= LAST_DIGITS or not low < new < high:
             return new
         x = new
     return x
 
 
 @njit("float64(float64[::1], int64, float64, float64, float64)", **CACHE)
-def lowest_point(p, degree, low, high, tolerance):  # type: ignore[no-untyped-def]
+def lowest_point(work, degree, low, high, tolerance):  # type: ignore[no-untyped-def]
     """Where p is least in a short bracket, if it reaches `tolerance` there; else NO_ROOT."""
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if slope(p, degree, middle) < 0.0:
+        if slope(work, degree, middle) < 0.0:
             low = middle
         else:
             high = middle
-        if high - low <= 1e-16:
+        if high - low <= LAST_DIGITS:
             break
     x = 0.5 * (low + high)
-    return x if evaluate(p, degree, x) <= tolerance else NO_ROOT
+    return x if evaluate(work, degree, x) <= tolerance else NO_ROOT
 
 
-@njit("void(float64[::1], int64, float64[:, ::1])", **CACHE)
-def to_bernstein(p, degree, stack):  # type: ignore[no-untyped-def]
-    """Bernstein coefficients of p on [0, 1] into row 0 of `stack`."""
-    b = stack[0]
+@njit("void(float64[::1], int64)", **CACHE)
+def to_bernstein(work, degree):  # type: ignore[no-untyped-def]
+    """Bernstein coefficients of the polynomial on [0, 1], into the first row."""
     for j in range(degree + 1):
-        b[j] = p[j] * INVERSE_BINOMIALS[degree, j]
+        work[j] = work[POLYNOMIAL + j] * INVERSE_BINOMIALS[degree * ROW + j]
     for level in range(1, degree + 1):  # undo the differences
         for j in range(degree, level - 1, -1):
-            b[j] = b[j] + b[j - 1]
+            work[j] = work[j] + work[j - 1]
 
 
-@njit("float64(int64, float64[:, ::1])", **CACHE)
-def first_root(degree, stack):  # type: ignore[no-untyped-def]
+@njit("void(float64[::1], int64, int64)", **CACHE)
+def halve(work, degree, row):  # type: ignore[no-untyped-def]
+    """Split a piece at its middle (de Casteljau): right half stays, left half goes on top."""
+    left = row + ROW
+    for j in range(degree + 1):
+        work[left + j] = work[row]
+        for i in range(degree - j):
+            work[row + i] = 0.5 * (work[row + i] + work[row + i + 1])
+    middle = 0.5 * (work[row + LOW] + work[row + HIGH])
+    work[left + LOW] = work[row + LOW]
+    work[left + HIGH] = middle
+    work[row + LOW] = middle
+
+
+@njit("int64(float64[::1], int64, int64, float64)", **CACHE)
+def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
+    """Changes of sign of a piece that starts positive; what is within `tolerance` has no sign."""
+    changes = 0
+    negative = False
+    for j in range(degree + 1):
+        value = work[row + j]
+        if value < -tolerance and not negative:
+            changes += 1
+            negative = True
+        elif value > tolerance and negative:
+            changes += 1
+            negative = False
+    return changes
+
+
+@njit("float64(int64, float64[::1])", **CACHE)
+def first_root(degree, work):  # type: ignore[no-untyped-def]
     """First x in [0, 1] where p passes from positive to zero or below; NO_ROOT if none.
 
-    `p` is row `POLYNOMIAL` of `stack`, the array that `scratch` makes. It starts positive (its
-    known zeros at the start are divided out by the caller); a start at or below zero is a root
-    at 0.
+    p stands at `POLYNOMIAL`. It starts positive (its known zeros at the start are divided out by
+    the caller); a start at or below zero is a root at 0.
     """
-    p = stack[POLYNOMIAL]
-    if p[0] <= 0.0:
+    start = work[POLYNOMIAL]
+    if start <= 0.0:
         return 0.0
-    total = 0.0
-    weighted = 0.0
+    total = start
     falling = 0.0
+    steepness = 0.0
     for k in range(1, degree + 1):
-        size = abs(p[k])
+        coefficient = work[POLYNOMIAL + k]
+        size = abs(coefficient)
         total += size
-        weighted += k * size
-        if p[k] < 0.0:
+        steepness += k * size
+        if coefficient < 0.0:
             falling += size
-    if p[0] > falling * (1.0 + ROUNDING):
+    if start > falling * (1.0 + ROUNDING):
         return NO_ROOT
-    if 2.0 * abs(p[1]) > weighted:  # monotonic over the whole step
-        end = evaluate(p, degree, 1.0)
-        if end > ROUNDING * (total + p[0]):
+    tolerance = ROUNDING * total
+    if 2.0 * abs(work[POLYNOMIAL + 1]) > steepness:  # monotonic over the whole step
+        end = evaluate(work, degree, 1.0)
+        if end > tolerance:
             return NO_ROOT
-        if end < 0.0:
-            return bracketed_root(p, degree, 0.0, 1.0)
-    tolerance = ROUNDING * (total + p[0])
-    low_at, high_at = stack.shape[1] - 2, stack.shape[1] - 1
-    to_bernstein(p, degree, stack)
-    stack[0, low_at] = 0.0
-    stack[0, high_at] = 1.0
-    top = 0
-    while top >= 0:
-        b = stack[top]
-        low = stack[top, low_at]
-        high = stack[top, high_at]
-        changes = 0
-        negative = False
-        for j in range(degree + 1):
-            if b[j] < -tolerance and not negative:
-                changes += 1
-                negative = True
-            elif b[j] > tolerance and negative:
-                changes += 1
-                negative = False
+        return bracketed_root(work, degree, 0.0, 1.0) if end < 0.0 else 1.0
+    to_bernstein(work, degree)
+    work[LOW], work[HIGH] = 0.0, 1.0
+    row = 0
+    while row >= 0:
+        low, high = work[row + LOW], work[row + HIGH]
+        changes = sign_changes(work, degree, row, tolerance)
         if changes == 0:
-            if b[degree] <= tolerance:
+            if work[row + degree] <= tolerance:
                 return high
-            top -= 1
+            row -= ROW
         elif changes == 1:
-            return bracketed_root(p, degree, low, high)
-        elif high - low < TWIN_WIDTH or top >= MAX_DEPTH - 2:
-            touch = lowest_point(p, degree, low, high, tolerance)
+            return bracketed_root(work, degree, low, high)
+        elif high - low < TWIN_WIDTH or row + 2 * ROW >= POLYNOMIAL:
+            touch = lowest_point(work, degree, low, high, tolerance)
             if touch != NO_ROOT:
-                if evaluate(p, degree, touch) < -tolerance:
-                    return bracketed_root(p, degree, low, touch)
+                if evaluate(work, degree, touch) < -tolerance:
+                    return bracketed_root(work, degree, low, touch)
                 return touch
-            top -= 1
+            row -= ROW
         else:
-            right = stack[top]
-            left = stack[top + 1]
-            for j in range(degree + 1):  # de Casteljau at one half
-                left[j] = right[0]
-                for i in range(degree - j):
-                    right[i] = 0.5 * (right[i] + right[i + 1])
-            middle = 0.5 * (low + high)
-            stack[top, low_at] = middle
-            stack[top + 1, low_at] = low
-            stack[top + 1, high_at] = middle
-            top += 1
+            halve(work, degree, row)
+            row += ROW
     return NO_ROOT
 
 
-def scratch(order: int) -> np.ndarray:
-    """Scratch array of `first_root` for polynomials up to `order`."""
-    return np.zeros((MAX_DEPTH + 1, order + 3))
+def scratch() -> NDArray[np.float64]:
+    """The array that the functions of this file work on."""
+    return np.zeros(POLYNOMIAL + ROW)
