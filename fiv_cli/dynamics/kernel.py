@@ -772,22 +772,31 @@ def advance(  # type: ignore[no-untyped-def]
         counters[CHAINED] = counters[CHAINED] + 1 if tau <= 0.0 else 0
         if counters[CHAINED] > CHAIN_CAP:
             return NO_STATE
-        if with_tangents:
-            entry = hit if hit < n_guards else n_guards
-            switching_rates(
-                table, config, index, entry, coefficients, clock, y, tangents, joined, work, rates, delays
-            )
         trigger_kind, trigger_contact = -1, config[ZONE_CONTACT]
         residual, grazing = 0.0, True
         if hit < n_guards:
             trigger_kind, trigger_contact = guards[index, hit, 0], guards[index, hit, 1]
             if taylor:
+                # The root is that of the series about the start of the step; one Newton step on
+                # the series about the event itself takes it to rounding.
                 offset = (n + hit) * (order + 1)
                 scale = series_scale(series, offset, order, step)
+                call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
+                value, fall = series[offset], series[offset + 1]
                 if scale > 0.0:
-                    residual = abs(series_value(series, offset, order, tau)) / scale
-                    fall = series_slope(series, offset, order, tau) * step / scale
-                    grazing = fall > -GRAZING
+                    grazing = fall * step > -GRAZING * scale
+                    residual = abs(value) / scale
+                if not grazing:
+                    shift = -value / fall
+                    residual = abs(series_value(series, offset, order, shift)) / scale
+                    for i in range(n):
+                        y[i] = series_value(series, i * (order + 1), order, shift)
+                    clock[TIME] += shift
+        if with_tangents:
+            entry = hit if hit < n_guards else n_guards
+            switching_rates(
+                table, config, index, entry, coefficients, clock, y, tangents, joined, work, rates, delays
+            )
         before_kind = kinds[trigger_contact]
         before_sign = parameters[first_sign + trigger_contact]
         before = code_of(before_kind, before_sign)
