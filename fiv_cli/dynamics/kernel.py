@@ -605,6 +605,16 @@ def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped
         clock[ZONE_LOW] = clock[ZONE_HIGH] - span
 
 
+@njit("void(int64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])", **CACHE)
+def keep_section(counters, clock, y, section_times, section_states):  # type: ignore[no-untyped-def]
+    """Put the present state into the section buffer."""
+    row = counters[SECTIONS]
+    section_times[row] = clock[TIME]
+    for i in range(len(y)):
+        section_states[row, i] = y[i]
+    counters[SECTIONS] += 1
+
+
 @njit(
     "int64(int64[:, ::1], int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1],"
     "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64[::1], int64[::1],"
@@ -665,56 +675,44 @@ def advance(  # type: ignore[no-untyped-def]
             goal, reaches_stop = t_stop, True
         step = goal - t
         # --- the first switching function to fall to zero -----------------------------------
-        fraction, hit = 1.0, -1
-        for g in range(n_guards):
-            if taylor:
-                root = located(
-                    series, (n + g) * (order + 1), order, step, strips[g], 1.0, 0.0, roots
-                )
+        # In order: the contact state's own, the two borders of the sector, the section.
+        fraction, hit, crossing = 1.0, -1, 0
+        for check in range(n_guards + 3):
+            factor, shift, strip = 1.0, 0.0, 0
+            if check < n_guards:
+                row, entry, strip = n + check, 2 * n + check, strips[check]
+            elif check < n_guards + 2:
+                if has_angle == 0 or clock[ZONE_HIGH] == np.inf:
+                    continue
+                row, entry = n + n_guards, 2 * n + n_guards
+                upper = check == n_guards
+                factor = -1.0 if upper else 1.0
+                shift = clock[ZONE_HIGH] if upper else -clock[ZONE_LOW]
+                strip = strips[angle_up] if upper else strips[angle_down]
             else:
-                root = bisected(
-                    table, config, index, coefficients, t, y, series, step, stages, out, 2 * n + g, 1.0, 0.0
-                )
-            if root < fraction or (root == 1.0 and hit < 0):
-                fraction, hit = root, g
-        if has_angle == 1 and clock[ZONE_HIGH] < np.inf:
-            for side in range(2):
-                factor = -1.0 if side == 0 else 1.0
-                shift = clock[ZONE_HIGH] if side == 0 else -clock[ZONE_LOW]
-                strip = strips[angle_up] if side == 0 else strips[angle_down]
-                if taylor:
-                    root = located(
-                        series, (n + n_guards) * (order + 1), order, step, strip, factor, shift, roots,
-                    )
+                if section[SECTION_KIND] != SECTION_ZERO:
+                    continue
+                row, entry, strip = section[SECTION_STATE], section[SECTION_STATE], strips[section_strip]
+                if strip == 0:
+                    value = y[entry]
+                elif taylor:
+                    value = series[entry * (order + 1) + 1]
                 else:
-                    root = bisected(
-                        table, config, index, coefficients, t, y, series, step, stages, out,
-                        2 * n + n_guards, factor, shift,
-                    )
-                if root < fraction or (root == 1.0 and hit < 0):
-                    fraction, hit = root, n_guards + side
-        crossing = 0
-        if section[SECTION_KIND] == SECTION_ZERO:
-            entry = section[SECTION_STATE]
-            value = y[entry]
-            if strips[section_strip] > 0 and taylor:
-                value = series[entry * (order + 1) + 1]
-            elif strips[section_strip] > 0:
-                call_generated(table[index, FIELD], coefficients, t, y, field)
-                value = field[n + entry]
-            factor = 1.0 if value > 0.0 else -1.0
+                    call_generated(table[index, FIELD], coefficients, t, y, field)
+                    value = field[n + entry]
+                factor = 1.0 if value > 0.0 else -1.0
             if taylor:
-                root = located(
-                    series, entry * (order + 1), order, step, strips[section_strip], factor, 0.0,
-                    roots,
-                )
+                root = located(series, row * (order + 1), order, step, strip, factor, shift, roots)
             else:
                 root = bisected(
-                    table, config, index, coefficients, t, y, series, step, stages, out, entry, factor, 0.0
+                    table, config, index, coefficients, t, y, series, step, stages, out, entry,
+                    factor, shift,
                 )
-            if root < fraction and root > 0.0:
-                fraction, hit = root, n_guards + 2
-                crossing = 1 if factor < 0.0 else -1
+            if check < n_guards + 2:
+                if root < fraction or (root == 1.0 and hit < 0):
+                    fraction, hit = root, check
+            elif 0.0 < root < fraction:
+                fraction, hit, crossing = root, check, -int(factor)
         tau = step if hit < 0 else fraction * step
         # --- along the step --------------------------------------------------------------------
         if counters[SAMPLED] < len(sample_times):
@@ -744,11 +742,7 @@ def advance(  # type: ignore[no-untyped-def]
             clock[TIME] = goal
             counters[CHAINED] = 0
             if reaches_phase:
-                row = counters[SECTIONS]
-                section_times[row] = goal
-                for i in range(n):
-                    section_states[row, i] = y[i]
-                counters[SECTIONS] += 1
+                keep_section(counters, clock, y, section_times, section_states)
                 clock[NEXT_PHASE] += phase_interval
                 if counters[SECTIONS] >= limits[MAX_SECTIONS]:
                     return SECTION_FULL
@@ -759,12 +753,8 @@ def advance(  # type: ignore[no-untyped-def]
             strips[section_strip] = 1
             wanted = section[SECTION_DIRECTION]
             if wanted == 0 or wanted == crossing:
-                row = counters[SECTIONS]
-                section_times[row] = clock[TIME]
-                for i in range(n):
-                    section_states[row, i] = y[i]
-                section_states[row, section[SECTION_STATE]] = 0.0
-                counters[SECTIONS] += 1
+                y[section[SECTION_STATE]] = 0.0
+                keep_section(counters, clock, y, section_times, section_states)
                 if counters[SECTIONS] >= limits[MAX_SECTIONS]:
                     return SECTION_FULL
             continue
@@ -850,11 +840,7 @@ def advance(  # type: ignore[no-untyped-def]
             and kinds[trigger_contact] == section[SECTION_TO]
             and hit < n_guards
         ):
-            row = counters[SECTIONS]
-            section_times[row] = clock[TIME]
-            for i in range(n):
-                section_states[row, i] = y[i]
-            counters[SECTIONS] += 1
+            keep_section(counters, clock, y, section_times, section_states)
             if counters[SECTIONS] >= limits[MAX_SECTIONS]:
                 return SECTION_FULL
 
