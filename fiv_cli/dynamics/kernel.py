@@ -61,9 +61,10 @@ SECTION_NONE, SECTION_EVENT, SECTION_ZERO, SECTION_PHASE = 0, 1, 2, 3
 M_TIME, M_SPREAD, M_OTHER, M_FRICTION, M_DRIVE, M_IMPACT, M_RESIDUAL = range(7)
 MEASURES_WIDTH = 7
 
-# options[contact, ...]: candidates of `decide`, (kind, sign) pairs from OFFERS on
-COUNT, AT_REST, OFFERS = 0, 1, 2
-OPTIONS_WIDTH = 2 + 2 * 4
+# options[contact, ...]: candidates of `decide`, (kind, sign) pairs from OFFERS on; BEFORE: the
+# code of the contact's state before the event
+COUNT, AT_REST, BEFORE, OFFERS = 0, 1, 2, 3
+OPTIONS_WIDTH = 3 + 2 * 4
 
 # Why `advance` returned.
 REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STATE, JAMMED = range(8)
@@ -98,6 +99,12 @@ def code_of(kind, sign):  # type: ignore[no-untyped-def]
     if kind == SLIP:
         return CODE_SLIP_PLUS if sign > 0.0 else CODE_SLIP_MINUS
     return CODE_STICK if kind == STICK else CODE_SEPARATION
+
+
+@njit("int64(int64)", **CACHE)
+def kind_of(code):  # type: ignore[no-untyped-def]
+    """Kind of a contact's state from its code."""
+    return SLIP if code <= CODE_SLIP_MINUS else code - 1
 
 
 @njit("float64(float64[::1], int64, int64, float64)", **CACHE)
@@ -193,12 +200,12 @@ def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untype
 def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untyped-def]
     """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
-    0 when all vanish. `step` is the time over which derivatives are compared; 0 compares the
-    first two terms over the time in which the second makes up the first.
+    0 when all vanish. `step` is the time over which derivatives are compared; without one (0)
+    the first that is not exactly zero counts.
     """
-    if step == 0.0 and series[offset + 1] != 0.0:
-        step = abs(series[offset] / series[offset + 1])
     scale = series_scale(series, offset, order, step)
+    if step == 0.0:
+        step, scale = 1.0, 0.0
     power = 1.0
     for k in range(order):
         term = series[offset + k] * power
@@ -211,14 +218,19 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
 
 @njit(
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64, int64[:, ::1])",
+    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64, int64[:, ::1],"
+    "boolean)",
     **CACHE,
 )
 def consistent(  # type: ignore[no-untyped-def]
     table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances, strips,
-    trigger_kind, trigger_contact, options,
+    trigger_kind, trigger_contact, options, lenient,
 ):
-    """Whether a candidate contact state can follow: every switching function leads positive."""
+    """Whether a candidate contact state can follow: every switching function leads positive.
+
+    `lenient` leaves out that another contact opens or closes at the same instant: that is the
+    next event, chained to this one.
+    """
     n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
     index = state_index(kinds, contacts)
     if table[index, TAYLOR] == 0:
@@ -240,7 +252,8 @@ def consistent(  # type: ignore[no-untyped-def]
         if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
             known_zeros = 1
         lead = leading(series, (n + g) * (order + 1), order, step, known_zeros)
-        if lead < 0:
+        opens = kind == NORMAL or kind == GAP
+        if lead < 0 and not (lenient and opens and contact != trigger_contact):
             return False
         strips[g] = max(lead - 1, 0)
     return True
@@ -322,11 +335,11 @@ def decide(  # type: ignore[no-untyped-def]
         offer(options, i, SLIP, sign)
         if options[i, AT_REST] == 1:
             offer(options, i, SLIP, -sign)
-        if triggered and (trigger_kind == GAP or trigger_kind == NORMAL):
+        if trigger_kind < 0 or (triggered and (trigger_kind == GAP or trigger_kind == NORMAL)):
             offer(options, i, SEPARATION, sign)
         combinations *= options[i, COUNT]
-    for combination in range(combinations):
-        rest = combination
+    for attempt in range(2 * combinations):
+        rest = attempt % combinations
         for i in range(contacts - 1, -1, -1):
             pick = rest % options[i, COUNT]
             rest //= options[i, COUNT]
@@ -334,7 +347,7 @@ def decide(  # type: ignore[no-untyped-def]
             parameters[first_sign + i] = options[i, OFFERS + 2 * pick + 1]
         if consistent(
             table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances,
-            strips, trigger_kind, trigger_contact, options,
+            strips, trigger_kind, trigger_contact, options, attempt >= combinations,
         ):
             return True
     return False
@@ -590,6 +603,22 @@ def enter_zone(config, clock, parameters, angle):  # type: ignore[no-untyped-def
         clock[ZONE_LOW], clock[ZONE_HIGH] = base + width, base + turn
 
 
+@njit("int64(float64[::1], int64, int64, float64, float64, float64)", **CACHE)
+def away_from_border(series, offset, order, step, factor, shift):  # type: ignore[no-untyped-def]
+    """Known zeros of ``factor * series + shift`` that begins at zero and rises; 0 otherwise."""
+    value = factor * series[offset] + shift
+    if abs(value) > ZERO * (abs(series[offset]) + abs(shift)):
+        return 0
+    scale = series_scale(series, offset + 1, order - 1, step) * step
+    power = step
+    for k in range(1, order):
+        term = factor * series[offset + k] * power
+        if abs(term) > VANISHING * scale:
+            return k if term > 0.0 else 0
+        power *= step
+    return 0
+
+
 @njit("void(int64[::1], float64[::1], float64[::1], boolean)", **CACHE)
 def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped-def]
     """Enter the neighbouring sector."""
@@ -647,6 +676,11 @@ def advance(  # type: ignore[no-untyped-def]
             return STEP_BUDGET
         if counters[EVENTS] >= limits[MAX_EVENTS]:
             return EVENT_BUDGET
+        if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= t:  # on an event
+            keep_section(counters, clock, y, section_times, section_states)
+            clock[NEXT_PHASE] += phase_interval
+            if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                return SECTION_FULL
         counters[STEPS] += 1
         index = state_index(kinds, contacts)
         n_guards, has_angle = table[index, N_GUARDS], table[index, HAS_ANGLE]
@@ -676,7 +710,7 @@ def advance(  # type: ignore[no-untyped-def]
         step = goal - t
         # --- the first switching function to fall to zero -----------------------------------
         # In order: the contact state's own, the two borders of the sector, the section.
-        fraction, hit, crossing = 1.0, -1, 0
+        fraction, hit, crossing, section_sign = 1.0, -1, 0, 0.0
         for check in range(n_guards + 3):
             factor, shift, strip = 1.0, 0.0, 0
             if check < n_guards:
@@ -689,6 +723,9 @@ def advance(  # type: ignore[no-untyped-def]
                 factor = -1.0 if upper else 1.0
                 shift = clock[ZONE_HIGH] if upper else -clock[ZONE_LOW]
                 strip = strips[angle_up] if upper else strips[angle_down]
+                if taylor:
+                    leaving = away_from_border(series, row * (order + 1), order, step, factor, shift)
+                    strip = max(strip, leaving)
             else:
                 if section[SECTION_KIND] != SECTION_ZERO:
                     continue
@@ -701,6 +738,7 @@ def advance(  # type: ignore[no-untyped-def]
                     call_generated(table[index, FIELD], coefficients, t, y, field)
                     value = field[n + entry]
                 factor = 1.0 if value > 0.0 else -1.0
+                section_sign = factor if value != 0.0 else 0.0
             if taylor:
                 root = located(series, row * (order + 1), order, step, strip, factor, shift, roots)
             else:
@@ -759,7 +797,7 @@ def advance(  # type: ignore[no-untyped-def]
                     return SECTION_FULL
             continue
         # --- an event ---------------------------------------------------------------------------
-        counters[CHAINED] = counters[CHAINED] + 1 if tau <= 0.0 else 0
+        counters[CHAINED] = counters[CHAINED] + 1 if t + tau <= t else 0
         if counters[CHAINED] > CHAIN_CAP:
             return NO_STATE
         trigger_kind, trigger_contact = -1, config[ZONE_CONTACT]
@@ -787,9 +825,8 @@ def advance(  # type: ignore[no-untyped-def]
             switching_rates(
                 table, config, index, entry, coefficients, clock, y, tangents, joined, work, rates, delays
             )
-        before_kind = kinds[trigger_contact]
-        before_sign = parameters[first_sign + trigger_contact]
-        before = code_of(before_kind, before_sign)
+        for i in range(contacts):
+            options[i, BEFORE] = code_of(kinds[i], parameters[first_sign + i])
         impacted = False
         if trigger_kind == JAMMING:
             return JAMMED
@@ -821,28 +858,41 @@ def advance(  # type: ignore[no-untyped-def]
             y[i] = series[i * (order + 1)]
         if with_tangents:
             saltate(config, series, rates, tangents, delays)
-        after = code_of(kinds[trigger_contact], parameters[first_sign + trigger_contact])
-        index_after = state_index(kinds, contacts)
-        if index_after == index and before == after and not impacted and hit < n_guards:
+        if section[SECTION_KIND] == SECTION_ZERO:  # does the section lie on the event?
+            entry = section[SECTION_STATE]
+            offset = entry * (order + 1)
+            slope = series[offset + 1]
+            if abs(y[entry]) <= ZERO * series_scale(series, offset, order, clock[LAST_STEP]):
+                strips[section_strip] = 1
+                crossing = 1 if slope > 0.0 else -1
+                wanted = section[SECTION_DIRECTION]
+                if section_sign * slope < 0.0 and (wanted == 0 or wanted == crossing):
+                    keep_section(counters, clock, y, section_times, section_states)
+        events = counters[EVENTS]
+        for i in range(contacts):
+            before, after = options[i, BEFORE], code_of(kinds[i], parameters[first_sign + i])
+            itself = i == trigger_contact and (impacted or hit >= n_guards)
+            if before == after and not itself:
+                continue
+            counters[EVENTS] += 1
+            if counters[LEDGER] < ledger.shape[0]:
+                row = counters[LEDGER]
+                ledger[row, 0], ledger[row, 1], ledger[row, 2] = clock[TIME], before, after
+                ledger[row, 3], ledger[row, 4] = i, residual
+                counters[LEDGER] += 1
+            if (
+                section[SECTION_KIND] == SECTION_EVENT
+                and i == section[SECTION_CONTACT]
+                and kind_of(before) == section[SECTION_FROM]
+                and kinds[i] == section[SECTION_TO]
+            ):
+                keep_section(counters, clock, y, section_times, section_states)
+        if counters[EVENTS] == events:
             counters[GRAZINGS] += 1
-            continue
-        counters[EVENTS] += 1
-        measures[M_RESIDUAL] = max(measures[M_RESIDUAL], residual)
-        if counters[LEDGER] < ledger.shape[0]:
-            row = counters[LEDGER]
-            ledger[row, 0], ledger[row, 1], ledger[row, 2] = clock[TIME], before, after
-            ledger[row, 3], ledger[row, 4] = trigger_contact, residual
-            counters[LEDGER] += 1
-        if (
-            section[SECTION_KIND] == SECTION_EVENT
-            and trigger_contact == section[SECTION_CONTACT]
-            and before_kind == section[SECTION_FROM]
-            and kinds[trigger_contact] == section[SECTION_TO]
-            and hit < n_guards
-        ):
-            keep_section(counters, clock, y, section_times, section_states)
-            if counters[SECTIONS] >= limits[MAX_SECTIONS]:
-                return SECTION_FULL
+        else:
+            measures[M_RESIDUAL] = max(measures[M_RESIDUAL], residual)
+        if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+            return SECTION_FULL
 
 
 @njit("void(int64, float64[::1], float64, float64[::1], float64[::1])", **CACHE)

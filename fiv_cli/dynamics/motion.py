@@ -192,9 +192,12 @@ class Motion:
         if not self.tables.separable[contact]:
             return False
         kinds = np.full(self.system.n_contacts, kernel.SEPARATION, np.int64)
-        index, out = self._field(kinds)
+        index = kernel.state_index(kinds, len(kinds))
         place = [tuple(g) for g in self.tables.guards[index]].index((kernel.GAP, contact))
-        return bool(out[2 * len(self.y) + place] > 0.0)
+        series = np.zeros_like(self.series)
+        call(self.tables.table[index, kernel.TAYLOR], self.coefficients, self.time, self.y, series)
+        gap, rate = series[(len(self.y) + place) * (self.system.generated.order + 1) :][:2]
+        return bool(gap > 0.0 or (gap == 0.0 and rate > 0.0))
 
     def _slip_velocities(self) -> list[float]:
         field = np.zeros(self.stages.shape[1])

@@ -1,0 +1,163 @@
+"""Small models of the test suite: contacts that open, and several contacts at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+
+
+def _parameters(**defaults: float) -> tuple[Parameter, ...]:
+    return tuple(Parameter(name, name, "1", value, name) for name, value in defaults.items())
+
+
+def _coordinates(*names: str) -> tuple[State, ...]:
+    return tuple(State(name, name, "m", name) for name in names)
+
+
+# --- a mass that slides on a belt and can leave it -------------------------------------------
+def _bouncer(symbols: Any, options: Options) -> Equations:
+    """m x'' = F_T - k x,  m z'' = F_N - m g - k_z (z - z0) + A cos(omega t); closed at z = 0."""
+    import sympy
+
+    p = symbols.parameter
+    x, z = symbols.coordinate("x"), symbols.coordinate("z")
+    x_dot, z_dot = symbols.velocity("x"), symbols.velocity("z")
+    rigid = options["contact"] == "rigid"
+    push = p("A") * sympy.cos(p("omega") * symbols.time)
+    vertical = -p("m") * p("g") - p("k_z") * (z - p("z0")) + push
+    compression = 0 if rigid else symbols.closed(0) * p("k_c") * z**2 / 2
+    return Equations(
+        accelerations={
+            "x": (symbols.tangential_force(0) - p("k") * x) / p("m"),
+            "z": (symbols.normal_force(0) + vertical) / p("m"),
+        },
+        contacts=(
+            Contact(
+                slip_velocity=p("v") - x_dot,
+                slip_coordinate="x",
+                normal_force=None if rigid else -p("k_c") * z,
+                gap=z,
+                gap_coordinate="z" if rigid else None,
+                impact="none" if options["contact"] == "elastic" else "plastic",
+            ),
+        ),
+        kinetic_energy=p("m") * (x_dot**2 + z_dot**2) / 2,
+        potential_energy=p("k") * x**2 / 2
+        + p("m") * p("g") * z
+        + p("k_z") * (z - p("z0")) ** 2 / 2
+        + compression,
+    )
+
+
+BOUNCER = Model(
+    name="bouncer",
+    title="mass on a belt with a unilateral contact",
+    reference="test suite",
+    numerics_version=1,
+    parameters=_parameters(
+        m=1.0, k=1.0, g=10.0, k_z=0.0, z0=0.0, k_c=1e4, A=0.0, omega=3.0, v=1.0
+    ),
+    states=lambda options: _coordinates("x", "z"),
+    equations=_bouncer,
+    laws=("coulomb",),
+    law_defaults={},
+    options=(
+        Option("contact", ("rigid", "compliant", "elastic"), "rigid", "how the contact gives way"),
+    ),
+)
+
+
+# --- two masses on one belt ------------------------------------------------------------------
+def _two_masses(symbols: Any, options: Options) -> Equations:
+    """Two equal-sided masses on one belt, each on a spring, coupled by another."""
+    p = symbols.parameter
+    x = [symbols.coordinate(name) for name in ("x1", "x2")]
+    x_dot = [symbols.velocity(name) for name in ("x1", "x2")]
+    coupling = p("k_c") * (x[0] - x[1])
+    pulls = (-p("k1") * x[0] - coupling, -p("k2") * x[1] + coupling)
+    force = symbols.tangential_force
+    return Equations(
+        accelerations={
+            "x1": (force(0) + pulls[0]) / p("m"),
+            "x2": (force(1) + pulls[1]) / p("m"),
+        },
+        contacts=tuple(
+            Contact(
+                slip_velocity=p("v") - x_dot[i],
+                slip_coordinate=f"x{i + 1}",
+                normal_force=p(f"N{i + 1}"),
+            )
+            for i in range(2)
+        ),
+        kinetic_energy=p("m") * (x_dot[0] ** 2 + x_dot[1] ** 2) / 2,
+        potential_energy=(p("k1") * x[0] ** 2 + p("k2") * x[1] ** 2) / 2
+        + p("k_c") * (x[0] - x[1]) ** 2 / 2,
+    )
+
+
+TWO_MASSES = Model(
+    name="two-masses",
+    title="two masses on one belt, coupled by a spring",
+    reference="test suite",
+    numerics_version=1,
+    parameters=_parameters(m=1.0, k1=1.0, k2=1.0, k_c=0.5, N1=10.0, N2=10.0, v=1.0),
+    states=lambda options: _coordinates("x1", "x2"),
+    equations=_two_masses,
+    laws=("coulomb",),
+    law_defaults={},
+    contacts=2,
+)
+
+
+# --- two masses that can leave the belt ------------------------------------------------------
+def _two_bouncers(symbols: Any, options: Options) -> Equations:
+    """Two masses over one belt, lifted by one harmonic force; each contact opens on its own."""
+    import sympy
+
+    p = symbols.parameter
+    push = p("A") * sympy.cos(p("omega") * symbols.time)
+    x_dot = [symbols.velocity(name) for name in ("x1", "x2")]
+    z_dot = [symbols.velocity(name) for name in ("z1", "z2")]
+    x = [symbols.coordinate(name) for name in ("x1", "x2")]
+    z = [symbols.coordinate(name) for name in ("z1", "z2")]
+    accelerations, contacts = {}, []
+    for i, mass in enumerate((p("m1"), p("m2"))):
+        force = symbols.tangential_force(i) - p("k") * x[i]
+        accelerations[f"x{i + 1}"] = force / mass
+        lift = symbols.normal_force(i) - mass * p("g") + push
+        accelerations[f"z{i + 1}"] = lift / mass
+        contacts.append(
+            Contact(
+                slip_velocity=p("v") - x_dot[i],
+                slip_coordinate=f"x{i + 1}",
+                normal_force=None,
+                gap=z[i],
+                gap_coordinate=f"z{i + 1}",
+            )
+        )
+    masses = (p("m1"), p("m2"))
+    return Equations(
+        accelerations=accelerations,
+        contacts=tuple(contacts),
+        kinetic_energy=sum(
+            mass * (x_dot[i] ** 2 + z_dot[i] ** 2) / 2 for i, mass in enumerate(masses)
+        ),
+        potential_energy=sum(
+            mass * p("g") * z[i] + p("k") * x[i] ** 2 / 2 for i, mass in enumerate(masses)
+        ),
+    )
+
+
+TWO_BOUNCERS = Model(
+    name="two-bouncers",
+    title="two masses over one belt, both contacts unilateral",
+    reference="test suite",
+    numerics_version=1,
+    parameters=_parameters(m1=1.0, m2=1.0, k=1.0, g=10.0, A=0.0, omega=3.0, v=1.0),
+    states=lambda options: _coordinates("x1", "x2", "z1", "z2"),
+    equations=_two_bouncers,
+    laws=("coulomb",),
+    law_defaults={},
+    contacts=2,
+)
