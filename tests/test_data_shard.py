@@ -93,7 +93,7 @@ def test_a_truncated_shard_is_unreadable(tmp_path: Path, keep: float) -> None:
 
 
 @given(place=st.floats(0.0, 1.0, exclude_max=True), value=st.integers(1, 255))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=200, deadline=None)
 def test_no_flipped_byte_changes_an_answer(
     tmp_path_factory: pytest.TempPathFactory, place: float, value: int
 ) -> None:

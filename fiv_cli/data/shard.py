@@ -137,18 +137,23 @@ def _group(arrays: Mapping[str, Array], prefix: str) -> dict[str, Array]:
 
 
 def _verified_arrays(path: Path) -> tuple[dict[str, Array], str]:
+    """What is stored at `path`; a damaged file can fail in any way, and none may end a run."""
     try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != FORMAT or file.attrs.get("version") != VERSION:
-                raise UnreadableShard("not a shard of this version")
-            analysis = str(file.attrs["analysis"])
-            arrays = {name: file[name][()] for name in _datasets(file)}
-            stored = file.attrs["checksum"]
-    except (OSError, KeyError, RuntimeError, ValueError) as error:
-        raise UnreadableShard(str(error)) from error
-    if _checksum(arrays, analysis) != stored:
+        arrays, analysis, stored = _raw_arrays(path)
+        intact = _checksum(arrays, analysis) == stored
+    except Exception as error:
+        raise UnreadableShard(f"{type(error).__name__}: {error}") from error
+    if not intact:
         raise UnreadableShard("its checksum does not match its content")
     return arrays, analysis
+
+
+def _raw_arrays(path: Path) -> tuple[dict[str, Array], str, str]:
+    with h5py.File(path, "r") as file:
+        if file.attrs.get("format") != FORMAT or file.attrs.get("version") != VERSION:
+            raise ValueError("not a shard of this version")
+        arrays = {name: file[name][()] for name in _datasets(file)}
+        return arrays, str(file.attrs["analysis"]), str(file.attrs["checksum"])
 
 
 def _datasets(file: h5py.File) -> Iterator[str]:
