@@ -17,6 +17,7 @@ SETTLED = 1e-8  # relative to the largest value of each state at the section
 LONGEST = 64  # longest period looked for, in section points
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
 FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
+DISTINCT = 1e-6  # points of one period lie further apart than this: else the period is shorter
 
 
 @njit("float64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
@@ -52,6 +53,22 @@ def _shrinking_divisor(points, scales, count, m):  # type: ignore[no-untyped-def
     return False
 
 
+@njit("int64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
+def _least_period(points, scales, count, m):  # type: ignore[no-untyped-def]
+    """The least divisor of the period m that tells all its points apart.
+
+    On a spiral whose turn is near 2 pi p/m, the points m apart agree sooner than neighbours do.
+    """
+    for d in range(1, m):
+        if m % d == 0:
+            worst = 0.0
+            for back in range(m):
+                worst = max(worst, _distance(points, scales, count - 1 - back, d))
+            if worst <= DISTINCT:
+                return d
+    return m
+
+
 @njit("int64(float64[:, ::1], float64[::1], int64, int64, float64)", **CACHE)
 def _settled_period(points, scales, count, longest, tolerance):  # type: ignore[no-untyped-def]
     for m in range(1, min(longest, (count - 1) // 2) + 1):
@@ -64,7 +81,7 @@ def _settled_period(points, scales, count, longest, tolerance):  # type: ignore[
         rate = now / before if before > 0.0 else 0.0
         if now <= FLOOR or (rate < 1.0 and now * rate / (1.0 - rate) <= tolerance):
             shorter = count >= 3 * m + 1 and _shrinking_divisor(points, scales, count, m)
-            return 0 if shorter else m
+            return 0 if shorter else _least_period(points, scales, count, m)
     return 0
 
 
