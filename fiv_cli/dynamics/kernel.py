@@ -175,8 +175,9 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     step = ENDLESS
     if worst > 0.0:
         step = (rtol / worst) ** (1.0 / order)
-    if worst_before > 0.0:
-        step = min(step, (rtol / worst_before) ** (1.0 / (order - 1)))
+    # The term before the last decides only if it is the larger one over that step.
+    if worst_before > 0.0 and worst_before > worst * step:
+        step = (rtol / worst_before) ** (1.0 / (order - 1))
     return step
 
 

@@ -135,13 +135,9 @@ class Motion:
         self.strips = np.zeros(guards + 3, np.int64)
         self.counters = np.zeros(kernel.COUNTERS_WIDTH, np.int64)
         self.limits = np.array([solver.max_steps, solver.max_events, 0], np.int64)
-        rows = 2 * n + 2 * guards + 2
-        self.series = np.zeros(rows * (order + 1))
-        self.work = np.zeros(rows * (order + 1))
-        width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
-        self.stages = np.zeros((SCRATCH_ROWS, width))
-        self.roots = roots.scratch()
-        self.options = np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64)
+        scratch = scratch_of(system)
+        self.series, self.work, self.stages = scratch.series, scratch.work, scratch.stages
+        self.roots, self.options = scratch.roots, scratch.options
         self.quadrature = gauss_nodes(order // 2 + 3)
         self.measures = self._no_measures()
         self.ledger = np.zeros((0, 5))
@@ -210,6 +206,9 @@ class Motion:
         ]  # fmt: skip
 
     def _enter_zone(self) -> None:
+        if self.system.generated.zone is None:
+            self.clock[kernel.ZONE_LOW], self.clock[kernel.ZONE_HIGH] = -np.inf, np.inf
+            return
         zone_state = np.zeros(self.system.n_contacts, np.int64)
         index, out = self._field(zone_state)
         has_angle = self.tables.table[index, kernel.HAS_ANGLE] == 1
@@ -296,6 +295,7 @@ class Motion:
             return Stop.NO_STATE
         times, states = sections or (np.zeros(1), np.zeros((1, len(self.y))))
         samples = samples or no_samples(self.system)
+        self.clock[kernel.FIRST_STEP] = 0.0  # another motion may have used the scratch arrays
         self.counters[kernel.SECTIONS] = 0
         self.counters[kernel.SAMPLED] = samples.count
         self.limits[kernel.MAX_SECTIONS] = len(times)
@@ -342,6 +342,33 @@ class Motion:
         first = kernel.contact_outputs(self.tables.table, index, len(self.y))
         first += kernel.PER_CONTACT * self.system.n_contacts
         return float(out[first + kernel.KINETIC] + out[first + kernel.POTENTIAL])
+
+
+@dataclass(frozen=True)
+class Scratch:
+    """Arrays that the kernel writes before it reads; the motions of a system share them."""
+
+    series: Vector
+    work: Vector
+    stages: NDArray[np.float64]
+    roots: Vector
+    options: NDArray[np.int64]
+
+
+@cache
+def scratch_of(system: System) -> Scratch:
+    """Scratch arrays of a system (one set a process: motions run one at a time)."""
+    n, contacts, order = len(system.state_names), system.n_contacts, system.generated.order
+    guards = system.tables.guards.shape[1]
+    rows = 2 * n + 2 * guards + 2
+    width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
+    return Scratch(
+        series=np.zeros(rows * (order + 1)),
+        work=np.zeros(rows * (order + 1)),
+        stages=np.zeros((SCRATCH_ROWS, width)),
+        roots=roots.scratch(),
+        options=np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64),
+    )
 
 
 def call(address: Any, coefficients: Vector, time: float, state: Vector, out: Vector) -> None:

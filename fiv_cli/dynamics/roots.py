@@ -25,7 +25,8 @@ HIGHEST_ORDER = 24
 ROUNDING = 8.0 * 2.220446049250313e-16
 TWIN_WIDTH = 2.0**-22
 MAX_DEPTH = 60
-LAST_DIGITS = 4.5e-16  # two units in the last place: a Newton step below it is noise
+LAST_STEP = 1e-8  # a Newton step this short leaves its square as error
+LAST_DIGITS = 4.5e-16  # two units in the last place
 ROW = HIGHEST_ORDER + 3  # coefficients of a piece, then the two ends of its interval
 LOW, HIGH = HIGHEST_ORDER + 1, HIGHEST_ORDER + 2
 POLYNOMIAL = MAX_DEPTH * ROW  # where the polynomial stands
@@ -58,17 +59,23 @@ def bracketed_root(work, degree, low, high):  # type: ignore[no-untyped-def]
     """Root with p(low) > 0 >= p(high), by Newton steps kept inside the bracket."""
     x = 0.5 * (low + high)
     for _ in range(100):
-        value = evaluate(work, degree, x)
+        value = work[POLYNOMIAL + degree]
+        derivative = 0.0
+        for k in range(degree - 1, -1, -1):
+            derivative = derivative * x + value
+            value = value * x + work[POLYNOMIAL + k]
         if value > 0.0:
             low = x
         else:
             high = x
-        derivative = slope(work, degree, x)
-        new = x - value / derivative if derivative != 0.0 else 0.5 * (low + high)
-        if not low < new < high:
+        new = x - value / derivative if derivative != 0.0 else low
+        if low < new < high:
+            if abs(new - x) <= LAST_STEP:
+                return new
+        else:
             new = 0.5 * (low + high)
-        if abs(new - x) <= LAST_DIGITS or not low < new < high:
-            return new
+            if not low < new < high:
+                return new
         x = new
     return x
 
@@ -148,10 +155,21 @@ def first_root(degree, work):  # type: ignore[no-untyped-def]
         steepness += k * size
         if coefficient < 0.0:
             falling += size
-    if start > falling * (1.0 + ROUNDING):
-        return NO_ROOT
     tolerance = ROUNDING * total
-    if 2.0 * abs(work[POLYNOMIAL + 1]) > steepness:  # monotonic over the whole step
+    # p(x) >= start + p1 x - rest x^2, which is least at an end of [0, 1].
+    first = work[POLYNOMIAL + 1]
+    rest = falling + min(first, 0.0)
+    if start + first - rest > tolerance:
+        return NO_ROOT
+    if 2.0 * abs(first) > steepness:  # monotonic over the whole step
+        end = evaluate(work, degree, 1.0)
+        if end > tolerance:
+            return NO_ROOT
+        return bracketed_root(work, degree, 0.0, 1.0) if end < 0.0 else 1.0
+    curvature = 0.0
+    for k in range(3, degree + 1):
+        curvature += k * (k - 1) * abs(work[POLYNOMIAL + k])
+    if -2.0 * work[POLYNOMIAL + 2] > curvature:  # concave: least at an end, one root at most
         end = evaluate(work, degree, 1.0)
         if end > tolerance:
             return NO_ROOT

@@ -83,7 +83,7 @@ def _announce_kernels(announce: Callable[[str], None]) -> None:
         announce("compiling the integrator (once per user, a few seconds)")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class System:
     """A compiled system.
 
