@@ -1,19 +1,21 @@
-"""Complex eigenvalues of the system linearised at its sliding equilibrium (thesis 3.2.1, 3.33-3.37).
+"""Complex eigenvalues of the system linearised at its sliding equilibrium.
 
-The Jacobian is exact: it is generated from the equations, not differenced.
+Thesis 3.2.1, equations 3.33-3.37. The Jacobian is exact: it is generated from the equations,
+not differenced.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Analysis, Outcome, Setting, SolverSettings, Start
-from fiv_cli.analyses.common import equilibria, sliding
-from fiv_cli.dynamics.system import System
+
+if TYPE_CHECKING:
+    from fiv_cli.dynamics.system import System
 
 COUPLED = 1e-3  # relative distance of the frequencies of two coupled modes
 
@@ -30,6 +32,8 @@ def run(
     solver: SolverSettings,
 ) -> Outcome:
     """Eigenvalues in rad/s and eigenvectors, by rising frequency."""
+    from fiv_cli.analyses.common import equilibria, sliding
+
     state = sliding(system, parameters)
     solutions = equilibria(state)
     if not solutions:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings, Start
-from fiv_cli.analyses.common import equilibria, sliding
-from fiv_cli.dynamics.system import System
+
+if TYPE_CHECKING:
+    from fiv_cli.dynamics.system import System
 
 
 def run(
@@ -20,6 +21,8 @@ def run(
     solver: SolverSettings,
 ) -> Outcome:
     """Equilibria, contact forces there and what is left of the equations (residual)."""
+    from fiv_cli.analyses.common import equilibria, sliding
+
     state = sliding(system, parameters)
     solutions = equilibria(state)
     if not solutions:
