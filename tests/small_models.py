@@ -55,9 +55,7 @@ BOUNCER = Model(
     title="mass on a belt with a unilateral contact",
     reference="test suite",
     numerics_version=1,
-    parameters=_parameters(
-        m=1.0, k=1.0, g=10.0, k_z=0.0, z0=0.0, k_c=1e4, A=0.0, omega=3.0, v=1.0
-    ),
+    parameters=_parameters(m=1.0, k=1.0, g=10.0, k_z=0.0, z0=0.0, k_c=1e4, A=0.0, omega=3.0, v=1.0),
     states=lambda options: _coordinates("x", "z"),
     equations=_bouncer,
     laws=("coulomb",),

@@ -109,11 +109,18 @@ def kind_of(code):  # type: ignore[no-untyped-def]
 
 @njit("float64(float64[::1], int64, int64, float64)", **CACHE)
 def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
-    """Value of the series that begins at `offset`."""
-    value = series[offset + order]
-    for k in range(order - 1, -1, -1):
-        value = value * x + series[offset + k]
-    return value
+    """Value of the series that begins at `offset`.
+
+    Even and odd powers are summed apart: two short chains of operations instead of a long one.
+    """
+    square = x * x
+    even = series[offset + order - order % 2]
+    for k in range(order - order % 2 - 2, -1, -2):
+        even = even * square + series[offset + k]
+    odd = series[offset + order - 1 + order % 2]
+    for k in range(order - 3 + order % 2, 0, -2):
+        odd = odd * square + series[offset + k]
+    return even + x * odd
 
 
 @njit("float64(float64[::1], int64, int64, float64)", **CACHE)
@@ -753,24 +760,41 @@ def advance(  # type: ignore[no-untyped-def]
             elif 0.0 < root < fraction:
                 fraction, hit, crossing = root, check, -int(factor)
         tau = step if hit < 0 else fraction * step
-        # --- along the step --------------------------------------------------------------------
-        if counters[SAMPLED] < len(sample_times):
-            take_samples(
-                table, config, index, kinds, parameters, coefficients, clock, y, series, tau, stages,
-                out, counters, sample_times, sample_states, sample_outputs, sample_codes,
-            )
-        if measuring:
-            take_measures(
-                table, config, index, kinds, coefficients, clock, y, series, tau, stages, out,
-                quadrature, reference, measures, extremes, shares,
-            )
-        if with_tangents:
-            move_tangents(table, config, index, coefficients, clock, y, tau, tangents, joined, work)
+        residual, grazing = 0.0, True
         if taylor:
             for i in range(n):
                 out[i] = series_value(series, i * (order + 1), order, tau)
         else:
             state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
+        if taylor and 0 <= hit < n_guards:
+            # The root is that of the series about the start of the step; one Newton step on the
+            # series about the event itself takes it to rounding.
+            offset = (n + hit) * (order + 1)
+            scale = series_scale(series, offset, order, step)
+            call_generated(table[index, TAYLOR], coefficients, t + tau, out, work)
+            value, fall = work[offset], work[offset + 1]
+            if scale > 0.0:
+                grazing = fall * step > -GRAZING * scale
+                residual = abs(value) / scale
+            if not grazing:
+                shift = max(-value / fall, -tau)
+                residual = abs(series_value(work, offset, order, shift)) / scale
+                for i in range(n):
+                    out[i] = series_value(work, i * (order + 1), order, shift)
+                tau += shift
+        # --- along the step --------------------------------------------------------------------
+        if counters[SAMPLED] < len(sample_times):
+            take_samples(
+                table, config, index, kinds, parameters, coefficients, clock, y, series, tau, stages,
+                joined, counters, sample_times, sample_states, sample_outputs, sample_codes,
+            )
+        if measuring:
+            take_measures(
+                table, config, index, kinds, coefficients, clock, y, series, tau, stages,
+                joined, quadrature, reference, measures, extremes, shares,
+            )
+        if with_tangents:
+            move_tangents(table, config, index, coefficients, clock, y, tau, tangents, joined, work)
         for i in range(n):
             y[i] = out[i]
             if not abs(out[i]) < tolerances[BOUND]:
@@ -802,25 +826,8 @@ def advance(  # type: ignore[no-untyped-def]
         if counters[CHAINED] > CHAIN_CAP:
             return NO_STATE
         trigger_kind, trigger_contact = -1, config[ZONE_CONTACT]
-        residual, grazing = 0.0, True
         if hit < n_guards:
             trigger_kind, trigger_contact = guards[index, hit, 0], guards[index, hit, 1]
-            if taylor:
-                # The root is that of the series about the start of the step; one Newton step on
-                # the series about the event itself takes it to rounding.
-                offset = (n + hit) * (order + 1)
-                scale = series_scale(series, offset, order, step)
-                call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
-                value, fall = series[offset], series[offset + 1]
-                if scale > 0.0:
-                    grazing = fall * step > -GRAZING * scale
-                    residual = abs(value) / scale
-                if not grazing:
-                    shift = -value / fall
-                    residual = abs(series_value(series, offset, order, shift)) / scale
-                    for i in range(n):
-                        y[i] = series_value(series, i * (order + 1), order, shift)
-                    clock[TIME] += shift
         if with_tangents:
             entry = hit if hit < n_guards else n_guards
             switching_rates(

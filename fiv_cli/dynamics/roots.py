@@ -54,16 +54,29 @@ def slope(work, degree, x):  # type: ignore[no-untyped-def]
     return value
 
 
-@njit("float64(float64[::1], int64, float64, float64)", **CACHE)
-def bracketed_root(work, degree, low, high):  # type: ignore[no-untyped-def]
-    """Root with p(low) > 0 >= p(high), by Newton steps kept inside the bracket."""
-    x = 0.5 * (low + high)
+@njit("float64(float64[::1], int64, float64, float64, float64, float64)", **CACHE)
+def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no-untyped-def]
+    """Root with p(low) > 0 >= p(high), by Newton steps kept inside the bracket.
+
+    Even and odd powers are summed apart: two short chains of operations instead of a long one.
+    """
+    x = low + (high - low) * at_low / (at_low - at_high)  # where the chord passes zero
+    if not low < x < high:
+        x = 0.5 * (low + high)
+    top_even = degree - degree % 2
+    top_odd = degree - 1 + degree % 2
     for _ in range(100):
-        value = work[POLYNOMIAL + degree]
-        derivative = 0.0
-        for k in range(degree - 1, -1, -1):
-            derivative = derivative * x + value
-            value = value * x + work[POLYNOMIAL + k]
+        square = x * x
+        even, even_slope = work[POLYNOMIAL + top_even], 0.0
+        for k in range(top_even - 2, -1, -2):
+            even_slope = even_slope * square + even
+            even = even * square + work[POLYNOMIAL + k]
+        odd, odd_slope = work[POLYNOMIAL + top_odd], 0.0
+        for k in range(top_odd - 2, 0, -2):
+            odd_slope = odd_slope * square + odd
+            odd = odd * square + work[POLYNOMIAL + k]
+        value = even + x * odd
+        derivative = odd + 2.0 * (x * even_slope + square * odd_slope)
         if value > 0.0:
             low = x
         else:
@@ -72,7 +85,7 @@ def bracketed_root(work, degree, low, high):  # type: ignore[no-untyped-def]
         if low < new < high:
             if abs(new - x) <= LAST_STEP:
                 return new
-        else:
+        else:  # a halved bracket converges slowly: its last step says nothing of the error
             new = 0.5 * (low + high)
             if not low < new < high:
                 return new
@@ -135,6 +148,15 @@ def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     return changes
 
 
+@njit("boolean(float64[::1], int64, int64, float64)", **CACHE)
+def may_touch(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
+    """Whether a piece without a change of sign has a coefficient within `tolerance` of zero."""
+    for j in range(1, degree + 1):
+        if work[row + j] <= tolerance:
+            return True
+    return False
+
+
 @njit("float64(int64, float64[::1])", **CACHE)
 def first_root(degree, work):  # type: ignore[no-untyped-def]
     """First x in [0, 1] where p passes from positive to zero or below; NO_ROOT if none.
@@ -165,7 +187,7 @@ def first_root(degree, work):  # type: ignore[no-untyped-def]
         end = evaluate(work, degree, 1.0)
         if end > tolerance:
             return NO_ROOT
-        return bracketed_root(work, degree, 0.0, 1.0) if end < 0.0 else 1.0
+        return bracketed_root(work, degree, 0.0, 1.0, start, end) if end < 0.0 else 1.0
     curvature = 0.0
     for k in range(3, degree + 1):
         curvature += k * (k - 1) * abs(work[POLYNOMIAL + k])
@@ -173,7 +195,7 @@ def first_root(degree, work):  # type: ignore[no-untyped-def]
         end = evaluate(work, degree, 1.0)
         if end > tolerance:
             return NO_ROOT
-        return bracketed_root(work, degree, 0.0, 1.0) if end < 0.0 else 1.0
+        return bracketed_root(work, degree, 0.0, 1.0, start, end) if end < 0.0 else 1.0
     to_bernstein(work, degree)
     work[LOW], work[HIGH] = 0.0, 1.0
     row = 0
@@ -183,14 +205,19 @@ def first_root(degree, work):  # type: ignore[no-untyped-def]
         if changes == 0:
             if work[row + degree] <= tolerance:
                 return high
+            if may_touch(work, degree, row, tolerance) and slope(work, degree, low) < 0.0:
+                touch = lowest_point(work, degree, low, high, tolerance)
+                if touch != NO_ROOT:
+                    return touch
             row -= ROW
         elif changes == 1:
-            return bracketed_root(work, degree, low, high)
+            return bracketed_root(work, degree, low, high, work[row], work[row + degree])
         elif high - low < TWIN_WIDTH or row + 2 * ROW >= POLYNOMIAL:
             touch = lowest_point(work, degree, low, high, tolerance)
             if touch != NO_ROOT:
-                if evaluate(work, degree, touch) < -tolerance:
-                    return bracketed_root(work, degree, low, touch)
+                depth = evaluate(work, degree, touch)
+                if depth < -tolerance:
+                    return bracketed_root(work, degree, low, touch, work[row], depth)
                 return touch
             row -= ROW
         else:
