@@ -301,6 +301,27 @@ def test_a_phase_portrait_of_other_states():
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\theta$ (rad)", r"$\varphi$ (rad)")
 
 
+def test_motions_may_share_one_phase_portrait():
+    drawn = draw(data.history(), figure("phase", overlay=True))
+    (ax,) = drawn.axes
+    circles = [line.get_xydata() for line in ax.lines]
+    assert len(circles) == 2
+    assert ax.get_title() == ""
+
+
+@pytest.mark.parametrize("kind", ["phase", "history"])
+def test_a_window_of_time_is_all_that_is_drawn(kind):
+    dataset = data.history(labels=("far",))
+    drawn = draw(dataset, figure(kind, window=[2.0, "3 s"], variable="phi"))
+    (ax,) = drawn.axes
+    if kind == "history":
+        (line,) = ax.lines
+        assert (line.get_xdata().min(), line.get_xdata().max()) == pytest.approx((2.0, 3.0))
+    else:
+        assert not ax.lines  # a window has no start
+        assert "start" not in legend_texts(drawn)
+
+
 def test_motions_need_a_history_and_a_choice():
     with pytest.raises(UsageError, match="no motion"):
         draw(data.bifurcation(), figure("history"))

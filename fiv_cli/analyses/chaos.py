@@ -30,9 +30,9 @@ def _correlation(values: NDArray[np.float64], frequency: float) -> float:
     steps = np.arange(1, len(values) + 1)
     p = np.cumsum(values * np.cos(frequency * steps))
     q = np.cumsum(values * np.sin(frequency * steps))
-    lags = np.arange(1, len(values) // 10 + 1)
+    lags = range(1, len(values) // 10 + 1)
     displacement = np.array([_mean_square(p, lag) + _mean_square(q, lag) for lag in lags])
-    oscillation = (1.0 - np.cos(lags * frequency)) / (1.0 - np.cos(frequency))
+    oscillation = (1.0 - np.cos(np.array(lags) * frequency)) / (1.0 - np.cos(frequency))
     smooth = displacement - np.mean(values) ** 2 * oscillation
     if np.ptp(smooth) == 0.0:
         return 0.0

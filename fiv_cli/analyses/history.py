@@ -45,7 +45,8 @@ def sample_times(settings: Mapping[str, Any]) -> NDArray[np.float64]:
     if interval is None:
         return np.linspace(0.0, t_end, DEFAULT_SAMPLES + 1)
     times = np.arange(int(np.floor(t_end / interval + 1e-9)) + 1) * float(interval)
-    return times if abs(times[-1] - t_end) <= 1e-9 * t_end else np.append(times, t_end)
+    reached = abs(times[-1] - t_end) <= 1e-9 * t_end
+    return times if reached else np.concatenate([times, [t_end]])
 
 
 def run(

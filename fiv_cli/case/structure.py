@@ -192,6 +192,8 @@ class FigureTable(Table):
     variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
     select: dict[str, Quantity] = Field(default={}, description="axis or initial -> value to draw")
     contact: int | None = Field(default=None, description="contact to draw, from 1")
+    window: Interval | None = Field(default=None, description="stretch of time to draw, s")
+    overlay: bool = Field(default=False, description="phase: all motions in one panel")
     log: bool | Literal["x", "y", "xy"] = Field(default=False, description="logarithmic axes")
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Interval | None = Field(default=None, description="range of y")

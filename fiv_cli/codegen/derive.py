@@ -135,7 +135,7 @@ class _Deriver:
         self.parameters += [p.name for p in law.parameters if p.name not in own]
         self.law_forces = [self._law_force(i) for i in range(len(self.contacts))]
 
-    # --- the parts of the vector ------------------------------------------------------------
+    # --- the parts of the vector ------------------------------------------------------------------
     @property
     def state_names(self) -> list[str]:
         velocities = [f"{name}_dot" for name in self.coordinates]
@@ -164,7 +164,7 @@ class _Deriver:
             return self.contacts[contact].gap is not None
         return True
 
-    # --- the law ------------------------------------------------------------------------------
+    # --- the law ----------------------------------------------------------------------------------
     def _law_parameters(self) -> dict[str, Any]:
         given = self.equations.law_parameters
         return {
@@ -197,7 +197,7 @@ class _Deriver:
         borders = self.symbols.sign(contact) in self.law_forces[contact].free_symbols
         return self.law.capacity is None and not borders
 
-    # --- one contact state ----------------------------------------------------------------------
+    # --- one contact state ------------------------------------------------------------------------
     def _contact_state(self, kinds: tuple[int, ...]) -> ContactState:
         names = self._leaves(kinds)
         self._constrain(kinds, names)
@@ -237,6 +237,7 @@ class _Deriver:
         """
         for contact, kind in zip(self.contacts, kinds, strict=True):
             if kind != SEPARATION and self._is_rigid(contact):
+                assert contact.gap_coordinate is not None
                 self._eliminate(contact.gap, contact.gap_coordinate, names)
                 rate = self._time_derivative(contact.gap)
                 self._eliminate(rate, f"{contact.gap_coordinate}_dot", names)
@@ -261,7 +262,7 @@ class _Deriver:
             total += slope * self.symbols.velocity(name)
         return total
 
-    # --- contact forces -------------------------------------------------------------------------
+    # --- contact forces ---------------------------------------------------------------------------
     def _forces(self, kinds: tuple[int, ...], names: dict[Any, Node]) -> _Forces:
         unknowns, conditions = self._unknowns(kinds)
         known = self._explicit_forces(kinds, names)
@@ -289,6 +290,7 @@ class _Deriver:
                 unknowns.append(self.symbols.tangential_force(i))
                 conditions.append(self._slip_acceleration(contact))
             if kind != SEPARATION and self._is_rigid(contact):
+                assert contact.gap_coordinate is not None
                 unknowns.append(self.symbols.normal_force(i))
                 conditions.append(self._gap_acceleration(contact))
         slipping = {
@@ -331,11 +333,11 @@ class _Deriver:
     ) -> tuple[list[Node], Node]:
         """``(coefficients, rest)`` of an expression affine in `unknowns`."""
         slopes = [sympy.diff(expression, symbol) for symbol in unknowns]
-        rest = expression.subs({symbol: 0 for symbol in unknowns})
+        rest = expression.subs(dict.fromkeys(unknowns, 0))
         build = self.graph.build
         return [build(slope, names) for slope in slopes], build(rest, names)
 
-    # --- rates, guards, outputs --------------------------------------------------------------------
+    # --- rates, guards, outputs -------------------------------------------------------------------
     def _rates(self, names: Mapping[Any, Node]) -> list[Node]:
         build = self.graph.build
         rates = [names[self.symbols.velocity(name)] for name in self.coordinates]
@@ -409,7 +411,7 @@ class _Deriver:
         kinetic, potential = self.equations.kinetic_energy, self.equations.potential_energy
         power = self._second_derivative(kinetic + potential)
         forces = [self.symbols.tangential_force(i) for i in range(len(self.contacts))]
-        other = build(power.subs({force: 0 for force in forces}), names)
+        other = build(power.subs(dict.fromkeys(forces, 0)), names)
         friction, drive = graph.zero, graph.zero
         for force, contact in zip(forces, self.contacts, strict=True):
             on_system = sympy.diff(power, force)
@@ -418,7 +420,7 @@ class _Deriver:
             drive = graph.add(drive, graph.mul(names[force], velocity))
         return [build(kinetic, names), build(potential, names), other, friction, drive]
 
-    # --- impacts ---------------------------------------------------------------------------------
+    # --- impacts ----------------------------------------------------------------------------------
     def _impacts(
         self, kinds: tuple[int, ...], names: Mapping[Any, Node]
     ) -> dict[int, dict[int, Node]]:
@@ -434,8 +436,7 @@ class _Deriver:
         force = self.symbols.normal_force(contact)
         rate = self._time_derivative(description.gap)
         responses = {
-            name: sympy.diff(self.equations.accelerations[name], force)
-            for name in self.coordinates
+            name: sympy.diff(self.equations.accelerations[name], force) for name in self.coordinates
         }
         effect = sum(
             sympy.diff(rate, self.symbols.velocity(name)) * response
@@ -459,9 +460,7 @@ class _Forces:
     determinant: Node | None
 
 
-def _solve(
-    graph: Graph, rows: Sequence[tuple[list[Node], Node]]
-) -> tuple[list[Node], Node | None]:
+def _solve(graph: Graph, rows: Sequence[tuple[list[Node], Node]]) -> tuple[list[Node], Node | None]:
     """Solve ``coefficients . u + rest = 0`` by elimination; also its determinant."""
     matrix = [list(coefficients) for coefficients, _ in rows]
     right = [graph.negative(rest) for _, rest in rows]

@@ -179,7 +179,9 @@ class TaylorStep:
             for position, node in enumerate(self.values)
             if self._is_own_leaf(node, position)
         }
-        self.leaf_names = {self.values[p].index: graph.name(self.values[p]) for p in self.leaves.values()}
+        self.leaf_names = {
+            self.values[p].index: graph.name(self.values[p]) for p in self.leaves.values()
+        }
         self.partners = {
             (node.op, node.args[0].index): node for node in self.nodes if node.op in PARTNER
         }
@@ -191,7 +193,7 @@ class TaylorStep:
             return bool(node.value + self.size // 2 == position)
         return node.op == "state" and node.value == position
 
-    # --- structure ----------------------------------------------------------------------------
+    # --- structure --------------------------------------------------------------------------------
     def _degrees(self) -> dict[int, int]:
         """Degree of every series that is structurally a polynomial."""
         leaf_degrees = dict.fromkeys(self.leaves, UNBOUNDED)
@@ -216,9 +218,7 @@ class TaylorStep:
             degrees[node.index] = self._degree_of(node, degrees, leaf_degrees)
         return degrees
 
-    def _degree_of(
-        self, node: Node, degrees: dict[int, int], leaf_degrees: dict[int, int]
-    ) -> int:
+    def _degree_of(self, node: Node, degrees: dict[int, int], leaf_degrees: dict[int, int]) -> int:
         if node.op == "time":
             return 1
         if node.op in ("state", "tangent"):
@@ -234,7 +234,7 @@ class TaylorStep:
     def _degree(node: Node, degrees: dict[int, int]) -> int:
         return 0 if node.constant else degrees[node.index]
 
-    # --- text --------------------------------------------------------------------------------------
+    # --- text -------------------------------------------------------------------------------------
     def text(self, name: str, comment: str) -> list[str]:
         """The whole function."""
         self.lines = [f"def {name}(c, t, y, out):", f"    # {comment}; order {self.order}"]

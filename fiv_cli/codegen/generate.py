@@ -110,7 +110,7 @@ def _text_key(
     model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float], order: int
 ) -> str:
     package = Path(__file__).parent
-    sources = sorted(package.glob("*.py")) + [package.parent / "models" / "base.py"]
+    sources = [*sorted(package.glob("*.py")), package.parent / "models" / "base.py"]
     modules = {model.equations.__module__, law.force.__module__}
     modules |= _law_modules()
     files = sources + sorted(_source_file(module) for module in modules)

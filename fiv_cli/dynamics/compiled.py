@@ -18,6 +18,9 @@ KERNEL_FILES = ("call.py", "compiled.py", "kernel.py", "roots.py")
 # each call) they run twice as fast and compile in half the time.
 CACHE = {"cache": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
 
+# Functions with one caller, or a line long: passing them a dozen arrays costs more than they do.
+INLINE = {**CACHE, "forceinline": True}
+
 
 def kernel_key() -> str:
     """Hash of the kernels and of numba itself."""

@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 
 from fiv_cli.dynamics.call import call_generated
-from fiv_cli.dynamics.compiled import CACHE
+from fiv_cli.dynamics.compiled import CACHE, INLINE
 from fiv_cli.dynamics.roots import NO_ROOT, POLYNOMIAL, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
@@ -107,7 +107,7 @@ def kind_of(code):  # type: ignore[no-untyped-def]
     return SLIP if code <= CODE_SLIP_MINUS else code - 1
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+@njit("float64(float64[::1], int64, int64, float64)", **INLINE)
 def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
     """Value of the series that begins at `offset`.
 
@@ -158,7 +158,7 @@ def time_scale(series, n, order):  # type: ignore[no-untyped-def]
     return shortest
 
 
-@njit("float64(float64[::1], int64, int64, float64, float64)", **CACHE)
+@njit("float64(float64[::1], int64, int64, float64, float64)", **INLINE)
 def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     """Step for which the last two terms stay below rtol times each series' own scale.
 
@@ -204,7 +204,7 @@ def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untype
     return step if step > 0.0 else ENDLESS
 
 
-@njit("int64(float64[::1], int64, int64, float64, int64)", **CACHE)
+@njit("int64(float64[::1], int64, int64, float64, int64)", **INLINE)
 def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untyped-def]
     """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
@@ -228,7 +228,7 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
     "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64, int64[:, ::1],"
     "boolean)",
-    **CACHE,
+    **INLINE,
 )
 def consistent(  # type: ignore[no-untyped-def]
     table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances, strips,
@@ -304,7 +304,7 @@ def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
     "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64,"
     "boolean, int64[:, ::1])",
-    **CACHE,
+    **INLINE,
 )
 def decide(  # type: ignore[no-untyped-def]
     table, guards, config, clock, kinds, parameters, coefficients, y, series, field, tolerances,
@@ -429,7 +429,7 @@ def bisected(  # type: ignore[no-untyped-def]
     return high / step
 
 
-@njit("float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1])", **CACHE)
+@njit("float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1])", **INLINE)
 def located(series, offset, order, step, strip, factor, shift, roots):  # type: ignore[no-untyped-def]
     """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
     power = factor

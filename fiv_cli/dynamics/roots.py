@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fiv_cli.dynamics.compiled import CACHE
+from fiv_cli.dynamics.compiled import CACHE, INLINE
 
 NO_ROOT = 2.0
 HIGHEST_ORDER = 24
@@ -157,7 +157,7 @@ def may_touch(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     return False
 
 
-@njit("float64(int64, float64[::1])", **CACHE)
+@njit("float64(int64, float64[::1])", **INLINE)
 def first_root(degree, work):  # type: ignore[no-untyped-def]
     """First x in [0, 1] where p passes from positive to zero or below; NO_ROOT if none.
 

@@ -1,7 +1,7 @@
 """Coulomb friction with stiction.
 
-    F_T = sgn(v) mu_k N          sliding        (thesis 3.5, 6.3, 7.14)
-    |F_T| <= mu_s N              sticking       (thesis 3.9, 6.8, 7.16)
+F_T = sgn(v) mu_k N          sliding        (thesis 3.5, 6.3, 7.14)
+|F_T| <= mu_s N              sticking       (thesis 3.9, 6.8, 7.16)
 """
 
 from __future__ import annotations

@@ -34,9 +34,7 @@ LAW = Law(
         MU_S,
         MU_K,
         Parameter("v_s", "v_s", "m s-1", 1.0, "Stribeck velocity", "2.3", 0.0, exclusive=True),
-        Parameter(
-            "delta", r"\delta", "1", 1.0, "Stribeck exponent", "2.3", 1.0, 8.0, integer=True
-        ),
+        Parameter("delta", r"\delta", "1", 1.0, "Stribeck exponent", "2.3", 1.0, 8.0, integer=True),
     ),
     force=force,
     capacity=lambda N, p: p["mu_s"] * N,

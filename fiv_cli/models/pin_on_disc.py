@@ -41,7 +41,9 @@ def _stiffness(name: str, symbol: str, default: float) -> Parameter:
 
 PARAMETERS = (
     Parameter("J_c", "J_c", "kg m2", 12e-4, "inertia of the cylinder", "7.1", 0.0, exclusive=True),
-    Parameter("J_L", "J_L", "kg m2", 5e-4, "inertia of the L-structure", "7.1", 0.0, exclusive=True),
+    Parameter(
+        "J_L", "J_L", "kg m2", 5e-4, "inertia of the L-structure", "7.1", 0.0, exclusive=True
+    ),
     _stiffness("k1", "k_1", 1500.0),
     _stiffness("k2", "k_2", 1000.0),
     _stiffness("k3", "k_3", 1000.0),

@@ -20,7 +20,7 @@ SHADE = 0.35
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     """A row for each variable, a column for each motion."""
     dataset = layers[0].dataset
-    motions = motion.motions(dataset)
+    motions = motion.motions(dataset, settings)
     names = motion.variables(dataset, settings)
     figure, axes = style.new_panels(len(names), len(motions), points.title(dataset), sharex="col")
     for number, ax in enumerate(axes):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MOST_MOTIONS = 4
+MOST_OVERLAID = 20
 CONTACT_STATES = ("slip+", "slip-", "stick", "separation")
 # Everything of a history that is no state of the model.
 NO_STATES = frozenset({"F_T", "F_N", "contact_state", "status", "reason", "w"})
@@ -47,8 +48,8 @@ def suits(dataset: xr.Dataset) -> bool:
     return "time" in dataset.variables and "contact_state" in dataset
 
 
-def motions(dataset: xr.Dataset) -> list[Motion]:
-    """Every motion of the dataset.
+def motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[Motion]:
+    """Every motion of the dataset, over the figure's ``window`` of time.
 
     Raises
     ------
@@ -60,20 +61,22 @@ def motions(dataset: xr.Dataset) -> list[Motion]:
             "compute one with: fiv history CASE --at AXIS=VALUE,initial=LABEL"
         )
     lines = points.lines(dataset, [], points.grid_dims(dataset))
-    if len(lines) > MOST_MOTIONS:
+    if len(lines) > (MOST_OVERLAID if settings.get("overlay") else MOST_MOTIONS):
         axes = ", ".join(str(axis.name) for axis in points.varying_axes(dataset))
         raise UsageError(
             f"{len(lines)} motions in one figure are too many\n"
             f"choose from {axes} with `select` in the figure"
         )
-    return [_motion(dataset, line) for line in lines]
+    begin, end = (points.in_si(bound) for bound in settings.get("window", (-np.inf, np.inf)))
+    return [_motion(dataset, line, begin, end) for line in lines]
 
 
-def _motion(dataset: xr.Dataset, line: points.Line) -> Motion:
+def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Motion:
     data = dataset.isel(line.index)
     time = data["time"].values
     known = np.isfinite(time) & np.isfinite(data[displacements(dataset)[0]].values)
-    ledger = tuple(_events(dataset, line))
+    known &= (begin <= time) & (time <= end)
+    ledger = tuple(event for event in _events(dataset, line) if begin < event.time < end)
     return Motion(line.label, time[known], data.isel(time=np.flatnonzero(known)), ledger)
 
 

@@ -21,17 +21,25 @@ suits = motion.suits
 
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
-    """A panel for each motion; the start is marked by a circle."""
+    """A panel for each motion, or one for all (``overlay``); a circle marks each start."""
     dataset = layers[0].dataset
-    motions = motion.motions(dataset)
+    motions = motion.motions(dataset, settings)
     names = _states(dataset, settings)
-    figure, axes = style.new_panels(1, len(motions), points.title(dataset))
-    for ax, one in zip(axes, motions, strict=True):
-        _panel(ax, one, names, settings)
+    shared = bool(settings.get("overlay"))
+    figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(dataset))
+    for number, one in enumerate(motions):
+        _panel(axes[0 if shared else number], one, names, settings)
+    for ax, one in zip(axes, motions, strict=False):
+        ax.set_title("" if shared else one.label)
         ax.set_xlabel(labels.short_label(dataset[names[0]]))
     axes[0].set_ylabel(labels.short_label(dataset[names[1]]))
-    _legend(figure, motion.states_present(motions, settings))
+    _legend(figure, motion.states_present(motions, settings), _shows_starts(settings))
     return figure
+
+
+def _shows_starts(settings: Mapping[str, Any]) -> bool:
+    """A window of time may begin anywhere: its first sample is no start."""
+    return "window" not in settings
 
 
 def _states(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[str, str]:
@@ -57,9 +65,9 @@ def _panel(
                 rasterized=many,
             )
         )  # fmt: skip
-    ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK)
+    if _shows_starts(settings):
+        ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK)
     ax.autoscale_view()
-    ax.set_title(one.label)
     ax.xaxis.set_major_locator(MaxNLocator(5))
     points.scale(ax, settings)
 
@@ -78,7 +86,8 @@ def _joined_runs(runs: list[tuple[str, int, int]]) -> Iterator[tuple[str, int, i
         yield state, first - takes_before, last + takes_after
 
 
-def _legend(figure: Figure, states: Sequence[str]) -> None:
+def _legend(figure: Figure, states: Sequence[str], with_start: bool) -> None:
     handles = [Line2D([], [], color=style.CLASSES[state], label=state) for state in states]
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
-    figure.legend(handles=[*handles, start], loc="outside lower center", ncols=len(handles) + 1)
+    handles += [start] * with_start
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

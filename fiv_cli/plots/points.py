@@ -117,10 +117,10 @@ def scale(ax: Axes, settings: Mapping[str, Any]) -> None:
         if which in str(logarithmic):
             ax.set(**{f"{which}scale": "log"})
         if f"{which}lim" in settings:
-            ax.set(**{f"{which}lim": [_in_si(bound) for bound in settings[f"{which}lim"]]})
+            ax.set(**{f"{which}lim": [in_si(bound) for bound in settings[f"{which}lim"]]})
 
 
-def _in_si(value: float | str) -> float:
+def in_si(value: float | str) -> float:
     """A number, or a number with a unit, in SI (which is what datasets hold)."""
     number, _, unit = str(value).strip().partition(" ")
     return float(number) * float(parse_unit(unit).factor) if unit else float(number)

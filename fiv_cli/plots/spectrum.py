@@ -26,7 +26,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     unit = str(settings.get("unit", "Hz"))
     names = motion.variables(dataset, settings)
-    shown = [(one, name) for one in motion.motions(dataset) for name in names]
+    shown = [(one, name) for one in motion.motions(dataset, settings) for name in names]
     for (one, name), colour in zip(shown, style.line_colours(len(shown)), strict=True):
         values = motion.of_contact(one.data[name], settings)
         frequency, height = amplitude_spectrum(one.time, values)

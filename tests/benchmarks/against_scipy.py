@@ -62,9 +62,7 @@ def error(points: list[Points], reference: list[Points]) -> float:
     """Largest scaled difference; infinite when an event is missing."""
     if any(a.shape != b.shape for a, b in zip(points, reference, strict=True)):
         return float("inf")
-    return max(
-        float(np.max(np.abs(a - b))) / SCALE for a, b in zip(points, reference, strict=True)
-    )
+    return max(float(np.max(np.abs(a - b))) / SCALE for a, b in zip(points, reference, strict=True))
 
 
 def cheapest(
