@@ -44,9 +44,10 @@ def sample_times(settings: Mapping[str, Any]) -> NDArray[np.float64]:
     interval = settings["sample"]
     if interval is None:
         return np.linspace(0.0, t_end, DEFAULT_SAMPLES + 1)
-    times = np.arange(int(np.floor(t_end / interval + 1e-9)) + 1) * float(interval)
+    count = int(np.floor(t_end / interval + 1e-9)) + 1
+    times: NDArray[np.float64] = interval * np.arange(count, dtype=np.float64)
     reached = abs(times[-1] - t_end) <= 1e-9 * t_end
-    return times if reached else np.concatenate([times, [t_end]])
+    return times if reached else np.append(times, t_end)
 
 
 def run(

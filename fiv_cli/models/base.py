@@ -3,7 +3,8 @@
 To add a model:
 
 1. write ``fiv_cli/models/my_model.py``: docstring with the equations and their source, the
-   tables below, a function ``equations(symbols, options) -> Equations``, and ``MODEL = Model(...)``;
+   tables below, a function ``equations(symbols, options) -> Equations`` and
+   ``MODEL = Model(...)``;
 2. add it to the list in ``fiv_cli/models/__init__.py``;
 3. add a row to ``tests/test_models.py`` and a case in ``configs/``.
 

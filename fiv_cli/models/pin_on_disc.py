@@ -1,13 +1,13 @@
 """Pin on a spinning disc, its normal force adjusted by an L-mechanism (thesis chapter 7).
 
-    J_c phi'' + c1 phi' + (k1 a0^2 + k3 b0^2) phi + k2 b0^2/l2 phi s + k3 b0 c0 theta = F_T b0  (7.12)
-    J_L theta'' + c2 theta' + k3 c0 (c0 theta + b0 phi) + k2 c0 s = 0                           (7.13)
-    F_N = N0 - k2 s,    s = c0 theta + b0^2 phi^2 / (2 l2)                                      (7.17)
+    J_c phi'' + c1 phi' + (k1 a0^2 + k3 b0^2) phi + k2 b0^2/l2 phi s + k3 b0 c0 theta = F_T b0
+    J_L theta'' + c2 theta' + k3 c0 (c0 theta + b0 phi) + k2 c0 s = 0
+    F_N = N0 - k2 s,    s = c0 theta + b0^2 phi^2 / (2 l2)
     v_rel = b0 (Omega - phi')
 
-The slip velocity is the pin's, in m/s at its radius b0; the thesis writes Omega - phi', which
-has the same sign. Nothing in the equations keeps F_N positive: the run ends with ``contact_lost``
-when it reaches zero.
+Thesis 7.12, 7.13 and 7.17. The slip velocity is the pin's, in m/s at its radius b0; the thesis
+writes Omega - phi', which has the same sign. Nothing in the equations keeps F_N positive: the run
+ends with ``contact_lost`` when it reaches zero.
 
 Sector: the pin stands at psi = Omega t - phi on the disc (modulo 2 pi). On
 [psi_a, psi_a + beta) the coefficients of friction are mu_s_2 and mu_k_2 (section 7.4). The

@@ -1,4 +1,4 @@
-"""All benchmarks, or those named: ``python -m tests.benchmarks [scipy] [cold] [warm] [workers] [memory]``."""
+"""All benchmarks but the long ones, or those named: ``python -m tests.benchmarks cold memory``."""
 
 from __future__ import annotations
 

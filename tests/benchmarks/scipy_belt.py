@@ -1,4 +1,4 @@
-"""The base-excited belt as an expert user writes it with SciPy: DOP853, events, one state at a time.
+"""The base-excited belt as an expert writes it with SciPy: DOP853, events, state by state.
 
 The opponent of the benchmark: `solve_ivp` with terminal event functions, restarted at every
 transition, stick integrated as the linear motion that it is. Nothing of fiv is used.
