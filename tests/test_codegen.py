@@ -1,0 +1,279 @@
+"""Generated code: the text is the program, series and derivatives are exact."""
+
+from __future__ import annotations
+
+import cmath
+import ctypes
+import math
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+from motions import defaults, system
+from numpy.typing import NDArray
+from small_models import BOUNCER, TWO_MASSES
+
+from fiv_cli.codegen.emit import Coefficients, TaylorStep
+from fiv_cli.codegen.generate import FLOW, TANGENT
+from fiv_cli.codegen.graph import MERGED_TERMS, Graph, Node
+from fiv_cli.dynamics.system import System
+
+Vector = NDArray[Any]
+T = sympy.Symbol("t", real=True)
+ORDER = 14
+POINTER = ctypes.POINTER(ctypes.c_double)
+FUNCTION = ctypes.CFUNCTYPE(None, POINTER, ctypes.c_double, POINTER, POINTER)
+
+SYSTEMS = [
+    ("belt-1dof", "coulomb", {"u0": 0.5, "omega": 0.85, "c": 0.1}),
+    ("belt-1dof", "stribeck", {"u0": 0.5, "omega": 0.85, "c": 0.1}),
+    ("belt-1dof", "linear-slope", {"u0": 0.5}),
+    ("belt-1dof", "hyperbolic", {"u0": 0.5}),
+    ("belt-1dof", "tanh of stribeck", {"u0": 0.5, "sigma": 3.0}),
+    ("pin-on-disc", "coulomb", {"beta": 1.0}),
+    (BOUNCER, "coulomb", {"A": 1.5, "k_z": 3.0}),
+    (TWO_MASSES, "coulomb", {}),
+]
+IDS = [f"{m if isinstance(m, str) else m.name} {law}" for m, law, _ in SYSTEMS]
+
+
+def python_functions(text: str, library: Any = math) -> dict[str, Any]:
+    """The functions of generated text, run by Python itself."""
+    names = ("exp", "log", "sqrt", "sin", "cos", "tanh")
+    space = {name: getattr(library, name) for name in names} | {"pow": pow}
+    exec(text, space)
+    return space
+
+
+def compiled_call(address: int, c: Vector, t: float, y: Vector, out: Vector) -> None:
+    """Call one compiled function."""
+    c_data, y_data, out_data = (array.ctypes.data_as(POINTER) for array in (c, y, out))
+    FUNCTION(address)(c_data, t, y_data, out_data)
+
+
+def coefficients_of(built: System, parameters: dict[str, float]) -> Vector:
+    """The array ``c`` of a system, from the text run by Python."""
+    vector = built.parameter_vector(parameters)
+    out = np.zeros(max(built.generated.n_coefficients, 1))
+    python_functions(built.generated.texts[FLOW])["coefficients"](None, 0.0, vector, out)
+    return out
+
+
+def sizes(built: System) -> int:
+    """Enough room for the output of any function."""
+    return 4 * (len(built.state_names) + 12) * (built.generated.order + 1)
+
+
+@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes: Any) -> None:
+    parameters = defaults(model, law, **changes)
+    built = system(model, law, parameters=parameters)
+    c = coefficients_of(built, parameters)
+    state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
+    for part, suffixes in ((FLOW, ("_taylor", "_field")), (TANGENT, ("_tangent",))):
+        functions = python_functions(built.generated.texts[part])
+        for table in built.generated.states.values():
+            for suffix in suffixes:
+                by_python, by_machine = np.zeros(sizes(built)), np.zeros(sizes(built))
+                functions[table.name + suffix](c, 0.7, state, by_python)
+                address = built.generated.address(table.name + suffix, part)
+                compiled_call(address, c, 0.7, state, by_machine)
+                assert np.count_nonzero(by_python) > 0
+                assert by_python.tobytes() == by_machine.tobytes()
+
+
+@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+def test_tangents_are_directional_derivatives(model: Any, law: str, changes: Any) -> None:
+    """A complex step through the flow's series: no difference, no cancellation."""
+    parameters = defaults(model, law, **changes)
+    built = system(model, law, parameters=parameters)
+    c, n, order = coefficients_of(built, parameters), len(built.state_names), built.generated.order
+    state, direction = np.cos(np.arange(n) + 0.3), np.sin(np.arange(n) + 1.1)
+    flow = python_functions(built.generated.texts[FLOW], cmath)
+    tangent = python_functions(built.generated.texts[TANGENT])
+    step = 1e-30
+    for table in built.generated.states.values():
+        outputs = len(table.guards) + table.has_angle
+        along = np.zeros(sizes(built), complex)
+        flow[f"{table.name}_taylor"](c, 0.7, state + 1j * step * direction, along)
+        both = np.zeros(sizes(built))
+        tangent[f"{table.name}_tangent"](c, 0.7, np.concatenate([state, direction]), both)
+        size = order + 1
+        found = np.concatenate(
+            [both[n * size : 2 * n * size], both[(2 * n + outputs) * size :][: outputs * size]]
+        )
+        expected = along.imag[: (n + outputs) * size] / step
+        scale = np.max(np.abs(expected))
+        assert scale > 0.0
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * scale)
+
+
+# --- series ------------------------------------------------------------------------------------
+def series_of(expression: Any, at: float, order: int = ORDER) -> Vector:
+    """Taylor coefficients of a function of time, by generated text."""
+    graph = Graph()
+    start = graph.state(0, "s")
+    node = graph.build(expression, {T: graph.time()})
+    slots = Coefficients()
+    step = TaylorStep(graph, [start], [graph.zero], [node], order, slots)
+    out = np.zeros(2 * (order + 1))
+    text = "\n".join(step.text("f", "series"))
+    python_functions(text)["f"](np.zeros(1), at, np.zeros(1), out)
+    return out[order + 1 :]
+
+
+def expected_series(expression: Any, at: float, order: int = ORDER) -> Vector:
+    """The same by mpmath, with 60 digits."""
+    with mpmath.workdps(60):
+        function = sympy.lambdify(T, expression, "mpmath")
+        return np.array([float(x) for x in mpmath.taylor(function, mpmath.mpf(at), order)])
+
+
+INNER = T**2 / 3 + sympy.sin(T) + 2
+RECURRENCES = {
+    "mul": (T + 2) * sympy.exp(T) * sympy.sin(T),
+    "square": (sympy.exp(T) - T) ** 2,
+    "cube": INNER**3,
+    "seventh power": (1 + T / 4) ** 7 * sympy.exp(T),
+    "high power": (1 + sympy.sin(T) / 4) ** 11,
+    "div": sympy.exp(T) / INNER,
+    "reciprocal": 1 / INNER**2,
+    "pow": INNER ** sympy.Rational(7, 3),
+    "negative pow": INNER ** sympy.Rational(-3, 2),
+    "sqrt": sympy.sqrt(INNER),
+    "exp": sympy.exp(-(T**2)),
+    "log": sympy.log(INNER),
+    "sin": sympy.sin(INNER),
+    "cos": sympy.cos(INNER),
+    "sin and cos": sympy.sin(INNER) * sympy.cos(INNER),
+    "tanh": sympy.tanh(INNER - 2),
+    "nested": sympy.exp(-sympy.tanh(sympy.sqrt(INNER)) * sympy.log(INNER)),
+}
+
+
+@pytest.mark.parametrize("at", [0.0, 0.4, -0.3])
+@pytest.mark.parametrize("name", RECURRENCES)
+def test_recurrences(name: str, at: float) -> None:
+    found, expected = series_of(RECURRENCES[name], at), expected_series(RECURRENCES[name], at)
+    scale = np.max(np.abs(expected))
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-13 * scale)
+
+
+def test_polynomials_end_at_their_degree() -> None:
+    found = series_of((2 + T) ** 3 * T, 0.5)
+    assert np.all(found[5:] == 0.0)
+    np.testing.assert_allclose(found[:5], expected_series((2 + T) ** 3 * T, 0.5)[:5], rtol=1e-14)
+
+
+# --- the graph -----------------------------------------------------------------------------------
+LEAVES = ("a", "b", "x", "y")
+
+
+@st.composite
+def expressions(draw: Any, depth: int = 4) -> Any:
+    """A random expression of two parameters and two states that is finite everywhere."""
+    if depth == 0 or draw(st.integers(0, 3)) == 0:
+        leaf = st.sampled_from([*map(sympy.Symbol, LEAVES), sympy.Integer(2), sympy.Rational(1, 3)])
+        return draw(leaf)
+    left = draw(expressions(depth=depth - 1))
+    kind = draw(st.sampled_from(["+", "*", "/", "**", "sin", "exp", "tanh"]))
+    if kind == "**":
+        return left ** draw(st.integers(2, 5))
+    if kind == "sin":
+        return sympy.sin(left)
+    if kind == "exp":
+        return sympy.exp(sympy.sin(left))
+    if kind == "tanh":
+        return sympy.tanh(left)
+    right = draw(expressions(depth=depth - 1))
+    if kind == "/":
+        return left / (2 + sympy.cos(right))
+    return left + right if kind == "+" else left * right
+
+
+def leaves(graph: Graph) -> dict[Any, Node]:
+    """Two parameters and two states by symbol."""
+    a, b, x, y = (sympy.Symbol(name) for name in LEAVES)
+    return {
+        a: graph.parameter("a"), b: graph.parameter("b"),
+        x: graph.state(0, "x"), y: graph.state(1, "y"),
+    }  # fmt: skip
+
+
+VALUES = {"a": 0.7, "b": -1.3, 0: 0.4, 1: 1.9}
+
+
+def value_of(node: Node, seen: dict[int, float]) -> float:
+    """Value of a node at `VALUES`, by its definition."""
+    if node.index not in seen:
+        inner = [value_of(arg, seen) for arg in node.args]
+        seen[node.index] = _apply(node, inner, seen)
+    return seen[node.index]
+
+
+def _apply(node: Node, inner: list[float], seen: dict[int, float]) -> float:
+    if node.op == "number":
+        return float(node.value)
+    if node.op in ("parameter", "state"):
+        return VALUES[node.value]
+    if node.op == "linear":
+        constant, *weights = (value_of(weight, seen) for weight in node.value)
+        return constant + sum(w * v for w, v in zip(weights, inner, strict=True))
+    if node.op.removesuffix("_constant") in ("add", "mul", "div"):
+        left, right = inner
+        operations = {"add": left + right, "mul": left * right}
+        short = node.op.removesuffix("_constant")
+        return operations[short] if short in operations else left / right
+    if node.op == "pow":
+        return float(inner[0] ** node.value)
+    return float(getattr(math, node.op)(inner[0]))
+
+
+@given(expression=expressions())
+def test_the_graph_has_the_value_of_the_expression(expression: Any) -> None:
+    graph = Graph()
+    node = graph.build(expression, leaves(graph))
+    at = {sympy.Symbol(n): VALUES.get(n, VALUES.get(i - 2)) for i, n in enumerate(LEAVES)}
+    expected = float(sympy.sympify(expression).subs(at).evalf(30))
+    assert value_of(node, {}) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+@given(expression=expressions())
+def test_graph_invariants(expression: Any) -> None:
+    graph = Graph()
+    names = leaves(graph)
+    node = graph.build(expression, names)
+    count = len(graph.nodes)
+    assert graph.build(expression, names) is node
+    assert len(graph.nodes) == count
+    keys = set()
+    for place, each in enumerate(graph.nodes):
+        assert each.index == place
+        assert all(arg.index < each.index for arg in each.args)
+        assert each.constant == (each.op != "state" and all(arg.constant for arg in each.args))
+        value = tuple(v.index for v in each.value) if each.op == "linear" else each.value
+        keys.add((each.op, tuple(arg.index for arg in each.args), value))
+        if each.op == "linear":
+            assert not any(arg.constant for arg in each.args)
+            assert len({arg.index for arg in each.args}) == len(each.args)
+            assert not any(w.op == "number" and w.value == 0.0 for w in each.value[1:])
+    assert len(keys) == len(graph.nodes)
+
+
+def test_short_sums_are_merged_and_long_ones_shared() -> None:
+    graph = Graph()
+    nodes = [graph.state(i, f"x{i}") for i in range(MERGED_TERMS + 2)]
+    short, long = graph.add(*nodes[:MERGED_TERMS]), graph.add(*nodes)
+    last = nodes[-1]
+    assert len(graph.add(short, last).args) == MERGED_TERMS + 1
+    assert long in graph.add(long, graph.mul(last, last)).args
+
+
+def test_an_expression_without_a_series_is_refused() -> None:
+    graph = Graph()
+    with pytest.raises(NotImplementedError, match="no series for"):
+        graph.build(sympy.Abs(sympy.Symbol("x")), leaves(graph))

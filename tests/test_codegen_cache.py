@@ -1,0 +1,209 @@
+"""The per-user cache: whole files, one key for one content, no stale code."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import fiv_cli
+from fiv_cli.codegen import cache
+from fiv_cli.codegen.generate import generate
+from fiv_cli.dynamics import compiled
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+
+PACKAGE = Path(fiv_cli.__file__).parent
+
+# Where a belt's mass is after 3 s of slip from rest, and the key of the kernels.
+MOVE = """
+from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.dynamics.compiled import kernel_key
+from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.system import build_system
+parameters = {"m": 1, "k": 1, "c": 0, "N": 10, "v": 9, "u0": 0, "omega": 1, "mu_s": 1, "mu_k": 0.1}
+solver = SolverSettings()
+system = build_system("belt-1dof", "coulomb", {}, parameters, solver)
+motion = Motion(system, parameters, solver, {})
+motion.run(3.0)
+print(f"{motion.y[0]:.12f} {kernel_key()}")
+"""
+
+# Second coefficient of its displacement (half the acceleration at rest), by machine code.
+ACCELERATE = """
+import ctypes
+from fiv_cli.codegen.generate import generate
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+made = generate(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8)
+values = {"m": 1, "k": 1, "N": 10, "v": 9, "mu_k": 0.1, "sign.0": 1}
+vector = [values.get(name, 0.0) for name in made.parameter_names]
+pointer = ctypes.POINTER(ctypes.c_double)
+kind = ctypes.CFUNCTYPE(None, pointer, ctypes.c_double, pointer, pointer)
+c, y, out = (ctypes.c_double * 64)(), (ctypes.c_double * 64)(*vector), (ctypes.c_double * 64)()
+kind(made.address("coefficients"))(c, 0.0, y, c)
+kind(made.address("slip_taylor"))(c, 0.0, (ctypes.c_double * 2)(), out)
+print(out[2], made.key)
+"""
+
+GENERATE = """
+from fiv_cli.codegen.generate import generate
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+made = generate(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 12)
+made.address("slip_taylor"), made.address("slip_tangent", "tangent")
+print(made.key)
+"""
+
+
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache folder for this test."""
+    monkeypatch.setenv("FIV_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def start(program: str, cache_folder: Path, package: Path = PACKAGE) -> subprocess.Popen[str]:
+    """A Python process with `package` as fiv_cli."""
+    environment = os.environ | {
+        "FIV_CACHE_DIR": str(cache_folder),
+        "PYTHONPATH": str(package.parent),
+    }
+    return subprocess.Popen(
+        [sys.executable, "-c", program],
+        env=environment,
+        cwd=package.parent,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def answer(process: subprocess.Popen[str]) -> list[str]:
+    """Words printed by a process that must succeed."""
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 0, err
+    return out.split()
+
+
+def test_what_was_written_is_read(own_cache: Path) -> None:
+    cache.write("name", b"content")
+    assert cache.read("name") == b"content"
+    assert cache.read("other") is None
+    assert [path.name for path in own_cache.iterdir()] == ["name"]
+
+
+@pytest.mark.parametrize("damage", [b"", b"short", b"\0" * 100])
+def test_a_damaged_file_is_not_there(own_cache: Path, damage: bytes) -> None:
+    cache.write("name", b"content")
+    (own_cache / "name").write_bytes(damage)
+    assert cache.read("name") is None
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("FIV_CACHE_DIR", str(tmp_path / "file" / "cache"))
+    cache.write("name", b"content")
+    assert cache.read("name") is None
+
+
+def test_keys_tell_parts_from_their_concatenation() -> None:
+    assert cache.content_key(["ab", "c"]) != cache.content_key(["a", "bc"])
+
+
+def test_damaged_code_is_made_again(own_cache: Path) -> None:
+    belt, coulomb = get_model("belt-1dof"), get_law("coulomb")
+    first = generate(belt, coulomb, {}, {}, 8)
+    first.address("slip_taylor")
+    for path in own_cache.iterdir():
+        path.write_bytes(path.read_bytes()[:-7])
+    said: list[str] = []
+    second = generate(belt, coulomb, {}, {}, 8, said.append)
+    assert len(said) == 1
+    assert not second.is_compiled()
+    assert second.address("slip_taylor") != 0
+    assert second.is_compiled()
+    assert second.texts == first.texts
+
+
+def test_the_key_follows_law_options_structure_and_order(own_cache: Path) -> None:
+    belt = get_model("belt-1dof")
+    keys = {
+        generate(belt, get_law("coulomb"), {}, {}, 8).key,
+        generate(belt, get_law("coulomb"), {}, {}, 9).key,
+        generate(belt, get_law("hyperbolic"), {}, {}, 8).key,
+        generate(belt, get_law("stribeck"), {}, {"delta": 1.0}, 8).key,
+        generate(belt, get_law("stribeck"), {}, {"delta": 2.0}, 8).key,
+    }
+    assert len(keys) == 5
+
+
+def test_two_processes_generate_at_once(own_cache: Path) -> None:
+    processes = [start(GENERATE, own_cache) for _ in range(2)]
+    first, second = (answer(process) for process in processes)
+    assert first == second
+    files = [path for path in own_cache.iterdir() if path.is_file()]
+    assert len(files) == 3  # text and tables, flow, tangent flow: no temporary names
+    assert all(cache.read(path.name) is not None for path in files)
+
+
+def edited(package: Path, file: str, old: str, new: str) -> None:
+    """Replace one piece of a source file."""
+    path = package / file
+    text = path.read_text()
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new))
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A copy of the program to edit."""
+    copied = tmp_path / "copy" / "fiv_cli"
+    shutil.copytree(PACKAGE, copied, ignore=shutil.ignore_patterns("__pycache__"))
+    return copied
+
+
+def test_edited_files_never_run_stale_code(tmp_path: Path, package: Path) -> None:
+    """x'' = mu_k N / m at rest, so x_2 is half of it: each edit changes it as it must."""
+    edits = [
+        ("friction/coulomb.py", 'slip.sign * p["mu_k"]', '2 * slip.sign * p["mu_k"]', 1.0),
+        ("models/belt_1dof.py", 'force / p("m")', 'force / p("m") / 4', 0.25),
+        ("codegen/emit.py", "{1.0 / k!r}", "{3.0 / k!r}", 0.75),
+    ]
+    answers = [answer(start(ACCELERATE, tmp_path / "cache", package))]
+    assert answers[0] == answer(start(ACCELERATE, tmp_path / "cache", package))
+    assert float(answers[0][0]) == 0.5
+    for file, old, new, expected in edits:
+        edited(package, file, old, new)
+        answers.append(answer(start(ACCELERATE, tmp_path / "cache", package)))
+        assert float(answers[-1][0]) == pytest.approx(expected, rel=1e-15)
+    assert len({key for _, key in answers}) == len(answers)
+
+
+@pytest.mark.campaign
+def test_an_edited_kernel_never_runs_stale_code(tmp_path: Path, package: Path) -> None:
+    place, key = answer(start(MOVE, tmp_path / "cache", package))
+    assert float(place) == pytest.approx(1.0 - math.cos(3.0), abs=1e-9)
+    header = "def series_value(series, offset, order, x):"
+    text = (package / "dynamics/kernel.py").read_text()
+    docstring = text.index('"""', text.index('"""', text.index(header)) + 3) + 4
+    (package / "dynamics/kernel.py").write_text(
+        text[:docstring] + "    x = 0.5 * x\n" + text[docstring:]
+    )
+    new_place, new_key = answer(start(MOVE, tmp_path / "cache", package))
+    assert new_place != place
+    assert new_key != key
+
+
+def test_every_kernel_file_counts_for_the_key() -> None:
+    folder = Path(compiled.__file__).parent
+    texts = {path.name: path.read_text() for path in folder.glob("*.py")}
+    with_kernels = {name for name, text in texts.items() if "@njit" in text or "@intrinsic" in text}
+    assert with_kernels | {"compiled.py"} == set(compiled.KERNEL_FILES)
