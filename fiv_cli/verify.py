@@ -49,15 +49,20 @@ class Check:
         return self.error <= self.tolerance
 
 
-def verify(announce: Callable[[str], None] = lambda message: None) -> list[Check]:
+def verify(
+    announce: Callable[[str], None] = lambda message: None,
+    problems: Sequence[Problem] | None = None,
+) -> list[Check]:
     """Every check, computed now.
 
     Parameters
     ----------
     announce : called with a sentence when something must be generated or compiled first
+    problems : which of `PROBLEMS`; all when left out
     """
     bench = _Bench(announce)
-    return [check for problem in PROBLEMS for check in _solve(problem, bench)]
+    chosen = PROBLEMS if problems is None else problems
+    return [check for problem in chosen for check in _solve(problem, bench)]
 
 
 def _solve(problem: Problem, bench: _Bench) -> list[Check]:

@@ -401,6 +401,7 @@ def samples_at(system: System, times: Vector) -> Samples:
     )
 
 
+@cache
 def no_samples(system: System) -> Samples:
-    """No samples at all."""
+    """No samples at all (shared: nothing is ever written)."""
     return samples_at(system, np.zeros(0))

@@ -31,8 +31,12 @@ ROW = HIGHEST_ORDER + 3  # coefficients of a piece, then the two ends of its int
 LOW, HIGH = HIGHEST_ORDER + 1, HIGHEST_ORDER + 2
 POLYNOMIAL = MAX_DEPTH * ROW  # where the polynomial stands
 
-INVERSE_BINOMIALS = np.array(
-    [1.0 / comb(n, k) if k <= n else 0.0 for n in range(ROW) for k in range(ROW)]
+# TO_BERNSTEIN[n, i, j]: share of the coefficient of x^i in Bernstein coefficient j of degree n.
+TO_BERNSTEIN = np.array(
+    [
+        [[comb(j, i) / comb(n, i) if i <= j <= n else 0.0 for j in range(ROW)] for i in range(ROW)]
+        for n in range(HIGHEST_ORDER + 1)
+    ]
 )
 
 
@@ -112,10 +116,11 @@ def lowest_point(work, degree, low, high, tolerance):  # type: ignore[no-untyped
 def to_bernstein(work, degree):  # type: ignore[no-untyped-def]
     """Bernstein coefficients of the polynomial on [0, 1], into the first row."""
     for j in range(degree + 1):
-        work[j] = work[POLYNOMIAL + j] * INVERSE_BINOMIALS[degree * ROW + j]
-    for level in range(1, degree + 1):  # undo the differences
-        for j in range(degree, level - 1, -1):
-            work[j] = work[j] + work[j - 1]
+        work[j] = work[POLYNOMIAL]
+    for i in range(1, degree + 1):
+        coefficient = work[POLYNOMIAL + i]
+        for j in range(degree + 1):
+            work[j] += coefficient * TO_BERNSTEIN[degree, i, j]
 
 
 @njit("void(float64[::1], int64, int64)", **CACHE)
