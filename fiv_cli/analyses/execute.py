@@ -9,8 +9,12 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+
+if TYPE_CHECKING:
+    from fiv_cli.dynamics.system import System
 
 
 @dataclass(frozen=True)
@@ -57,11 +61,11 @@ def execute(request: Request) -> Outcome:
 
 
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:
-    """Generate and compile every system that `requests` need, once, before workers start.
+    """Generate, compile and load all that `requests` need, once, before workers start.
 
     `announce` is called with a sentence when something must be generated or compiled.
     """
-    from fiv_cli.dynamics.system import build_system, system_key
+    from fiv_cli.dynamics.system import system_key
 
     seen = set()
     for request in requests:
@@ -70,19 +74,24 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
         )
         if key not in seen:
             seen.add(key)
-            build_system(
-                request.model,
-                request.law,
-                request.options,
-                request.parameters,
-                request.solver,
-                announce,
-            )
+            _load(_system(request, announce))
 
 
-def _system(request: Request):  # type: ignore[no-untyped-def]
+def _load(system: System) -> None:
+    """Bring machine code into memory, so that no point's time contains it."""
+    from fiv_cli.analyses import recording, steady_state  # noqa: F401
+
+    _ = system.tables, system.tangent_table
+
+
+def _system(request: Request, announce: Callable[[str], None] = lambda sentence: None) -> System:
     from fiv_cli.dynamics.system import build_system
 
     return build_system(
-        request.model, request.law, request.options, request.parameters, request.solver
+        request.model,
+        request.law,
+        request.options,
+        request.parameters,
+        request.solver,
+        announce,
     )

@@ -67,7 +67,9 @@ COUNT, AT_REST, BEFORE, OFFERS = 0, 1, 2, 3
 OPTIONS_WIDTH = 3 + 2 * 4
 
 # Why `advance` returned.
-REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STATE, JAMMED = range(8)
+REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STATE, JAMMED = range(
+    8
+)
 
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
@@ -163,8 +165,8 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     """Step for which the last two terms stay below rtol times each series' own scale.
 
     `n` counts the states and the switching functions: in stick the state may be a polynomial
-    while the demanded force is not. The scale of a series is the largest of its first terms over the last step, so it follows the
-    motion and not the units.
+    while the demanded force is not. The scale of a series is the largest of its first terms over
+    the last step, so it follows the motion and not the units.
     """
     if last <= 0.0:
         last = time_scale(series, n, order)
@@ -226,13 +228,26 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
 
 @njit(
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64, int64[:, ::1],"
-    "boolean)",
+    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64,"
+    "int64[:, ::1], boolean)",
     **INLINE,
 )
 def consistent(  # type: ignore[no-untyped-def]
-    table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances, strips,
-    trigger_kind, trigger_contact, options, lenient,
+    table,
+    guards,
+    config,
+    clock,
+    kinds,
+    parameters,
+    coefficients,
+    y,
+    series,
+    tolerances,
+    strips,
+    trigger_kind,
+    trigger_contact,
+    options,
+    lenient,
 ):
     """Whether a candidate contact state can follow: every switching function leads positive.
 
@@ -302,13 +317,27 @@ def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
 
 @njit(
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64,"
-    "boolean, int64[:, ::1])",
+    "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64,"
+    "int64, boolean, int64[:, ::1])",
     **INLINE,
 )
 def decide(  # type: ignore[no-untyped-def]
-    table, guards, config, clock, kinds, parameters, coefficients, y, series, field, tolerances,
-    strips, trigger_kind, trigger_contact, grazing, options,
+    table,
+    guards,
+    config,
+    clock,
+    kinds,
+    parameters,
+    coefficients,
+    y,
+    series,
+    field,
+    tolerances,
+    strips,
+    trigger_kind,
+    trigger_contact,
+    grazing,
+    options,
 ):
     """Choose the contact state that follows at (t, y); False when none is consistent.
 
@@ -354,8 +383,21 @@ def decide(  # type: ignore[no-untyped-def]
             kinds[i] = options[i, OFFERS + 2 * pick]
             parameters[first_sign + i] = options[i, OFFERS + 2 * pick + 1]
         if consistent(
-            table, guards, config, clock, kinds, parameters, coefficients, y, series, tolerances,
-            strips, trigger_kind, trigger_contact, options, attempt >= combinations,
+            table,
+            guards,
+            config,
+            clock,
+            kinds,
+            parameters,
+            coefficients,
+            y,
+            series,
+            tolerances,
+            strips,
+            trigger_kind,
+            trigger_contact,
+            options,
+            attempt >= combinations,
         ):
             return True
     return False
@@ -429,7 +471,9 @@ def bisected(  # type: ignore[no-untyped-def]
     return high / step
 
 
-@njit("float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1])", **INLINE)
+@njit(
+    "float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1])", **INLINE
+)
 def located(series, offset, order, step, strip, factor, shift, roots):  # type: ignore[no-untyped-def]
     """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
     power = factor
@@ -453,8 +497,23 @@ def located(series, offset, order, step, strip, factor, shift, roots):  # type: 
     **CACHE,
 )
 def take_samples(  # type: ignore[no-untyped-def]
-    table, config, index, kinds, parameters, coefficients, clock, y, series, tau, stages, out,
-    counters, sample_times, sample_states, sample_outputs, sample_codes,
+    table,
+    config,
+    index,
+    kinds,
+    parameters,
+    coefficients,
+    clock,
+    y,
+    series,
+    tau,
+    stages,
+    out,
+    counters,
+    sample_times,
+    sample_states,
+    sample_outputs,
+    sample_codes,
 ):
     """Record the samples that fall into the step of length tau."""
     n, contacts = config[N_STATES], config[N_CONTACTS]
@@ -482,8 +541,22 @@ def take_samples(  # type: ignore[no-untyped-def]
     **CACHE,
 )
 def take_measures(  # type: ignore[no-untyped-def]
-    table, config, index, kinds, coefficients, clock, y, series, tau, stages, out, quadrature,
-    reference, measures, extremes, shares,
+    table,
+    config,
+    index,
+    kinds,
+    coefficients,
+    clock,
+    y,
+    series,
+    tau,
+    stages,
+    out,
+    quadrature,
+    reference,
+    measures,
+    extremes,
+    shares,
 ):
     """Integrate the measures along the step of length tau by Gauss quadrature.
 
@@ -579,7 +652,7 @@ def switching_rates(  # type: ignore[no-untyped-def]
 
 @njit("void(int64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1])", **CACHE)
 def saltate(config, series, rates, tangents, delays):  # type: ignore[no-untyped-def]
-    """Tangents after an event: d + (f_before - f_after) delay; `series` is that of the new state."""
+    """Tangents after an event: d + (f_before - f_after) delay; `series` is the new state's."""
     order = config[ORDER]
     for row in range(tangents.shape[0]):
         for i in range(config[N_STATES]):
@@ -662,10 +735,42 @@ def keep_section(counters, clock, y, section_times, section_states):  # type: ig
     **CACHE,
 )
 def advance(  # type: ignore[no-untyped-def]
-    table, impacts, guards, config, clock, kinds, parameters, coefficients, y, tolerances, strips,
-    counters, limits, t_stop, section, phase_interval, ends, section_times, section_states,
-    sample_times, sample_states, sample_outputs, sample_codes, ledger, measuring, quadrature,
-    reference, measures, extremes, shares, tangents, series, work, stages, roots, options,
+    table,
+    impacts,
+    guards,
+    config,
+    clock,
+    kinds,
+    parameters,
+    coefficients,
+    y,
+    tolerances,
+    strips,
+    counters,
+    limits,
+    t_stop,
+    section,
+    phase_interval,
+    ends,
+    section_times,
+    section_states,
+    sample_times,
+    sample_states,
+    sample_outputs,
+    sample_codes,
+    ledger,
+    measuring,
+    quadrature,
+    reference,
+    measures,
+    extremes,
+    shares,
+    tangents,
+    series,
+    work,
+    stages,
+    roots,
+    options,
 ):
     """Run until t_stop, a full section buffer, a budget or an end; returns why it stopped."""
     n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
@@ -673,7 +778,11 @@ def advance(  # type: ignore[no-untyped-def]
     taylor = config[METHOD] == METHOD_TAYLOR
     field = stages[0]
     out, joined, rates, delays = stages[3], stages[4], stages[5], stages[6]
-    angle_up, angle_down, section_strip = strips.shape[0] - 3, strips.shape[0] - 2, strips.shape[0] - 1
+    angle_up, angle_down, section_strip = (
+        strips.shape[0] - 3,
+        strips.shape[0] - 2,
+        strips.shape[0] - 1,
+    )
     with_tangents = tangents.shape[0] > 0
     call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
     while True:
@@ -710,11 +819,11 @@ def advance(  # type: ignore[no-untyped-def]
             step = tolerances[FIXED_STEP]
             clock[LAST_STEP] = step
         goal = t + step
-        reaches_stop, reaches_phase = False, False
+        reaches_phase = False
         if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= min(goal, t_stop):
             goal, reaches_phase = clock[NEXT_PHASE], True
         elif t_stop <= goal:
-            goal, reaches_stop = t_stop, True
+            goal = t_stop
         step = goal - t
         # --- the first switching function to fall to zero -----------------------------------
         # In order: the contact state's own, the two borders of the sector, the section.
@@ -732,12 +841,18 @@ def advance(  # type: ignore[no-untyped-def]
                 shift = clock[ZONE_HIGH] if upper else -clock[ZONE_LOW]
                 strip = strips[angle_up] if upper else strips[angle_down]
                 if taylor:
-                    leaving = away_from_border(series, row * (order + 1), order, step, factor, shift)
+                    leaving = away_from_border(
+                        series, row * (order + 1), order, step, factor, shift
+                    )
                     strip = max(strip, leaving)
             else:
                 if section[SECTION_KIND] != SECTION_ZERO:
                     continue
-                row, entry, strip = section[SECTION_STATE], section[SECTION_STATE], strips[section_strip]
+                row, entry, strip = (
+                    section[SECTION_STATE],
+                    section[SECTION_STATE],
+                    strips[section_strip],
+                )
                 if strip == 0:
                     value = y[entry]
                 elif taylor:
@@ -751,8 +866,19 @@ def advance(  # type: ignore[no-untyped-def]
                 root = located(series, row * (order + 1), order, step, strip, factor, shift, roots)
             else:
                 root = bisected(
-                    table, config, index, coefficients, t, y, series, step, stages, out, entry,
-                    factor, shift,
+                    table,
+                    config,
+                    index,
+                    coefficients,
+                    t,
+                    y,
+                    series,
+                    step,
+                    stages,
+                    out,
+                    entry,
+                    factor,
+                    shift,
                 )
             if check < n_guards + 2:
                 if root < fraction or (root == 1.0 and hit < 0):
@@ -785,13 +911,42 @@ def advance(  # type: ignore[no-untyped-def]
         # --- along the step --------------------------------------------------------------------
         if counters[SAMPLED] < len(sample_times):
             take_samples(
-                table, config, index, kinds, parameters, coefficients, clock, y, series, tau, stages,
-                joined, counters, sample_times, sample_states, sample_outputs, sample_codes,
+                table,
+                config,
+                index,
+                kinds,
+                parameters,
+                coefficients,
+                clock,
+                y,
+                series,
+                tau,
+                stages,
+                joined,
+                counters,
+                sample_times,
+                sample_states,
+                sample_outputs,
+                sample_codes,
             )
         if measuring:
             take_measures(
-                table, config, index, kinds, coefficients, clock, y, series, tau, stages,
-                joined, quadrature, reference, measures, extremes, shares,
+                table,
+                config,
+                index,
+                kinds,
+                coefficients,
+                clock,
+                y,
+                series,
+                tau,
+                stages,
+                joined,
+                quadrature,
+                reference,
+                measures,
+                extremes,
+                shares,
             )
         if with_tangents:
             move_tangents(table, config, index, coefficients, clock, y, tau, tangents, joined, work)
@@ -831,7 +986,18 @@ def advance(  # type: ignore[no-untyped-def]
         if with_tangents:
             entry = hit if hit < n_guards else n_guards
             switching_rates(
-                table, config, index, entry, coefficients, clock, y, tangents, joined, work, rates, delays
+                table,
+                config,
+                index,
+                entry,
+                coefficients,
+                clock,
+                y,
+                tangents,
+                joined,
+                work,
+                rates,
+                delays,
             )
         for i in range(contacts):
             options[i, BEFORE] = code_of(kinds[i], parameters[first_sign + i])
@@ -853,13 +1019,29 @@ def advance(  # type: ignore[no-untyped-def]
             impacted = True
         if hit >= n_guards:
             cross_border(config, clock, parameters, hit == n_guards)
-            call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
+            call_generated(
+                config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients
+            )
             call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
             clock[FIRST_STEP] = 0.0
             strips[angle_down if hit == n_guards else angle_up] = 1
         elif not decide(
-            table, guards, config, clock, kinds, parameters, coefficients, y, series, field,
-            tolerances, strips, trigger_kind, trigger_contact, grazing, options,
+            table,
+            guards,
+            config,
+            clock,
+            kinds,
+            parameters,
+            coefficients,
+            y,
+            series,
+            field,
+            tolerances,
+            strips,
+            trigger_kind,
+            trigger_contact,
+            grazing,
+            options,
         ):
             return NO_STATE
         for i in range(n):

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics import kernel, roots
+from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
 
 SCRATCH_ROWS = 7

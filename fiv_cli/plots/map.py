@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from fiv_cli.data import select
 from fiv_cli.data.reading import flag_names, numbers
@@ -104,6 +105,8 @@ def _dress(
     if number + columns >= len(panels):  # nothing below it
         points.dress_axis(ax, axes[0], "x")
         ax.tick_params(labelbottom=True)
+        if columns > 1 and select.is_numeric(axes[0]):
+            ax.xaxis.set_major_locator(MaxNLocator(5))
     if number % columns == 0:
         points.dress_axis(ax, axes[1], "y")
     ax.set_title(panels[number].label)

@@ -58,8 +58,14 @@ def varying_axes(dataset: xr.Dataset) -> list[xr.DataArray]:
 
 def _first_axis(dataset: xr.Dataset, dim: str) -> xr.DataArray:
     """The axis of `dim`: its own coordinate, else the first of those that advance along it."""
+    return _axes_along(dataset, dim)[0]
+
+
+def _axes_along(dataset: xr.Dataset, dim: str) -> list[xr.DataArray]:
+    """The axis of `dim`, or the axes that advance along it together."""
     along = [str(name) for name, coord in dataset.coords.items() if coord.dims == (dim,)]
-    return select.axis_of(dataset, dim if dim in along or not along else along[0])
+    names = [dim] if dim in along or not along else along
+    return [select.axis_of(dataset, name) for name in names]
 
 
 def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.DataArray:
@@ -132,15 +138,18 @@ def lines(dataset: xr.Dataset, along: Sequence[str], dims: Sequence[str]) -> lis
     Labels name only what differs: ``far``, ``$N_0$ = 30 N``.
     """
     rest = [dim for dim in dims if dim not in along]
-    axes = [_first_axis(dataset, dim) for dim in rest]
-    places = itertools.product(*(range(axis.size) for axis in axes))
-    return [_line(axes, rest, place) for place in places]
+    groups = [_axes_along(dataset, dim) for dim in rest]
+    places = itertools.product(*(range(group[0].size) for group in groups))
+    return [_line(groups, rest, place) for place in places]
 
 
-def _line(axes: Sequence[xr.DataArray], dims: Sequence[str], place: Sequence[int]) -> Line:
+def _line(
+    groups: Sequence[Sequence[xr.DataArray]], dims: Sequence[str], place: Sequence[int]
+) -> Line:
     words = [
         labels.value_label(axis, axis.values[index])
-        for axis, index in zip(axes, place, strict=True)
+        for group, index in zip(groups, place, strict=True)
+        for axis in group
         if axis.size > 1
     ]
     return Line(", ".join(words), dict(zip(dims, place, strict=True)))

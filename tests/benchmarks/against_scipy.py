@@ -45,7 +45,9 @@ def system_for(rtol: float) -> tuple[System, SolverSettings]:
     return build_system("belt-1dof", "coulomb", {}, parameters(1.0), solver), solver
 
 
-def fiv_run(system: System, solver: SolverSettings, belt: dict[str, float]) -> tuple[Motion, Points]:
+def fiv_run(
+    system: System, solver: SolverSettings, belt: dict[str, float]
+) -> tuple[Motion, Points]:
     """One run with its section points."""
     motion = Motion(system, belt, solver, {})
     times, states = np.zeros(SECTIONS), np.zeros((SECTIONS, 2))
