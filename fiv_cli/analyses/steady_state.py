@@ -42,6 +42,7 @@ CHUNK = 16  # section points between two looks at the return map
 BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
 KEPT = 4096  # section points kept
 SHOWN = 512  # section values stored of a motion that is not periodic
+NEAR = 1e-6  # distance from an equilibrium, relative to its size, that counts as being there
 NEUTRAL = 1e-9  # growth rate below this share of the frequency: neither grows nor decays
 REGULAR, CHAOTIC = 0.3, 0.7  # what the 0-1 test must say
 SIGNIFICANT = 3.0  # standard errors
@@ -139,11 +140,19 @@ class _Response:
             period = settled_period(self._map_points()) if self.count > before else 0
             if period:
                 return self._periodic_from_section(period)
-            if quiet:
-                found = self._after_stick_slip(until)
-                if found is not None:
-                    return found
+            found = self._after_stick_slip(until) if quiet else self._at_rest()
+            if found is not None:
+                return found
         return self._ended()
+
+    def _at_rest(self) -> Outcome | None:
+        """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
+        sticking = bool(np.all(self.motion.kinds == kernel.STICK))
+        if not sticking or self.excitation is not None or np.any(self.motion.rates() != 0.0):
+            return None
+        outcome = self._resting_values(self.motion.y, sticking=True)
+        outcome.reason = "stuck"
+        return outcome
 
     def _step(self, until: float, section: Section, measuring: bool = False) -> bool:
         """Run on, keeping section points; whether all contacts slipped without an event."""
@@ -203,23 +212,40 @@ class _Response:
             return self._neutral()
         return None
 
-    def _at_equilibrium(self) -> Outcome:
-        """Stable, and nothing but slip left: the motion decays to it."""
-        values = {
+    def _at_equilibrium(self) -> Outcome | None:
+        """Stable, and nothing but slip left: the motion decays to it.
+
+        A law without stick has no events that could die: there the motion must have arrived.
+        """
+        assert self.equilibrium is not None
+        if any(self.system.generated.smooth) and not self._is_near(self.equilibrium):
+            return None
+        outcome = self._resting_values(self.equilibrium, sticking=False)
+        outcome.values["L_s"] = 0.0
+        return outcome
+
+    def _is_near(self, equilibrium: Vector) -> bool:
+        assert self.eigenvalues is not None
+        n = len(self.system.coordinates)
+        size = float(np.max(np.abs(equilibrium)))
+        away = np.abs(self.motion.y - equilibrium)
+        speed = size * float(np.max(np.abs(self.eigenvalues)))
+        return bool(np.all(away[:n] <= NEAR * size) and np.all(away[n : 2 * n] <= NEAR * speed))
+
+    def _resting_values(self, state: Vector, sticking: bool) -> Outcome:
+        values: dict[str, Any] = {
             "attractor": "equilibrium",
-            "L_s": 0.0,
-            "stick_fraction": self._zero_per_contact(0.0),
-            "slip_fraction": self._zero_per_contact(1.0),
-            "separation_fraction": self._zero_per_contact(0.0),
+            "stick_fraction": self._per_contact(float(sticking)),
+            "slip_fraction": self._per_contact(float(not sticking)),
+            "separation_fraction": self._per_contact(0.0),
             "transient_used": self.motion.time,
             "energy_residual": 0.0,
         }
-        assert self.equilibrium is not None
-        for name, value in zip(self.system.state_names, self.equilibrium, strict=True):
+        for name, value in zip(self.system.state_names, state, strict=True):
             values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": abs(value)}
         return Outcome(values=values, carry=self._carry("equilibrium"))
 
-    def _zero_per_contact(self, value: float) -> Any:
+    def _per_contact(self, value: float) -> Any:
         count = self.system.n_contacts
         return value if count == 1 else np.full(count, value)
 
@@ -277,8 +303,9 @@ class _Response:
     ) -> NDArray[np.float64]:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
         self._aim_phase(section)
+        until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
-            np.inf, section, (times, points), None, measuring, self.excitation or 0.0
+            until, section, (times, points), None, measuring, self.excitation or 0.0
         )
         return points
 
@@ -448,15 +475,11 @@ class _Exponent:
 
     def _normalised(self, vector: Vector) -> tuple[Vector, float]:
         if self.autonomous:
-            flow = self._flow()
+            flow = self.motion.rates()
             size = float(flow @ flow)
             vector = vector - (vector @ flow) / size * flow if size > 0.0 else vector
         norm = float(np.linalg.norm(vector))
         return (vector / norm if norm > 0.0 else vector), norm
-
-    def _flow(self) -> Vector:
-        n = len(self.motion.y)
-        return np.asarray(self.motion._field(self.motion.kinds)[1][n : 2 * n])
 
     def update(self) -> None:
         """Book the growth since the last call."""

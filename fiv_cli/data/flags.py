@@ -99,6 +99,7 @@ REASONS: tuple[Reason, ...] = (
         "tests_disagree",
         "section points and Lyapunov exponent say different things of the motion: raise t_max",
     ),
+    Reason("stuck", "every contact sticks and nothing moves: an equilibrium, but not of sliding"),
 )
 
 STATUS = FlagTable(

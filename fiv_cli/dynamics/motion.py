@@ -335,6 +335,11 @@ class Motion:
             vector[kernel.SECTION_KIND] = kernel.SECTION_PHASE
         return vector
 
+    def rates(self) -> Vector:
+        """Time derivative of the state; shape (n_states,)."""
+        n = len(self.y)
+        return self._field(self.kinds)[1][n : 2 * n]
+
     # --- energy ---------------------------------------------------------------------------------
     def energy(self) -> float:
         """Kinetic and potential energy, J."""
