@@ -149,6 +149,8 @@ def test_axes_that_advance_together_are_each_an_axis():
         (ax,) = draw(dataset, figure("curve", x=name)).axes
         assert ax.get_xlabel() == label
         assert np.array_equal(marks(ax, "far")[:, 0], dataset[name])
+    lines = draw(dataset.isel(Omega_N0=[0, 9]), figure("curve", x="initial", variable="L_s"))
+    assert "$\\Omega$ = 1.4 rad/s, $N_{0}$ = 14 N" in legend_texts(lines.axes[0])
     drawn = draw(dataset, figure("curve", x="initial", select={"N0": 20}))
     assert r"$\Omega$ = 2 rad/s" in drawn.get_suptitle()
     assert list(summarise({"": dataset})["analyses"][""]["axes"]) == ["Omega", "initial", "N0"]

@@ -274,6 +274,11 @@ def consistent(  # type: ignore[no-untyped-def]
             known_zeros = 1
         if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
             known_zeros = 1
+        if kind == VELOCITY and contact == trigger_contact:
+            sign = parameters[config[N_PARAMETERS] - 1 - contacts + contact]
+            released = trigger_kind == (CAPACITY_UP if sign > 0.0 else CAPACITY_DOWN)
+            if released and series[(n + g) * (order + 1) + 1] < 0.0:
+                known_zeros = 2  # slip friction does not exceed the capacity: this is rounding
         lead = leading(series, (n + g) * (order + 1), order, step, known_zeros)
         opens = kind == NORMAL or kind == GAP
         if lead < 0 and not (lenient and opens and contact != trigger_contact):
