@@ -251,8 +251,8 @@ def consistent(  # type: ignore[no-untyped-def]
 ):
     """Whether a candidate contact state can follow: every switching function leads positive.
 
-    `lenient` leaves out that another contact opens or closes at the same instant: that is the
-    next event, chained to this one.
+    `lenient` leaves out that another contact opens or closes at the same instant, or that this
+    one loses its normal force together with its capacity: the next event, chained to this one.
     """
     n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
     index = state_index(kinds, contacts)
@@ -281,7 +281,9 @@ def consistent(  # type: ignore[no-untyped-def]
                 known_zeros = 2  # slip friction does not exceed the capacity: this is rounding
         lead = leading(series, (n + g) * (order + 1), order, step, known_zeros)
         opens = kind == NORMAL or kind == GAP
-        if lead < 0 and not (lenient and opens and contact != trigger_contact):
+        if contact == trigger_contact:
+            opens = kind == NORMAL and trigger_kind < NORMAL
+        if lead < 0 and not (lenient and opens):
             return False
         strips[g] = max(lead - 1, 0)
     return True
