@@ -29,7 +29,8 @@ MOTIONS = {
         "belt-1dof", "hyperbolic", {"x": 0.0}, {"N": 2.5, "v": 0.2}, 300.0, 2e-3,
     ),
     "reversing mass": (
-        "belt-1dof", "coulomb", {"x": 0.0}, {"v": 0.0, "N": 1.0, "u0": 2.0, "omega": 0.7}, 200.0, 2e-3,
+        "belt-1dof", "coulomb", {"x": 0.0},
+        {"v": 0.0, "N": 1.0, "u0": 2.0, "omega": 0.7}, 200.0, 2e-3,
     ),
     "pin": ("pin-on-disc", "coulomb", {"phi_dot": 2.0}, {}, 2.0, 2e-5),
     "pin on a sector": ("pin-on-disc", "coulomb", {"phi_dot": 2.0}, SECTOR, 2.0, 2e-5),
@@ -145,6 +146,17 @@ def test_energy_is_accounted_for(name: str, rtol: float) -> None:
     assert abs(expected) > 0.0
     if changes.get("v") == 0.0:
         assert booked.drive == 0.0
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12])
+def test_a_step_does_not_jump_over_the_layer_of_a_regularised_law(rtol: float) -> None:
+    """Far from zero slip tanh is constant to rounding: its series knows nothing of the layer."""
+    begun = motion("belt-1dof", "tanh of stribeck", {}, SolverSettings(rtol=rtol), c=0.3)
+    begun.start_measuring(np.zeros(1))
+    before = begun.energy()
+    begun.run(100.0, measuring=True)
+    assert balance(begun, before).residual < rtol
+    assert begun.measures.extremes[1, 0] == pytest.approx(4.40845490399, rel=10 * rtol)
 
 
 # --- invariances ---------------------------------------------------------------------------------

@@ -218,7 +218,7 @@ class _Response:
         A law without stick has no events that could die: there the motion must have arrived.
         """
         assert self.equilibrium is not None
-        if any(self.system.generated.smooth) and not self._is_near(self.equilibrium):
+        if self.system.law.capacity is None and not self._is_near(self.equilibrium):
             return None
         outcome = self._resting_values(self.equilibrium, sticking=False)
         outcome.values["L_s"] = 0.0

@@ -34,6 +34,7 @@ class StateTable:
     name : prefix of its functions
     guards : (kind, contact) of each switching function, in order
     has_angle : whether the sector's angle follows the switching functions
+    n_arguments : how many arguments of saturating functions follow those, for step control
     impacts : contacts with an impact function
     """
 
@@ -41,6 +42,7 @@ class StateTable:
     name: str
     guards: tuple[tuple[int, int], ...]
     has_angle: bool
+    n_arguments: int
     impacts: tuple[int, ...]
 
 
@@ -175,8 +177,17 @@ def _table(state: ContactState) -> dict[str, Any]:
         "name": state.name,
         "guards": [(guard.kind, guard.contact) for guard in state.guards],
         "has_angle": state.angle is not None,
+        "n_arguments": len(_saturating(state)),
         "impacts": sorted(state.impacts),
     }
+
+
+def _saturating(state: ContactState) -> list[Any]:
+    """Arguments of the functions whose series says nothing of what lies beyond their plateau."""
+    from fiv_cli.codegen.emit import reachable
+
+    found = {n.args[0].index: n.args[0] for n in reachable(state.rates) if n.op == "tanh"}
+    return list(found.values())
 
 
 def _flow_text(
@@ -186,9 +197,8 @@ def _flow_text(
 
     switching = [guard.node for guard in state.guards]
     angle = [] if state.angle is None else [state.angle]
-    step = TaylorStep(
-        derivation.graph, state.values, state.rates, switching + angle, order, coefficients
-    )
+    watched = [*switching, *angle, *_saturating(state)]
+    step = TaylorStep(derivation.graph, state.values, state.rates, watched, order, coefficients)
     lines = step.text(f"{state.name}_taylor", f"series of state and switching, {state.name}")
     contacts = [node for outputs in state.contacts for node in outputs]
     outputs = [*state.values, *state.rates, *switching, *angle, *contacts, *state.energies]
@@ -241,6 +251,7 @@ def _state_table(table: dict[str, Any]) -> StateTable:
         name=table["name"],
         guards=tuple((kind, contact) for kind, contact in table["guards"]),
         has_angle=table["has_angle"],
+        n_arguments=table["n_arguments"],
         impacts=tuple(table["impacts"]),
     )
 

@@ -30,8 +30,8 @@ VELOCITY, CAPACITY_UP, CAPACITY_DOWN, NORMAL, GAP, JAMMING = 0, 1, 2, 3, 4, 5
 CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
 
 # table[state, ...]
-TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE = 0, 1, 2, 3, 4
-TABLE_WIDTH = 5
+TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS = 0, 1, 2, 3, 4, 5
+TABLE_WIDTH = 6
 
 # config[...]
 N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, METHOD = range(7)
@@ -74,6 +74,8 @@ REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STA
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
 CHAIN_CAP = 50  # transitions at one instant
+PLATEAU = 1.0 / 6.0  # share by which the argument of tanh may change over a step far from zero
+LAYER = 2.0  # ... and the change that is always allowed
 GRAZING = 1e-5  # a switching function that falls slower than this share of its scale may graze
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
@@ -190,6 +192,19 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     return step
 
 
+@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
+    """Step over which the argument of tanh keeps within sight of where it is.
+
+    Far from zero tanh is constant to rounding and its series knows nothing of the layer about
+    zero: without a limit a step would jump over it.
+    """
+    allowed = max(LAYER, PLATEAU * abs(series[offset]))
+    while series_scale(series, offset + 1, order - 1, step) * step > allowed:
+        step *= 0.75
+    return step
+
+
 @njit("float64(float64[::1], int64, int64, int64, float64)", **CACHE)
 def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untyped-def]
     """Step for a motion that is a polynomial, exact over any length.
@@ -262,6 +277,8 @@ def consistent(  # type: ignore[no-untyped-def]
     call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
     rows = n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
     step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
+    for i in range(table[index, N_ARGUMENTS]):
+        step = within_plateau(series, (rows + i) * (order + 1), order, step)
     clock[FIRST_STEP] = step
     if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
         step = clock[LAST_STEP] if clock[LAST_STEP] > 0.0 else 0.0
@@ -816,6 +833,8 @@ def advance(  # type: ignore[no-untyped-def]
                 call_generated(table[index, TAYLOR], coefficients, t, y, series)
                 rows = n + n_guards + has_angle
                 step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
+                for i in range(table[index, N_ARGUMENTS]):
+                    step = within_plateau(series, (rows + i) * (order + 1), order, step)
                 for i in range(n):
                     y[i] = series[i * (order + 1)]
             if step < ENDLESS:

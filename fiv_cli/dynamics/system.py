@@ -167,6 +167,7 @@ def _tables(generated: Generated, model: Model, options: Mapping[str, str]) -> T
         table[index, kernel.FIELD] = generated.address(f"{state.name}_field")
         table[index, kernel.N_GUARDS] = len(state.guards)
         table[index, kernel.HAS_ANGLE] = int(state.has_angle)
+        table[index, kernel.N_ARGUMENTS] = state.n_arguments
         for contact in state.impacts:
             impacts[index, contact] = generated.address(f"{state.name}_impact_{contact}")
         for place, guard in enumerate(state.guards):
