@@ -12,9 +12,13 @@ from scipy.integrate import solve_ivp
 
 
 def stick_points(
-    omega: float, t_end: float, rtol: float, u0: float = 0.5
+    omega: float, t_end: float, rtol: float, max_step: float = np.inf, u0: float = 0.5
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """States at slip->stick and the final state; m = k = v = 1, N = 10, mu_s .4, mu_k .23."""
+    """States at slip->stick and the final state; m = k = v = 1, N = 10, mu_s .4, mu_k .23.
+
+    SciPy looks for an event by its sign at the ends of a step, so a pair of roots inside one step
+    is missed; `max_step` bounds what can be missed.
+    """
     kinetic, static = 2.3, 4.0
     t, state = 0.0, np.array([0.0, 0.0])
     points = []
@@ -41,7 +45,14 @@ def stick_points(
     while t < t_end:
         motion, event = (stick, released) if sticking else (slip, meets_belt)
         found = solve_ivp(
-            motion, (t, t_end), state, method="DOP853", events=event, rtol=rtol, atol=rtol
+            motion,
+            (t, t_end),
+            state,
+            method="DOP853",
+            events=event,
+            rtol=rtol,
+            atol=rtol,
+            max_step=max_step,
         )
         t, state = found.t[-1], found.y[:, -1]
         if found.status != 1:

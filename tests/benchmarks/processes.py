@@ -1,0 +1,229 @@
+"""What whole processes cost: a first run, a second run, two workers, a million points.
+
+Every figure is that of real `fiv run` processes. Wall times depend on what else the machine does;
+processor times, printed beside them, hardly do.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+FIRST_RUNS = 3
+PAIRS = 5
+WORKER_PAIRS = 3
+
+ONE_POINT = """
+schema = 1
+[model]
+name = "{model}"
+[[initial]]
+label = "far"
+kind = "state"
+state = {{ {state} = 1.0 }}
+[[analysis]]
+kind = "response"
+t_max = 20.0
+"""
+
+FIRST_MOTIONS = {"belt-1dof": "x", "pin-on-disc": "phi_dot"}
+
+SMALL = """
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = { start = 0.5, stop = 2.0, num = 10 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { x = 10.0 }
+[[analysis]]
+kind = "response"
+"""
+
+# About a minute on one worker.
+MINUTE = """
+schema = 1
+[model]
+name = "pin-on-disc"
+[grid]
+Omega = { start = 0.5, stop = 12.0, num = 93 }
+N0 = { start = 1.0, stop = 40.0, num = 40 }
+[[initial]]
+label = "disc-speed"
+kind = "state"
+state = { phi_dot = "Omega" }
+[[analysis]]
+kind = "response"
+t_max = 200.0
+"""
+
+# Each run slides back to its equilibrium without an event.
+MILLION = """
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+c = { start = 0.1, stop = 0.5, num = 1000 }
+v = { start = 1.0, stop = 2.0, num = 1000 }
+[[initial]]
+label = "near"
+kind = "equilibrium"
+offset = { x = 1e-3 }
+[[analysis]]
+kind = "response"
+"""
+
+# Runs a case and says, as its last line, which modules that took and the peak of its memory.
+RUN = """
+import sys
+from pathlib import Path
+from fiv_cli.cli.main import run
+if __name__ == "__main__":
+    code = run(sys.argv[1:])
+    lines = Path("/proc/self/status").read_text().splitlines()
+    peak = next(line.split()[1] for line in lines if line.startswith("VmHWM"))
+    print(peak, *sys.modules)
+    sys.exit(code)
+"""
+
+IMPORT = """
+import importlib, sys
+from contextlib import suppress
+for name in sys.stdin.read().split():
+    with suppress(ImportError):
+        importlib.import_module(name)
+"""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a process took: wall clock and processor time in s, peak memory in kB, its modules."""
+
+    wall: float
+    processor: float
+    peak: int = 0
+    modules: str = ""
+
+
+class Place:
+    """A folder with a case in it and a cache of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.cache = "cache"
+
+    def run(self, case: str, *options: str) -> Cost:
+        """One `fiv run` of a case, from nothing stored."""
+        (self.folder / "case.toml").write_text(case)
+        cost, out = self._process([RUN, "run", "case.toml", "-q", "--fresh", *options])
+        peak, _, modules = out.splitlines()[-1].partition(" ")
+        return Cost(cost.wall, cost.processor, int(peak), modules)
+
+    def imports(self, modules: str) -> Cost:
+        """A process that imports these modules and does nothing else."""
+        return self._process([IMPORT], modules)[0]
+
+    def _process(self, program: list[str], text: str = "") -> tuple[Cost, str]:
+        before, begun = _children(), time.perf_counter()
+        done = subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", *program],
+            cwd=self.folder,
+            env={**os.environ, "FIV_CACHE_DIR": str(self.folder / self.cache)},
+            input=text,
+            check=True,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        return Cost(time.perf_counter() - begun, _children() - before), done.stdout
+
+
+def _children() -> float:
+    """Processor time of all ended children, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+@contextmanager
+def _place() -> Iterator[Place]:
+    with tempfile.TemporaryDirectory() as folder:
+        yield Place(Path(folder))
+
+
+def report_cold() -> None:
+    """Print what the first run of a user takes: integrator, generation, compilation, one point."""
+    print("first run of a user: everything generated and compiled")
+    for model, state in FIRST_MOTIONS.items():
+        case = ONE_POINT.format(model=model, state=state)
+        with _place() as place:
+            first = [_first_run(place, case, i) for i in range(FIRST_RUNS)]
+            place.cache = "cache-0"
+            again = place.run(case)
+        print(
+            f"  {model}: {_walls(first):.1f} s ({_processors(first):.1f} s of processor); "
+            f"again: {again.wall:.1f} s"
+        )
+
+
+def _first_run(place: Place, case: str, number: int) -> Cost:
+    place.cache = f"cache-{number}"
+    return place.run(case)
+
+
+def report_warm() -> None:
+    """Print what a second run of a small case takes beyond its imports."""
+    with _place() as place:
+        place.run(SMALL)
+        pairs = [_with_imports(place) for _ in range(PAIRS)]
+    beyond = median(run.wall - imports.wall for run, imports in pairs)
+    processor = median(run.processor - imports.processor for run, imports in pairs)
+    print(
+        f"second run of a small case: {_walls([run for run, _ in pairs]):.2f} s, its imports "
+        f"{_walls([imports for _, imports in pairs]):.2f} s, all else with the ten runs "
+        f"{beyond:.2f} s ({processor:.2f} s of processor)"
+    )
+
+
+def _with_imports(place: Place) -> tuple[Cost, Cost]:
+    run = place.run(SMALL)
+    return run, place.imports(run.modules)
+
+
+def report_workers() -> None:
+    """Print how much faster two workers are than one."""
+    with _place() as place:
+        place.run(ONE_POINT.format(model="pin-on-disc", state="phi_dot"))
+        pairs = [
+            (place.run(MINUTE, "--workers", "1").wall, place.run(MINUTE, "--workers", "2").wall)
+            for _ in range(WORKER_PAIRS)
+        ]
+    ratios = " ".join(f"{one / two:.2f}" for one, two in pairs)
+    print(
+        f"a sweep of {median(one for one, _ in pairs):.0f} s on one worker: two workers are "
+        f"{median(one / two for one, two in pairs):.2f} times as fast (pairs: {ratios})"
+    )
+
+
+def report_memory() -> None:
+    """Print the peak memory of the parent in a sweep of a million points."""
+    with _place() as place:
+        cost = place.run(MILLION)
+    print(f"a million points: {cost.wall:.0f} s, peak of the parent {cost.peak / 1024:.0f} MiB")
+
+
+def _walls(costs: list[Cost]) -> float:
+    return median(cost.wall for cost in costs)
+
+
+def _processors(costs: list[Cost]) -> float:
+    return median(cost.processor for cost in costs)
