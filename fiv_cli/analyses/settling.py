@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fiv_cli.dynamics.compiled import CACHE
 
 SETTLED = 1e-8  # relative to the largest value of each state at the section
+SMALLEST = 1e-7  # a state below this share of the largest one is judged by that: it is rounding
 LONGEST = 64  # longest period looked for, in section points
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
 FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
@@ -95,6 +96,7 @@ def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     """
     if len(points) < 3:
         return 0
-    scales = np.maximum(np.max(np.abs(points), axis=0), np.finfo(float).tiny)
+    scales = np.max(np.abs(points), axis=0)
+    scales = np.maximum(scales, max(SMALLEST * np.max(scales), np.finfo(float).tiny))
     points = np.ascontiguousarray(points)
     return int(_settled_period(points, scales, len(points), LONGEST, tolerance))

@@ -165,7 +165,7 @@ class _Response:
         )
         begun, events = self.motion.time, self.motion.n_events
         self._aim_phase(section)
-        self.stop = self.motion.run(until, section, room, None, measuring, self.excitation or 0.0)
+        self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
         slipping = bool(np.all(self.motion.kinds == kernel.SLIP))
         long_enough = self.motion.time - begun >= self.quiet * (1.0 - 1e-12)
@@ -196,7 +196,9 @@ class _Response:
         if self.excitation is None:
             return points
         phase = 2 * np.pi * self.times[: self.count] / self.excitation
-        return np.column_stack([points, np.cos(phase), np.sin(phase)])
+        reach = np.max(np.abs(points), initial=np.finfo(float).tiny)
+        # Shifted by 2: a sine that is always zero must not be judged by its rounding.
+        return np.column_stack([points, reach * (2 + np.cos(phase)), reach * (2 + np.sin(phase))])
 
     # --- stick-slip has died ----------------------------------------------------------------------
     def _after_stick_slip(self, until: float) -> Outcome | None:
@@ -305,7 +307,7 @@ class _Response:
         self._aim_phase(section)
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
-            until, section, (times, points), None, measuring, self.excitation or 0.0
+            until, section, (times, points), None, measuring, self._strobe_period()
         )
         return points
 

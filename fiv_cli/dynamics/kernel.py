@@ -1084,6 +1084,7 @@ def advance(  # type: ignore[no-untyped-def]
                 wanted = section[SECTION_DIRECTION]
                 if section_sign * slope < 0.0 and (wanted == 0 or wanted == crossing):
                     keep_section(counters, clock, y, section_times, section_states)
+                    section_states[counters[SECTIONS] - 1, entry] = 0.0
         events = counters[EVENTS]
         for i in range(contacts):
             before, after = options[i, BEFORE], code_of(kinds[i], parameters[first_sign + i])

@@ -1,0 +1,388 @@
+"""Analyses: classes of steady states, equilibria, eigenvalues, histories, and what is handed on."""
+
+from __future__ import annotations
+
+from math import atan, cos, pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import TIGHT, analyse, defaults, system
+
+from fiv_cli.analyses import execute
+from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses.common import sliding
+from fiv_cli.analyses.eigenvalues import coupled_modes, spectrum
+from fiv_cli.analyses.history import sample_times
+
+FORCED = {"u0": 0.5, "omega": 1.2}
+RELEASE = Section("event", "stick->slip")
+UPWARD = Section("zero", state="x_dot", direction="up")
+
+
+def respond(
+    law: str = "coulomb",
+    start: Any = None,
+    model: str = "belt-1dof",
+    solver: SolverSettings | None = None,
+    section: Section | None = None,
+    t_max: float = 1000.0,
+    **changes: float,
+) -> Outcome:
+    """The steady state of a motion from a state (at rest at zero when left out)."""
+    settings = {"section": section or Section("event"), "t_max": t_max}
+    return analyse(model, law, "response", start or {}, settings, solver, **changes)
+
+
+# --- classes -------------------------------------------------------------------------------------
+@pytest.mark.parametrize("damping", [0.11, 0.2, 1.0, 2.0])
+def test_a_stable_equilibrium_is_reached(damping: float) -> None:
+    found = respond("linear-slope", Start("a", "equilibrium", {"x": 1e-3}), c=damping)
+    assert found.status == "ok"
+    assert found.values["attractor"] == "equilibrium"
+    assert found.values["L_s"] == 0.0
+    assert found.values["slip_fraction"] == 1.0
+    assert found.values["x_max"] == found.values["x_min"] == pytest.approx(9.9)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.09])
+def test_an_unstable_equilibrium_is_left(damping: float) -> None:
+    start = Start("a", "equilibrium", {"x": 1e-3})
+    found = respond("linear-slope", start, t_max=10_000.0, c=damping)
+    assert found.values["attractor"] == "periodic"
+    assert found.values["stick_fraction"] > 0.0
+    assert found.values["L_s"] > 0.1
+
+
+def test_an_undamped_slide_is_neutral() -> None:
+    found = respond(start={"x": 2.0})
+    assert (found.status, found.reason) == ("ok", "neutral_oscillation")
+    assert found.values["attractor"] == "undecided"
+    assert found.values["L_s"] == pytest.approx(0.3**2 / 2, rel=1e-8)
+
+
+def test_a_quasiperiodic_response() -> None:
+    found = respond(t_max=20_000.0, u0=0.5, omega=0.5)
+    assert found.values["attractor"] == "quasiperiodic"
+    assert abs(found.values["lyapunov"]) < 6e-4
+    assert found.values["L_s_window"] == pytest.approx(10_000.0)
+    assert len(found.ragged["section_value"]) > 100
+
+
+def test_contact_is_lost() -> None:
+    found = respond(start={"theta_dot": 150.0}, model="pin-on-disc")
+    assert (found.status, found.reason) == ("ok", "contact_lost")
+    assert found.values["attractor"] == "contact_lost"
+    assert 0.0 < found.values["transient_used"] < 0.1
+
+
+def test_divergence_is_an_answer() -> None:
+    found = respond("linear-slope", {"x": 20.0}, v=1e9, alpha_0=-0.9)
+    assert (found.status, found.reason) == ("ok", "diverged")
+    assert found.values["attractor"] == "diverged"
+
+
+@pytest.mark.parametrize(
+    ("budget", "reason"),
+    [({"max_events": 5}, "too_many_events"), ({"max_steps": 5}, "too_many_steps")],
+)
+def test_budgets_are_reported(budget: Any, reason: str) -> None:
+    found = respond(solver=SolverSettings(**budget))
+    assert (found.status, found.reason) == ("budget", reason)
+
+
+def test_too_short_a_time_is_undecided() -> None:
+    found = respond(t_max=60.0, u0=0.5, omega=0.5)
+    assert found.values["attractor"] == "undecided"
+    assert found.reason == "time_budget"
+
+
+@pytest.mark.parametrize("damping", [0.65, 0.68])
+def test_a_law_without_stick_can_keep_its_cycle_beside_a_stable_equilibrium(damping: float) -> None:
+    """No event tells that the oscillation has died: only arriving at the equilibrium does."""
+    near = respond("tanh of stribeck", {"x": 2.9}, section=UPWARD, t_max=4000.0, c=damping)
+    far = respond("tanh of stribeck", {}, section=UPWARD, t_max=4000.0, c=damping)
+    assert near.values["attractor"] == "equilibrium"
+    assert far.values["attractor"] == "periodic"
+    assert far.values["x_max"] - far.values["x_min"] > 1.5
+
+
+def test_a_mass_that_came_to_rest_is_stuck() -> None:
+    found = respond(start={"x": 20.0}, v=0.0, N=1.0)
+    assert found.values["attractor"] == "equilibrium"
+    assert found.reason == "stuck"
+    assert found.values["stick_fraction"] == 1.0
+    assert found.values["x_max"] == pytest.approx(-0.22, abs=1e-6)
+
+
+@pytest.mark.parametrize(("ratio", "amplitude"), [(0.6, 1.4865816), (1.5, 0.5537749)])
+@pytest.mark.parametrize("section", [UPWARD, Section("phase"), Section("phase", phase=1.0)])
+def test_forced_sliding_without_stick(section: Section, ratio: float, amplitude: float) -> None:
+    changes = {"v": 0.0, "N": 1.0, "mu_k": 0.5, "mu_s": 0.5, "u0": 1.0, "omega": ratio}
+    found = respond(start={"x": 1.0}, section=section, **changes)
+    assert found.values["attractor"] == "periodic"
+    assert found.values["period_ratio"] == pytest.approx(1.0, abs=1e-8)
+    assert found.values["x_max"] == pytest.approx(amplitude, abs=1e-6)
+    assert found.values["x_min"] == pytest.approx(-amplitude, abs=1e-6)
+
+
+def test_an_unexcited_system_has_no_phase_to_strobe() -> None:
+    found = respond(section=Section("phase"), t_max=400.0)
+    assert found.status == "ok"
+    assert found.values["attractor"] in ("undecided", "quasiperiodic")
+    assert found.values["L_s"] == pytest.approx(1.7296603704, rel=0.1)
+
+
+# --- measures ------------------------------------------------------------------------------------
+def test_the_coulomb_cycle() -> None:
+    slip, stick = pi + 2 * atan(1 / 1.7), 3.4
+    found = respond(solver=TIGHT).values
+    assert found["period"] == pytest.approx(slip + stick, abs=1e-12)
+    assert found["stick_fraction"] == pytest.approx(stick / (slip + stick), abs=1e-12)
+    assert found["slip_fraction"] + found["stick_fraction"] == pytest.approx(1.0, abs=1e-15)
+    assert found["L_s"] == pytest.approx(1.7296603704, abs=1e-10)
+    assert found["L_s_reference"] == pytest.approx([2.3])
+    assert (found["multiplicity"], found["response_frequency"]) == (1, 1.0 / found["period"])
+    assert found["x_dot_max"] == 1.0
+    assert found["x_dot_min"] == pytest.approx(-sqrt(1 + 1.7**2), abs=1e-12)
+    np.testing.assert_allclose(found["floquet_multiplier"], [1.0, 0.0], atol=1e-12)
+    assert found["lyapunov"] == -np.inf or found["lyapunov"] < -3.0
+
+
+@pytest.mark.parametrize(
+    ("law", "changes"),
+    [("coulomb", FORCED), ("stribeck", {"c": 0.1}), ("tanh of stribeck", {"c": 0.1, "sigma": 5.0})],
+)
+def test_measures_are_those_of_the_samples(law: str, changes: Any) -> None:
+    """Along whole periods, fine samples must give the integrals that were carried along."""
+    section = UPWARD if law.startswith("tanh") else Section("event")
+    found = respond(law, section=section, t_max=4000.0, **changes).values
+    assert found["attractor"] == "periodic"
+    begun, period = found["transient_used"], found["period"]
+    end = begun + period
+    settings = {"t_end": end, "sample": period / 20_000}
+    moved = analyse("belt-1dof", law, "history", {}, settings, **changes).values
+    inside = moved["time"] >= begun
+    x, time = moved["x"][inside], moved["time"][inside]
+    spread = np.trapezoid((x - found["L_s_reference"][0]) ** 2, time) / (time[-1] - time[0])
+    assert found["L_s"] == pytest.approx(spread, rel=1e-4)
+    assert found["x_max"] == pytest.approx(np.max(x), rel=1e-6)
+    assert found["x_min"] == pytest.approx(np.min(x), rel=1e-5, abs=1e-6)
+    rms = np.sqrt(np.trapezoid(x**2, time) / (time[-1] - time[0]))
+    assert found["x_rms"] == pytest.approx(rms, rel=1e-4)
+    sticking = np.mean(moved["contact_state"][inside] == 2)
+    assert found["stick_fraction"] == pytest.approx(sticking, abs=1e-3)
+
+
+def test_a_multiplier_is_the_rate_of_the_return_map() -> None:
+    """The forced belt at omega = 0.85: distances at the section shrink by the multiplier."""
+    from motions import motion
+
+    found = respond(section=RELEASE, u0=0.5, omega=0.85, solver=TIGHT)
+    times, states = np.zeros(12), np.zeros((12, 2))
+    begun = motion("belt-1dof", start={}, u0=0.5, omega=0.85)
+    begun.run(1e3, RELEASE, (times, states))
+    steps = np.abs(np.diff(states[:, 0]))
+    rates = steps[3:6] / steps[2:5]
+    assert found.values["floquet_multiplier"][0] == pytest.approx(rates[-1], rel=1e-3)
+    exponent = np.log(found.values["floquet_multiplier"][0]) / found.values["period"]
+    assert found.values["lyapunov"] == pytest.approx(exponent, rel=1e-12)
+
+
+# --- starts --------------------------------------------------------------------------------------
+def following(before: Outcome, **changes: float) -> Outcome:
+    """The steady state of a neighbour that starts where `before` ended."""
+    start = Start("up", "continue", {"x": 1e-6}, before.carry)
+    return respond("stribeck", start, **changes)
+
+
+def test_neighbours_follow_their_branch() -> None:
+    """At c = 0.7 stick-slip and sliding coexist: each is found by following it."""
+    cycle = respond("stribeck", {}, c=0.65)
+    rest = respond("stribeck", Start("a", "equilibrium", {"x": 1e-6}), c=0.75)
+    assert cycle.values["attractor"] == "periodic"
+    assert rest.values["attractor"] == "equilibrium"
+    assert following(cycle, c=0.7).values["attractor"] == "periodic"
+    assert following(rest, c=0.7).values["attractor"] == "equilibrium"
+    assert following(cycle, c=0.7).values["x_max"] > following(rest, c=0.7).values["x_max"] + 0.5
+
+
+def test_a_sticking_contact_takes_on_the_new_drive_velocity() -> None:
+    from fiv_cli.analyses.common import start_motion
+    from fiv_cli.dynamics.motion import Motion
+
+    carried = {"attractor": "periodic", "state": [1.0, 1.0], "sticking": [1]}
+    parameters = defaults("belt-1dof", "coulomb", v=1.3)
+    start = Start("up", "continue", {}, carried)
+    begun = start_motion(system("belt-1dof"), parameters, start, TIGHT, None)
+    assert isinstance(begun, Motion)
+    assert list(begun.y) == [1.0, 1.3]
+    assert begun.kinds[0] == 1
+
+
+def test_what_is_handed_on_is_plain_and_at_phase_zero() -> None:
+    found = respond(**FORCED, t_max=4000.0)
+    assert found.carry is not None
+    assert set(found.carry) == {"attractor", "state", "sticking"}
+    again = respond(start=Start("up", "continue", {}, found.carry), t_max=4000.0, **FORCED)
+    assert again.values["L_s"] == pytest.approx(found.values["L_s"], rel=1e-6)
+    assert again.values["transient_used"] < found.values["transient_used"]
+
+
+def test_without_an_equilibrium_there_is_no_start_from_it() -> None:
+    found = respond(start=Start("a", "equilibrium", {"x": 1e-3}), v=0.0)
+    assert (found.status, found.reason) == ("failed", "no_equilibrium")
+
+
+# --- equilibria and eigenvalues ------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("law", "changes", "expected"),
+    [
+        ("coulomb", {}, 2.3),
+        ("coulomb", {"v": -1.0}, -2.3),
+        ("coulomb", {"u0": 0.5}, 2.3),
+        ("stribeck", {"c": 0.2}, 2.3 + 1.7 * np.exp(-1.0) - 0.0),
+        ("linear-slope", {"c": 0.05}, 10.0 - 0.1),
+        ("hyperbolic", {"mu_0": 0.4, "delta": 3.0}, 1.0),
+    ],
+)
+def test_sliding_equilibria(law: str, changes: Any, expected: float) -> None:
+    found = analyse("belt-1dof", law, "equilibrium", **changes)
+    assert found.values["n_solutions"] == 1
+    assert found.values["equilibrium"][0, 0] == pytest.approx(expected, rel=1e-12)
+    assert found.values["F_N"][0] == 10.0 or law == "linear-slope"
+    assert found.values["F_T"][0] == pytest.approx(expected, rel=1e-12)
+    assert found.values["residual"][0] < 1e-13
+
+
+def test_a_drive_at_rest_has_no_sliding_equilibrium() -> None:
+    found = analyse("belt-1dof", "coulomb", "equilibrium", v=0.0)
+    assert (found.status, found.reason) == ("failed", "no_equilibrium")
+
+
+@pytest.mark.parametrize(
+    ("law", "slope"),
+    [("coulomb", 0.0), ("stribeck", -1.7 * np.exp(-1.0)), ("hyperbolic", -10 * 0.4 * 3 / 16),
+     ("linear-slope", -0.1)],
+)  # fmt: skip
+def test_eigenvalues_of_the_belt(law: str, slope: float) -> None:
+    """m s^2 + (c + dF/dv) s + k = 0 with the slope of each law at the belt's speed."""
+    changes = {"c": 0.3, "m": 2.0, "k": 5.0}
+    found = analyse("belt-1dof", law, "eigenvalues", **changes).values
+    expected = np.roots([2.0, 0.3 + slope, 5.0])
+    assert found["eigenvalue_real"] == pytest.approx(expected.real, abs=1e-13)
+    assert np.abs(found["eigenvalue_imag"]) == pytest.approx(np.abs(expected.imag), abs=1e-13)
+    assert found["mode_frequency"] == pytest.approx(np.abs(expected.imag) / (2 * pi))
+    assert found["stable"] == int(expected[0].real < 0.0)
+    assert found["growth_rate"] == pytest.approx(np.max(expected.real), abs=1e-13)
+
+
+def test_the_jacobian_is_the_derivative_of_the_rates() -> None:
+    state = sliding(system("pin-on-disc"), defaults("pin-on-disc", "coulomb"))
+    at = np.array([0.03, -0.02, 0.5, -0.3])
+    step = 1e-6
+    differences = [(state.rates(at + step * e) - state.rates(at - step * e)) / (2 * step)
+                   for e in np.eye(4)]  # fmt: skip
+    np.testing.assert_allclose(state.jacobian(at), np.array(differences).T, rtol=1e-6, atol=1e-4)
+
+
+def test_the_spectrum_is_ordered_and_its_vectors_normalised() -> None:
+    matrix = np.random.default_rng(5).normal(size=(6, 6))
+    values, vectors = spectrum(matrix)
+    np.testing.assert_allclose(matrix @ vectors, vectors * values, atol=1e-12)
+    assert np.all(np.diff(np.round(np.abs(values.imag), 10)) >= 0.0)
+    np.testing.assert_allclose(np.linalg.norm(vectors, axis=0), 1.0, rtol=1e-12)
+    largest = vectors[np.argmax(np.abs(vectors), axis=0), np.arange(6)]
+    np.testing.assert_allclose(largest.imag, 0.0, atol=1e-14)
+    assert np.all(largest.real > 0.0)
+
+
+def test_merged_modes_know_each_other() -> None:
+    values = np.array([0.1 + 2j, 0.1 - 2j, -0.1 + 2j, -0.1 - 2j, -0.3 + 7j, -0.3 - 7j])
+    partner = coupled_modes(values)
+    assert set(partner[:2]) <= {2, 3}
+    assert set(partner[2:4]) <= {0, 1}
+    assert list(partner[4:]) == [-1, -1]
+
+
+# --- histories -----------------------------------------------------------------------------------
+def test_histories_hold_the_motion_at_their_samples() -> None:
+    found = analyse("belt-1dof", "coulomb", "history", {}, {"t_end": 0.4, "sample": 0.1}).values
+    time = np.array([0.0, 0.1, 0.2, 0.3, 0.4])
+    np.testing.assert_allclose(found["time"], time, rtol=1e-15)
+    np.testing.assert_allclose(found["x"], 2.3 * (1 - np.cos(time)), atol=1e-12)
+    np.testing.assert_allclose(found["x_dot"], 2.3 * np.sin(time), atol=1e-12)
+    assert np.all(found["F_N"] == 10.0)
+    np.testing.assert_allclose(found["F_T"], 2.3, rtol=1e-14)
+    assert np.all(found["contact_state"] == 0)
+    np.testing.assert_allclose(found["kinetic_energy"], found["x_dot"] ** 2 / 2, rtol=1e-14)
+    np.testing.assert_allclose(found["friction_power"], 2.3 * found["x_dot"], rtol=1e-13)
+    np.testing.assert_allclose(found["drive_power"], 2.3, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("t_end", "interval", "expected"),
+    [(1.0, 0.5, [0.0, 0.5, 1.0]), (1.0, 0.4, [0.0, 0.4, 0.8, 1.0]), (0.3, 0.1, [0, 0.1, 0.2, 0.3])],
+)
+def test_the_end_is_always_sampled_once(t_end: float, interval: float, expected: Any) -> None:
+    assert sample_times({"t_end": t_end, "sample": interval}) == pytest.approx(expected)
+
+
+def test_a_ledger_longer_than_a_page() -> None:
+    found = analyse("belt-1dof", "coulomb", "history", {}, {"t_end": 20_000.0, "sample": 1e4})
+    times = np.array(found.ragged["event_time"])
+    assert len(times) == found.values["n_events"] > 4096 + 500
+    assert np.all(np.diff(times) > 0.0)
+    np.testing.assert_allclose(times[3::2] - times[1:-2:2], 7.605040788107404, atol=1e-9)
+    assert set(zip(found.ragged["event_from"], found.ragged["event_to"], strict=True)) == {
+        ("slip+", "stick"), ("stick", "slip+"),
+    }  # fmt: skip
+    assert set(found.ragged["event_contact"]) == {1}
+
+
+def test_after_the_end_of_a_motion_there_are_no_samples() -> None:
+    found = analyse(
+        "pin-on-disc", "coulomb", "history", {"theta_dot": 150.0}, {"t_end": 0.1, "sample": 1e-4}
+    )
+    assert found.reason == "contact_lost"
+    known = np.isfinite(found.values["phi"])
+    assert 0 < known.sum() < len(known)
+    assert np.all(np.diff(known.astype(int)) <= 0)
+    assert np.array_equal(found.values["contact_state"] >= 0, known)
+
+
+# --- execution -----------------------------------------------------------------------------------
+def test_an_exception_is_an_outcome() -> None:
+    request = execute.Request(
+        "belt-1dof", "coulomb", {}, {"m": 1.0}, "response", {}, start=Start("a", "state")
+    )
+    found = execute.execute(request)
+    assert (found.status, found.reason) == ("failed", "internal_error")
+    assert "KeyError" in found.message
+
+
+def test_a_request_gives_what_the_analysis_gives() -> None:
+    parameters = defaults("belt-1dof", "coulomb")
+    settings = {"section": Section("event"), "observe": None, "t_max": 1000.0, "transient": 0.0,
+                "lyapunov": "auto"}  # fmt: skip
+    start = Start("a", "state", {"x": 0.0})
+    request = execute.Request(
+        "belt-1dof", "coulomb", {}, parameters, "response", settings, start=start
+    )
+    said: list[str] = []
+    execute.prepare([request, request], said.append)
+    found = execute.execute(request)
+    assert found.values["L_s"] == respond().values["L_s"]
+    assert execute.execute(request).values["period"] == found.values["period"]
+
+
+def test_pin_friction_curve_of_the_equilibrium() -> None:
+    """F_T = mu_k F_N at the pin, and the moments balance."""
+    values = analyse("pin-on-disc", "coulomb", "equilibrium").values
+    phi, theta = values["equilibrium"][0]
+    stretch = 0.1 * theta + 0.01 * phi**2 / 0.2
+    assert values["F_N"][0] == pytest.approx(30.0 - 1000.0 * stretch, rel=1e-12)
+    assert values["F_T"][0] == pytest.approx(0.23 * values["F_N"][0], rel=1e-12)
+    moment = -15.0 * phi - 1000 * 0.01 / 0.1 * phi * stretch - 1000 * 0.1 * 0.1 * (phi + theta)
+    assert moment + 0.1 * values["F_T"][0] == pytest.approx(0.0, abs=1e-12)
+    assert cos(phi) > sin(abs(theta))
