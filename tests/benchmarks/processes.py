@@ -35,8 +35,6 @@ kind = "response"
 t_max = 20.0
 """
 
-FIRST_MOTIONS = {"belt-1dof": "x", "pin-on-disc": "phi_dot"}
-
 SMALL = """
 schema = 1
 [model]
@@ -121,7 +119,6 @@ class Place:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.cache = "cache"
 
     def run(self, case: str, *options: str) -> Cost:
         """One `fiv run` of a case, from nothing stored."""
@@ -139,7 +136,7 @@ class Place:
         done = subprocess.run(
             [sys.executable, "-W", "ignore", "-c", *program],
             cwd=self.folder,
-            env={**os.environ, "FIV_CACHE_DIR": str(self.folder / self.cache)},
+            env={**os.environ, "FIV_CACHE_DIR": str(self.folder / "cache")},
             input=text,
             check=True,
             stdout=subprocess.PIPE,
@@ -161,42 +158,41 @@ def _place() -> Iterator[Place]:
 
 
 def report_cold() -> None:
-    """Print what the first run of a user takes: integrator, generation, compilation, one point."""
-    print("first run of a user: everything generated and compiled")
-    for model, state in FIRST_MOTIONS.items():
-        case = ONE_POINT.format(model=model, state=state)
+    """Print what a user's first run takes (integrator and model), and the first of a new model."""
+    belt = ONE_POINT.format(model="belt-1dof", state="x")
+    pin = ONE_POINT.format(model="pin-on-disc", state="phi_dot")
+    runs = []
+    for _ in range(FIRST_RUNS):
         with _place() as place:
-            first = [_first_run(place, case, i) for i in range(FIRST_RUNS)]
-            place.cache = "cache-0"
-            again = place.run(case)
-        print(
-            f"  {model}: {_walls(first):.1f} s ({_processors(first):.1f} s of processor); "
-            f"again: {again.wall:.1f} s"
-        )
-
-
-def _first_run(place: Place, case: str, number: int) -> Cost:
-    place.cache = f"cache-{number}"
-    return place.run(case)
+            runs.append((place.run(belt), place.run(pin), place.run(pin)))
+    first, new_model, again = (list(costs) for costs in zip(*runs, strict=True))
+    print("a run of one point, in a new process")
+    for what, costs in (
+        ("with nothing in the cache: integrator and belt-1dof compiled", first),
+        ("with the integrator in the cache: pin-on-disc generated and compiled", new_model),
+        ("with everything in the cache", again),
+    ):
+        print(f"  {what}: {_walls(costs):.1f} s ({_processors(costs):.1f} s of processor)")
 
 
 def report_warm() -> None:
-    """Print what a second run of a small case takes beyond its imports."""
+    """Print what a second run of a small case takes beyond the imports of other packages."""
     with _place() as place:
         place.run(SMALL)
         pairs = [_with_imports(place) for _ in range(PAIRS)]
-    beyond = median(run.wall - imports.wall for run, imports in pairs)
-    processor = median(run.processor - imports.processor for run, imports in pairs)
+    runs, imports = (list(costs) for costs in zip(*pairs, strict=True))
+    beyond = median(run.wall - other.wall for run, other in pairs)
+    processor = median(run.processor - other.processor for run, other in pairs)
     print(
-        f"second run of a small case: {_walls([run for run, _ in pairs]):.2f} s, its imports "
-        f"{_walls([imports for _, imports in pairs]):.2f} s, all else with the ten runs "
-        f"{beyond:.2f} s ({processor:.2f} s of processor)"
+        f"second run of a small case: {_walls(runs):.2f} s, of it {_walls(imports):.2f} s importing "
+        f"other packages; all else with the ten runs {beyond:.2f} s ({processor:.2f} s of processor)"
     )
 
 
 def _with_imports(place: Place) -> tuple[Cost, Cost]:
     run = place.run(SMALL)
-    return run, place.imports(run.modules)
+    others = [name for name in run.modules.split() if not name.startswith("fiv_cli")]
+    return run, place.imports(" ".join(others))
 
 
 def report_workers() -> None:
