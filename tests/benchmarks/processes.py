@@ -184,8 +184,9 @@ def report_warm() -> None:
     beyond = median(run.wall - other.wall for run, other in pairs)
     processor = median(run.processor - other.processor for run, other in pairs)
     print(
-        f"second run of a small case: {_walls(runs):.2f} s, of it {_walls(imports):.2f} s importing "
-        f"other packages; all else with the ten runs {beyond:.2f} s ({processor:.2f} s of processor)"
+        f"second run of a small case: {_walls(runs):.2f} s, importing other packages "
+        f"{_walls(imports):.2f} s; all else, the ten runs included, {beyond:.2f} s "
+        f"({processor:.2f} s of processor)"
     )
 
 
