@@ -67,6 +67,11 @@ def steady_state(
     return _Response(system, parameters, settings, unexcited, equilibrium, motion).outcome()
 
 
+def from_least(values: Vector) -> Vector:
+    """A cycle begun at its least value: the order tells nothing of the transient."""
+    return np.roll(values, -int(np.argmin(values)))
+
+
 class _Response:
     """One run on its way to a steady state."""
 
@@ -295,7 +300,7 @@ class _Response:
         }
         if self.excitation is not None:
             values["period_ratio"] = period / self.excitation
-        shown = points[:, self.observed] if section is self.section else np.zeros(0)
+        shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
         values |= self._floquet(multiplicity, section, period)
         carry = self._carry("periodic")
         return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
