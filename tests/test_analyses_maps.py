@@ -1,0 +1,141 @@
+"""Return maps: when they have settled, and on what; regular or chaotic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.chaos import FEWEST, regularity
+from fiv_cli.analyses.settling import SETTLED, settled_period
+
+Points = NDArray[np.float64]
+
+
+def detection(points: Points) -> tuple[int, int]:
+    """(number of points, period) at which a map is first called settled, looking at each point."""
+    for count in range(3, len(points) + 1):
+        period = settled_period(points[:count])
+        if period:
+            return count, period
+    return 0, 0
+
+
+def spiral(multiplier: complex, count: int, fixed: float = 3.0, begin: float = 1.0) -> Points:
+    """Approach of a fixed point of the plane with a pair of multipliers; shape (count, 2)."""
+    z = begin * multiplier ** np.arange(count)
+    return np.stack([fixed + z.real, -1.0 + z.imag], axis=1)
+
+
+def approach(multiplier: float, nearest: float, count: int = 400) -> Points:
+    """Approach of 3 that has come as near as `nearest`; shape (count, 1)."""
+    back = np.arange(count)[::-1]
+    with np.errstate(over="ignore"):
+        away = np.minimum(nearest / np.abs(multiplier) ** back, 1.0)
+    return (3.0 + np.sign(multiplier) ** back * away)[:, None]
+
+
+@pytest.mark.parametrize("multiplier", [0.5, 0.9, 0.95, 0.99, -0.5, -0.9, -0.95, -0.99])
+def test_a_slow_approach_is_not_taken_for_arrival(multiplier: float) -> None:
+    """Neighbours that agree say nothing while they still improve; then the fixed point is one."""
+    points = approach(multiplier, nearest=20 * SETTLED)
+    assert settled_period(points) == 0
+    if multiplier == 0.99:
+        assert abs(points[-1, 0] - points[-2, 0]) < SETTLED
+    assert settled_period(approach(multiplier, nearest=1e-13)) == 1
+
+
+@given(
+    modulus=st.floats(0.3, 0.9), turn=st.floats(0.0, 1.0), begin=st.floats(1e-3, 1.0)
+)  # fmt: skip
+def test_every_spiral_ends_in_one_fixed_point(modulus: float, turn: float, begin: float) -> None:
+    """Also where the turn is near a fraction, so that points apart agree sooner than neighbours."""
+    points = spiral(modulus * np.exp(2j * np.pi * turn), 400, begin=begin)
+    count, period = detection(points)
+    assert period == 1
+    assert np.max(np.abs(points[count - 1] - [3.0, -1.0])) <= 10 * SETTLED
+
+
+@pytest.mark.parametrize("multiplier", [0.6, -0.6, -0.9])
+@pytest.mark.parametrize("period", [1, 2, 3, 5, 8, 17, 32, 64])
+def test_periods_are_found(period: int, multiplier: float) -> None:
+    """A cycle of distinct points that is approached at a rate per turn of the cycle."""
+    count = 600 * period // 2 + 600
+    cycle = np.cos(np.arange(period) * 2.4) + 0.01 * np.arange(period)
+    steps = np.arange(count)
+    error = multiplier ** (steps // period)
+    points = (cycle[steps % period] + 0.1 * error)[:, None]
+    assert settled_period(points) == period
+
+
+@given(share=st.floats(0.01, 0.49), amplitude=st.floats(0.01, 10.0))
+def test_a_rotation_does_not_settle_unless_it_closes(share: float, amplitude: float) -> None:
+    closes = any(abs(share * m - round(share * m)) < 1e-6 for m in range(1, 65))
+    angle = 2 * np.pi * share * np.arange(300)
+    points = amplitude * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    if not closes:
+        assert settled_period(points) == 0
+
+
+@pytest.mark.parametrize(("p", "q"), [(1, 3), (2, 5), (3, 8), (7, 30), (13, 64)])
+def test_a_rational_rotation_has_the_period_of_its_denominator(p: int, q: int) -> None:
+    angle = 2 * np.pi * p / q * np.arange(3 * q + 2)
+    assert settled_period(np.stack([np.cos(angle), np.sin(angle)], axis=1)) == q
+
+
+@given(exponent=st.integers(-60, 60))
+def test_the_answer_does_not_depend_on_units(exponent: int) -> None:
+    points = spiral(0.7 * np.exp(0.9j), 120)
+    assert detection(points * 2.0**exponent) == detection(points)
+
+
+def test_a_state_that_is_zero_but_for_rounding_does_not_count() -> None:
+    noise = 1e-17 * np.random.default_rng(2).normal(size=200)
+    points = np.stack([3.0 + 0.5 ** np.arange(200), noise], axis=1)
+    assert settled_period(points) == 1
+
+
+def test_noise_of_integration_is_no_obstacle() -> None:
+    noise = 1e-11 * np.random.default_rng(2).normal(size=(200, 1))
+    assert settled_period(3.0 + noise) == 1
+
+
+def test_few_points_say_nothing() -> None:
+    assert settled_period(np.ones((2, 1))) == 0
+    assert settled_period(np.zeros((0, 1))) == 0
+
+
+# --- the 0-1 test --------------------------------------------------------------------------------
+def iterates(step: Callable[[float], float], begin: float, count: int = 1500) -> Points:
+    """A sequence of iterates after 100 that are dropped."""
+    values = [begin]
+    for _ in range(count + 100):
+        values.append(step(values[-1]))
+    return np.array(values[101:])
+
+
+@pytest.mark.parametrize("rate", [3.7, 3.9, 3.99])
+def test_chaos_of_the_logistic_map(rate: float) -> None:
+    assert regularity(iterates(lambda x: rate * x * (1 - x), 0.31)) > 0.9
+
+
+@pytest.mark.parametrize("rate", [3.2, 3.5, 3.55, 3.83])
+def test_cycles_of_the_logistic_map(rate: float) -> None:
+    assert abs(regularity(iterates(lambda x: rate * x * (1 - x), 0.31))) < 0.1
+
+
+@pytest.mark.parametrize("share", [0.6180339887, 0.4142135624, 0.05, 0.271828])
+def test_a_rotation_is_regular(share: float) -> None:
+    values = np.sin(2 * np.pi * share * np.arange(1500)) + 0.3 * np.cos(
+        4 * np.pi * share * np.arange(1500)
+    )
+    assert abs(regularity(values)) < 0.2
+
+
+def test_too_few_or_constant_values_say_nothing() -> None:
+    assert np.isnan(regularity(np.arange(FEWEST - 1.0)))
+    assert np.isnan(regularity(np.ones(500)))

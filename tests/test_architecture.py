@@ -1,0 +1,170 @@
+"""The house: dependencies point downwards, the command line stays light, tables agree."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import fiv_cli
+from fiv_cli.codegen import derive
+from fiv_cli.codegen.emit import PARTNER, TaylorStep
+from fiv_cli.codegen.graph import UNARY
+from fiv_cli.codegen.lower import LIBRARY
+from fiv_cli.dynamics import kernel, motion
+
+PACKAGE = Path(fiv_cli.__file__).parent
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+# A file may import from its own package and from floors below its own.
+FLOORS = {
+    "errors": 0,
+    "friction": 1,
+    "models": 1,
+    "codegen": 2,
+    "dynamics": 3,
+    "analyses": 4,
+    "case": 5,
+    "data": 5,
+    "verify": 5,
+    "plots": 6,
+    "sweep": 6,
+    "cli": 7,
+}
+# Within one floor: laws are parametrised like models; datasets know the case they came from.
+NEIGHBOURS = {("friction", "models"), ("data", "case"), ("codegen", "codegen")}
+HEAVY = ("numba", "llvmlite", "xarray", "netCDF4", "h5py", "matplotlib", "sympy", "scipy",
+         "pydantic", "joblib", "numpy", "rich")  # fmt: skip
+
+
+def part_of(path: Path) -> str:
+    """Package or module of fiv_cli that a file belongs to; "" for the root."""
+    relative = path.relative_to(PACKAGE)
+    return (
+        ""
+        if relative.name == "__init__.py" and len(relative.parts) == 1
+        else (relative.parts[0].removesuffix(".py"))
+    )
+
+
+def imported_parts(path: Path) -> set[str]:
+    """Parts of fiv_cli that a file imports, wherever in the file."""
+    modules: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            modules |= {f"{node.module}.{alias.name}" for alias in node.names}
+    own = [name.split(".") for name in modules if name.startswith("fiv_cli.")]
+    return {parts[1] for parts in own if parts[1] in FLOORS}
+
+
+def test_every_part_has_a_floor() -> None:
+    assert {part_of(path) for path in FILES} - {""} == set(FLOORS)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_dependencies_point_downwards(path: Path) -> None:
+    part = part_of(path)
+    for other in imported_parts(path) - {part}:
+        assert part != "", f"fiv_cli/__init__.py imports {other}"
+        allowed = FLOORS[other] < FLOORS[part] or (part, other) in NEIGHBOURS
+        assert allowed, f"{part} imports {other}"
+
+
+@pytest.mark.parametrize(
+    ("file", "stranger"),
+    [("data", "sweep"), ("plots", "models"), ("plots", "analyses"), ("plots", "dynamics"),
+     ("sweep", "dynamics"), ("sweep", "codegen"), ("analyses", "sweep")],
+)  # fmt: skip
+def test_who_knows_nothing_of_whom(file: str, stranger: str) -> None:
+    users = [path for path in FILES if part_of(path) == file and stranger in imported_parts(path)]
+    assert users == []
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["run", "--help"],
+                                       ["verify", "--help"]])  # fmt: skip
+def test_help_is_light(arguments: list[str]) -> None:
+    program = (
+        "import sys\n"
+        "from fiv_cli.cli.main import run\n"
+        f"code = run({arguments!r})\n"
+        f"print([m for m in {HEAVY!r} if m in sys.modules], code)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.splitlines()[-1] == "[] 0"
+
+
+def test_models_and_laws_are_read_without_sympy() -> None:
+    program = (
+        "import sys\n"
+        "from fiv_cli.friction import all_laws\n"
+        "from fiv_cli.models import all_models\n"
+        "all_laws(), all_models()\n"
+        "print('sympy' in sys.modules, 'numpy' in sys.modules)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.split() == ["False", "False"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["SLIP", "STICK", "SEPARATION", "VELOCITY", "CAPACITY_UP", "CAPACITY_DOWN", "NORMAL", "GAP",
+     "JAMMING"],
+)  # fmt: skip
+def test_driver_and_derivation_mean_the_same_by_a_name(name: str) -> None:
+    assert getattr(kernel, name) == getattr(derive, name)
+
+
+def test_outputs_stand_where_the_driver_looks_for_them() -> None:
+    assert len(derive.CONTACT_OUTPUTS) == kernel.PER_CONTACT
+    assert len(derive.ENERGY_OUTPUTS) == kernel.N_ENERGIES
+    order = [kernel.KINETIC, kernel.POTENTIAL, kernel.OTHER_POWER, kernel.FRICTION_POWER,
+             kernel.DRIVE_POWER]  # fmt: skip
+    names = ["kinetic_energy", "potential_energy", "other_power", "friction_power", "drive_power"]
+    assert [derive.ENERGY_OUTPUTS[place] for place in order] == names
+
+
+def test_kinds_are_indexed_alike() -> None:
+    import numpy as np
+
+    for kinds in ([0], [2], [0, 1], [2, 1, 0], [1, 1, 2]):
+        found = kernel.state_index(np.array(kinds, np.int64), len(kinds))
+        assert found == derive.index_of(kinds)
+
+
+def test_codes_have_names() -> None:
+    codes = (
+        kernel.CODE_SLIP_PLUS,
+        kernel.CODE_SLIP_MINUS,
+        kernel.CODE_STICK,
+        kernel.CODE_SEPARATION,
+    )
+    assert [motion.CODE_NAMES[code] for code in codes] == ["slip+", "slip-", "stick", "separation"]
+    assert [kernel.kind_of(code) for code in codes] == [0, 0, 1, 2]
+    for sign, code in ((1.0, kernel.CODE_SLIP_PLUS), (-1.0, kernel.CODE_SLIP_MINUS)):
+        assert kernel.code_of(kernel.SLIP, sign) == code
+
+
+def test_every_stop_has_a_reason_with_advice() -> None:
+    from fiv_cli.data.flags import REASONS
+
+    known = {reason.name for reason in REASONS}
+    assert set(motion.STOP_REASONS.values()) <= known
+    going_on = {motion.Stop.REACHED, motion.Stop.SECTION_FULL}
+    assert set(motion.STOP_REASONS) == set(motion.Stop) - going_on
+
+
+def test_every_function_of_the_graph_has_a_series_and_machine_code() -> None:
+    for op in UNARY:
+        assert hasattr(TaylorStep, f"_series_{op}")
+        assert op in LIBRARY or op == "sqrt"
+    assert set(PARTNER) <= set(UNARY)

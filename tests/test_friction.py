@@ -1,0 +1,119 @@
+"""Every friction law: its table, its formula, and that it is odd and continuous where it should."""
+
+from __future__ import annotations
+
+from math import exp, tanh
+from typing import Any
+
+import pytest
+import sympy
+
+from fiv_cli.friction import TANH_OF, all_laws, get_law
+from fiv_cli.friction.base import Law, Slip
+
+# Values of every parameter, then |F_T| at a slip speed of 0.7 m/s and the static capacity, for
+# F_N = 5 N, by hand.
+ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
+    "coulomb": ({"mu_s": 0.4, "mu_k": 0.23}, 0.23 * 5, 0.4 * 5),
+    "stribeck": (
+        {"mu_s": 0.4, "mu_k": 0.1, "v_s": 0.5, "delta": 2},
+        (0.1 + 0.3 * exp(-1.96)) * 5,
+        0.4 * 5,
+    ),
+    "linear-slope": ({"F0": 10.0, "alpha_0": -0.1}, 10.0 - 0.07, 10.0),
+    "hyperbolic": ({"mu_0": 0.4, "delta": 3.0}, 0.4 / 3.1 * 5, 0.4 * 5),
+}
+LAWS = tuple(all_laws().values())
+PLAIN = tuple(law for law in LAWS if not law.name.startswith(TANH_OF))
+SIGMA, SPEED, NORMAL = 2.0, 0.7, 5.0
+by_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+
+
+def force(law: Law, v: float, parameters: dict[str, Any]) -> float:
+    """F_T at a signed slip velocity."""
+    sign = 1 if v >= 0.0 else -1
+    return float(law.force(Slip(v, sign, sign * v, NORMAL), parameters))
+
+
+def row_of(law: Law) -> tuple[dict[str, float], float, float | None]:
+    """The row of a law; a regularised one by that of the law it regularises."""
+    if not law.name.startswith(TANH_OF):
+        return ROWS[law.name]
+    values, kinetic, _ = ROWS[law.name.removeprefix(TANH_OF)]
+    return values | {"sigma": SIGMA}, tanh(SIGMA * SPEED) * kinetic, None
+
+
+def test_every_law_has_a_row() -> None:
+    assert set(ROWS) == {law.name for law in PLAIN}
+    assert {law.name for law in LAWS} == set(ROWS) | {f"{TANH_OF}{name}" for name in ROWS}
+
+
+def test_the_registry_hands_out_copies() -> None:
+    laws = all_laws()
+    assert all(name == law.name for name, law in laws.items())
+    laws.clear()
+    assert get_law("coulomb").name == "coulomb"
+    with pytest.raises(KeyError):
+        get_law("no-such-law")
+
+
+@by_law
+def test_parameter_tables_are_complete(law: Law) -> None:
+    assert law.title and law.reference and law.numerics_version >= 1
+    names = [p.name for p in law.parameters]
+    assert len(names) == len(set(names))
+    assert set(names) <= set(row_of(law)[0])
+    assert set(law.structural) <= set(names)
+    for p in law.parameters:
+        assert p.symbol and p.unit and p.meaning
+        assert p.default is not None
+        above = p.default > p.minimum if p.exclusive else p.default >= p.minimum
+        assert above and p.default <= p.maximum
+
+
+@by_law
+def test_forces_are_those_of_the_formula(law: Law) -> None:
+    values, kinetic, static = row_of(law)
+    assert force(law, SPEED, values) == pytest.approx(kinetic, rel=1e-14)
+    if static is None:
+        assert law.capacity is None
+    else:
+        assert law.capacity is not None
+        assert float(law.capacity(NORMAL, values)) == pytest.approx(static, rel=1e-14)
+
+
+@by_law
+def test_friction_is_odd_and_drives_with_the_slip(law: Law) -> None:
+    values = row_of(law)[0]
+    for v in (1e-3, 0.1, 1.0, 3.0):
+        assert force(law, -v, values) == -force(law, v, values) < 0.0
+
+
+@pytest.mark.parametrize("law", PLAIN, ids=lambda law: law.name)
+def test_regularised_laws_tend_to_the_law(law: Law) -> None:
+    smooth = get_law(TANH_OF + law.name)
+    values = ROWS[law.name][0]
+    assert force(smooth, SPEED, values | {"sigma": 1e3}) == force(law, SPEED, values)
+    assert force(smooth, 0.0, values | {"sigma": 1e3}) == 0.0
+
+
+@pytest.mark.parametrize("name", ["stribeck", "linear-slope", "hyperbolic"])
+def test_falling_laws_begin_at_their_capacity(name: str) -> None:
+    law, (values, _, static) = get_law(name), ROWS[name]
+    assert force(law, 0.0, values) == pytest.approx(static, rel=1e-14)
+
+
+@by_law
+def test_no_static_friction_without_stick(law: Law) -> None:
+    if law.capacity is None:
+        assert "mu_s" not in {p.name for p in law.parameters} or "stribeck" in law.name
+
+
+@by_law
+def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
+    """With the sign of slip given, nothing like |v| or sign(v) is left to differentiate."""
+    v, sign, normal = sympy.symbols("v sign N", real=True)
+    symbols = {p.name: sympy.Symbol(p.name, positive=True) for p in law.parameters}
+    values = symbols | {name: sympy.Integer(2) for name in law.structural}
+    expression = law.force(Slip(v, sign, sign * v, normal), values)
+    assert not expression.atoms(sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Piecewise)

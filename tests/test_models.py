@@ -1,0 +1,158 @@
+"""Every model: its tables, its equations, and the code that follows from them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from motions import defaults, motion, system
+
+from fiv_cli.codegen.symbols import Symbols
+from fiv_cli.friction import all_laws
+from fiv_cli.models import all_models, get_model
+from fiv_cli.models.base import Equations, Model
+
+# One row for each model: a start, parameters that excite it, and how long it is followed, s.
+ROWS: dict[str, tuple[dict[str, float], dict[str, float], float]] = {
+    "belt-1dof": ({"x": 0.5}, {"u0": 0.5, "omega": 0.85, "c": 0.1}, 30.0),
+    "pin-on-disc": ({"phi_dot": 2.0}, {"beta": 1.0, "psi_a": 0.5}, 0.5),
+}
+MODELS = tuple(all_models().values())
+by_model = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+
+
+def equations_of(model: Model) -> tuple[Symbols, Equations]:
+    """The symbols and equations of a model under its default options."""
+    symbols = Symbols()
+    return symbols, model.equations(symbols, model.default_options())
+
+
+def test_every_model_has_a_row() -> None:
+    assert set(ROWS) == set(all_models())
+
+
+def test_the_registry_hands_out_copies_and_names_are_those_of_the_models() -> None:
+    models = all_models()
+    assert all(name == model.name for name, model in models.items())
+    models.clear()
+    assert all_models()
+    with pytest.raises(KeyError):
+        get_model("no-such-model")
+
+
+@by_model
+def test_parameter_tables_are_complete(model: Model) -> None:
+    names = [p.name for p in model.parameters]
+    assert len(names) == len(set(names))
+    for p in model.parameters:
+        assert p.symbol and p.unit and p.meaning and p.equation
+        assert p.default is not None or p.default_from in names
+        assert p.minimum < p.maximum
+        if p.default is not None:
+            above = p.default > p.minimum if p.exclusive else p.default >= p.minimum
+            assert above and p.default <= p.maximum
+
+
+@by_model
+def test_states_options_and_laws_are_complete(model: Model) -> None:
+    assert model.title and model.reference and model.numerics_version >= 1
+    for state in model.states(model.default_options()):
+        assert state.name and state.symbol and state.unit and state.meaning
+    for option in model.options:
+        assert option.default in option.choices and option.meaning
+    assert model.laws and set(model.laws) <= set(all_laws())
+    known = {p.name for law in model.laws for p in all_laws()[law].parameters}
+    assert set(model.law_defaults) <= known
+    own = {p.name for p in model.parameters}
+    assert not own & known
+    assert {forcing.amplitude for forcing in model.forcings} <= own
+
+
+@by_model
+def test_equations_use_what_the_tables_declare(model: Model) -> None:
+    symbols, equations = equations_of(model)
+    coordinates = [state.name for state in model.states(model.default_options())]
+    assert set(equations.accelerations) == set(coordinates)
+    assert len(equations.contacts) == model.contacts
+    allowed = {symbols.time, symbols.zone}
+    allowed |= {symbols.parameter(p.name) for p in model.parameters}
+    allowed |= {f(name) for name in coordinates for f in (symbols.coordinate, symbols.velocity)}
+    for i in range(model.contacts):
+        allowed |= {symbols.tangential_force(i), symbols.normal_force(i), symbols.closed(i)}
+    used = set().union(*(sympy.sympify(e).free_symbols for e in equations.accelerations.values()))
+    used |= equations.kinetic_energy.free_symbols | equations.potential_energy.free_symbols
+    assert used <= allowed
+    declared = {symbols.parameter(p.name) for p in model.parameters}
+    everywhere = used | set().union(
+        *(sympy.sympify(c.slip_velocity).free_symbols for c in equations.contacts),
+        *(sympy.sympify(c.normal_force or 0).free_symbols for c in equations.contacts),
+        *(sympy.sympify(e).free_symbols for e in equations.law_parameters.values()),
+        {symbols.parameter(equations.zone.start), symbols.parameter(equations.zone.width)}
+        if equations.zone
+        else set(),
+    )
+    in_expanded_equations = {p for p in declared if str(p) not in ("p.l1", "p.l3")}
+    assert in_expanded_equations <= everywhere
+
+
+@by_model
+def test_accelerations_follow_from_the_energies(model: Model) -> None:
+    """Without damping and friction, d(T + U)/dt of the unexcited system vanishes."""
+    symbols, equations = equations_of(model)
+    total = equations.kinetic_energy + equations.potential_energy
+    power: Any = sympy.diff(total, symbols.time)
+    for name, acceleration in equations.accelerations.items():
+        power += sympy.diff(total, symbols.coordinate(name)) * symbols.velocity(name)
+        power += sympy.diff(total, symbols.velocity(name)) * acceleration
+    off = {symbols.tangential_force(i): 0 for i in range(model.contacts)}
+    off |= {symbols.parameter(p.name): 0 for p in model.parameters if p.name.startswith("c")
+            and p.name in ("c", "c1", "c2")}  # fmt: skip
+    off |= {symbols.parameter(forcing.amplitude): 0 for forcing in model.forcings}
+    assert sympy.simplify(power.subs(off)) == 0
+
+
+@by_model
+def test_friction_acts_along_the_slip_velocity(model: Model) -> None:
+    """F_T pushes the model with the drive: its generalised force is minus d(v_rel)/d(velocity)."""
+    symbols, equations = equations_of(model)
+    for i, contact in enumerate(equations.contacts):
+        force = symbols.tangential_force(i)
+        power = sum(
+            sympy.diff(equations.kinetic_energy, symbols.velocity(name)) * sympy.diff(a, force)
+            for name, a in equations.accelerations.items()
+        )
+        slip_of_model = sum(
+            sympy.diff(contact.slip_velocity, symbols.velocity(name)) * symbols.velocity(name)
+            for name in equations.accelerations
+        )
+        assert sympy.simplify(power + slip_of_model) == 0
+
+
+@by_model
+def test_every_law_of_a_model_moves_it(model: Model) -> None:
+    start, changes, t_end = ROWS[model.name]
+    for law in model.laws:
+        begun = motion(model.name, law, start, **changes)
+        begun.run(t_end)
+        assert begun.time == t_end, law
+        assert np.all(np.isfinite(begun.y)), law
+
+
+@by_model
+def test_the_unexcited_system_has_no_active_forcing(model: Model) -> None:
+    _, changes, _ = ROWS[model.name]
+    parameters = defaults(model.name, model.laws[0], **changes)
+    assert model.active_forcing(parameters) in model.forcings
+    assert model.active_forcing(model.unexcited(parameters)) is None
+
+
+@by_model
+def test_state_vectors_go_by_name(model: Model) -> None:
+    built = system(model.name, model.laws[0])
+    names = [state.name for state in model.states(model.default_options())]
+    assert built.state_names == (*names, *(f"{name}_dot" for name in names))
+    assert built.coordinates == tuple(names)
+    vector = built.state_vector({f"{names[-1]}_dot": 3.0})
+    assert vector[-1] == 3.0 and np.count_nonzero(vector) == 1
