@@ -1,0 +1,156 @@
+"""The shipped cases: every one is right, the quick ones run, and claims come out as the ledger says."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from fiv_cli.case.load import load_case
+from fiv_cli.data.claims import CONFIRMED, CONTRADICTED, evaluate
+from fiv_cli.data.reading import read_analyses
+from fiv_cli.plots import can_draw, draw, figures_of
+from fiv_cli.sweep.plan import make_plan
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import for_stderr
+from fiv_cli.sweep.run import run_case
+
+ROOT = Path(__file__).parents[1]
+CASES = sorted((ROOT / "configs").rglob("*.toml"))
+INDEX = (ROOT / "configs" / "INDEX.md").read_text(encoding="utf-8")
+IN_PROCESS = Policy(workers=1)
+
+every_case = pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+
+
+def header(path: Path) -> str:
+    """The comment that a case file begins with."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return "\n".join(lines[: next(n for n, line in enumerate(lines) if line[:1] != "#")])
+
+
+def runs(path: Path, overrides: tuple[str, ...], folder: Path):
+    """Dataset of a case: name of the analysis -> dataset."""
+    output = folder / f"{path.stem}.nc"
+    run_case(load_case(path, overrides), output, IN_PROCESS, for_stderr(quiet=True))
+    return read_analyses(output)
+
+
+@every_case
+def test_a_shipped_case_is_right_and_its_header_tells_the_truth(path):
+    case = load_case(path)
+    size = make_plan(case).size
+    assert case.title
+    assert case.reference
+    assert case.claims
+    assert case.figures
+    assert f"fiv run {path.relative_to(ROOT)} &&" in header(path)
+    assert re.search(rf"^# {size} runs\b.* s\b", header(path), re.MULTILINE)
+
+
+@every_case
+def test_what_a_case_assumes_stands_in_it(path):
+    case = load_case(path)
+    parts = {part.label for part in case.starts} | {axis.name for axis in case.axes}
+    parts |= {key for analysis in case.analyses for key in analysis.settings}
+    parts |= set(case.parameters) | {"initial"}
+    for name in case.assumed:
+        assert name in parts or name.split(".", 1)[-1] in parts, name
+
+
+@every_case
+def test_the_index_lists_the_case(path):
+    assert f"({path.relative_to(ROOT / 'configs')})" in INDEX
+
+
+def test_the_index_lists_nothing_else():
+    listed = re.findall(r"\((ch\d+/\w+\.toml)\)", INDEX)
+    assert sorted(listed) == [str(path.relative_to(ROOT / "configs")) for path in CASES]
+
+
+def test_names_are_unique_for_they_name_datasets():
+    assert len({path.stem for path in CASES}) == len(CASES)
+
+
+QUICK = {
+    "ch3/fig_3_03": {},
+    "ch7/fig_7_02": {},
+    "ch7/fig_7_03": {},
+    "ch7/fig_7_04": {},
+    "ch7/fig_7_05": {},
+    "ch7/equilibrium": {2: CONTRADICTED},
+}
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_case_runs_and_its_claims_and_figures_come_out(name, tmp_path):
+    path = ROOT / "configs" / f"{name}.toml"
+    analyses = runs(path, (), tmp_path)
+    for number, claim in enumerate(load_case(path).claims):
+        verdict = evaluate(claim, analyses, lambda case: None)
+        assert verdict.verdict == QUICK[name].get(number, CONFIRMED), (claim.text, verdict.found)
+    for figure in figures_of(analyses):
+        assert can_draw(analyses, figure)
+        assert draw(analyses, figure).axes
+
+
+# Cases of many points on a few of them: those that the named claims speak of.
+REDUCED = [
+    (
+        "ch7/fig_7_06_reached",
+        ("grid.Omega=[2.0, 8.0]", "grid.N0=[8.0, 30.0]"),
+        {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED},
+    ),
+    (
+        "ch7/fig_7_06_exists",
+        ("grid.Omega={start=6.0, stop=8.0, step=0.1}", "grid.N0=[30.0]"),
+        {1: CONTRADICTED},
+    ),
+    (
+        "ch7/basins",
+        ('grid."initial.phi"=[-0.1, 0.035]', 'grid."initial.phi_dot"=[-10.0, 0.0]'),
+        {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED, 3: CONTRADICTED},
+    ),
+    ("ch7/fig_7_07", ("grid.Omega=[1.0, 2.5, 8.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/fig_7_08", ("grid.N0=[8.0, 15.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/fig_7_09a", ("grid.Omega=[1.0, 5.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/fig_7_09b", ("grid.N0=[15.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/fig_7_10a", ("grid.Omega=[0.5, 1.5]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/fig_7_10b", ("grid.N0=[25.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/normal_force", ("grid.Omega=[0.2, 0.6]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED}),
+    ("ch7/equal_coefficients", ("grid.N0=[30.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch3/fig_3_05", (), dict.fromkeys(range(5), CONFIRMED)),
+    ("ch3/fig_3_06", ("grid.omega=[0.5, 0.85]",), dict.fromkeys(range(4), CONFIRMED)),
+    ("ch3/fig_3_07", ("grid.omega=[0.5, 0.85]",), {0: CONFIRMED, 1: CONFIRMED}),
+    (
+        "ch3/negative_slope",
+        ("grid.c=[0.0, 0.1, 0.2]", "grid.alpha_0=[-0.4, -0.2, 0.0, 0.2]"),
+        dict.fromkeys(range(9), CONFIRMED),
+    ),
+    (
+        "ch3/neutral_circle",
+        ('grid."initial.x"=[1.0, 2.3, 3.6]', 'grid."initial.x_dot"=[-0.5, 0.5, 2.0]'),
+        dict.fromkeys(range(3), CONFIRMED),
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "overrides", "verdicts"), REDUCED, ids=[row[0] for row in REDUCED])
+def test_claims_on_a_few_points_of_a_large_case(name, overrides, verdicts, tmp_path):
+    path = ROOT / "configs" / f"{name}.toml"
+    analyses = runs(path, overrides, tmp_path)
+    claims = load_case(path).claims
+    for number, expected in verdicts.items():
+        verdict = evaluate(claims[number], analyses, lambda case: None)
+        assert verdict.verdict == expected, (claims[number].text, verdict.found)
+
+
+def test_every_case_is_run_by_one_of_these_tests():
+    run = {*QUICK, *(name for name, _, _ in REDUCED)}
+    assert run == {str(path.relative_to(ROOT / "configs").with_suffix("")) for path in CASES}
+
+
+def test_the_demonstration_draws_one_figure():
+    """`make demo` names the file of its figure."""
+    assert len(load_case(ROOT / "configs/ch7/fig_7_06_reached.toml").figures) == 1
