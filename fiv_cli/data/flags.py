@@ -92,12 +92,17 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason("class_changed", "the branch that was followed ended before this point"),
     Reason(
-        "jammed", "the contact sticks for good although the belt moves: the mechanism is locked"
+        "jammed",
+        "the algebraic normal force has no finite value (friction too high for the geometry)",
     ),
     Reason("not_converged", "the iteration did not settle: try another start or a smaller step"),
     Reason(
         "tests_disagree",
         "section points and Lyapunov exponent say different things of the motion: raise t_max",
+    ),
+    Reason(
+        "chattering",
+        "more than 50 transitions at one instant: no contact state lasts; move the start or mu_s",
     ),
     Reason("stuck", "every contact sticks and nothing moves: an equilibrium, but not of sliding"),
 )

@@ -67,9 +67,8 @@ COUNT, AT_REST, BEFORE, OFFERS = 0, 1, 2, 3
 OPTIONS_WIDTH = 3 + 2 * 4
 
 # Why `advance` returned.
-REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET, DIVERGED, CONTACT_LOST, NO_STATE, JAMMED = range(
-    8
-)
+REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET = 0, 1, 2, 3
+DIVERGED, CONTACT_LOST, NO_STATE, JAMMED, CHATTERING = 4, 5, 6, 7, 8
 
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
@@ -1005,7 +1004,7 @@ def advance(  # type: ignore[no-untyped-def]
         # --- an event ---------------------------------------------------------------------------
         counters[CHAINED] = counters[CHAINED] + 1 if t + tau <= t else 0
         if counters[CHAINED] > CHAIN_CAP:
-            return NO_STATE
+            return CHATTERING
         trigger_kind, trigger_contact = -1, config[ZONE_CONTACT]
         if hit < n_guards:
             trigger_kind, trigger_contact = guards[index, hit, 0], guards[index, hit, 1]

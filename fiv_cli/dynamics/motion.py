@@ -33,6 +33,7 @@ class Stop(IntEnum):
     CONTACT_LOST = kernel.CONTACT_LOST
     NO_STATE = kernel.NO_STATE
     JAMMED = kernel.JAMMED
+    CHATTERING = kernel.CHATTERING
 
 
 # Reasons of the outcomes of motions that could not go on.
@@ -43,6 +44,7 @@ STOP_REASONS = {
     Stop.CONTACT_LOST: "contact_lost",
     Stop.NO_STATE: "no_consistent_state",
     Stop.JAMMED: "jammed",
+    Stop.CHATTERING: "chattering",
 }
 
 
