@@ -40,8 +40,10 @@ CONFIG_WIDTH = 10
 METHOD_TAYLOR, METHOD_RK4 = 0, 1
 
 # clock[...]
-TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE, FIRST_STEP = 0, 1, 2, 3, 4, 5
-CLOCK_WIDTH = 6  # FIRST_STEP: of the contact state just decided, whose series is at hand; 0: none
+TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE, FIRST_STEP, FILLED_FOR = 0, 1, 2, 3, 4, 5, 6
+CLOCK_WIDTH = 7
+# FIRST_STEP: of the contact state just decided, whose series is at hand; 0: none.
+# FILLED_FOR: the slip signs and the sector that the coefficients were computed for; 0: none.
 
 # tolerances[...]
 RTOL, FIXED_STEP, BOUND = 0, 1, 2
@@ -240,6 +242,18 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
     return 0
 
 
+@njit("void(int64[::1], float64[::1], float64[::1], float64[::1])", **INLINE)
+def fill(config, clock, parameters, coefficients):  # type: ignore[no-untyped-def]
+    """Compute the coefficients, unless they are those of these slip signs and this sector."""
+    contacts, end = config[N_CONTACTS], config[N_PARAMETERS] - 1
+    wanted = 1.0 + parameters[end]
+    for i in range(contacts):
+        wanted = 2.0 * wanted + (1.0 if parameters[end - contacts + i] > 0.0 else 0.0)
+    if clock[FILLED_FOR] != wanted:
+        call_generated(config[COEFFICIENTS], coefficients, 0.0, parameters, coefficients)
+        clock[FILLED_FOR] = wanted
+
+
 @njit(
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
     "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64,"
@@ -272,7 +286,7 @@ def consistent(  # type: ignore[no-untyped-def]
     index = state_index(kinds, contacts)
     if table[index, TAYLOR] == 0:
         return False
-    call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
+    fill(config, clock, parameters, coefficients)
     call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
     rows = n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
     step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
@@ -807,7 +821,7 @@ def advance(  # type: ignore[no-untyped-def]
         strips.shape[0] - 1,
     )
     with_tangents = tangents.shape[0] > 0
-    call_generated(config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients)
+    fill(config, clock, parameters, coefficients)
     while True:
         t = clock[TIME]
         if t >= t_stop:
@@ -1044,9 +1058,7 @@ def advance(  # type: ignore[no-untyped-def]
             impacted = True
         if hit >= n_guards:
             cross_border(config, clock, parameters, hit == n_guards)
-            call_generated(
-                config[COEFFICIENTS], coefficients, clock[TIME], parameters, coefficients
-            )
+            fill(config, clock, parameters, coefficients)
             call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
             clock[FIRST_STEP] = 0.0
             strips[angle_down if hit == n_guards else angle_up] = 1
