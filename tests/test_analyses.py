@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import TIGHT, analyse, defaults, system
+from motions import TIGHT, analyse, defaults, motion, system
+from small_models import TWO_MASSES
 
-from fiv_cli.analyses import execute
+from fiv_cli.analyses import execute, recording
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.eigenvalues import coupled_modes, spectrum
@@ -67,6 +68,36 @@ def test_a_quasiperiodic_response() -> None:
     assert abs(found.values["lyapunov"]) < 6e-4
     assert found.values["L_s_window"] == pytest.approx(10_000.0)
     assert len(found.ragged["section_value"]) > 100
+
+
+CHAOS = {"u0": 2.0, "omega": 2.1}
+
+
+def separation_rate(blocks: int, span: float = 4.0, distance: float = 1e-8) -> float:
+    """Largest exponent of the chaotic belt by two neighbours, drawn together after each block."""
+    one = motion("belt-1dof", start={"x": 0.2}, **CHAOS)
+    one.run(100 * span)
+    direction, growth = np.array([1.0, 0.0]), 0.0
+    for _ in range(blocks):
+        state = one.y + distance * direction
+        start = dict(zip(("x", "x_dot"), state, strict=True))
+        other = motion("belt-1dof", start=start, time=one.time, **CHAOS)
+        goal = one.time + span
+        one.run(goal)
+        other.run(goal)
+        apart = other.y - one.y
+        size = float(np.linalg.norm(apart))
+        growth += np.log(size / distance)
+        direction = apart / size
+    return growth / (blocks * span)
+
+
+def test_a_chaotic_response() -> None:
+    """The exponent through saltation is that of two neighbours that are really followed."""
+    found = respond(t_max=20_000.0, **CHAOS)
+    assert found.values["attractor"] == "chaotic"
+    assert found.values["lyapunov"] == pytest.approx(separation_rate(1000), rel=0.15)
+    assert found.values["lyapunov"] > 0.03
 
 
 def test_contact_is_lost() -> None:
@@ -176,8 +207,6 @@ def test_measures_are_those_of_the_samples(law: str, changes: Any) -> None:
 
 def test_a_multiplier_is_the_rate_of_the_return_map() -> None:
     """The forced belt at omega = 0.85: distances at the section shrink by the multiplier."""
-    from motions import motion
-
     found = respond(section=RELEASE, u0=0.5, omega=0.85, solver=TIGHT)
     times, states = np.zeros(12), np.zeros((12, 2))
     begun = motion("belt-1dof", start={}, u0=0.5, omega=0.85)
@@ -338,6 +367,14 @@ def test_a_ledger_longer_than_a_page() -> None:
         ("slip+", "stick"), ("stick", "slip+"),
     }  # fmt: skip
     assert set(found.ragged["event_contact"]) == {1}
+
+
+def test_no_row_is_lost_where_two_contacts_change_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording, "LEDGER_ROWS", 3)
+    found = analyse(TWO_MASSES, "coulomb", "history", {}, {"t_end": 50.0, "sample": 1.0})
+    assert len(found.ragged["event_time"]) == found.values["n_events"] > 20
+    assert list(found.ragged["event_contact"]) == [1, 2] * (found.values["n_events"] // 2)
+    assert found.values["F_N"].shape == (2, 51)
 
 
 def test_after_the_end_of_a_motion_there_are_no_samples() -> None:

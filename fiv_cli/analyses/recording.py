@@ -65,7 +65,7 @@ def _run_with_ledger(
     pages: list[NDArray[np.float64]] = []
     budget = int(motion.limits[kernel.MAX_EVENTS])
     while True:
-        motion.keep_ledger(LEDGER_ROWS)
+        motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
         motion.limits[kernel.MAX_EVENTS] = min(budget, motion.n_events + LEDGER_ROWS)
         stop = motion.run(t_end, samples=samples, measuring=True)
         pages.append(motion.ledger[: motion.counters[kernel.LEDGER]])
