@@ -194,6 +194,33 @@ def _check_units(units: tuple[float, float, float], exactly: bool) -> None:
     np.testing.assert_allclose(other.y, expected, rtol=0.0 if exactly else 1e-11)
 
 
+@pytest.mark.parametrize("law", ["coulomb", "stribeck", "linear-slope", "hyperbolic"])
+def test_the_mirrored_motion_is_the_mirror_image(law: str) -> None:
+    """Right and left are alike, bit for bit: the sign of slip is nowhere computed from a speed."""
+    start = {"x": 0.3, "x_dot": 1.4}
+    one = motion("belt-1dof", law, start, c=0.05)
+    other = motion(
+        "belt-1dof", law, {name: -value for name, value in start.items()}, c=0.05, v=-1.0
+    )
+    one.run(100.0)
+    other.run(100.0)
+    assert one.n_events == other.n_events > 10
+    assert np.array_equal(times(one), times(other))
+    assert np.array_equal(one.y, -other.y)
+
+
+@pytest.mark.parametrize("name", ["forced belt", "pin on a sector"])
+def test_motions_side_by_side_do_not_disturb_each_other(name: str) -> None:
+    model, law, start, changes, t_end, _ = MOTIONS[name]
+    alone = motion(model, law, start, **changes)
+    alone.run(t_end)
+    one = motion(model, law, start, **changes)
+    section = Section("event")
+    while one.run(t_end, section, (np.zeros(1), np.zeros((1, len(one.y))))) != Stop.REACHED:
+        motion(model, law, {one.system.coordinates[0]: 0.01}, **changes).run(t_end / 50)
+    assert np.array_equal(one.y, alone.y)
+
+
 @pytest.mark.parametrize("name", ["forced belt", "hyperbolic belt", "pin on a sector"])
 def test_a_motion_in_pieces_is_the_motion(name: str) -> None:
     model, law, start, changes, t_end, _ = MOTIONS[name]
