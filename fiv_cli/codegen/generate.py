@@ -112,7 +112,8 @@ def _text_key(
     model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float], order: int
 ) -> str:
     package = Path(__file__).parent
-    sources = [*sorted(package.glob("*.py")), package.parent / "models" / "base.py"]
+    sources = sorted(package.glob("*.py"))
+    sources += [package.parent / floor / "base.py" for floor in ("models", "friction")]
     modules = {model.equations.__module__, law.force.__module__}
     modules |= _law_modules()
     files = sources + sorted(_source_file(module) for module in modules)
