@@ -138,4 +138,5 @@ def _with_paths(
         if output is None or len(figures) == 1:
             yield output or default, figure
         else:
-            yield output.with_name(f"{output.stem}-{default.stem}{output.suffix}"), figure
+            which = default.stem.removeprefix(f"{output.stem}-")
+            yield output.with_name(f"{output.stem}-{which}{output.suffix}"), figure
