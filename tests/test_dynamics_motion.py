@@ -253,7 +253,7 @@ def test_watching_changes_nothing(name: str) -> None:
     assert (watched.n_events, watched.n_steps) == (alone.n_events, alone.n_steps)
 
 
-@pytest.mark.parametrize("name", ["forced belt", "pin"])
+@pytest.mark.parametrize("name", ["forced belt", "reversing mass", "pin", "pin on a sector"])
 def test_tangents_change_nothing_and_follow_neighbours(name: str) -> None:
     """A tangent vector is the derivative of the motion by its start, through every event."""
     model, law, start, changes, t_end, _ = MOTIONS[name]
@@ -280,6 +280,24 @@ def test_tangents_change_nothing_and_follow_neighbours(name: str) -> None:
     difference = (neighbours[0] - neighbours[1]) / (2 * shift)
     scale = np.max(np.abs(carried.tangents[0]))
     np.testing.assert_allclose(carried.tangents[0], difference, atol=1e-5 * max(scale, 1.0))
+
+
+def saltation(start: dict[str, float], instant: float) -> NDArray[np.float64]:
+    """What an event of the Coulomb belt makes of unit tangents (columns) of slip or stick."""
+    begun = motion("belt-1dof", start=start)
+    begun.run(instant - 1e-7)
+    begun.carry_tangents(np.eye(2))
+    begun.run(instant + 1e-7)
+    assert begun.n_events == 1
+    return begun.tangents.T
+
+
+def test_saltation_at_events() -> None:
+    """Landing on the belt loses the velocity; release turns a displacement into a velocity."""
+    landing = saltation({}, asin(1 / 2.3))
+    np.testing.assert_allclose(landing, [[1.0, 0.0], [0.0, 0.0]], atol=1e-6)
+    release = saltation({"x": 3.0, "x_dot": 1.0}, 1.0)
+    np.testing.assert_allclose(release[:, 0], [1.0, -1.7], atol=1e-6)
 
 
 @settings(max_examples=10)
