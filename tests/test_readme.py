@@ -1,0 +1,68 @@
+"""What the README tells its reader to type is understood."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from fiv_cli.case.load import parse_case
+from fiv_cli.cli.main import COMMANDS
+from fiv_cli.friction import all_laws
+from fiv_cli.models import all_models
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def spoken() -> list[str]:
+    """Every command line, in blocks and in running text."""
+    lines = [line for block in blocks("sh") for line in block.splitlines()]
+    return [*lines, *re.findall(r"`((?:fiv|make) [^`\n]+)`", README)]
+
+
+def words(line: str) -> list[str]:
+    """A command line without comment and redirection."""
+    return shlex.split(line.partition(" > ")[0], comments=True)
+
+
+LINES = [words(line)[1:] for line in spoken() if line.startswith("fiv ")]
+TARGETS = sorted({words(line)[1] for line in spoken() if line.startswith("make ")})
+
+
+@pytest.mark.parametrize("name", sorted({line[0] for line in LINES} - {"--help"}))
+def test_every_command_exists(name: str) -> None:
+    assert name in COMMANDS
+
+
+@pytest.mark.parametrize("line", [line for line in LINES if len(line) > 1], ids=" ".join)
+def test_every_command_line_is_understood(line: list[str]) -> None:
+    command = importlib.import_module(COMMANDS[line[0]][0]).command
+    assert command.make_context(line[0], line[1:]).params
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_every_make_target_exists(target: str) -> None:
+    assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
+
+
+def test_the_case_is_right() -> None:
+    (case,) = blocks("toml")
+    assert parse_case(case, "squeal.toml").model == "pin-on-disc"
+
+
+def test_models_and_laws_are_all_named() -> None:
+    names = set(all_models()) | {name.removeprefix("tanh of ") for name in all_laws()}
+    assert all(f"`{name}`" in README for name in names)
+
+
+def test_every_path_exists() -> None:
+    for path in re.findall(r"`((?:configs|fiv_cli|tests)/[\w/.]+)`", README):
+        assert (ROOT / path).exists() or path.endswith("my_law.py"), path
