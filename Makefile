@@ -1,4 +1,4 @@
-# fiv: from a fresh clone, `make demo` and `make test` need nothing but Python 3.11, make and gcc.
+# fiv: from a fresh clone, `make demo` and `make test` need nothing but Python 3.11 and make.
 
 PYTHON ?= python3
 VENV := .venv
@@ -16,6 +16,9 @@ help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 $(INSTALLED): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
+		"fiv needs Python 3.11 or newer, not " + sys.version.split()[0] + \
+		"; next: make PYTHON=/path/to/python3.11")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $(INSTALLED)
