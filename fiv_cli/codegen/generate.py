@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 
 FLOW, TANGENT = "flow", "tangent"
 
+# Functions with a plateau, and the weight of their argument in what limits a step (see
+# `within_plateau` of the kernel): exp has no pole and bears longer steps than tanh.
+PLATEAU_WEIGHTS = {"tanh": 1.0, "exp": 0.25}
+
 
 @dataclass(frozen=True)
 class StateTable:
@@ -183,12 +187,12 @@ def _table(state: ContactState) -> dict[str, Any]:
     }
 
 
-def _saturating(state: ContactState) -> list[Any]:
-    """Arguments of the functions whose series says nothing of what lies beyond their plateau."""
+def _saturating(state: ContactState) -> list[tuple[str, Any]]:
+    """Functions, with their arguments, whose series says nothing of what lies off their plateau."""
     from fiv_cli.codegen.emit import reachable
 
-    found = {n.args[0].index: n.args[0] for n in reachable(state.rates) if n.op == "tanh"}
-    return list(found.values())
+    nodes = [node for node in reachable(state.rates) if node.op in PLATEAU_WEIGHTS]
+    return [(node.op, node.args[0]) for node in nodes]
 
 
 def _flow_text(
@@ -198,12 +202,17 @@ def _flow_text(
 
     switching = [guard.node for guard in state.guards]
     angle = [] if state.angle is None else [state.angle]
-    watched = [*switching, *angle, *_saturating(state)]
+    graph = derivation.graph
+    arguments = [
+        graph.mul(graph.number(PLATEAU_WEIGHTS[op]), argument)
+        for op, argument in _saturating(state)
+    ]
+    watched = [*switching, *angle, *arguments]
     step = TaylorStep(derivation.graph, state.values, state.rates, watched, order, coefficients)
     lines = step.text(f"{state.name}_taylor", f"series of state and switching, {state.name}")
     contacts = [node for outputs in state.contacts for node in outputs]
     outputs = [*state.values, *state.rates, *switching, *angle, *contacts, *state.energies]
-    graph, name = derivation.graph, f"{state.name}_field"
+    name = f"{state.name}_field"
     lines += pointwise(graph, name, f"{state.name}: rates and forces", outputs, coefficients)
     for contact, after in state.impacts.items():
         values = [after.get(i, node) for i, node in enumerate(state.values)]

@@ -75,7 +75,7 @@ DIVERGED, CONTACT_LOST, NO_STATE, JAMMED, CHATTERING = 4, 5, 6, 7, 8
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
 CHAIN_CAP = 50  # transitions at one instant
-PLATEAU = 1.0 / 6.0  # share by which the argument of tanh may change over a step far from zero
+PLATEAU = 1.0 / 6.0  # share by which the argument of tanh or exp may change over a step
 LAYER = 2.0  # ... and the change that is always allowed
 GRAZING = 1e-5  # a switching function that falls slower than this share of its scale may graze
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
@@ -195,10 +195,10 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
 
 @njit("float64(float64[::1], int64, int64, float64)", **CACHE)
 def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
-    """Step over which the argument of tanh keeps within sight of where it is.
+    """Step over which the argument of tanh or exp keeps within sight of where it is.
 
-    Far from zero tanh is constant to rounding and its series knows nothing of the layer about
-    zero: without a limit a step would jump over it.
+    Far from zero they are constant to rounding, and the known terms of their series tell nothing
+    of the layer about zero: without a limit a step would jump over it.
     """
     allowed = max(LAYER, PLATEAU * abs(series[offset]))
     while series_scale(series, offset + 1, order - 1, step) * step > allowed:
@@ -313,7 +313,8 @@ def consistent(  # type: ignore[no-untyped-def]
         opens = kind == NORMAL or kind == GAP
         if contact == trigger_contact:
             opens = kind == NORMAL and trigger_kind < NORMAL
-        if lead < 0 and not (lenient and opens):
+        at_zero = lead < -1
+        if lead < 0 and not (lenient and opens and at_zero):
             return False
         strips[g] = max(lead - 1, 0)
     return True

@@ -165,6 +165,7 @@ class Motion:
             self.y[:] = self._field(kinds)[1][: len(self.y)]
         for i in range(self.system.n_contacts):
             self.kinds[i] = kernel.SEPARATION if self._is_open(i) else kernel.SLIP
+        self.y[:] = self._field(self.kinds)[1][: len(self.y)]  # a rigid contact takes up its gap
         velocities = self._slip_velocities()
         first = len(self.parameters) - 1 - self.system.n_contacts
         for i, v in enumerate(velocities):
@@ -196,6 +197,14 @@ class Motion:
         call(self.tables.table[index, kernel.TAYLOR], self.coefficients, self.time, self.y, series)
         gap, rate = series[(len(self.y) + place) * (self.system.generated.order + 1) :][:2]
         return bool(gap > 0.0 or (gap == 0.0 and rate > 0.0))
+
+    def _is_out_of_contact(self) -> bool:
+        """Whether a contact that cannot open would have to pull."""
+        count = self.system.n_contacts
+        index, out = self._field(np.full(count, kernel.SLIP, np.int64))
+        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
+        normal_forces = out[first : first + kernel.PER_CONTACT * count : kernel.PER_CONTACT]
+        return bool(np.any((self.tables.ends == 1) & (normal_forces < 0.0)))
 
     def _slip_velocities(self) -> list[float]:
         field = np.zeros(self.stages.shape[1])
@@ -294,7 +303,7 @@ class Motion:
         phase_interval : period of the excitation, s, for a stroboscopic section
         """
         if not self.started:
-            return Stop.NO_STATE
+            return Stop.CONTACT_LOST if self._is_out_of_contact() else Stop.NO_STATE
         times, states = sections or (np.zeros(1), np.zeros((1, len(self.y))))
         samples = samples or no_samples(self.system)
         self.clock[kernel.FIRST_STEP] = 0.0  # another motion may have used the scratch arrays
