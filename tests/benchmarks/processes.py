@@ -201,13 +201,15 @@ def report_workers() -> None:
     with _place() as place:
         place.run(ONE_POINT.format(model="pin-on-disc", state="phi_dot"))
         pairs = [
-            (place.run(MINUTE, "--workers", "1").wall, place.run(MINUTE, "--workers", "2").wall)
+            (place.run(MINUTE, "--workers", "1"), place.run(MINUTE, "--workers", "2"))
             for _ in range(WORKER_PAIRS)
         ]
-    ratios = " ".join(f"{one / two:.2f}" for one, two in pairs)
+    ones, twos = (list(costs) for costs in zip(*pairs, strict=True))
+    ratios = [one.wall / two.wall for one, two in pairs]
     print(
-        f"a sweep of {median(one for one, _ in pairs):.0f} s on one worker: two workers are "
-        f"{median(one / two for one, two in pairs):.2f} times as fast (pairs: {ratios})"
+        f"a sweep of {_walls(ones):.0f} s on one worker: two workers are {median(ratios):.2f} "
+        f"times as fast (pairs: {' '.join(f'{ratio:.2f}' for ratio in ratios)}; "
+        f"processor time {_processors(ones):.0f} s and {_processors(twos):.0f} s)"
     )
 
 
