@@ -159,6 +159,21 @@ def test_a_step_does_not_jump_over_the_layer_of_a_regularised_law(rtol: float) -
     assert begun.measures.extremes[1, 0] == pytest.approx(4.40845490399, rel=10 * rtol)
 
 
+def test_a_step_does_not_jump_over_the_layer_of_an_exponential_law() -> None:
+    """At 30 times the Stribeck velocity exp(-v) is rounding, and grows to one within a step."""
+    changes = {
+        "m": 0.307, "k": 6.567, "c": 0.0633, "N": 1.448, "v": -0.2368, "u0": 4.835, "omega": 2.79,
+        "mu_k": 0.109, "mu_s": 0.381,
+    }  # fmt: skip
+    start = {"x": -1.063, "x_dot": 1.544}
+    begun = motion("belt-1dof", "stribeck", start, SolverSettings(rtol=1e-12), **changes)
+    begun.start_measuring(np.zeros(1))
+    before = begun.energy()
+    begun.run(60.0, measuring=True)
+    assert begun.measures.extremes[1, 1] > 25.0
+    assert balance(begun, before).residual < 1e-10
+
+
 # --- invariances ---------------------------------------------------------------------------------
 UNITS = {  # exponents of (mass, length, time) in each parameter of the belt
     "m": (1, 0, 0), "k": (1, 0, -2), "c": (1, 0, -1), "N": (1, 1, -2), "v": (0, 1, -1),
