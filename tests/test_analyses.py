@@ -423,3 +423,20 @@ def test_pin_friction_curve_of_the_equilibrium() -> None:
     moment = -15.0 * phi - 1000 * 0.01 / 0.1 * phi * stretch - 1000 * 0.1 * 0.1 * (phi + theta)
     assert moment + 0.1 * values["F_T"][0] == pytest.approx(0.0, abs=1e-12)
     assert cos(phi) > sin(abs(theta))
+
+
+def test_a_shaken_mass_that_reverses_and_never_sticks_is_periodic() -> None:
+    """There is no slip->stick to judge by: the excitation itself is the section."""
+    found = respond(v=0.0, mu_s=0.05, mu_k=0.05, u0=1.0, omega=0.6)
+    assert found.values["attractor"] == "periodic"
+    assert found.values["period_ratio"] == pytest.approx(1.0, rel=1e-9)
+    assert found.values["stick_fraction"] == 0.0
+    assert len(found.ragged["section_value"]) == 0
+
+
+def test_sliding_over_a_sector_repeats_with_the_disc() -> None:
+    changes = {"Omega": 4.0, "beta": 0.26, "psi_a": 0.3}
+    found = respond(start={"phi_dot": 4.0}, model="pin-on-disc", t_max=200.0, **changes)
+    assert found.values["attractor"] == "periodic"
+    assert found.values["period_ratio"] == pytest.approx(1.0, rel=1e-9)
+    assert found.values["stick_fraction"] == 0.0

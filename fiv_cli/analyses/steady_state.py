@@ -139,13 +139,22 @@ class _Response:
 
     def _settle(self, until: float) -> Outcome | None:
         """Go on until the return map settles or stick-slip dies; None when neither does."""
+        last_point = self.motion.time
         while self.motion.time < until and self.stop in (Stop.REACHED, Stop.SECTION_FULL):
             before = self.count
             quiet = self._step(min(self.motion.time + self.quiet, until), self.section)
+            if self.count > before:
+                last_point = self.motion.time
             period = settled_period(self._map_points()) if self.count > before else 0
             if period:
                 return self._periodic_from_section(period)
-            found = self._after_stick_slip(until) if quiet else self._at_rest()
+            # An excited motion may reverse, or pass from sector to sector, and never stick.
+            pointless = self.motion.time - last_point >= self.quiet * (1.0 - 1e-12)
+            if quiet or (self.excitation is not None and pointless):
+                found = self._after_stick_slip(until)
+                last_point = self.motion.time
+            else:
+                found = self._at_rest()
             if found is not None:
                 return found
         return self._ended()
@@ -264,16 +273,15 @@ class _Response:
         return outcome
 
     def _forced_sliding(self, until: float) -> Outcome | None:
-        """Does the sliding motion repeat with the excitation?"""
+        """Does a motion that never sticks repeat with the excitation?"""
         strobe = Section("phase")
         self.count = 0
-        events = self.motion.n_events
+        self._start_measuring()
         while self.motion.time < until and self.stop in (Stop.REACHED, Stop.SECTION_FULL):
             before = self.count
-            self._step(until, strobe)
-            if self.motion.n_events != events and self.system.generated.zone is None:
-                self.count = 0
-                return None
+            self._step(until, strobe, measuring=True)
+            if np.any(self.motion.measures.shares[:, kernel.STICK] > 0.0):
+                break
             period = settled_period(self._map_points()) if self.count > before else 0
             if period and self.stop == Stop.SECTION_FULL:
                 return self._periodic(period, strobe)
