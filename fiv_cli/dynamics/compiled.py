@@ -15,11 +15,23 @@ from fiv_cli.codegen.cache import cache_root, content_key, source_of
 KERNEL_FILES = ("call.py", "compiled.py", "kernel.py", "roots.py")
 
 # Kernels own no arrays: without numba's reference counting (an atomic operation for each array at
-# each call) they run twice as fast and compile in half the time.
-CACHE = {"cache": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
+# each call) they run twice as fast. Nothing calls them from C.
+CACHE = {
+    "cache": True,
+    "error_model": "numpy",
+    "fastmath": False,
+    "_nrt": False,
+    "no_cfunc_wrapper": True,
+}
 
-# Functions with one caller, or a line long: passing them a dozen arrays costs more than they do.
-INLINE = {**CACHE, "forceinline": True}
+# Functions that only kernels call: a wrapper for Python would be compiled for nothing.
+INNER = {**CACHE, "no_cpython_wrapper": True}
+
+# The hot path: passing a function a dozen arrays costs more than most of them do.
+INLINE = {**INNER, "forceinline": True}
+
+# ... and what of it is also called from Python.
+INLINE_PUBLIC = {**CACHE, "forceinline": True}
 
 
 def kernel_key() -> str:

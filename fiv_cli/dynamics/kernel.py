@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 
 from fiv_cli.dynamics.call import call_generated
-from fiv_cli.dynamics.compiled import CACHE, INLINE
+from fiv_cli.dynamics.compiled import CACHE, INLINE, INLINE_PUBLIC, INNER
 from fiv_cli.dynamics.roots import NO_ROOT, POLYNOMIAL, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
@@ -128,7 +128,7 @@ def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
     return even + x * odd
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+@njit("float64(float64[::1], int64, int64, float64)", **INNER)
 def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
     """Derivative of the series that begins at `offset`."""
     value = 0.0
@@ -137,7 +137,7 @@ def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
     return value
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+@njit("float64(float64[::1], int64, int64, float64)", **INNER)
 def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
     """Sum of the absolute terms of a series over a step."""
     scale = 0.0
@@ -148,7 +148,7 @@ def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
     return scale
 
 
-@njit("float64(float64[::1], int64, int64)", **CACHE)
+@njit("float64(float64[::1], int64, int64)", **INNER)
 def time_scale(series, n, order):  # type: ignore[no-untyped-def]
     """Shortest time in which a series' last terms catch up with its first ones."""
     shortest = ENDLESS
@@ -193,7 +193,7 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     return step
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **CACHE)
+@njit("float64(float64[::1], int64, int64, float64)", **INNER)
 def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
     """Step over which the argument of tanh or exp keeps within sight of where it is.
 
@@ -206,7 +206,7 @@ def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
     return step
 
 
-@njit("float64(float64[::1], int64, int64, int64, float64)", **CACHE)
+@njit("float64(float64[::1], int64, int64, int64, float64)", **INNER)
 def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untyped-def]
     """Step for a motion that is a polynomial, exact over any length.
 
@@ -345,7 +345,7 @@ def slip_velocity(  # type: ignore[no-untyped-def]
     return 0.0 if abs(v) <= ZERO * scale else v
 
 
-@njit("void(int64[:, ::1], int64, int64, int64)", **CACHE)
+@njit("void(int64[:, ::1], int64, int64, int64)", **INNER)
 def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
     """Add a candidate state of a contact."""
     place = OFFERS + 2 * options[contact, COUNT]
@@ -357,7 +357,7 @@ def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
     "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
     "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64,"
     "int64, boolean, int64[:, ::1])",
-    **INLINE,
+    **INLINE_PUBLIC,
 )
 def decide(  # type: ignore[no-untyped-def]
     table,
@@ -444,7 +444,7 @@ def decide(  # type: ignore[no-untyped-def]
 @njit(
     "void(int64[:, ::1], int64[::1], int64, float64[::1], float64, float64[::1], float64[::1],"
     "float64, float64[:, ::1], float64[::1])",
-    **CACHE,
+    **INNER,
 )
 def state_after(  # type: ignore[no-untyped-def]
     table, config, index, coefficients, t, y, series, x, stages, out
@@ -482,7 +482,7 @@ def state_after(  # type: ignore[no-untyped-def]
 @njit(
     "float64(int64[:, ::1], int64[::1], int64, float64[::1], float64, float64[::1], float64[::1],"
     "float64, float64[:, ::1], float64[::1], int64, float64, float64)",
-    **CACHE,
+    **INNER,
 )
 def bisected(  # type: ignore[no-untyped-def]
     table, config, index, coefficients, t, y, series, step, stages, out, entry, factor, shift
@@ -532,7 +532,7 @@ def located(series, offset, order, step, strip, factor, shift, roots):  # type: 
     "void(int64[:, ::1], int64[::1], int64, int64[::1], float64[::1], float64[::1], float64[::1],"
     "float64[::1], float64[::1], float64, float64[:, ::1], float64[::1], int64[::1], float64[::1],"
     "float64[:, ::1], float64[:, ::1], int64[:, ::1])",
-    **CACHE,
+    **INNER,
 )
 def take_samples(  # type: ignore[no-untyped-def]
     table,
@@ -576,7 +576,7 @@ def take_samples(  # type: ignore[no-untyped-def]
     "void(int64[:, ::1], int64[::1], int64, int64[::1], float64[::1], float64[::1], float64[::1],"
     "float64[::1], float64, float64[:, ::1], float64[::1], float64[:, ::1], float64[::1],"
     "float64[::1], float64[:, ::1], float64[:, ::1])",
-    **CACHE,
+    **INNER,
 )
 def take_measures(  # type: ignore[no-untyped-def]
     table,
@@ -645,7 +645,7 @@ def take_measures(  # type: ignore[no-untyped-def]
 @njit(
     "void(int64[:, ::1], int64[::1], int64, float64[::1], float64[::1], float64[::1], float64,"
     "float64[:, ::1], float64[::1], float64[::1])",
-    **CACHE,
+    **INNER,
 )
 def move_tangents(  # type: ignore[no-untyped-def]
     table, config, index, coefficients, clock, y, tau, tangents, joined, series
@@ -664,7 +664,7 @@ def move_tangents(  # type: ignore[no-untyped-def]
 @njit(
     "void(int64[:, ::1], int64[::1], int64, int64, float64[::1], float64[::1], float64[::1],"
     "float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[::1])",
-    **CACHE,
+    **INNER,
 )
 def switching_rates(  # type: ignore[no-untyped-def]
     table, config, index, entry, coefficients, clock, y, tangents, joined, series, rates, delays
@@ -688,7 +688,7 @@ def switching_rates(  # type: ignore[no-untyped-def]
         delays[row] = -change / speed if speed != 0.0 else 0.0
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1])", **CACHE)
+@njit("void(int64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1])", **INNER)
 def saltate(config, series, rates, tangents, delays):  # type: ignore[no-untyped-def]
     """Tangents after an event: d + (f_before - f_after) delay; `series` is the new state's."""
     order = config[ORDER]
@@ -722,7 +722,7 @@ def enter_zone(config, clock, parameters, angle):  # type: ignore[no-untyped-def
         clock[ZONE_LOW], clock[ZONE_HIGH] = base + width, base + turn
 
 
-@njit("int64(float64[::1], int64, int64, float64, float64, float64)", **CACHE)
+@njit("int64(float64[::1], int64, int64, float64, float64, float64)", **INNER)
 def away_from_border(series, offset, order, step, factor, shift):  # type: ignore[no-untyped-def]
     """Known zeros of ``factor * series + shift`` that begins at zero and rises; 0 otherwise."""
     value = factor * series[offset] + shift
@@ -738,7 +738,7 @@ def away_from_border(series, offset, order, step, factor, shift):  # type: ignor
     return 0
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], boolean)", **CACHE)
+@njit("void(int64[::1], float64[::1], float64[::1], boolean)", **INNER)
 def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped-def]
     """Enter the neighbouring sector."""
     zone_slot = config[N_PARAMETERS] - 1
@@ -753,7 +753,7 @@ def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped
         clock[ZONE_LOW] = clock[ZONE_HIGH] - span
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])", **CACHE)
+@njit("void(int64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])", **INNER)
 def keep_section(counters, clock, y, section_times, section_states):  # type: ignore[no-untyped-def]
     """Put the present state into the section buffer."""
     row = counters[SECTIONS]
