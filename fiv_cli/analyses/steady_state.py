@@ -512,7 +512,9 @@ class _Exponent:
 
     @property
     def mean(self) -> float:
-        """1/s."""
+        """1/s; NaN after an impact, which tangents are not carried through."""
+        if self.motion.counters[kernel.IMPACTS]:
+            return float("nan")
         return float(np.sum(self.growths) / np.sum(self.spans)) if self.spans else float("nan")
 
     @property

@@ -11,6 +11,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -129,6 +130,7 @@ def _text_key(
             law.name,
             json.dumps(settings),
             str(NUMERICS_VERSION),
+            version("sympy"),
         ]
     )
 
