@@ -24,8 +24,9 @@ CACHE = {
     "no_cfunc_wrapper": True,
 }
 
-# Functions that only kernels call: a wrapper for Python would be compiled for nothing.
-INNER = {**CACHE, "no_cpython_wrapper": True}
+# Functions that only kernels call: compiled into their callers, and so neither wrapped for Python
+# nor cached (and loaded, at every start) on their own. They carry no signature.
+INNER = {**CACHE, "cache": False, "no_cpython_wrapper": True}
 
 # The hot path: passing a function a dozen arrays costs more than most of them do.
 INLINE = {**INNER, "forceinline": True}

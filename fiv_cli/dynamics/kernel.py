@@ -112,7 +112,7 @@ def kind_of(code):  # type: ignore[no-untyped-def]
     return SLIP if code <= CODE_SLIP_MINUS else code - 1
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **INLINE)
+@njit(**INLINE)
 def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
     """Value of the series that begins at `offset`.
 
@@ -128,7 +128,7 @@ def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
     return even + x * odd
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **INNER)
+@njit(**INNER)
 def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
     """Derivative of the series that begins at `offset`."""
     value = 0.0
@@ -137,7 +137,7 @@ def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
     return value
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **INNER)
+@njit(**INNER)
 def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
     """Sum of the absolute terms of a series over a step."""
     scale = 0.0
@@ -148,7 +148,7 @@ def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
     return scale
 
 
-@njit("float64(float64[::1], int64, int64)", **INNER)
+@njit(**INNER)
 def time_scale(series, n, order):  # type: ignore[no-untyped-def]
     """Shortest time in which a series' last terms catch up with its first ones."""
     shortest = ENDLESS
@@ -163,7 +163,7 @@ def time_scale(series, n, order):  # type: ignore[no-untyped-def]
     return shortest
 
 
-@njit("float64(float64[::1], int64, int64, float64, float64)", **INLINE)
+@njit(**INLINE)
 def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     """Step for which the last two terms stay below rtol times each series' own scale.
 
@@ -193,7 +193,7 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     return step
 
 
-@njit("float64(float64[::1], int64, int64, float64)", **INNER)
+@njit(**INNER)
 def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
     """Step over which the argument of tanh or exp keeps within sight of where it is.
 
@@ -206,7 +206,7 @@ def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
     return step
 
 
-@njit("float64(float64[::1], int64, int64, int64, float64)", **INNER)
+@njit(**INNER)
 def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untyped-def]
     """Step for a motion that is a polynomial, exact over any length.
 
@@ -222,7 +222,7 @@ def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untype
     return step if step > 0.0 else ENDLESS
 
 
-@njit("int64(float64[::1], int64, int64, float64, int64)", **INLINE)
+@njit(**INLINE)
 def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untyped-def]
     """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
@@ -242,7 +242,7 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
     return 0
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], float64[::1])", **INLINE)
+@njit(**INLINE)
 def fill(config, clock, parameters, coefficients):  # type: ignore[no-untyped-def]
     """Compute the coefficients, unless they are those of these slip signs and this sector."""
     contacts, end = config[N_CONTACTS], config[N_PARAMETERS] - 1
@@ -254,12 +254,7 @@ def fill(config, clock, parameters, coefficients):  # type: ignore[no-untyped-de
         clock[FILLED_FOR] = wanted
 
 
-@njit(
-    "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, int64,"
-    "int64[:, ::1], boolean)",
-    **INLINE,
-)
+@njit(**INLINE)
 def consistent(  # type: ignore[no-untyped-def]
     table,
     guards,
@@ -345,7 +340,7 @@ def slip_velocity(  # type: ignore[no-untyped-def]
     return 0.0 if abs(v) <= ZERO * scale else v
 
 
-@njit("void(int64[:, ::1], int64, int64, int64)", **INNER)
+@njit(**INNER)
 def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
     """Add a candidate state of a contact."""
     place = OFFERS + 2 * options[contact, COUNT]
@@ -441,11 +436,7 @@ def decide(  # type: ignore[no-untyped-def]
     return False
 
 
-@njit(
-    "void(int64[:, ::1], int64[::1], int64, float64[::1], float64, float64[::1], float64[::1],"
-    "float64, float64[:, ::1], float64[::1])",
-    **INNER,
-)
+@njit(**INNER)
 def state_after(  # type: ignore[no-untyped-def]
     table, config, index, coefficients, t, y, series, x, stages, out
 ):
@@ -479,11 +470,7 @@ def state_after(  # type: ignore[no-untyped-def]
         out[i] = field[i]  # constrained entries exactly
 
 
-@njit(
-    "float64(int64[:, ::1], int64[::1], int64, float64[::1], float64, float64[::1], float64[::1],"
-    "float64, float64[:, ::1], float64[::1], int64, float64, float64)",
-    **INNER,
-)
+@njit(**INNER)
 def bisected(  # type: ignore[no-untyped-def]
     table, config, index, coefficients, t, y, series, step, stages, out, entry, factor, shift
 ):
@@ -509,9 +496,7 @@ def bisected(  # type: ignore[no-untyped-def]
     return high / step
 
 
-@njit(
-    "float64(float64[::1], int64, int64, float64, int64, float64, float64, float64[::1])", **INLINE
-)
+@njit(**INLINE)
 def located(series, offset, order, step, strip, factor, shift, roots):  # type: ignore[no-untyped-def]
     """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
     power = factor
@@ -528,12 +513,7 @@ def located(series, offset, order, step, strip, factor, shift, roots):  # type: 
     return first_root(order - strip, roots)
 
 
-@njit(
-    "void(int64[:, ::1], int64[::1], int64, int64[::1], float64[::1], float64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64, float64[:, ::1], float64[::1], int64[::1], float64[::1],"
-    "float64[:, ::1], float64[:, ::1], int64[:, ::1])",
-    **INNER,
-)
+@njit(**INNER)
 def take_samples(  # type: ignore[no-untyped-def]
     table,
     config,
@@ -572,12 +552,7 @@ def take_samples(  # type: ignore[no-untyped-def]
         counters[SAMPLED] += 1
 
 
-@njit(
-    "void(int64[:, ::1], int64[::1], int64, int64[::1], float64[::1], float64[::1], float64[::1],"
-    "float64[::1], float64, float64[:, ::1], float64[::1], float64[:, ::1], float64[::1],"
-    "float64[::1], float64[:, ::1], float64[:, ::1])",
-    **INNER,
-)
+@njit(**INNER)
 def take_measures(  # type: ignore[no-untyped-def]
     table,
     config,
@@ -642,11 +617,7 @@ def take_measures(  # type: ignore[no-untyped-def]
             measures[M_DRIVE] += weight * stages[0, energies + DRIVE_POWER]
 
 
-@njit(
-    "void(int64[:, ::1], int64[::1], int64, float64[::1], float64[::1], float64[::1], float64,"
-    "float64[:, ::1], float64[::1], float64[::1])",
-    **INNER,
-)
+@njit(**INNER)
 def move_tangents(  # type: ignore[no-untyped-def]
     table, config, index, coefficients, clock, y, tau, tangents, joined, series
 ):
@@ -661,11 +632,7 @@ def move_tangents(  # type: ignore[no-untyped-def]
             tangents[row, i] = series_value(series, (n + i) * (order + 1), order, tau)
 
 
-@njit(
-    "void(int64[:, ::1], int64[::1], int64, int64, float64[::1], float64[::1], float64[::1],"
-    "float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[::1])",
-    **INNER,
-)
+@njit(**INNER)
 def switching_rates(  # type: ignore[no-untyped-def]
     table, config, index, entry, coefficients, clock, y, tangents, joined, series, rates, delays
 ):
@@ -688,7 +655,7 @@ def switching_rates(  # type: ignore[no-untyped-def]
         delays[row] = -change / speed if speed != 0.0 else 0.0
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1])", **INNER)
+@njit(**INNER)
 def saltate(config, series, rates, tangents, delays):  # type: ignore[no-untyped-def]
     """Tangents after an event: d + (f_before - f_after) delay; `series` is the new state's."""
     order = config[ORDER]
@@ -722,7 +689,7 @@ def enter_zone(config, clock, parameters, angle):  # type: ignore[no-untyped-def
         clock[ZONE_LOW], clock[ZONE_HIGH] = base + width, base + turn
 
 
-@njit("int64(float64[::1], int64, int64, float64, float64, float64)", **INNER)
+@njit(**INNER)
 def away_from_border(series, offset, order, step, factor, shift):  # type: ignore[no-untyped-def]
     """Known zeros of ``factor * series + shift`` that begins at zero and rises; 0 otherwise."""
     value = factor * series[offset] + shift
@@ -738,7 +705,7 @@ def away_from_border(series, offset, order, step, factor, shift):  # type: ignor
     return 0
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], boolean)", **INNER)
+@njit(**INNER)
 def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped-def]
     """Enter the neighbouring sector."""
     zone_slot = config[N_PARAMETERS] - 1
@@ -753,7 +720,7 @@ def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped
         clock[ZONE_LOW] = clock[ZONE_HIGH] - span
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])", **INNER)
+@njit(**INNER)
 def keep_section(counters, clock, y, section_times, section_states):  # type: ignore[no-untyped-def]
     """Put the present state into the section buffer."""
     row = counters[SECTIONS]

@@ -40,7 +40,7 @@ TO_BERNSTEIN = np.array(
 )
 
 
-@njit("float64(float64[::1], int64, float64)", **INNER)
+@njit(**INNER)
 def evaluate(work, degree, x):  # type: ignore[no-untyped-def]
     """Value of the polynomial by Horner's rule."""
     value = work[POLYNOMIAL + degree]
@@ -49,7 +49,7 @@ def evaluate(work, degree, x):  # type: ignore[no-untyped-def]
     return value
 
 
-@njit("float64(float64[::1], int64, float64)", **INNER)
+@njit(**INNER)
 def slope(work, degree, x):  # type: ignore[no-untyped-def]
     """Its derivative by Horner's rule."""
     value = 0.0
@@ -58,7 +58,7 @@ def slope(work, degree, x):  # type: ignore[no-untyped-def]
     return value
 
 
-@njit("float64(float64[::1], int64, float64, float64, float64, float64)", **INNER)
+@njit(**INNER)
 def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no-untyped-def]
     """Root with p(low) > 0 >= p(high), by Newton steps kept inside the bracket.
 
@@ -97,7 +97,7 @@ def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no
     return x
 
 
-@njit("float64(float64[::1], int64, float64, float64, float64)", **INNER)
+@njit(**INNER)
 def lowest_point(work, degree, low, high, tolerance):  # type: ignore[no-untyped-def]
     """Where p is least in a short bracket, if it reaches `tolerance` there; else NO_ROOT."""
     for _ in range(60):
@@ -112,7 +112,7 @@ def lowest_point(work, degree, low, high, tolerance):  # type: ignore[no-untyped
     return x if evaluate(work, degree, x) <= tolerance else NO_ROOT
 
 
-@njit("void(float64[::1], int64)", **INNER)
+@njit(**INNER)
 def to_bernstein(work, degree):  # type: ignore[no-untyped-def]
     """Bernstein coefficients of the polynomial on [0, 1], into the first row."""
     for j in range(degree + 1):
@@ -123,7 +123,7 @@ def to_bernstein(work, degree):  # type: ignore[no-untyped-def]
             work[j] += coefficient * TO_BERNSTEIN[degree, i, j]
 
 
-@njit("void(float64[::1], int64, int64)", **INNER)
+@njit(**INNER)
 def halve(work, degree, row):  # type: ignore[no-untyped-def]
     """Split a piece at its middle (de Casteljau): right half stays, left half goes on top."""
     left = row + ROW
@@ -137,7 +137,7 @@ def halve(work, degree, row):  # type: ignore[no-untyped-def]
     work[row + LOW] = middle
 
 
-@njit("int64(float64[::1], int64, int64, float64)", **INNER)
+@njit(**INNER)
 def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     """Changes of sign of a piece that starts positive; what is within `tolerance` has no sign."""
     changes = 0
@@ -153,7 +153,7 @@ def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     return changes
 
 
-@njit("boolean(float64[::1], int64, int64, float64)", **INNER)
+@njit(**INNER)
 def may_touch(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     """Whether a piece without a change of sign has a coefficient within `tolerance` of zero."""
     for j in range(1, degree + 1):
