@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import nextafter
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from fiv_cli.analyses.base import SolverSettings, Start
-from fiv_cli.analyses.execute import Request
 from fiv_cli.case import identity
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import (
@@ -19,7 +14,6 @@ from fiv_cli.case.identity import (
     digest,
     document,
     fingerprint,
-    point_key,
 )
 from fiv_cli.case.load import parse_case
 
@@ -96,57 +90,6 @@ class TestFingerprint:
         for value in ("1.0", "2.0"):
             changed = parse(laws, f"friction.hyperbolic.delta={value}")
             assert fingerprint(changed) != fingerprint(parse(laws))
-
-
-class TestPointKey:
-    def request(self, **changes: Any) -> Request:
-        case = parse()
-        request = Request(
-            model=case.model,
-            law=case.law,
-            options=case.options,
-            parameters=case.parameters_at(case.law, {"v": 1.0}),
-            analysis="response",
-            settings=case.analyses[0].settings,
-            solver=case.solver,
-            start=Start("near", "equilibrium", {"x": 0.0}),
-        )
-        return replace(request, **changes)
-
-    def test_same_request_same_key(self) -> None:
-        assert point_key(self.request()) == point_key(self.request())
-        assert len(point_key(self.request())) == 64
-
-    @pytest.mark.parametrize(
-        "changes",
-        [
-            {"parameters": {"v": 2.0}},
-            {"law": "stribeck"},
-            {"analysis": "history"},
-            {"settings": {}},
-            {"solver": SolverSettings(rtol=1e-10)},
-            {"start": None},
-            {"start": Start("near", "equilibrium", {"x": nextafter(0.0, 1.0)})},
-            {"start": Start("far", "equilibrium", {"x": 0.0})},
-        ],
-    )
-    def test_what_counts(self, changes: dict[str, Any]) -> None:
-        assert point_key(self.request(**changes)) != point_key(self.request())
-
-    def test_one_ulp_counts(self) -> None:
-        parameters = self.request().parameters
-        moved = {**parameters, "m": nextafter(parameters["m"], 2.0)}
-        assert point_key(self.request(parameters=moved)) != point_key(self.request())
-
-    def test_order_of_names_and_sign_of_zero_do_not_count(self) -> None:
-        parameters = dict(reversed(self.request().parameters.items()))
-        moved = {name: -0.0 if value == 0.0 else value for name, value in parameters.items()}
-        assert point_key(self.request(parameters=moved)) == point_key(self.request())
-
-    def test_what_is_carried_over_does_not_count_but_context_does(self) -> None:
-        carrying = self.request(start=Start("near", "equilibrium", {"x": 0.0}, {"state": [1.0]}))
-        assert point_key(carrying) == point_key(self.request())
-        assert point_key(self.request(), {"chain": "up"}) != point_key(self.request())
 
 
 class TestOutput:

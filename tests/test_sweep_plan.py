@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import nextafter
+
 import numpy as np
 import pytest
 import sweep_fakes
@@ -12,6 +14,7 @@ from fiv_cli.sweep.plan import AnalysisPlan, make_plan
 from fiv_cli.sweep.points import exclusion, parameters_at, request_at, resolve_start
 
 HEAD = 'schema = 1\n[model]\nname = "belt-1dof"\n'
+SLOPE = '[friction]\nlaw = "linear-slope"\n[[analysis]]\nkind = "response"\n'
 RESPONSE = '[[analysis]]\nkind = "response"\n'
 
 
@@ -24,6 +27,18 @@ def grid(**axes: list[float]) -> str:
     """A case with numeric axes."""
     lines = "".join(f"{name} = {values}\n" for name, values in axes.items())
     return f"{HEAD}[grid]\n{lines}{RESPONSE}"
+
+
+def test_one_unit_in_the_last_place_makes_another_point() -> None:
+    keys = plan_of(grid(k=[1.0, nextafter(1.0, 2.0)])).keys()
+    assert keys[0].tobytes() != keys[1].tobytes()
+
+
+def test_a_negative_zero_is_a_zero() -> None:
+    def key(zero: float) -> bytes:
+        return bytes(plan_of(grid(alpha_0=[zero]).replace(RESPONSE, SLOPE)).keys()[0].tobytes())
+
+    assert key(-0.0) == key(0.0)
 
 
 numbers = st.lists(

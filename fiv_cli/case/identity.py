@@ -1,23 +1,20 @@
-"""Which results belong together: fingerprints of cases, keys of points, names of outputs.
+"""Which results belong together: fingerprints of cases and names of outputs.
 
-A point's key hashes everything that decides its numbers. A case's fingerprint is the same
-without the extent of the grid, so that an axis may grow and finished points stay. Titles,
-claims and figures count in neither.
+A case's fingerprint hashes everything that decides its numbers but the extent of the grid, so that
+an axis may grow and finished points stay. Titles, claims and figures do not count. The keys of
+points are built on it in ``sweep/points.py``.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, is_dataclass
-from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import AnalysisSpec, Case
 from fiv_cli.case.overrides import parse_override
 from fiv_cli.case.physics import default_value
@@ -72,30 +69,6 @@ def differences(stored: Mapping[str, Any], case: Case) -> list[str]:
     return list(_compare(dict(stored), now, ""))
 
 
-def point_key(request: Request, context: Mapping[str, Any] | None = None) -> str:
-    """Hash of everything that decides one run, numbers as exact doubles; 64 hexadecimal digits.
-
-    What a start carries over from its neighbour is left out: it follows from the chain.
-
-    Parameters
-    ----------
-    request : the run
-    context : further facts that decide it, such as the chain of a continued start
-    """
-    start = request.start
-    facts = [
-        request.model,
-        request.law,
-        sorted(request.options.items()),
-        _hexadecimal(request.parameters),
-        _method(request.analysis, tuple(sorted(request.settings.items())), request.solver),
-        None if start is None else [start.label, start.kind, _hexadecimal(start.values)],
-        _versions(request.model, request.law),
-        context or {},
-    ]
-    return _hash(facts)
-
-
 def digest(overrides: Sequence[str]) -> str:
     """Eight hexadecimal digits that tell sets of ``--set`` lines apart by what they set."""
     parsed = [parse_override(override) for override in overrides]
@@ -138,28 +111,6 @@ def _numerics(case: Case) -> dict[str, int]:
     laws = get_model(case.model).laws if _law_varies(case) else (case.law,)
     own = {"engine": NUMERICS_VERSION, "model": get_model(case.model).numerics_version}
     return own | {law: get_law(law).numerics_version for law in laws}
-
-
-@lru_cache
-def _method(
-    analysis: str, settings: tuple[tuple[str, Hashable], ...], solver: SolverSettings
-) -> str:
-    """Hash of how a point is computed: the same for all points of an analysis."""
-    return _hash([analysis, settings, solver])
-
-
-@lru_cache
-def _versions(model: str, law: str) -> dict[str, int]:
-    return {
-        "engine": NUMERICS_VERSION,
-        "model": get_model(model).numerics_version,
-        "law": get_law(law).numerics_version,
-    }
-
-
-def _hexadecimal(values: Mapping[str, float]) -> list[tuple[str, str]]:
-    """Names and exact doubles, sorted; a negative zero is a zero."""
-    return [(name, (float(values[name]) + 0.0).hex()) for name in sorted(values)]
 
 
 def _hash(facts: object) -> str:

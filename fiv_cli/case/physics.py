@@ -16,8 +16,6 @@ from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Parameter
 
-FRICTION_KEYS = ("law", "of")
-
 
 @dataclass(frozen=True)
 class Physics:

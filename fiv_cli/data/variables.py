@@ -15,8 +15,6 @@ from fiv_cli.models.base import Model, State
 INT_FILL = -2147483647
 """Stands for "not computed" in integer variables (the NetCDF default for int32)."""
 
-FIXED_DIMS = ("time", "solution", "mode", "multiplier", "state", "contact")
-
 
 @dataclass(frozen=True)
 class Variable:
@@ -44,11 +42,6 @@ class Variable:
     ragged: str = ""
     symbol: str = ""
     comment: str = ""
-
-    @property
-    def row_size(self) -> str:
-        """Name of the variable that counts the rows of its ragged group."""
-        return f"{self.ragged}_row_size"
 
     @property
     def sample_dim(self) -> str:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 MOST_MOTIONS = 4
 MOST_OVERLAID = 20
 CONTACT_STATES = ("slip+", "slip-", "stick", "separation")
-# Everything of a history that is no state of the model.
-NO_STATES = frozenset({"F_T", "F_N", "contact_state", "status", "reason", "w"})
 
 
 @dataclass(frozen=True)

@@ -233,8 +233,8 @@ def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
 def _packed(value: Any) -> bytes:
     if isinstance(value, str):
         return b"s" + value.encode() + b"\0"
-    return b"d" + struct.pack("<d", value)
+    return b"d" + struct.pack("<d", value + 0.0)  # a negative zero is a zero
 
 
 def _exact(value: float | str) -> str:
-    return value if isinstance(value, str) else float(value).hex()
+    return value if isinstance(value, str) else (float(value) + 0.0).hex()
