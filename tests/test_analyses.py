@@ -440,3 +440,10 @@ def test_sliding_over_a_sector_repeats_with_the_disc() -> None:
     assert found.values["attractor"] == "periodic"
     assert found.values["period_ratio"] == pytest.approx(1.0, rel=1e-9)
     assert found.values["stick_fraction"] == 0.0
+
+
+def test_a_slide_that_is_quiet_late_in_the_budget_is_an_equilibrium() -> None:
+    """At 0.5 rad/s three revolutions do not fit twice into half of the budget."""
+    found = respond(start={"phi_dot": 0.5}, model="pin-on-disc", t_max=150.0, Omega=0.5, N0=2.0)
+    assert found.values["attractor"] == "equilibrium"
+    assert found.values["L_s"] == 0.0

@@ -100,6 +100,7 @@ class _Response:
         self.points = np.zeros((KEPT, len(system.state_names)))
         self.count = 0
         self.stop: Stop = Stop.REACHED
+        self.exponent_error = 0.0
 
     def _quiet_time(self, parameters: Mapping[str, float]) -> float:
         """Time without an event after which stick-slip has died, s."""
@@ -170,7 +171,6 @@ class _Response:
 
     def _step(self, until: float, section: Section, measuring: bool = False) -> bool:
         """Run on, keeping section points; whether all contacts slipped without an event."""
-        room = (self.times[:0], self.points[:0])
         if self.count + CHUNK > KEPT:
             self._forget_oldest()
         room = (
@@ -181,6 +181,10 @@ class _Response:
         self._aim_phase(section)
         self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
+        return self._is_quiet(begun, events)
+
+    def _is_quiet(self, begun: float, events: int) -> bool:
+        """Whether all contacts slipped since `begun`, long enough and without an event."""
         slipping = bool(np.all(self.motion.kinds == kernel.SLIP))
         long_enough = self.motion.time - begun >= self.quiet * (1.0 - 1e-12)
         return slipping and long_enough and self.motion.n_events == events
@@ -389,15 +393,19 @@ class _Response:
         """Measure the rest of the budget and say what its tests say."""
         self.count = 0
         with_exponent = self.settings["lyapunov"] != "never"
+        begun, events = self.motion.time, self.motion.n_events
         outcome = self._measure_window(t_max, with_exponent)
-        if self._ended() is not None:
-            return self._ended() or outcome
+        ended = self._ended()
+        if ended is not None:
+            return ended
         period = settled_period(self._map_points())
         if period:
             return self._periodic_from_section(period)
+        dead = self._is_quiet(begun, events) and self.excitation is None
+        found = self._after_stick_slip(t_max) if dead else None
+        if found is not None:
+            return found
         outcome.values["attractor"], outcome.reason = self._class_of(outcome)
-        if outcome.values["attractor"] == "undecided":
-            outcome.status = "ok"
         outcome.carry = self._carry(outcome.values["attractor"])
         return outcome
 
