@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 import click
 from click.shell_completion import CompletionItem, shell_complete
 
-from fiv_cli import __version__
+from fiv_cli import __version__, ending
 from fiv_cli.errors import FivError
 
 INTERNAL_ERROR = 1
@@ -136,6 +136,8 @@ def cli() -> None:
 def main() -> NoReturn:
     """The console script."""
     signal.signal(signal.SIGTERM, _terminate)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
     sys.exit(run(sys.argv[1:]))
 
 
@@ -220,4 +222,10 @@ def _silence(stream: Any) -> None:
 
 
 def _terminate(number: int, frame: object) -> NoReturn:
+    ending.ask(SystemExit(TERMINATED))
     raise SystemExit(TERMINATED)
+
+
+def _interrupt(number: int, frame: object) -> NoReturn:
+    ending.ask(KeyboardInterrupt())
+    raise KeyboardInterrupt

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fiv_cli import ending
 from fiv_cli.analyses.execute import Request
 from fiv_cli.data.flags import STATUS
 from fiv_cli.errors import FivError
@@ -136,6 +137,7 @@ class Scheduler:
                 self._prepare([i for i, queue in enumerate(queues) if queue.left])
             for index, queue in enumerate(queues):
                 self._drain(index, queue)
+            ending.heed()
         finally:
             self._close()
             self.progress.end()
@@ -155,6 +157,7 @@ class Scheduler:
         pace = Pace()
         self._held = None
         while (queue.left and not self._full()) or self._flights or self._holding():
+            ending.heed()
             if self._pool is None and self._wants_workers(pace, queue):
                 self._pool = WorkerPool(self.policy.workers)
             if self._pool is None:
