@@ -110,10 +110,10 @@ def default_parameters(model: str, law: str) -> dict[str, float]:
     from fiv_cli.friction import get_law
     from fiv_cli.models import get_model
 
-    table, defaults = get_model(model), get_model(model).law_defaults
-    values = {p.name: defaults.get(p.name, p.default) for p in get_law(law).parameters}
-    values |= {p.name: p.default for p in table.parameters}
-    return {name: float(value) for name, value in values.items() if value is not None}
+    table = get_model(model)
+    own = (*table.parameters, *table.adopted(get_law(law).parameters))
+    given = {p.name: p.default for p in own if p.default is not None}
+    return given | {p.name: given[p.default_from] for p in own if p.default_from is not None}
 
 
 def _value(outcome: Outcome, name: str) -> float:

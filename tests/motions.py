@@ -28,9 +28,10 @@ def model_of(model: str | Model) -> Model:
 def defaults(model: str | Model, law: str, **changes: float) -> dict[str, float]:
     """Every parameter of a model with a law at its default, SI."""
     table = model_of(model)
-    values = {p.name: table.law_defaults.get(p.name, p.default) for p in get_law(law).parameters}
-    values |= {p.name: p.default for p in table.parameters}
-    return values | changes
+    own = (*table.parameters, *table.adopted(get_law(law).parameters))
+    given = {p.name: p.default for p in own if p.default is not None} | changes
+    follow = {p.name: given[p.default_from] for p in own if p.default_from is not None}
+    return follow | given
 
 
 _BUILT: dict[tuple[Any, ...], System] = {}

@@ -149,7 +149,8 @@ class Case:
         parameter -> value in the order of the model's and the law's tables. A parameter that
         follows another one (`Parameter.default_from`) takes that one's value at this point.
         """
-        own = (*get_model(self.model).parameters, *get_law(law).parameters)
+        model = get_model(self.model)
+        own = (*model.parameters, *model.adopted(get_law(law).parameters))
         given = {**self.parameters, **_of_law(self.parameters, law), **varied}
         leaders = {p.name: p.default_from for p in own if p.default_from is not None}
         sources = {p.name: p.name if p.name in given else leaders.get(p.name) for p in own}

@@ -17,7 +17,6 @@ from typing import Any
 from fiv_cli.analyses import get_analysis
 from fiv_cli.case.case import AnalysisSpec, Case
 from fiv_cli.case.overrides import parse_override
-from fiv_cli.case.physics import default_value
 from fiv_cli.case.report import dotted
 from fiv_cli.codegen import NUMERICS_VERSION
 from fiv_cli.friction import get_law
@@ -94,7 +93,7 @@ def _deciding_parameters(case: Case) -> dict[str, Any]:
 def _law_values(case: Case, law: str) -> dict[str, float | None]:
     """The parameters of `law`: what the case gives for it, or for all laws, or the default."""
     model = get_model(case.model)
-    found = {p.name: default_value(model, p) for p in get_law(law).parameters}
+    found = {p.name: p.default for p in model.adopted(get_law(law).parameters)}
     for name in found:
         if {name, f"{law}.{name}"} & {*case.explicit}:
             shared = case.parameters.get(name)

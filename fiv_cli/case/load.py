@@ -15,7 +15,7 @@ from fiv_cli.case.grid import MOST_POINTS, count_points, read_grid, refuse_fixed
 from fiv_cli.case.lines import locate
 from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
-from fiv_cli.case.physics import Physics, default_value, read_physics
+from fiv_cli.case.physics import Physics, read_physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import Answers, read_claims, read_figures
 from fiv_cli.case.solver import read_solver
@@ -172,14 +172,14 @@ def _fixed_parameters(physics: Physics, axes: Sequence[Axis]) -> dict[str, float
 
 
 def _values_under(physics: Physics, law: Law) -> dict[str, float]:
-    return _values(physics, f"{law.name}.", law.parameters)
+    return _values(physics, f"{law.name}.", physics.model.adopted(law.parameters))
 
 
 def _values(physics: Physics, prefix: str, table: Sequence[Parameter]) -> dict[str, float]:
     """The values of the parameters of one table, what is given for one law going first."""
     found = {}
     for parameter in table:
-        shared = physics.fixed.get(parameter.name, default_value(physics.model, parameter))
+        shared = physics.fixed.get(parameter.name, parameter.default)
         value = physics.fixed.get(prefix + parameter.name, shared)
         if value is not None:
             found[parameter.name] = value

@@ -36,7 +36,8 @@ class Physics:
 
     def table(self) -> dict[str, Parameter]:
         """Every parameter of the model and of the laws in use, by name."""
-        named = {p.name: p for law in reversed(self.laws) for p in law.parameters}
+        adopted = [self.model.adopted(law.parameters) for law in reversed(self.laws)]
+        named = {p.name: p for table in adopted for p in table}
         return named | {p.name: p for p in self.model.parameters}
 
     def units_of_states(self) -> dict[str, str]:
@@ -45,7 +46,7 @@ class Physics:
 
     def default(self, name: str) -> float | None:
         """The default of a parameter on this model; None when it follows another parameter."""
-        return default_value(self.model, self.table()[name])
+        return self.table()[name].default
 
 
 def state_units(model: Model, options: Mapping[str, str]) -> dict[str, str]:
@@ -58,11 +59,6 @@ def state_units(model: Model, options: Mapping[str, str]) -> dict[str, str]:
 def per_second(unit: str) -> str:
     """The unit of a rate."""
     return "s-1" if unit == "1" else f"{unit} s-1"
-
-
-def default_value(model: Model, parameter: Parameter) -> float | None:
-    """The default of `parameter` on `model`: the model's own word before the law's."""
-    return model.law_defaults.get(parameter.name, parameter.default)
 
 
 def read_physics(raw: Mapping[str, Any], report: Report) -> Physics | None:

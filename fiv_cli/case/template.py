@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from fiv_cli.analyses.base import Analysis, Section, Setting
-from fiv_cli.case.physics import default_value
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Parameter
@@ -33,7 +32,7 @@ def case_template(model: Model, analysis: Analysis) -> str:
         _header(model, analysis),
         _model(model, axis),
         _friction(model, law, axis),
-        _grid(model, axis),
+        _grid(axis),
         _starts(model) if analysis.uses_starts else [],
         _analysis(model, analysis),
         _figure(analysis, axis),
@@ -55,7 +54,7 @@ def _header(model: Model, analysis: Analysis) -> list[str]:
 def _model(model: Model, axis: Parameter | None) -> list[str]:
     lines = ["[model]", f'name = "{model.name}"', ""]
     lines += [_with_comment("[model.parameters]", 'in SI, or with a unit: "20 rpm", "15 deg"')]
-    lines += _parameters(model, model.parameters, axis)
+    lines += _parameters(model.parameters, axis)
     if model.options:
         lines += ["", "[model.options]"]
     for option in model.options:
@@ -69,27 +68,27 @@ def _friction(model: Model, law: Law, axis: Parameter | None) -> list[str]:
     others = ", ".join(name for name in model.laws if name != law.name)
     line = f'law = "{law.name}"'
     head = _with_comment(line, f"or {others}") if others else line
-    return ["[friction]", head, *_parameters(model, law.parameters, axis)]
+    return ["[friction]", head, *_parameters(model.adopted(law.parameters), axis)]
 
 
-def _parameters(model: Model, parameters: Iterable[Parameter], axis: Parameter | None) -> list[str]:
+def _parameters(parameters: Iterable[Parameter], axis: Parameter | None) -> list[str]:
     """One commented line for each parameter that is not the axis."""
     return [
-        _with_comment(f"# {p.name} = {_default(model, p)}", f"{p.meaning}{_unit(p.unit)}")
+        _with_comment(f"# {p.name} = {_default(p)}", f"{p.meaning}{_unit(p.unit)}")
         for p in parameters
-        if p is not axis
+        if axis is None or p.name != axis.name
     ]
 
 
-def _default(model: Model, parameter: Parameter) -> str:
-    value = default_value(model, parameter)
+def _default(parameter: Parameter) -> str:
+    value = parameter.default
     return f"# the value of {parameter.default_from}" if value is None else repr(value)
 
 
-def _grid(model: Model, axis: Parameter | None) -> list[str]:
+def _grid(axis: Parameter | None) -> list[str]:
     if axis is None:
         return ["# [grid]", "#   mu_k = { start = 0.1, stop = 0.3, step = 0.05 }"]
-    high = default_value(model, axis) or 1.0
+    high = axis.default or 1.0
     line = f"{axis.name} = {{ start = {high / 2!r}, stop = {high!r}, num = 5 }}"
     return [
         _with_comment("[grid]", "ordered; ends included; a list, or step = instead of num ="),
@@ -99,7 +98,8 @@ def _grid(model: Model, axis: Parameter | None) -> list[str]:
 
 def _swept(model: Model, law: Law) -> Parameter:
     """The parameter of the first sweep."""
-    known: Mapping[str, Parameter] = {p.name: p for p in (*model.parameters, *law.parameters)}
+    adopted = model.adopted(law.parameters)
+    known: Mapping[str, Parameter] = {p.name: p for p in (*model.parameters, *adopted)}
     first = next((name for name in _SWEPT_FIRST if name in known), next(iter(known)))
     return known[first]
 

@@ -135,7 +135,7 @@ def _parameter_document(parameter: Parameter) -> dict[str, Any]:
 
 def _print_model(model: Model) -> None:
     click.echo(f"{model.name}: {model.title}\n{model.reference}\n")
-    _print_parameters("Parameters, under [model.parameters]", model.parameters, {})
+    _print_parameters("Parameters, under [model.parameters]", model.parameters)
     states = model.states(model.default_options())
     rows = [(s.name, s.symbol, s.unit, s.meaning) for s in states]
     click.echo()
@@ -161,34 +161,30 @@ def _print_law_parameters(model: Model) -> None:
 
     law = get_law(model.laws[0])
     click.echo()
-    _print_parameters(
-        f"Parameters of {law.name}, under [friction]", law.parameters, model.law_defaults
-    )
+    _print_parameters(f"Parameters of {law.name}, under [friction]", model.adopted(law.parameters))
 
 
 def _print_law(law: Law) -> None:
     from fiv_cli.cli.equations import law_lines
 
     click.echo(f"{law.name}: {law.title}\n{law.reference}\n")
-    _print_parameters("Parameters, under [friction]", law.parameters, {})
+    _print_parameters("Parameters, under [friction]", law.parameters)
     click.echo("\n" + "\n".join(law_lines(law)))
     if law.capacity is None:
         click.echo("\nIt never sticks: it has no static coefficient.")
 
 
-def _print_parameters(
-    title: str, parameters: tuple[Parameter, ...], defaults: Mapping[str, float]
-) -> None:
+def _print_parameters(title: str, parameters: tuple[Parameter, ...]) -> None:
     rows = [
-        (p.name, p.symbol, p.unit, _default(p, defaults), _range(p), p.meaning, p.equation)
+        (p.name, p.symbol, p.unit, _default(p), _range(p), p.meaning, p.equation)
         for p in parameters
     ]
     columns = ("name", "symbol", "unit", "default", "range", "meaning", "equation")
     print_table(title, columns, rows)
 
 
-def _default(parameter: Parameter, defaults: Mapping[str, float]) -> str:
-    value = defaults.get(parameter.name, parameter.default)
+def _default(parameter: Parameter) -> str:
+    value = parameter.default
     return f"= {parameter.default_from}" if value is None else f"{value:.12g}"
 
 

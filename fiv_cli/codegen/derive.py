@@ -159,7 +159,7 @@ class _Deriver:
 
     def _possible(self, contact: int, kind: int) -> bool:
         if kind == STICK:
-            return self.law.capacity is not None
+            return self.law.capacity is not None and not self.contacts[contact].sliding_only
         if kind == SEPARATION:
             return self.contacts[contact].gap is not None
         return True
@@ -194,6 +194,8 @@ class _Deriver:
         return self.law.force(self._slip(contact), self._law_parameters())
 
     def _is_smooth(self, contact: int) -> bool:
+        if self.contacts[contact].sliding_only:
+            return True
         borders = self.symbols.sign(contact) in self.law_forces[contact].free_symbols
         return self.law.capacity is None and not borders
 

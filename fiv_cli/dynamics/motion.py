@@ -166,13 +166,13 @@ class Motion:
         for i in range(self.system.n_contacts):
             self.kinds[i] = kernel.SEPARATION if self._is_open(i) else kernel.SLIP
         self.y[:] = self._field(self.kinds)[1][: len(self.y)]  # a rigid contact takes up its gap
-        velocities = self._slip_velocities()
         first = len(self.parameters) - 1 - self.system.n_contacts
-        for i, v in enumerate(velocities):
+        for i, v in enumerate(self._slip_velocities()):
+            smooth = self.system.generated.smooth[i]
             if self.kinds[i] == kernel.SLIP:
-                self.parameters[first + i] = -1.0 if v < 0.0 else 1.0
-                at_rest = v == 0.0 and not self.system.generated.smooth[i]
-                self.kinds[i] = kernel.STICK if at_rest else kernel.SLIP
+                direction = self._drive_velocity(i) if smooth else v
+                self.parameters[first + i] = -1.0 if direction < 0.0 else 1.0
+                self.kinds[i] = kernel.STICK if v == 0.0 and not smooth else kernel.SLIP
         self._enter_zone()
         return self._decide()
 
@@ -215,6 +215,15 @@ class Motion:
             )
             for i in range(self.system.n_contacts)
         ]  # fmt: skip
+
+    def _drive_velocity(self, contact: int) -> float:
+        """Slip velocity of a contact of the system at rest, m/s: the way a smooth one slides."""
+        index = kernel.state_index(self.kinds, len(self.kinds))
+        out = np.zeros(self.stages.shape[1])
+        address = self.tables.table[index, kernel.FIELD]
+        call(address, self.coefficients, self.time, np.zeros_like(self.y), out)
+        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
+        return float(out[first + kernel.PER_CONTACT * contact + 2])
 
     def _enter_zone(self) -> None:
         if self.system.generated.zone is None:

@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
-from fiv_cli.models import belt_1dof, pin_on_disc
+from fiv_cli.models import (
+    belt_1dof,
+    belt_2mass,
+    belt_5dof,
+    excited_2dof,
+    flutter_2dof,
+    pin_on_disc,
+)
 from fiv_cli.models.base import Model
 
-_MODELS: tuple[Model, ...] = (belt_1dof.MODEL, pin_on_disc.MODEL)
+_MODELS: tuple[Model, ...] = (
+    belt_1dof.MODEL,
+    belt_2mass.MODEL,
+    flutter_2dof.MODEL,
+    excited_2dof.MODEL,
+    belt_5dof.MODEL,
+    pin_on_disc.MODEL,
+)
 
 
 def all_models() -> dict[str, Model]:

@@ -16,8 +16,8 @@ balance. Nothing here imports SymPy: a model does that inside ``equations``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 Options = Mapping[str, str]
@@ -106,6 +106,8 @@ class Contact:
     impact : "plastic" (the gap rate is zero after re-contact) or "none"; the impulse acts on
         the accelerations as F_N does, and its tangential part is ignored
     closing_rate : gap rate that the impulse is computed from, when it is not the gap's own
+    sliding_only : a bilateral contact that always slides the way the drive moves it at rest: F_N
+        may be negative, and there is neither stick nor reversal of friction
     """
 
     slip_velocity: Any
@@ -116,6 +118,7 @@ class Contact:
     ends_at_zero_normal_force: bool = False
     impact: str = "plastic"
     closing_rate: Any | None = None
+    sliding_only: bool = False
 
 
 @dataclass(frozen=True)
@@ -172,7 +175,7 @@ class Model:
     options : switches
     contacts : number of contacts
     laws : names of the friction laws it accepts; the first is the default
-    law_defaults : law parameter -> default on this model
+    law_defaults : law parameter -> default on this model; a name: the value of that parameter
     forcings : periodic excitations
     revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
     equations : ``(Symbols, options) -> Equations``; imports SymPy
@@ -186,7 +189,7 @@ class Model:
     states: Callable[[Options], tuple[State, ...]]
     equations: Callable[[Any, Options], Equations]
     laws: tuple[str, ...]
-    law_defaults: Mapping[str, float]
+    law_defaults: Mapping[str, float | str]
     options: tuple[Option, ...] = ()
     contacts: int = 1
     forcings: tuple[Forcing, ...] = ()
@@ -195,6 +198,10 @@ class Model:
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""
         return {option.name: option.default for option in self.options}
+
+    def adopted(self, law_parameters: Iterable[Parameter]) -> tuple[Parameter, ...]:
+        """Parameters of a law with the defaults that they have on this model."""
+        return tuple(_with_default(p, self.law_defaults.get(p.name)) for p in law_parameters)
 
     def active_forcing(self, parameters: Mapping[str, float]) -> Forcing | None:
         """The excitation that is switched on under `parameters`, if any."""
@@ -206,3 +213,11 @@ class Model:
     def unexcited(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """The same parameters with every excitation switched off."""
         return {**parameters, **{forcing.amplitude: 0.0 for forcing in self.forcings}}
+
+
+def _with_default(parameter: Parameter, default: float | str | None) -> Parameter:
+    if default is None:
+        return parameter
+    if isinstance(default, str):
+        return replace(parameter, default=None, default_from=default)
+    return replace(parameter, default=default, default_from=None)

@@ -210,7 +210,8 @@ def _template(
 ) -> Template:
     axes = [axis for dim in dims for axis in dim.axes]
     laws = next((axis.values for axis in axes if axis.kind == "law"), (case.law,))
-    own = {law: (*get_model(case.model).parameters, *get_law(law).parameters) for law in laws}
+    model = get_model(case.model)
+    own = {law: (*model.parameters, *model.adopted(get_law(law).parameters)) for law in laws}
     fixed = {law: _unvaried(case, law) for law in laws}
     return Template(
         model=case.model,
