@@ -89,6 +89,7 @@ class ClaimSpec:
     holds: str | float = "all"
     note: str = ""
     analysis: str = ""
+    share: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

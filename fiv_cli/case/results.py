@@ -11,7 +11,7 @@ from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSp
 from fiv_cli.case.names import ascii_name, listed, suggest
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import ClaimTable, FigureTable, check_number, describe
+from fiv_cli.case.structure import ClaimTable, FigureTable, ShareTable, check_number, describe
 from fiv_cli.case.tables import read_tables
 from fiv_cli.case.units import convert
 
@@ -37,7 +37,7 @@ _OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
 _EXPECT_FORMS = (
     'a class, "not CLASS", "increasing", "decreasing", { value = V, tolerance = T }, '
     "{ interval = [A, B], tolerance = T }, the same with of = CLASS (where along the axis), "
-    'or { less_than = "CASE:variable" }'
+    'or { less_than = N } or { less_than = "CASE:variable" }'
 )
 
 
@@ -138,7 +138,28 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
             changed[key] = ascii_name(value)
     if table.select:
         changed["select"] = _selection(table.select, answers, (*place, "select"), report)
+    if table.share is not None:
+        changed["share"] = _share(table.share, answers, (*place, "share"), report)
     return changed
+
+
+def _share(table: ShareTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
+    """A share with its axes by their contract names and its reference in SI."""
+    known = [*answers.axis_names(), "initial", *_OWN_DIMS]
+    over = [ascii_name(name).removeprefix("friction.") for name in table.over]
+    for name in over:
+        if answers.physics is not None and name not in known:
+            message = f"{name!r} is no axis of this case"
+            report.add((*place, "over"), message, listed(known), suggest(name, known))
+    _note_error(lambda: _check_share_of(table.of), (*place, "of"), report)
+    reference = _selection(table.relative_to, answers, (*place, "relative_to"), report)
+    return {"of": table.of, "over": over, "relative_to": reference}
+
+
+def _check_share_of(text: str) -> None:
+    """ValueError unless `text` is a condition or a class."""
+    if not _CLASS.fullmatch(text) and not (_CONDITION.fullmatch(text) and text.strip() != "."):
+        raise ValueError(f'{text!r} is neither a condition such as ". > 0" nor a class')
 
 
 def _selection(
@@ -209,6 +230,7 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         holds=table.holds,
         note=table.note,
         analysis=table.analysis or "",
+        share=_share(table.share, answers, (*place, "share"), report) if table.share else {},
     )
 
 
@@ -232,7 +254,7 @@ def _check_expect(expect: str | dict[str, Any], variable: str) -> None:
     if isinstance(expect, str):
         _check_expected_class(expect, variable)
     elif set(expect) == {"less_than"}:
-        _check_other_case(expect["less_than"])
+        _check_bound(expect["less_than"])
     elif set(expect) == {"value", "tolerance"}:
         check_number(expect["value"])
         _check_tolerance(expect["tolerance"])
@@ -253,9 +275,12 @@ def _check_expected_class(expect: str, variable: str) -> None:
         raise ValueError(f"there is no class {name!r}; {hint or listed(ATTRACTORS)}")
 
 
-def _check_other_case(value: object) -> None:
-    if not isinstance(value, str) or not _OTHER_CASE.fullmatch(value):
-        raise ValueError(f'less_than takes "CASE:variable", not {describe(value)}')
+def _check_bound(value: object) -> None:
+    """ValueError unless `value` is a number or names a variable of another case."""
+    if isinstance(value, int | float):
+        check_number(value)
+    elif not isinstance(value, str) or not _OTHER_CASE.fullmatch(value):
+        raise ValueError(f'less_than takes a number or "CASE:variable", not {describe(value)}')
 
 
 def _check_tolerance(value: object) -> None:

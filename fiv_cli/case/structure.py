@@ -175,6 +175,18 @@ class SectionTable(Table):
     phase: Quantity | None = Field(default=None, description="phase of the excitation, rad")
 
 
+class ShareTable(Table):
+    """How many of the points along some axes satisfy a condition."""
+
+    placeholders: ClassVar[Mapping[str, Any]] = {"of": ". > 0", "over": []}
+
+    of: str = Field(description='condition (". > 0"), a class, or "not CLASS"')
+    over: list[str] = Field(description="axes, or initial, that are counted along")
+    relative_to: dict[str, Quantity] = Field(
+        default={}, description="axis -> value: the shares are over that at this point"
+    )
+
+
 FigureKind = Literal["curve", "bifurcation", "map", "history", "phase", "spectrum", "eigenvalues"]
 
 
@@ -191,6 +203,10 @@ class FigureTable(Table):
     y: str | None = Field(default=None, description="vertical: an axis (map) or a state (phase)")
     variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
     select: dict[str, Quantity] = Field(default={}, description="axis or initial -> value to draw")
+    share: ShareTable | None = Field(
+        default=None, description="draw the share of points at which the variable is so"
+    )
+    level: Number | None = Field(default=None, description="map of numbers: a line at this value")
     contact: int | None = Field(default=None, description="contact to draw, from 1")
     window: Interval | None = Field(default=None, description="stretch of time to draw, s")
     overlay: bool = Field(default=False, description="phase: all motions in one panel")
@@ -215,7 +231,7 @@ class ClaimTable(Table):
     variable: str = Field(description="variable of the dataset that decides")
     expect: str | dict[str, Any] = Field(
         description='a class, "not CLASS", "increasing", "decreasing", { value, tolerance }, '
-        '{ interval, tolerance } or { less_than = "CASE:variable" }'
+        '{ interval, tolerance }, { less_than = N } or { less_than = "CASE:variable" }'
     )
     at: dict[str, Quantity] = Field(
         default={}, description='axis -> value or condition ("0.9 <= . < 1.8")'
@@ -224,6 +240,9 @@ class ClaimTable(Table):
         Any,
         WithJsonSchema({"anyOf": [{"enum": ["all", "any"]}, {"type": "number"}]}),
     ] = Field(default="all", description="all, any, or the share of points that must agree")
+    share: ShareTable | None = Field(
+        default=None, description="the claim is about the share of points at which it is so"
+    )
     note: str = Field(default="", description="what is known about a difference")
     analysis: str | None = Field(default=None, description="name of the analysis that decides")
 

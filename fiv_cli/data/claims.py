@@ -12,13 +12,15 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fiv_cli.data import select
+from fiv_cli.data.known import unknown_points
 from fiv_cli.data.reading import flag_names, numbers
+from fiv_cli.data.shares import SHARE, with_share
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,9 +33,6 @@ CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermin
 
 # Counterexamples that a finding names; the rest is counted.
 NAMED_MISSES = 3
-
-# These two say whether a point was computed, so they are known at every point.
-ALWAYS_KNOWN = ("status", "reason")
 
 
 @dataclass(frozen=True)
@@ -111,11 +110,26 @@ def evaluate(
     """
     try:
         dataset = _dataset_of(claim.variable, claim.analysis, analyses)
+        if claim.share:
+            dataset, claim = _counted(dataset, claim)
         part = select.subset(dataset, claim.at, nearest=False)
         trial = _try(claim, part, other)
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
     return _judge(trial, claim.holds)
+
+
+def _counted(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, ClaimSpec]:
+    """The dataset as the share that the claim is about, and the claim about it.
+
+    What `at` says of axes that are counted along says what is counted; the rest selects shares.
+    """
+    over = {name.replace(".", "_") for name in claim.share["over"]}
+    counted = {name: at for name, at in claim.at.items() if name.replace(".", "_") in over}
+    chosen = {name: at for name, at in claim.at.items() if name not in counted}
+    part = select.subset(dataset, counted, nearest=False)
+    part = with_share(part, claim.variable, claim.share)
+    return part, replace(claim, variable=SHARE, at=chosen)
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
@@ -329,7 +343,7 @@ def _lines_along(part: xr.Dataset, variable: str, dim: str) -> tuple[np.ndarray,
     if dim not in part[variable].dims:
         raise select.SelectionError(f"{variable}: not one value per point along {dim}")
     array = numbers(part[variable]).transpose(..., dim)
-    unknown = _unknown(part, variable, False).broadcast_like(array).transpose(*array.dims)
+    unknown = unknown_points(part, variable, False).broadcast_like(array).transpose(*array.dims)
     shape = (-1, array.sizes[dim])
     return array.values.reshape(shape), unknown.values.reshape(shape)
 
@@ -389,7 +403,7 @@ def _other_values(
     }
     partner = select.subset(dataset, shared, nearest=False)
     array = numbers(partner[variable])
-    array = array.where(~_unknown(partner, variable, False))
+    array = array.where(~unknown_points(partner, variable, False))
     matched = _at_points_of(array, found.rows)
     values = matched.values.ravel()[found.row]
     return values, np.isnan(values)
@@ -459,7 +473,7 @@ def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _
     array = array.broadcast_like(rows).transpose(*rows.dims, *own)
     per_row = math.prod(array.sizes[dim] for dim in own)
     row = np.repeat(np.arange(rows.size), per_row)
-    unknown = _unknown(part, variable, allow_undecided).values.ravel()[row]
+    unknown = unknown_points(part, variable, allow_undecided).values.ravel()[row]
     flat = array.values.ravel()
     kept = ~np.isnan(flat) | unknown if own else np.ones(flat.shape, bool)
     return _Values(flat[kept], unknown[kept], row[kept], rows)
@@ -469,7 +483,7 @@ def _ragged_values(
     part: xr.Dataset, variable: str, rows: xr.DataArray, sizes: xr.DataArray
 ) -> _Values:
     """Observations of every row; a row that is not known stands as one open value."""
-    unknown = _unknown(part, variable, False).values.ravel()
+    unknown = unknown_points(part, variable, False).values.ravel()
     row = select.row_of_each(sizes.transpose(*rows.dims))
     known = ~unknown[row]
     open_rows = np.flatnonzero(unknown)
@@ -489,26 +503,6 @@ def _grid_dims(part: xr.Dataset) -> tuple[str, ...]:
 def _rows(part: xr.Dataset) -> xr.DataArray:
     """The points: the grid (and starts), in C order."""
     return part["status"]
-
-
-def _unknown(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr.DataArray:
-    """Points whose `variable` the dataset cannot tell, over the grid (and starts)."""
-    status = part["status"]
-    if variable in ALWAYS_KNOWN:
-        return status != status
-    unknown = ~_is_class(status, ("ok",))
-    if "attractor" not in part:
-        return unknown
-    undecided = _is_class(part["attractor"], ("undecided",))
-    if allow_undecided and variable == "attractor":
-        # a run that used up its budget and says "undecided" has answered such a claim
-        return unknown & ~undecided
-    return unknown | undecided
-
-
-def _is_class(array: xr.DataArray, names: tuple[str, ...]) -> xr.DataArray:
-    codes = [code for code, name in flag_names(array.attrs).items() if name in names]
-    return array.isin(codes)
 
 
 def tally(verdicts: list[str]) -> str:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.data import select
 from fiv_cli.data.reading import read_analyses
+from fiv_cli.data.shares import SHARE, with_share
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import bifurcation, curve, eigenvalues, history, phase, spectrum, style
+from fiv_cli.plots import bifurcation, curve, eigenvalues, history, phase, points, spectrum, style
 from fiv_cli.plots import map as map_
 from fiv_cli.plots.points import Layer
 
@@ -134,10 +135,20 @@ def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> F
     layers = [_layer(label, one, figure, kind) for label, one in named]
     if len(layers) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
-    if "title" in figure.settings:
+    settings = figure.settings
+    if "share" in settings:
+        layers = [Layer(layer.label, _counted(layer.dataset, settings)) for layer in layers]
+        settings = {**settings, "variable": SHARE}
+    if "title" in settings:
         layers = [Layer(layer.label, _retitled(layer.dataset, figure)) for layer in layers]
     with style.looks():
-        return kind.draw(layers, figure.settings)
+        return kind.draw(layers, settings)
+
+
+def _counted(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
+    """The dataset as the share that the figure draws."""
+    variable = points.one_variable(settings, "attractor")
+    return with_share(dataset, variable, settings["share"])
 
 
 def _retitled(dataset: xr.Dataset, figure: FigureSpec) -> xr.Dataset:

@@ -43,9 +43,26 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
     paint = _paint_classes if flag_names(array.attrs) else _paint_numbers
     paint(figure, axes, array, dataset, (x, y), panels)
+    if "level" in settings:
+        _draw_level(axes, array, (x, y), panels, float(settings["level"]))
     for number, ax in enumerate(axes):
         _dress(ax, number, columns, panels, (x, y), settings)
     return figure
+
+
+def _draw_level(
+    axes: Sequence[Axes],
+    array: xr.DataArray,
+    plane_axes: tuple[xr.DataArray, xr.DataArray],
+    panels: Sequence[points.Line],
+    level: float,
+) -> None:
+    """The line along which the variable has one value, where the plane reaches it."""
+    x, y = (points.positions(axis) for axis in plane_axes)
+    for ax, line in zip(axes, panels, strict=False):
+        plane = numbers(array).pipe(_plane, line, plane_axes)
+        if np.nanmin(plane) < level < np.nanmax(plane):
+            ax.contour(x, y, plane, levels=[level], colors=[style.VERMILLION], linewidths=1.5)
 
 
 def _variable(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
