@@ -159,3 +159,48 @@ TWO_BOUNCERS = Model(
     law_defaults={},
     contacts=2,
 )
+
+
+# --- a ball on a shaking table -----------------------------------------------------------------
+def _ball(symbols: Any, options: Options) -> Equations:
+    """z'' = -g, x'' + c x' + k x = 0; the table is at A cos(omega t), restitution e."""
+    import sympy
+
+    p = symbols.parameter
+    x, z = symbols.coordinate("x"), symbols.coordinate("z")
+    x_dot, z_dot = symbols.velocity("x"), symbols.velocity("z")
+    table = p("A") * sympy.cos(p("omega") * symbols.time)
+    gap = z - table
+    gap_rate = z_dot - sympy.diff(table, symbols.time)
+    return Equations(
+        accelerations={
+            "x": symbols.tangential_force(0) - p("c") * x_dot - p("k") * x,
+            "z": symbols.normal_force(0) - p("g"),
+        },
+        contacts=(
+            Contact(
+                slip_velocity=p("v") - x_dot,
+                slip_coordinate="x",
+                normal_force=-p("k_c") * gap,
+                gap=gap,
+                closing_rate=(1 + p("e")) * gap_rate,
+            ),
+        ),
+        kinetic_energy=(x_dot**2 + z_dot**2) / 2,
+        potential_energy=p("g") * z + p("k") * x**2 / 2,
+    )
+
+
+BALL = Model(
+    name="ball",
+    title="ball on a shaking table, with a coefficient of restitution",
+    reference="test suite",
+    numerics_version=1,
+    parameters=_parameters(
+        k=1.0, c=0.2, g=10.0, k_c=1e4, e=0.8, A=0.1, omega=6.283185307179586, v=5.0
+    ),
+    states=lambda options: _coordinates("x", "z"),
+    equations=_ball,
+    laws=("coulomb",),
+    law_defaults={"mu_k": 0.0, "mu_s": 0.0},
+)

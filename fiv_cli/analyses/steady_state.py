@@ -364,7 +364,7 @@ class _Response:
 
     def _floquet(self, multiplicity: int, section: Section, period: float) -> dict[str, Any]:
         """Multipliers of the periodic motion, by tangents over one more period."""
-        if self.settings["lyapunov"] == "never" or self.motion.counters[kernel.IMPACTS]:
+        if self.settings["lyapunov"] == "never":
             return {}
         n = len(self.system.state_names)
         self.motion.carry_tangents(np.eye(n))
@@ -520,9 +520,7 @@ class _Exponent:
 
     @property
     def mean(self) -> float:
-        """1/s; NaN after an impact, which tangents are not carried through."""
-        if self.motion.counters[kernel.IMPACTS]:
-            return float("nan")
+        """1/s."""
         return float(np.sum(self.growths) / np.sum(self.spans)) if self.spans else float("nan")
 
     @property

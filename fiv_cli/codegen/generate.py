@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from fiv_cli.models.base import Model
 
 FLOW, TANGENT = "flow", "tangent"
+IMPACT_ORDER = 1  # of the series of the state after an impact: its value and its rate
 
 # Functions with a plateau, and the weight of their argument in what limits a step (see
 # `within_plateau` of the kernel): exp has no pole and bears longer steps than tanh.
@@ -40,7 +41,7 @@ class StateTable:
     guards : (kind, contact) of each switching function, in order
     has_angle : whether the sector's angle follows the switching functions
     n_arguments : how many arguments of saturating functions follow those, for step control
-    impacts : contacts with an impact function
+    impacts : contacts with an impact function, and one that carries tangents through it
     """
 
     kinds: tuple[int, ...]
@@ -87,7 +88,7 @@ class Generated:
     def address(self, function: str, part: str = FLOW) -> int:
         """Address of a generated function, compiling its text if need be."""
         if part not in self._engines:
-            self._engines[part] = _load(self.texts[part])
+            self._engines[part] = load_text(self.texts[part])
         return int(self._engines[part].get_function_address(function))
 
     def is_compiled(self, part: str = FLOW) -> bool:
@@ -104,7 +105,7 @@ def generate(
     announce: Callable[[str], None] = lambda message: None,
 ) -> Generated:
     """Text and tables, from the cache or made now; `announce` says so when they are made."""
-    key = _text_key(model, law, options, structural, order)
+    key = text_key(model, law, options, structural, order)
     stored = cache.read(f"{key}.json")
     if stored is None:
         announce(f"generating code for {model.name} with {law.name} friction (once per user)")
@@ -113,9 +114,10 @@ def generate(
     return _from_json(key, json.loads(stored))
 
 
-def _text_key(
+def text_key(
     model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float], order: int
 ) -> str:
+    """Hash of everything that decides generated text: source files, options, order, SymPy."""
     package = Path(__file__).parent
     sources = sorted(package.glob("*.py"))
     sources += [package.parent / floor / "base.py" for floor in ("models", "friction")]
@@ -239,7 +241,30 @@ def _tangent_text(
         order,
         coefficients,
     )
-    return step.text(f"{state.name}_tangent", f"series with a tangent vector, {state.name}")
+    lines = step.text(f"{state.name}_tangent", f"series with a tangent vector, {state.name}")
+    for contact in sorted(state.impacts):
+        lines += _impact_tangent_text(derivation, state, contact, coefficients)
+    return lines
+
+
+def _impact_tangent_text(
+    derivation: Derivation, state: ContactState, contact: int, coefficients: Any
+) -> list[str]:
+    """State after an impact and its tangent, each with its rate along the flow before it."""
+    from fiv_cli.codegen.emit import TaylorStep
+
+    graph = derivation.graph
+    after = [state.impacts[contact].get(i, node) for i, node in enumerate(state.values)]
+    step = TaylorStep(
+        graph,
+        [*state.values, *map(graph.tangent, state.values)],
+        [*state.rates, *map(graph.tangent, state.rates)],
+        [*after, *map(graph.tangent, after)],
+        IMPACT_ORDER,
+        coefficients,
+    )
+    name = f"{state.name}_impact_tangent_{contact}"
+    return step.text(name, "state after a plastic impact, with a tangent vector")
 
 
 def _from_json(key: str, content: dict[str, Any]) -> Generated:
@@ -275,7 +300,8 @@ def _object_name(text: str) -> str:
     return cache.content_key([text, source, lower.machine_description()]) + ".o"
 
 
-def _load(text: str) -> Any:
+def load_text(text: str) -> Any:
+    """Execution engine with the functions of `text`, compiled unless the cache has the object."""
     from fiv_cli.codegen import lower
 
     name = _object_name(text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cache
 from typing import Any
@@ -289,7 +289,11 @@ class Motion:
         """Carry tangent vectors (rows) along from here on."""
         self.tangents = np.ascontiguousarray(tangents, dtype=float)
         if len(tangents):
-            self.tables = replace_table(self.tables, self.system.tangent_table)
+            self.tables = replace(
+                self.tables,
+                table=self.system.tangent_table,
+                impacts=self.system.tangent_impacts,
+            )
 
     def run(
         self,
@@ -399,13 +403,6 @@ def scratch_of(system: System) -> Scratch:
 def call(address: Any, coefficients: Vector, time: float, state: Vector, out: Vector) -> None:
     """Call a generated function from Python."""
     kernel.call_once(address, coefficients, time, state, out)
-
-
-def replace_table(tables: Any, table: NDArray[np.int64]) -> Any:
-    """`tables` with another table of addresses."""
-    from dataclasses import replace
-
-    return replace(tables, table=table)
 
 
 @cache

@@ -129,6 +129,17 @@ class System:
             table[index, kernel.TANGENT] = self.generated.address(name, TANGENT_TEXT)
         return table
 
+    @cached_property
+    def tangent_impacts(self) -> NDArray[np.int64]:
+        """`Tables.impacts` with the functions that carry tangents, compiled on first use."""
+        impacts = self.tables.impacts.copy()
+        for index, state in self.generated.states.items():
+            for contact in state.impacts:
+                name = f"{state.name}_impact_tangent_{contact}"
+                place = self.n_contacts + contact
+                impacts[index, place] = self.generated.address(name, TANGENT_TEXT)
+        return impacts
+
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """Parameters in generated order, slip signs +1, sector 0; shape (n_parameters,)."""
         names = self.generated.parameter_names
@@ -143,7 +154,11 @@ class System:
 
 @dataclass(frozen=True)
 class Tables:
-    """Tables of addresses and switching functions, indexed by contact state (see kernel.py)."""
+    """Tables of addresses and switching functions, indexed by contact state (see kernel.py).
+
+    `impacts` holds, per contact, the impact function and then, while tangents are carried, the
+    one that takes them through the impact.
+    """
 
     table: NDArray[np.int64]
     impacts: NDArray[np.int64]
@@ -160,7 +175,7 @@ def _tables(generated: Generated, model: Model, options: Mapping[str, str]) -> T
     count = 3**contacts
     most = max(len(state.guards) for state in generated.states.values())
     table = np.zeros((count, kernel.TABLE_WIDTH), np.int64)
-    impacts = np.zeros((count, contacts), np.int64)
+    impacts = np.zeros((count, 2 * contacts), np.int64)
     guards = np.full((count, max(most, 1), 2), -1, np.int64)
     for index, state in generated.states.items():
         table[index, kernel.TAYLOR] = generated.address(f"{state.name}_taylor")
