@@ -13,7 +13,7 @@ from typing import Any
 
 from fiv_cli.dynamics.settings import Section, SolverSettings
 
-__all__ = ["Analysis", "Outcome", "Section", "Setting", "SolverSettings", "Start"]
+__all__ = ["Analysis", "Outcome", "Section", "Setting", "SolverSettings", "Start", "Varied"]
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,9 @@ class Setting:
     Attributes
     ----------
     name : key
-    type : "number", "integer", "string", "boolean", "section" (a table, see `Section`) or
-        "state" (the name of a state of the model)
+    type : "number", "integer", "string", "boolean", "section" (a table, see `Section`), "state"
+        (the name of a state of the model), "parameter" (that of a parameter of the model or the
+        law, see `Varied`) or "bracket" (its lowest and highest value, SI)
     default : value when the key is left out; None: see `meaning`
     meaning : one line
     unit : unit of a number, for "30 s" strings
@@ -42,6 +43,24 @@ class Setting:
     minimum: float = float("-inf")
     exclusive: bool = False
     required: bool = False
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A parameter that an analysis itself varies.
+
+    Attributes
+    ----------
+    name : contract name
+    followers : parameters that take its value, because the case gives them no other
+    """
+
+    name: str
+    followers: tuple[str, ...] = ()
+
+    def at(self, parameters: Mapping[str, float], value: float) -> dict[str, float]:
+        """`parameters` with this one, and what follows it, at `value` (SI)."""
+        return {**parameters, **dict.fromkeys((self.name, *self.followers), value)}
 
 
 @dataclass(frozen=True)

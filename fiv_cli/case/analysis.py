@@ -7,14 +7,21 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.analyses.base import Analysis, Section, Setting
+from fiv_cli.analyses.base import Analysis, Section, Setting, Varied
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.names import ascii_name, listed, suggest
-from fiv_cli.case.physics import Physics
+from fiv_cli.case.physics import Physics, allowed, quantity
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import AnalysisTable, SectionTable, check_quantity, describe
+from fiv_cli.case.structure import (
+    AnalysisTable,
+    SectionTable,
+    check_interval,
+    check_quantity,
+    describe,
+)
 from fiv_cli.case.tables import read_table, read_tables
 from fiv_cli.case.units import convert
+from fiv_cli.models.base import Parameter
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
@@ -65,8 +72,8 @@ def _analysis(
     analysis = analyses[table.kind]
     given = dict(table.model_extra or {})
     _refuse_unknown(analysis, given, place, report)
-    reader = _Reader(physics, axes, report)
-    settings = {s.name: reader.setting(s, given, place) for s in analysis.settings}
+    reader = _Reader(physics, axes, given, report)
+    settings = {s.name: reader.setting(s, place) for s in analysis.settings}
     return AnalysisSpec(table.name or table.kind, table.kind, settings)
 
 
@@ -84,14 +91,21 @@ def _refuse_unknown(
 class _Reader:
     """Reads settings by their type; what cannot be read is noted and keeps its default."""
 
-    def __init__(self, physics: Physics | None, axes: Sequence[Axis], report: Report) -> None:
+    def __init__(
+        self,
+        physics: Physics | None,
+        axes: Sequence[Axis],
+        given: Mapping[str, Any],
+        report: Report,
+    ) -> None:
         self.physics = physics
         self.axes = axes
+        self.given = given
         self.report = report
 
-    def setting(self, setting: Setting, given: Mapping[str, Any], table: Path) -> Any:
+    def setting(self, setting: Setting, table: Path) -> Any:
         place = (*table, setting.name)
-        if setting.name not in given:
+        if setting.name not in self.given:
             return self.left_out(setting, place)
         read = {
             "number": self.number,
@@ -100,9 +114,11 @@ class _Reader:
             "boolean": self.boolean,
             "section": self.section,
             "state": self.state,
+            "parameter": self.parameter,
+            "bracket": self.bracket,
         }[setting.type]
         try:
-            return read(setting, given[setting.name], place)
+            return read(setting, self.given[setting.name], place)
         except ValueError as error:
             self.report.add(place, str(error), _allowed(setting))
             return setting.default
@@ -151,6 +167,48 @@ class _Reader:
                 place, f"there is no state {name!r}", listed(units), suggest(name, units)
             )
         return name
+
+    def parameter(self, setting: Setting, value: object, place: Path) -> Varied:
+        if not isinstance(value, str):
+            raise ValueError(f"must be the name of a parameter, not {describe(value)}")
+        name = ascii_name(value)
+        if self.physics is None:
+            return Varied(name)
+        table = _varying(self.physics)
+        if name not in table:
+            meanings = {key: parameter.meaning for key, parameter in table.items()}
+            message = f"there is no parameter {name!r} that can vary"
+            self.report.add(place, message, listed(table), suggest(name, meanings))
+        if name in [axis.name for axis in self.axes]:
+            message = f"{name!r} is an axis of the grid: the analysis finds its value itself"
+            self.report.add(place, message, suggestion=f"remove {name} from [grid]")
+        return Varied(name, self.followers(self.physics, name))
+
+    def followers(self, physics: Physics, leader: str) -> tuple[str, ...]:
+        """Parameters whose value is that of `leader`, because nothing else gives them one."""
+        given = {key.split(".")[-1] for key in physics.fixed} | {axis.name for axis in self.axes}
+        table = physics.table().values()
+        return tuple(p.name for p in table if p.default_from == leader and p.name not in given)
+
+    def bracket(self, setting: Setting, value: object, place: Path) -> tuple[float, float]:
+        low, high = check_interval(value)
+        parameter = self.bracketed()
+        if parameter is None:
+            return 0.0, 1.0
+        try:
+            ends = quantity(parameter, low), quantity(parameter, high)
+        except ValueError as error:
+            raise ValueError(f"{error}; {parameter.name} is {allowed(parameter)}") from None
+        if not ends[0] < ends[1]:
+            raise ValueError(f"{ends[0]!r} is not below {ends[1]!r}")
+        return ends
+
+    def bracketed(self) -> Parameter | None:
+        """The parameter that the bracket is of; None when there is none (noted elsewhere)."""
+        name = self.given.get("parameter")
+        if self.physics is None or not isinstance(name, str):
+            return None
+        return _varying(self.physics).get(ascii_name(name))
 
     def section(self, setting: Setting, value: object, place: Path) -> Section:
         table = read_table(SectionTable, value, place, self.report)
@@ -225,6 +283,21 @@ class _Reader:
         return physics.fixed.get(amplitude, physics.default(amplitude)) != 0.0
 
 
+def _varying(physics: Physics) -> dict[str, Parameter]:
+    """The parameters that an analysis can vary: of the model, or of every law in use.
+
+    Whole numbers and what is written into the generated code cannot.
+    """
+    own = {parameter.name for parameter in physics.model.parameters}
+    shared = set.intersection(*({p.name for p in law.parameters} for law in physics.laws))
+    structural = {name for law in physics.laws for name in law.structural}
+    return {
+        name: parameter
+        for name, parameter in physics.table().items()
+        if name in (own | shared) - structural and not parameter.integer
+    }
+
+
 def _velocities(physics: Physics) -> list[str]:
     states = physics.model.states(physics.options)
     return [f"{state.name}_dot" for state in states]
@@ -242,5 +315,7 @@ def _allowed(setting: Setting) -> str:
         "section": '{ event = "slip->stick" }, { zero = "x_dot", direction = "up" } or '
         "{ phase = 0.0 }",
         "state": "the name of a state",
+        "parameter": "the name of a parameter of the model or the law",
+        "bracket": "[lowest, highest] value of the parameter",
     }.get(setting.type, setting.type)
     return f"{form}{unit}{bound} ({setting.meaning})"

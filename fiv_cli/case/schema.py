@@ -10,7 +10,7 @@ from typing import Any
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis, Setting
-from fiv_cli.case.structure import QUANTITY_SCHEMA, CaseTable, SectionTable
+from fiv_cli.case.structure import INTERVAL_SCHEMA, QUANTITY_SCHEMA, CaseTable, SectionTable
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Parameter
@@ -87,6 +87,8 @@ def _setting(setting: Setting) -> Schema:
         "boolean": {"type": "boolean"},
         "section": {"$ref": "#/$defs/SectionTable"},
         "state": {"type": "string"},
+        "parameter": {"type": "string"},
+        "bracket": INTERVAL_SCHEMA,
     }
     unit = "" if setting.unit == "1" else f" ({setting.unit})"
     form = {**forms[setting.type], "description": f"{setting.meaning}{unit}"}

@@ -20,6 +20,8 @@ QUANTITY_SCHEMA = {
     "description": 'a number in SI, or a string with its unit: "20 rpm", "15 deg", "5 mm"',
 }
 
+INTERVAL_SCHEMA = {"type": "array", "items": QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}
+
 
 def describe(value: object) -> str:
     """A value and its type in TOML's words, for messages."""
@@ -59,7 +61,8 @@ def check_finite(value: float) -> float:
     return value
 
 
-def _check_interval(value: object) -> tuple[Any, Any]:
+def check_interval(value: object) -> tuple[Any, Any]:
+    """Two quantities; ValueError for anything else."""
     if not isinstance(value, list) or len(value) != 2:
         raise ValueError(f"must be a list of two numbers [low, high], not {describe(value)}")
     return check_quantity(value[0]), check_quantity(value[1])
@@ -78,8 +81,8 @@ Quantity = Annotated[Any, PlainValidator(check_quantity), WithJsonSchema(QUANTIT
 Number = Annotated[float, PlainValidator(check_number), WithJsonSchema({"type": "number"})]
 Interval = Annotated[
     Any,
-    PlainValidator(_check_interval),
-    WithJsonSchema({"type": "array", "items": QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}),
+    PlainValidator(check_interval),
+    WithJsonSchema(INTERVAL_SCHEMA),
 ]
 
 

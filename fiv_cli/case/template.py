@@ -27,14 +27,16 @@ def case_template(model: Model, analysis: Analysis) -> str:
     of a few points, but for a ``history``, which is one motion.
     """
     law = get_law(model.laws[0])
-    axis = None if analysis.kind == "history" else _swept(model, law)
+    first, second, *_ = _swept(model, law)
+    varies = any(setting.type == "parameter" and setting.required for setting in analysis.settings)
+    axis = None if analysis.kind == "history" else second if varies else first
     blocks = [
         _header(model, analysis),
         _model(model, axis),
         _friction(model, law, axis),
         _grid(axis),
         _starts(model) if analysis.uses_starts else [],
-        _analysis(model, analysis),
+        _analysis(model, analysis, first),
         _figure(analysis, axis),
         _claim(),
         _solver(),
@@ -96,12 +98,12 @@ def _grid(axis: Parameter | None) -> list[str]:
     ]
 
 
-def _swept(model: Model, law: Law) -> Parameter:
-    """The parameter of the first sweep."""
+def _swept(model: Model, law: Law) -> list[Parameter]:
+    """The parameters, those worth a sweep first."""
     adopted = model.adopted(law.parameters)
     known: Mapping[str, Parameter] = {p.name: p for p in (*model.parameters, *adopted)}
-    first = next((name for name in _SWEPT_FIRST if name in known), next(iter(known)))
-    return known[first]
+    first = [name for name in _SWEPT_FIRST if name in known]
+    return [known[name] for name in dict.fromkeys([*first, *known])]
 
 
 def _starts(model: Model) -> list[str]:
@@ -114,23 +116,26 @@ def _starts(model: Model) -> list[str]:
     ]
 
 
-def _analysis(model: Model, analysis: Analysis) -> list[str]:
+def _analysis(model: Model, analysis: Analysis, varied: Parameter) -> list[str]:
     lines = ["[[analysis]]", f'kind = "{analysis.kind}"']
-    return lines + [_setting(model, setting) for setting in analysis.settings]
+    return lines + [_setting(model, setting, varied) for setting in analysis.settings]
 
 
-def _setting(model: Model, setting: Setting) -> str:
-    line = f"{setting.name} = {_value(model, setting)}"
+def _setting(model: Model, setting: Setting, varied: Parameter) -> str:
+    line = f"{setting.name} = {_value(model, setting, varied)}"
     choices = f": {' | '.join(setting.choices)}" if setting.choices else ""
     comment = f"{setting.meaning}{_unit(setting.unit)}{choices}"
     return _with_comment(line if setting.required else f"# {line}", comment)
 
 
-def _value(model: Model, setting: Setting) -> str:
+def _value(model: Model, setting: Setting, varied: Parameter) -> str:
     """The default of a setting, or an example where the default follows from something else."""
     if setting.default is not None:
         return _toml(setting.default)
+    size = varied.default or 1.0
     examples = {
+        "parameter": f'"{varied.name}"',
+        "bracket": f"[{size / 2!r}, {2 * size!r}]",
         "state": f'"{model.states(model.default_options())[0].name}"',
         "section": '{ event = "slip->stick" }',
         "number": "30.0" if setting.required else "0.01",
