@@ -19,7 +19,7 @@ from small_models import BOUNCER, TWO_MASSES
 
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
 from fiv_cli.codegen.generate import FLOW, TANGENT
-from fiv_cli.codegen.graph import MERGED_TERMS, Graph, Node
+from fiv_cli.codegen.graph import MERGED_TERMS, UNARY, Graph, Node
 from fiv_cli.dynamics.system import System
 
 Vector = NDArray[Any]
@@ -43,8 +43,7 @@ IDS = [f"{m if isinstance(m, str) else m.name} {law}" for m, law, _ in SYSTEMS]
 
 def python_functions(text: str, library: Any = math) -> dict[str, Any]:
     """The functions of generated text, run by Python itself."""
-    names = ("exp", "log", "sqrt", "sin", "cos", "tanh")
-    space = {name: getattr(library, name) for name in names} | {"pow": pow}
+    space = {name: getattr(library, name) for name in UNARY} | {"pow": pow}
     exec(text, space)
     return space
 
@@ -151,6 +150,8 @@ RECURRENCES = {
     "cos": sympy.cos(INNER),
     "sin and cos": sympy.sin(INNER) * sympy.cos(INNER),
     "tanh": sympy.tanh(INNER - 2),
+    "asin": sympy.asin(sympy.sin(T / 2) * sympy.exp(T / 5)),
+    "asin of a line": sympy.asin((T + 1) / 3),
     "nested": sympy.exp(-sympy.tanh(sympy.sqrt(INNER)) * sympy.log(INNER)),
 }
 
@@ -180,7 +181,7 @@ def expressions(draw: Any, depth: int = 4) -> Any:
         leaf = st.sampled_from([*map(sympy.Symbol, LEAVES), sympy.Integer(2), sympy.Rational(1, 3)])
         return draw(leaf)
     left = draw(expressions(depth=depth - 1))
-    kind = draw(st.sampled_from(["+", "*", "/", "**", "sin", "exp", "tanh"]))
+    kind = draw(st.sampled_from(["+", "*", "/", "**", "sin", "exp", "tanh", "asin"]))
     if kind == "**":
         return left ** draw(st.integers(2, 5))
     if kind == "sin":
@@ -189,6 +190,8 @@ def expressions(draw: Any, depth: int = 4) -> Any:
         return sympy.exp(sympy.sin(left))
     if kind == "tanh":
         return sympy.tanh(left)
+    if kind == "asin":
+        return sympy.asin(sympy.sin(left) / 2)
     right = draw(expressions(depth=depth - 1))
     if kind == "/":
         return left / (2 + sympy.cos(right))

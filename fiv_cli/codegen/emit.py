@@ -9,12 +9,17 @@ functions of `graph.UNARY` and `pow`: `lower.py` turns exactly that into machine
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from fiv_cli.codegen.graph import Graph, Node
 
 UNBOUNDED = 10**6  # degree of a series that does not end
-PARTNER = {"sin": "cos", "cos": "sin"}  # series that need each other
+# Functions whose recurrence needs the series of another one of the same argument.
+PARTNER: dict[str, Callable[[Graph, Node], Node]] = {
+    "sin": lambda graph, argument: graph.unary("cos", argument),
+    "cos": lambda graph, argument: graph.unary("sin", argument),
+    "asin": lambda graph, argument: graph.cosine_of_asin(argument),
+}
 
 
 class Coefficients:
@@ -183,7 +188,7 @@ class TaylorStep:
             self.values[p].index: graph.name(self.values[p]) for p in self.leaves.values()
         }
         self.partners = {
-            (node.op, node.args[0].index): node for node in self.nodes if node.op in PARTNER
+            node.index: _partner(graph, node) for node in self.nodes if node.op in PARTNER
         }
         self.degrees = self._degrees()
 
@@ -368,13 +373,25 @@ class TaylorStep:
         argument = node.args[0]
         if k == 0:
             return f"sin({self._known(argument, 0)})"
-        return self._chain(argument, self.partners["cos", argument.index], k)
+        return self._chain(argument, self.partners[node.index], k)
 
     def _series_cos(self, node: Node, k: int) -> str:
         argument = node.args[0]
         if k == 0:
             return f"cos({self._known(argument, 0)})"
-        return "-" + self._chain(argument, self.partners["sin", argument.index], k)
+        return "-" + self._chain(argument, self.partners[node.index], k)
+
+    def _series_asin(self, node: Node, k: int) -> str:
+        """w' q = a' with q = sqrt(1 - a^2)."""
+        argument, root = node.args[0], self.partners[node.index]
+        if k == 0:
+            return f"asin({self._known(argument, 0)})"
+        terms = [self._known(argument, k)] if self._known(argument, k) else []
+        for j in range(1, k):
+            known = self._known(root, k - j)
+            if known:
+                terms.append(f"-{j / k!r} * {self.name(node)}_{j} * {known}")
+        return f"({_sum(terms)}) / {self._known(root, 0)}"
 
     def _series_tanh(self, node: Node, k: int) -> str:
         """w' = (1 - w^2) a'."""
@@ -392,11 +409,11 @@ class TaylorStep:
         return f"{'1.0 ' if k == 0 else ''}- ({self._square(node, k)})"
 
 
+def _partner(graph: Graph, node: Node) -> Node:
+    return PARTNER[node.op](graph, node.args[0])
+
+
 def _with_partners(graph: Graph, roots: Sequence[Node]) -> list[Node]:
-    """What `roots` depend on and, for each sine or cosine there, the other of the pair."""
-    extra = [
-        graph.unary(PARTNER[node.op], node.args[0])
-        for node in reachable(roots)
-        if node.op in PARTNER
-    ]
+    """What `roots` depend on and, for each function there that needs a partner, that one."""
+    extra = [_partner(graph, node) for node in reachable(roots) if node.op in PARTNER]
     return reachable([*roots, *extra])

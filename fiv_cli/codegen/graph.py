@@ -18,7 +18,7 @@ import sympy
 # sum is cheaper (the normal force of a disc enters every modal equation).
 MERGED_TERMS = 4
 
-UNARY = ("exp", "log", "sqrt", "sin", "cos", "tanh")
+UNARY = ("exp", "log", "sqrt", "sin", "cos", "tanh", "asin")
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +178,7 @@ class Graph:
         return self.mul(square, base) if exponent % 2 else square
 
     def unary(self, op: str, argument: Node) -> Node:
-        """exp, log, sqrt, sin, cos or tanh."""
+        """One of `UNARY`."""
         if argument.op == "number":
             return self.number(getattr(math, op)(argument.value))
         return self._node(op, (argument,), None, argument.constant)
@@ -291,7 +291,13 @@ class Graph:
             return self.unary("cos", argument)
         if node.op == "cos":
             return self.negative(self.unary("sin", argument))
+        if node.op == "asin":
+            return self.div(self.one, self.cosine_of_asin(argument))
         return self.subtract(self.one, self.mul(node, node))  # tanh
+
+    def cosine_of_asin(self, argument: Node) -> Node:
+        """``sqrt(1 - argument^2)``: one over the slope of asin."""
+        return self.unary("sqrt", self.subtract(self.one, self.mul(argument, argument)))
 
     def _node(self, op: str, args: tuple[Node, ...], value: Any, constant: bool) -> Node:
         key = (op, tuple(arg.index for arg in args), _hashable(value))

@@ -18,7 +18,7 @@ from llvmlite import ir
 DOUBLE = ir.DoubleType()
 POINTER = DOUBLE.as_pointer()
 SIGNATURE = ir.FunctionType(ir.VoidType(), (POINTER, DOUBLE, POINTER, POINTER))
-LIBRARY = ("exp", "log", "sin", "cos", "tanh", "pow")  # called in the C library
+LIBRARY = ("exp", "log", "sin", "cos", "tanh", "asin", "pow")  # called in the C library
 
 
 @cache
