@@ -268,3 +268,17 @@ def test_samples_know_the_contact_states() -> None:
     assert np.all(taken.codes[~flying, 0] != kernel.CODE_SEPARATION)
     assert np.all(taken.outputs[flying, 0] == 0.0)
     np.testing.assert_allclose(taken.outputs[~flying, 0], G, rtol=1e-14)
+
+
+def test_bounces_that_pile_up_end_in_contact() -> None:
+    """The literal impact law of thesis 6.14 leaves the gap rate (x1' - x2') phi.
+
+    The bounces that follow grow shorter as that rate passes zero, and infinitely many end at one
+    instant: from there on the contact stays closed.
+    """
+    begun = motion("belt-5dof", options={"impact": "thesis"}, mu_k=1.4)
+    found = booked(begun, 0.5)
+    events = transitions(begun)
+    assert events.count("separation->separation") > 100
+    assert "separation->slip+" in events[events.index("separation->separation") :]
+    assert found.residual < 1e-9
