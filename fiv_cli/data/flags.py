@@ -105,6 +105,11 @@ REASONS: tuple[Reason, ...] = (
         "more than 50 transitions at one instant: no contact state lasts; move the start or mu_s",
     ),
     Reason("stuck", "every contact sticks and nothing moves: an equilibrium, but not of sliding"),
+    Reason(
+        "filled_in",
+        "only the class is given, that of the points around it (sweep.refine); "
+        "take refine out to run every point",
+    ),
 )
 
 STATUS = FlagTable(
@@ -129,6 +134,16 @@ CONTACT_STATE = FlagTable(
     {NOT_COMPUTED: -1, "slip+": 0, "slip-": 1, "stick": 2, "separation": 3}, fill=NOT_COMPUTED
 )
 STABLE = FlagTable({NOT_COMPUTED: -1, "unstable": 0, "stable": 1}, fill=NOT_COMPUTED)
+COMPUTED = FlagTable(
+    {
+        NOT_COMPUTED: -1,
+        "filled_in": 0,
+        "run": 1,
+        "sampled": 2,
+        "sampled_and_mislabelled": 3,
+    },
+    fill=NOT_COMPUTED,
+)
 
 TABLES: Mapping[str, FlagTable] = {
     "status": STATUS,
@@ -136,6 +151,7 @@ TABLES: Mapping[str, FlagTable] = {
     "attractor": ATTRACTOR,
     "contact_state": CONTACT_STATE,
     "stable": STABLE,
+    "computed": COMPUTED,
 }
 
 
