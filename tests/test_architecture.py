@@ -25,6 +25,7 @@ FLOORS = {
     "errors": 0,
     "friction": 1,
     "models": 1,
+    "plate": 1,
     "codegen": 2,
     "dynamics": 3,
     "analyses": 4,
@@ -36,7 +37,7 @@ FLOORS = {
     "cli": 7,
 }
 # Within one floor: laws are parametrised like models; datasets know the case they came from.
-NEIGHBOURS = {("friction", "models"), ("data", "case"), ("codegen", "codegen")}
+NEIGHBOURS = {("friction", "models"), ("models", "plate"), ("data", "case"), ("codegen", "codegen")}
 HEAVY = ("numba", "llvmlite", "xarray", "netCDF4", "h5py", "matplotlib", "sympy", "scipy",
          "pydantic", "joblib", "numpy", "rich")  # fmt: skip
 
