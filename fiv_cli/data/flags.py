@@ -105,10 +105,28 @@ REASONS: tuple[Reason, ...] = (
         "more than 50 transitions at one instant: no contact state lasts; move the start or mu_s",
     ),
     Reason("stuck", "every contact sticks and nothing moves: an equilibrium, but not of sliding"),
+    Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
+    Reason(
+        "contact_would_pull",
+        "every sliding equilibrium needs a negative normal force: raise the preload or lower mu_k",
+    ),
     Reason(
         "filled_in",
         "only the class is given, that of the points around it (sweep.refine); "
         "take refine out to run every point",
+    ),
+    Reason(
+        "averaging_invalid",
+        "the excitation is below 5 times the highest natural frequency, so averaging over it is in "
+        "doubt: raise its frequency (R), or compare with `response` of the excited system",
+    ),
+    Reason(
+        "no_crossing",
+        "no mode changes stability inside the bracket: widen it, or look at `eigenvalues` along it",
+    ),
+    Reason(
+        "no_equilibrium_in_part",
+        "part of the bracket has no sliding equilibrium (its end is a crossing of kind `end`)",
     ),
 )
 
@@ -133,7 +151,8 @@ ATTRACTOR = FlagTable(
 CONTACT_STATE = FlagTable(
     {NOT_COMPUTED: -1, "slip+": 0, "slip-": 1, "stick": 2, "separation": 3}, fill=NOT_COMPUTED
 )
-STABLE = FlagTable({NOT_COMPUTED: -1, "unstable": 0, "stable": 1}, fill=NOT_COMPUTED)
+STABLE = FlagTable({NOT_COMPUTED: -1, "unstable": 0, "stable": 1, "neutral": 2}, fill=NOT_COMPUTED)
+COMPLETE = FlagTable({NOT_COMPUTED: -1, "not_certified": 0, "certified": 1}, fill=NOT_COMPUTED)
 COMPUTED = FlagTable(
     {
         NOT_COMPUTED: -1,
@@ -151,6 +170,7 @@ TABLES: Mapping[str, FlagTable] = {
     "attractor": ATTRACTOR,
     "contact_state": CONTACT_STATE,
     "stable": STABLE,
+    "complete": COMPLETE,
     "computed": COMPUTED,
 }
 

@@ -148,7 +148,16 @@ def _equilibrium(
             ("solution", "state"),
             comment=_mixed(states),
         ),
-        Variable("n_solutions", "1", "equilibria found", kind="int"),
+        Variable(
+            "n_solutions",
+            "1",
+            "sliding equilibria with closed contacts",
+            kind="int",
+            comment="the first is the one that growing loads lead to, then by distance from it",
+        ),
+        Variable("n_pulling", "1", "real solutions in which a contact would pull", kind="int"),
+        Variable("n_complex", "1", "solutions that are not real", kind="int"),
+        Variable("complete", "1", "whether these are all the solutions", (), "flag", "complete"),
         Variable("F_N", "N", "normal contact force", forces, symbol="F_N"),
         Variable("F_T", "N", "tangential contact force", forces, symbol="F_T"),
         Variable("residual", "1", "largest acceleration left", ("solution",)),
@@ -169,8 +178,26 @@ def _eigenvalues(
         Variable("eigenvector_imag", "1", "imaginary part of the mode", vector, comment=mixed),
         Variable("coupled_with", "1", "mode of equal frequency; -1: none", mode, "int"),
         Variable("growth_rate", "rad s-1", "largest real part"),
-        Variable("stable", "1", "whether the equilibrium is stable", (), "flag", "stable"),
+        Variable(
+            "stable",
+            "1",
+            "whether the equilibrium is stable",
+            (),
+            "flag",
+            "stable",
+            comment="neutral: the largest real part is zero to rounding, as without damping",
+        ),
+        *_averaging(settings),
     ]
+
+
+def _averaging(settings: Mapping[str, Any], dims: tuple[str, ...] = ()) -> list[Variable]:
+    """How far an averaged system can be trusted."""
+    if settings.get("system") != "averaged":
+        return []
+    comment = "of the averaged system without damping; below 5 averaging is in doubt"
+    name = "excitation frequency over the highest natural one"
+    return [Variable("averaging_ratio", "1", name, dims, comment=comment)]
 
 
 def _response(

@@ -1,0 +1,361 @@
+"""Sliding equilibria of the unexcited system: all real ones, and how many are complex.
+
+Where the equations at rest reduce to one polynomial (see ``codegen/statics.py``) every root is
+found at once: the real ones are polished on the full equations, the rest are counted, and the set
+is complete. Elsewhere Newton's iteration is started from many points, each solution taken out of
+the equations once it is found (deflation), and nothing certifies that none is missed.
+
+The first equilibrium is the one that the unloaded system moves to as its loads grow from zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.codegen.statics import Reduction, Statics, generate_statics, load_reduction
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.motion import BOUND, call
+from fiv_cli.dynamics.system import System, Vector
+
+NEWTON_STEPS = 60
+CONVERGED = 1e-13  # last Newton step, relative to the solution
+SAME_SOLUTION = 1e-8
+# A root whose imaginary part is below this share of itself is tried as a real one.
+NEARLY_REAL = 1e-3
+COMMON_ROOT = 1e-9  # a numerator below this share of its terms vanishes
+LOAD_STEPS = 8  # in which the loads grow from zero
+# Newton starts, as multiples of the first solution: other real solutions of the spring forces.
+SPREAD = (-30.0, -10.0, -3.0, -1.0, -0.3, 0.3, 3.0, 10.0, 30.0)
+
+
+@dataclass(frozen=True)
+class Sliding:
+    """The unexcited system, sliding in the direction that the drive imposes at rest.
+
+    Attributes
+    ----------
+    system : the compiled system
+    parameters : parameter vector with slip signs
+    coefficients : generated coefficients
+    index : contact state "all slip"
+    moving : whether every contact has slip velocity at rest, as a sliding equilibrium needs
+    """
+
+    system: System
+    parameters: Vector
+    coefficients: Vector
+    index: int
+    moving: bool
+
+    def field(self, y: Vector) -> Vector:
+        """Field output at y (see kernel.py)."""
+        n_outputs = 3 * len(y) + 64
+        out = np.zeros(n_outputs + kernel.N_ENERGIES)
+        address = self.system.tables.table[self.index, kernel.FIELD]
+        call(address, self.coefficients, 0.0, y, out)
+        return out
+
+    def rates(self, y: Vector) -> Vector:
+        """dy/dt; shape (n_states,)."""
+        n = len(y)
+        return self.field(y)[n : 2 * n]
+
+    def contact_forces(self, y: Vector) -> NDArray[np.float64]:
+        """(F_N, F_T, v_rel) per contact; shape (n_contacts, 3)."""
+        first = kernel.contact_outputs(self.system.tables.table, self.index, len(y))
+        count = self.system.n_contacts
+        return self.field(y)[first : first + 3 * count].reshape(count, 3)
+
+    def jacobian(self, y: Vector) -> NDArray[np.float64]:
+        """Exact derivative of `rates` (by differentiated code); shape (n, n)."""
+        return self.slopes(y, range(len(y)))
+
+    def slopes(self, y: Vector, columns: Iterable[int]) -> NDArray[np.float64]:
+        """Columns of `jacobian`; shape (n, number of columns)."""
+        n, order = len(y), self.system.generated.order
+        address = self.system.tangent_table[self.index, kernel.TANGENT]
+        rows = 2 * n + 2 * (self.system.tables.guards.shape[1] + 1)
+        series = np.zeros(rows * (order + 1))
+        joined = np.concatenate([y, np.zeros(n)])
+        found = []
+        for column in columns:
+            joined[n:] = 0.0
+            joined[n + column] = 1.0
+            call(address, self.coefficients, 0.0, joined, series)
+            tangent = series[n * (order + 1) : 2 * n * (order + 1)].reshape(n, -1)
+            found.append(tangent[:, 1].copy())
+        return np.array(found).reshape(-1, n).T
+
+    @cached_property
+    def statics(self) -> Statics:
+        """What is known of the system at rest."""
+        names, law = self.system.generated.parameter_names, self.system.law
+        structural = {name: self.parameters[names.index(name)] for name in law.structural}
+        return statics_of(self.system, structural)
+
+    @cached_property
+    def free(self) -> list[int]:
+        """Places of the coordinates that no rigid contact determines."""
+        determined = self.statics.determined
+        return [i for i, name in enumerate(self.system.coordinates) if name not in determined]
+
+
+def statics_of(system: System, parameters: Mapping[str, float]) -> Statics:
+    """The statics of a system, derived once per user; `parameters` has the law's structural ones.
+
+    Its code is loaded, so that no point's time contains it.
+    """
+    structural = tuple(float(parameters[name]) for name in system.law.structural)
+    return _statics_of(system, structural)
+
+
+@cache
+def _statics_of(system: System, structural: tuple[float, ...]) -> Statics:
+    named = dict(zip(system.law.structural, structural, strict=True))
+    statics = generate_statics(system.model, system.law, system.options, named)
+    for reduction in statics.reductions:
+        _loaded(reduction)
+    return statics
+
+
+def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
+    """The unexcited system in sliding."""
+    vector = system.parameter_vector(system.model.unexcited(parameters))
+    coefficients = np.zeros(max(system.generated.n_coefficients, 1))
+    fill = system.tables.config[kernel.COEFFICIENTS]
+    call(fill, coefficients, 0.0, vector, coefficients)
+    state = Sliding(system, vector, coefficients, 0, True)
+    velocities = state.contact_forces(np.zeros(len(system.state_names)))[:, 2]
+    first = len(vector) - 1 - system.n_contacts
+    vector[first : first + system.n_contacts] = np.where(velocities < 0.0, -1.0, 1.0)
+    call(fill, coefficients, 0.0, vector, coefficients)
+    smooth = np.array(system.generated.smooth)
+    moving = bool(np.all((velocities != 0.0) | smooth))
+    return Sliding(system, vector, coefficients, 0, moving)
+
+
+@dataclass(frozen=True)
+class Equilibria:
+    """What is known of the sliding equilibria.
+
+    Attributes
+    ----------
+    states : state vectors (velocities zero) with closed contacts, the one reached by growing
+        loads first
+    pulling : how many further real solutions need a unilateral contact to pull
+    n_complex : how many solutions are not real; None where that is not known
+    certified : whether these are all the real solutions there are
+    reason : why there is none, a key of the table of reasons; "" when there is one
+    """
+
+    states: list[Vector] = field(default_factory=list)
+    pulling: int = 0
+    n_complex: int | None = None
+    certified: bool = False
+    reason: str = ""
+
+
+def equilibria(state: Sliding) -> list[Vector]:
+    """Sliding equilibria with closed contacts.
+
+    Each is a state vector with zero velocities; the first is the one that the unloaded system
+    moves to as its loads grow. A contact that cannot pull (any but a bilateral one) keeps out the
+    solutions with F_N < 0.
+    """
+    return all_equilibria(state).states
+
+
+def all_equilibria(state: Sliding) -> Equilibria:
+    """Every sliding equilibrium, with what is known of those that are none."""
+    if not state.moving:
+        return Equilibria(reason="no_drive")
+    reduced = (_reduced(state, reduction) for reduction in state.statics.reductions)
+    found = next((one for one in reduced if one is not None), None) or _search(state)
+    held = [y for y in found.states if _is_held(state, y)]
+    pulling = len(found.states) - len(held)
+    reason = "" if held else "contact_would_pull" if pulling else found.reason
+    return Equilibria(_in_order(state, held), pulling, found.n_complex, found.certified, reason)
+
+
+def why_none(state: Sliding) -> str:
+    """Key of the reason why there is no sliding equilibrium; "" where there is one."""
+    return all_equilibria(state).reason
+
+
+def _is_held(state: Sliding, y: Vector) -> bool:
+    """Whether no unilateral contact has to pull."""
+    normal = state.contact_forces(y)[:, 0]
+    return bool(np.all((normal >= 0.0) | np.array(state.statics.bilateral)))
+
+
+# --- by one polynomial ----------------------------------------------------------------------------
+@cache
+def _loaded(reduction: Reduction) -> tuple[object, int]:
+    return load_reduction(reduction)
+
+
+def _reduced(state: Sliding, reduction: Reduction) -> Equilibria | None:
+    """Every root of the closure that is a real solution of the full equations.
+
+    None where the scalar does not determine the other unknowns at these parameters.
+    """
+    values = np.zeros(reduction.n_slots)
+    call(_loaded(reduction)[1], values, 0.0, state.parameters, values)
+    if not np.any(values[list(reduction.denominator)]):
+        return None
+    roots = _roots(values[list(reduction.closure)])
+    nearly = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
+    found: list[Vector] = []
+    for scalar in np.sort(nearly):
+        _keep(found, _newton(state, _inserted(state, reduction, values, float(scalar))))
+    missing = len(roots) - len(found)
+    certified = missing % 2 == 0 and not _undetermined(reduction, values)
+    return Equilibria(found, 0, missing, certified, "" if found else _why_none(state))
+
+
+def _why_none(state: Sliding) -> str:
+    """A singular stiffness without load, or nothing known."""
+    start = np.zeros(len(state.system.state_names))
+    stiffness = state.slopes(start, state.free)[
+        len(state.system.coordinates) + np.array(state.free)
+    ]
+    singular = np.linalg.matrix_rank(stiffness) < len(state.free)
+    return "singular_equilibrium" if singular else "no_equilibrium"
+
+
+def _roots(coefficients: Vector) -> NDArray[np.complex128]:
+    """Roots of a polynomial given from s^0 upwards; none where it is not finite."""
+    if not np.all(np.isfinite(coefficients)):
+        return np.zeros(0, complex)
+    return np.roots(coefficients[::-1]).astype(complex)
+
+
+def _inserted(state: Sliding, reduction: Reduction, values: Vector, scalar: float) -> Vector:
+    """State vector of the solution with this value of the scalar."""
+    denominator = np.polyval(values[list(reduction.denominator)][::-1], scalar)
+    known = {reduction.scalar: scalar}
+    for name, slots in zip(reduction.unknowns, reduction.numerators, strict=True):
+        known[name] = float(np.polyval(values[list(slots)][::-1], scalar) / denominator)
+    return state.system.state_vector(known)
+
+
+def _undetermined(reduction: Reduction, values: Vector) -> bool:
+    """Whether somewhere the scalar leaves the other unknowns free (a bifurcation off the family).
+
+    There the denominator has a real root that is one of every numerator too.
+    """
+    roots = _roots(values[list(reduction.denominator)])
+    real = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
+    return any(
+        all(_vanishes(values[list(slots)], float(root)) for slots in reduction.numerators)
+        for root in real
+    )
+
+
+def _vanishes(coefficients: Vector, at: float) -> bool:
+    terms = coefficients * at ** np.arange(len(coefficients))
+    return bool(abs(np.sum(terms)) <= COMMON_ROOT * np.sum(np.abs(terms)))
+
+
+# --- by Newton's iteration ------------------------------------------------------------------------
+def _search(state: Sliding) -> Equilibria:
+    """What deflated Newton iterations find from a fixed set of starts."""
+    n = len(state.system.state_names)
+    found: list[Vector] = []
+    _keep(found, _newton(state, np.zeros(n)))
+    if found:
+        for factor in SPREAD:
+            near = _newton(state, factor * found[0], found)
+            _keep(found, None if near is None else _newton(state, near))
+    return Equilibria(found, reason="" if found else _why_none(state))
+
+
+def _newton(
+    state: Sliding,
+    start: Vector,
+    known: Iterable[Vector] = (),
+    kept: Vector | None = None,
+) -> Vector | None:
+    """Root of the accelerations at zero velocity; None when Newton does not converge.
+
+    Parameters
+    ----------
+    start : state vector
+    known : solutions to stay away from
+    kept : accelerations that stand on the right side instead of zero, shape (n_states,)
+    """
+    n, m, free = len(start), len(state.system.coordinates), state.free
+    rows = m + np.array(free)
+    y = state.field(start)[:n].copy()
+    for _ in range(NEWTON_STEPS):
+        matrix = state.slopes(y, free)[rows]
+        rest = state.rates(y) if kept is None else state.rates(y) - kept
+        try:
+            step = np.linalg.solve(matrix, rest[rows])
+        except np.linalg.LinAlgError:
+            return None
+        step *= _deflation(step, y[free], [solution[free] for solution in known])
+        y[free] -= step
+        if not np.all(np.abs(y) < BOUND):
+            return None
+        y = state.field(y)[:n].copy()
+        if np.max(np.abs(step)) <= CONVERGED * np.max(np.abs(y), initial=1e-300):
+            return y
+    return None
+
+
+def _deflation(step: Vector, at: Vector, known: Iterable[Vector]) -> float:
+    """Factor on Newton's step for the equations times product(1 + |k|^2 / |y - k|^2) over known k.
+
+    Farrell, Birkisson & Funke, SIAM J. Sci. Comput. 37 (2015) A2026, by Sherman and Morrison.
+    """
+    slope = 0.0
+    for solution in known:
+        away = at - solution
+        square, size = float(away @ away), float(solution @ solution)
+        if square == 0.0:
+            return 1.0
+        slope += -2.0 * size * float(away @ step) / (square * (square + size))
+    return 1.0 / (1.0 + slope) if slope != -1.0 else 1.0
+
+
+def _keep(found: list[Vector], candidate: Vector | None) -> None:
+    """Add a solution unless it is there already."""
+    if candidate is not None and _is_new(candidate, found):
+        found.append(candidate)
+
+
+def _is_new(candidate: Vector, found: list[Vector]) -> bool:
+    scale = max(np.max(np.abs(candidate), initial=0.0), 1e-300)
+    return all(np.max(np.abs(candidate - known)) > SAME_SOLUTION * scale for known in found)
+
+
+# --- which comes first ----------------------------------------------------------------------------
+def _in_order(state: Sliding, found: list[Vector]) -> list[Vector]:
+    """First the one that growing loads lead to, then by distance from it."""
+    if len(found) < 2:
+        return found
+    sizes = np.max(np.abs(found), axis=0)
+    scaled = np.array(found) / np.where(sizes > 0.0, sizes, 1.0)
+    reached = _loaded_from_zero(state)
+    origin = 0.0 if reached is None else reached / np.where(sizes > 0.0, sizes, 1.0)
+    first = int(np.argmin(np.max(np.abs(scaled - origin), axis=1)))
+    away = np.max(np.abs(scaled - scaled[first]), axis=1)
+    return [found[i] for i in np.argsort(away, kind="stable")]
+
+
+def _loaded_from_zero(state: Sliding) -> Vector | None:
+    """Where the system at rest without loads goes as they grow; None where that path ends."""
+    y: Vector | None = np.zeros(len(state.system.state_names))
+    assert y is not None
+    unloaded = state.rates(y)
+    for share in np.linspace(1.0, 0.0, LOAD_STEPS + 1)[1:]:
+        y = _newton(state, y, kept=share * unloaded)
+        if y is None:
+            return None
+    return y

@@ -1,0 +1,288 @@
+"""Derives the reduction of `statics.py` with exact algebra."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice, zip_longest
+from typing import Any
+
+import sympy
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
+
+from fiv_cli.codegen.emit import constants
+from fiv_cli.codegen.graph import Graph, Node
+from fiv_cli.codegen.statics import FUNCTION, Reduction, Slots, Statics
+from fiv_cli.codegen.symbols import Symbols
+from fiv_cli.friction.base import Law, Slip
+from fiv_cli.models.base import Contact, Model
+
+MOST_REDUCTIONS = 3
+
+
+def derive_statics(
+    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
+) -> Statics:
+    """What is known of `model` with `law` at rest, every contact closed and slipping."""
+    symbols = Symbols(structural)
+    contacts = model.equations(symbols, options).contacts
+    rest = _at_rest(model, law, options, symbols)
+    return Statics(
+        bilateral=tuple(contact.sliding_only for contact in contacts),
+        determined=tuple(c.gap_coordinate for c in contacts if c.gap_coordinate is not None),
+        reductions=() if rest is None else tuple(islice(_reductions(rest), MOST_REDUCTIONS)),
+    )
+
+
+@dataclass
+class _Rest:
+    """The equations at rest, as polynomials in the unknowns.
+
+    Attributes
+    ----------
+    unknowns : normal forces, then coordinates
+    equations : expressions that vanish: of each contact, then of each coordinate
+    parameters : symbol of each parameter -> its name
+    atoms : functions of parameters alone -> the symbol that stands for each
+    """
+
+    unknowns: list[Any]
+    equations: list[Any]
+    parameters: dict[Any, str]
+    names: tuple[str, ...]
+    atoms: dict[Any, Any] = field(default_factory=dict)
+
+    def with_atoms(self, expression: Any) -> Any:
+        """`expression` with every function of parameters alone replaced by a symbol."""
+        whole = not expression.is_Pow or expression.exp.is_Integer
+        known = not expression.free_symbols & set(self.unknowns)
+        if known and (expression.is_Function or not whole):
+            return self.atoms.setdefault(expression, sympy.Dummy(real=True))
+        if not expression.args:
+            return expression
+        return expression.func(*map(self.with_atoms, expression.args))
+
+
+def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbols) -> _Rest | None:
+    """The equations at rest; None where they are not polynomial in the unknowns."""
+    equations = model.equations(symbols, options)
+    if law.states:
+        return None
+    names = [state.name for state in model.states(options)]
+    count = len(equations.contacts)
+    own = {parameter.name for parameter in model.parameters}
+    listed = [p.name for p in model.parameters]
+    listed += [p.name for p in law.parameters if p.name not in own]
+    all_names = (*listed, *(f"sign.{i}" for i in range(count)), "zone")
+    parameters = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
+    parameters |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
+    parameters[symbols.zone] = "zone"
+    unknowns = [symbols.normal_force(i) for i in range(count)]
+    unknowns += [symbols.coordinate(name) for name in names]
+    still = {symbols.velocity(name): 0 for name in names} | {symbols.time: 0}
+    still |= {symbols.closed(i): 1 for i in range(count)}
+    laws = {
+        p.name: equations.law_parameters.get(p.name, symbols.parameter(p.name))
+        for p in law.parameters
+    }
+    forces = {
+        symbols.tangential_force(i): _friction(symbols, law, laws, contact, i).subs(still)
+        for i, contact in enumerate(equations.contacts)
+    }
+    vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
+    vanishing += [equations.accelerations[name] for name in names]
+    rest = _Rest(unknowns, [], parameters, all_names)
+    for expression in vanishing:
+        numerator = _numerator(rest, sympy.sympify(expression).subs(forces).subs(still))
+        if not numerator.is_polynomial(*unknowns):
+            return None
+        rest.equations.append(numerator)
+    return rest
+
+
+def _friction(
+    symbols: Symbols, law: Law, parameters: Mapping[str, Any], contact: Contact, index: int
+) -> Any:
+    sign, v = symbols.sign(index), contact.slip_velocity
+    return law.force(Slip(v, sign, sign * v, symbols.normal_force(index)), parameters)
+
+
+def _contact(symbols: Symbols, contact: Contact, index: int) -> Any:
+    """Vanishes at a closed contact: the gap of a rigid one, the force balance of a compliant."""
+    if contact.normal_force is None:
+        return contact.gap
+    return symbols.normal_force(index) - contact.normal_force
+
+
+def _numerator(rest: _Rest, expression: Any) -> Any:
+    exact = sympy.nsimplify(expression, rational=True)
+    return sympy.fraction(sympy.together(rest.with_atoms(exact)))[0]
+
+
+# --- the choice of the scalar ---------------------------------------------------------------------
+def _reductions(rest: _Rest) -> Iterator[Reduction]:
+    """A reduction by each unknown that leaves the others linear."""
+    done = set()
+    for scalar, closure in _candidates(rest):
+        if scalar not in done:
+            others = [u for u in rest.unknowns if u != scalar]
+            linear = [e for i, e in enumerate(rest.equations) if i != closure]
+            solved = _solve(linear, others, scalar)
+            if solved is not None:
+                done.add(scalar)
+                yield _written(rest, scalar, others, solved, rest.equations[closure])
+
+
+def _candidates(rest: _Rest) -> Iterator[tuple[Any, int]]:
+    """(scalar, number of the closure) with every other equation linear in the other unknowns."""
+    for place, scalar in enumerate(rest.unknowns):
+        others = [u for u in rest.unknowns if u != scalar]
+        curved = [i for i, e in enumerate(rest.equations) if _degree(e, others) > 1]
+        if len(curved) == 1:
+            yield scalar, curved[0]
+        if not curved:
+            yield scalar, place
+            yield from ((scalar, i) for i in range(len(rest.equations)) if i != place)
+
+
+def _degree(expression: Any, unknowns: Sequence[Any]) -> int:
+    """Total degree in `unknowns`."""
+    return int(sympy.Poly(expression, *unknowns).total_degree()) if unknowns else 0
+
+
+def _solve(equations: Sequence[Any], unknowns: Sequence[Any], scalar: Any) -> list[Any] | None:
+    """Numerators of `unknowns` and, last, their denominator, as polynomials in `scalar`.
+
+    None where the equations do not determine the unknowns.
+    """
+    if not unknowns:
+        return [sympy.Poly(1, scalar)]
+    matrix, right = sympy.linear_eq_to_matrix(equations, unknowns)
+    left = DomainMatrix.from_Matrix(matrix)
+    left, column = left.unify(DomainMatrix.from_Matrix(right), fmt="dense")
+    try:
+        numerators, denominator = left.solve_den(column)
+    except DMNonInvertibleMatrixError:
+        return None
+    field_ = numerators.domain
+    found = [*numerators.to_Matrix(), field_.to_sympy(denominator)]
+    common = sympy.gcd_list([sympy.expand(one) for one in found])
+    return [sympy.Poly(sympy.cancel(one / common), scalar) for one in found]
+
+
+# --- the generated function -----------------------------------------------------------------------
+def _written(
+    rest: _Rest, scalar: Any, others: Sequence[Any], solved: Sequence[Any], closure: Any
+) -> Reduction:
+    writer = _Writer(rest)
+    polynomials = [writer.polynomial(one) for one in solved]
+    inserted = _Inserted(writer, scalar, dict(zip(others, polynomials, strict=False)), polynomials)
+    *numerators, denominator = [writer.slots(one) for one in polynomials]
+    return Reduction(
+        scalar=_name(scalar),
+        unknowns=tuple(map(_name, others)),
+        numerators=tuple(numerators),
+        denominator=denominator,
+        closure=writer.slots(inserted.value(closure).above),
+        n_slots=len(writer.nodes),
+        text=writer.text(),
+    )
+
+
+def _name(symbol: Any) -> str:
+    """``x1`` of the symbol ``q.x1``, ``F_N.0`` of ``F_N.0``."""
+    return str(symbol.name).removeprefix("q.")
+
+
+Polynomial = list[Node]  # coefficients from s^0 upwards
+
+
+class _Writer:
+    """Collects coefficients, each in a slot, and writes the function that computes them."""
+
+    def __init__(self, rest: _Rest) -> None:
+        self.rest = rest
+        self.graph = Graph()
+        self.nodes: list[Node] = []
+        names = {symbol: self.graph.parameter(name) for symbol, name in rest.parameters.items()}
+        atoms = {symbol: self.graph.build(made, names) for made, symbol in rest.atoms.items()}
+        self.leaves = names | atoms
+
+    def polynomial(self, found: Any) -> Polynomial:
+        """Nodes of the coefficients of a SymPy polynomial."""
+        return [self.graph.build(one, self.leaves) for one in reversed(found.all_coeffs())]
+
+    def slots(self, polynomial: Polynomial) -> Slots:
+        """A slot for each coefficient."""
+        first = len(self.nodes)
+        self.nodes += polynomial
+        return tuple(range(first, len(self.nodes)))
+
+    def text(self) -> str:
+        """The function, of parameters alone."""
+        return "\n".join(constants(FUNCTION, self.nodes, self.rest.names)) + "\n"
+
+
+@dataclass(frozen=True)
+class _Quotient:
+    """``above / denominator^power``."""
+
+    above: Polynomial
+    power: int
+
+
+class _Inserted:
+    """The closure with the linear unknowns inserted: a polynomial over a power of their
+    denominator, worked out in the order in which the closure is written."""
+
+    def __init__(
+        self,
+        writer: _Writer,
+        scalar: Any,
+        numerators: Mapping[Any, Polynomial],
+        solved: Sequence[Polynomial],
+    ) -> None:
+        self.graph = writer.graph
+        self.leaves = writer.leaves
+        self.denominator = solved[-1]
+        self.known = {unknown: _Quotient(above, 1) for unknown, above in numerators.items()}
+        self.known[scalar] = _Quotient([self.graph.zero, self.graph.one], 0)
+
+    def value(self, expression: Any) -> _Quotient:
+        """`expression` as a quotient."""
+        if expression in self.known:
+            return self.known[expression]
+        if not expression.free_symbols & set(self.known):
+            return _Quotient([self.graph.build(expression, self.leaves)], 0)
+        if expression.is_Pow:
+            return self._product([self.value(expression.base)] * int(expression.exp))
+        inner = [self.value(argument) for argument in expression.args]
+        return self._sum(inner) if expression.is_Add else self._product(inner)
+
+    def _product(self, factors: Sequence[_Quotient]) -> _Quotient:
+        above = [self.graph.one]
+        for factor in factors:
+            above = self._times(above, factor.above)
+        return _Quotient(above, sum(factor.power for factor in factors))
+
+    def _sum(self, terms: Sequence[_Quotient]) -> _Quotient:
+        power = max(term.power for term in terms)
+        total: Polynomial = []
+        for term in terms:
+            above = term.above
+            for _ in range(power - term.power):
+                above = self._times(above, self.denominator)
+            total = self._plus(total, above)
+        return _Quotient(total, power)
+
+    def _times(self, left: Polynomial, right: Polynomial) -> Polynomial:
+        product = [self.graph.zero] * (len(left) + len(right) - 1)
+        for i, a in enumerate(left):
+            for j, b in enumerate(right):
+                product[i + j] = self.graph.add(product[i + j], self.graph.mul(a, b))
+        return product
+
+    def _plus(self, left: Polynomial, right: Polynomial) -> Polynomial:
+        pairs = zip_longest(left, right, fillvalue=self.graph.zero)
+        return [self.graph.add(a, b) for a, b in pairs]
