@@ -8,6 +8,7 @@ from typing import Any
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis, Section, Setting, Varied
+from fiv_cli.analyses.linear import SYSTEM
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.names import ascii_name, listed, suggest
 from fiv_cli.case.physics import Physics, allowed, quantity
@@ -21,6 +22,7 @@ from fiv_cli.case.structure import (
 )
 from fiv_cli.case.tables import read_table, read_tables
 from fiv_cli.case.units import convert
+from fiv_cli.friction import all_laws
 from fiv_cli.models.base import Parameter
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -150,7 +152,20 @@ class _Reader:
         if setting.choices and value not in setting.choices:
             hint = suggest(value, setting.choices)
             raise ValueError(f"{value!r} is not allowed" + (f"; {hint}" if hint else ""))
+        if setting is SYSTEM and value == "averaged":
+            self.check_average(place)
         return value
+
+    def check_average(self, place: Path) -> None:
+        """Note a system that has no fast motion, or a law without an average over it."""
+        if self.physics is None:
+            return
+        if self.physics.model.averaged_forcing() is None:
+            message = f"{self.physics.model.name} has no fast excitation to average over"
+            self.report.add(place, message, suggestion='write system = "original"')
+        for law in [law for law in self.physics.laws if law.average is None]:
+            known = [name for name, law in all_laws().items() if law.average is not None]
+            self.report.add(place, f"the law {law.name!r} has no average", listed(known))
 
     def boolean(self, setting: Setting, value: object, place: Path) -> bool:
         if not isinstance(value, bool):

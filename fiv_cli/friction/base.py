@@ -47,6 +47,9 @@ class Law:
     states : internal states, name -> unit
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)
+    average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
+        velocity of amplitude U about v: `reversing` says whether it changes the sign of slip
+        (U > |v|); None for a law without such a form (see `averaged.py`)
     """
 
     name: str
@@ -59,3 +62,4 @@ class Law:
     states: Mapping[str, str] = field(default_factory=dict)
     rates: Callable[[Slip, Mapping[str, Any]], Mapping[str, Any]] | None = None
     structural: tuple[str, ...] = ()
+    average: Callable[[Slip, Mapping[str, Any], Any, bool], Any] | None = None

@@ -8,11 +8,33 @@ In transient motions mu_k must not exceed mu_s: such a contact could neither sti
 
 from __future__ import annotations
 
-from fiv_cli.friction.base import Law
+from collections.abc import Mapping
+from typing import Any
+
+from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Parameter
 
 MU_K = Parameter("mu_k", r"\mu_k", "1", 0.3, "coefficient of kinetic friction", "3.5", minimum=0.0)
 MU_S = Parameter("mu_s", r"\mu_s", "1", 0.4, "coefficient of static friction", "3.9", minimum=0.0)
+
+
+def force(slip: Slip, p: Mapping[str, Any]) -> Any:
+    """F_T in N (thesis 3.5)."""
+    return slip.sign * p["mu_k"] * slip.N
+
+
+def average(slip: Slip, p: Mapping[str, Any], amplitude: Any, reversing: bool) -> Any:
+    """F_T in N averaged over a fast slip velocity of this amplitude (thesis 5.14).
+
+    The share of time in which slip is forward is arccos(-v/U)/pi, and
+    -1 + (2/pi) arccos(-v/U) = (2/pi) arcsin(v/U).
+    """
+    import sympy
+
+    if not reversing:
+        return force(slip, p)
+    return 2 / sympy.pi * sympy.asin(slip.v / amplitude) * p["mu_k"] * slip.N
+
 
 LAW = Law(
     name="coulomb",
@@ -20,6 +42,7 @@ LAW = Law(
     reference="thesis 3.5, 3.9",
     numerics_version=1,
     parameters=(MU_S, MU_K),
-    force=lambda slip, p: slip.sign * p["mu_k"] * slip.N,
+    force=force,
     capacity=lambda N, p: p["mu_s"] * N,
+    average=average,
 )

@@ -83,11 +83,14 @@ class Forcing:
     amplitude : parameter that switches it on (set to 0 in the "unexcited system")
     frequency : parameters -> angular frequency, rad/s
     meaning : one line
+    fast_velocity : parameters -> amplitude of the slip velocity, m/s, that the excitation alone
+        gives a free mass at a high frequency (thesis 5.12); None: its fast motion is not averaged
     """
 
     amplitude: str
     frequency: Callable[[Mapping[str, float]], float]
     meaning: str
+    fast_velocity: Callable[[Mapping[str, float]], float] | None = None
 
 
 @dataclass(frozen=True)
@@ -209,6 +212,10 @@ class Model:
             if parameters[forcing.amplitude] != 0.0:
                 return forcing
         return None
+
+    def averaged_forcing(self) -> Forcing | None:
+        """The excitation whose fast motion can be averaged out, if any."""
+        return next((f for f in self.forcings if f.fast_velocity is not None), None)
 
     def unexcited(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """The same parameters with every excitation switched off."""

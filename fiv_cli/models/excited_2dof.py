@@ -14,6 +14,7 @@ here: the averaged system is this one under the averaged friction law, without t
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi, sqrt
 from typing import Any
 
@@ -62,6 +63,16 @@ def equations(symbols: Any, options: Options) -> Equations:
     )
 
 
+def omega(parameters: Mapping[str, float]) -> float:
+    """Angular frequency of the tangential force, rad/s (5.5)."""
+    return parameters["R"] * sqrt(parameters["k1"] / parameters["m"])
+
+
+def fast_velocity(parameters: Mapping[str, float]) -> float:
+    """Amplitude of the fast slip velocity, m/s: omega_1 C_b of 5.12a and 5.14."""
+    return parameters["A_b"] / (parameters["m"] * omega(parameters))
+
+
 MODEL = Model(
     name="excited-2dof",
     title="mass on a belt with two inclined springs and a tangential excitation",
@@ -73,7 +84,5 @@ MODEL = Model(
     laws=("coulomb", "tanh of coulomb"),
     law_defaults={"mu_k": 0.4, "mu_s": "mu_k"},
     options=(inclined_springs.STATES_OF_MOTION,),
-    forcings=(
-        Forcing("A_b", lambda p: p["R"] * sqrt(p["k1"] / p["m"]), "tangential harmonic force"),
-    ),
+    forcings=(Forcing("A_b", omega, "tangential harmonic force", fast_velocity),),
 )

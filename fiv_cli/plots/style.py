@@ -41,6 +41,7 @@ CLASSES = {
     "not_computed": "#F2F2F2",
     "stable": SKY,
     "unstable": VERMILLION,
+    "neutral": GREY,
 }
 
 PANEL = (6.4, 4.2)  # inches
