@@ -260,7 +260,7 @@ def test_what_is_handed_on_is_plain_and_at_phase_zero() -> None:
 
 def test_without_an_equilibrium_there_is_no_start_from_it() -> None:
     found = respond(start=Start("a", "equilibrium", {"x": 1e-3}), v=0.0)
-    assert (found.status, found.reason) == ("failed", "no_equilibrium")
+    assert (found.status, found.reason) == ("failed", "no_drive")
 
 
 # --- equilibria and eigenvalues ------------------------------------------------------------------
@@ -286,7 +286,7 @@ def test_sliding_equilibria(law: str, changes: Any, expected: float) -> None:
 
 def test_a_drive_at_rest_has_no_sliding_equilibrium() -> None:
     found = analyse("belt-1dof", "coulomb", "equilibrium", v=0.0)
-    assert (found.status, found.reason) == ("failed", "no_equilibrium")
+    assert (found.status, found.reason) == ("failed", "no_drive")
 
 
 @pytest.mark.parametrize(

@@ -269,8 +269,10 @@ def _search(state: Sliding) -> Equilibria:
     found: list[Vector] = []
     _keep(found, _newton(state, np.zeros(n)))
     if found:
+        one = state.system.state_vector(dict.fromkeys(state.system.coordinates, 1.0))
+        reach = found[0] if np.any(found[0]) else one
         for factor in SPREAD:
-            near = _newton(state, factor * found[0], found)
+            near = _newton(state, factor * reach, found)
             _keep(found, None if near is None else _newton(state, near))
     return Equilibria(found, reason="" if found else _why_none(state))
 

@@ -1,4 +1,7 @@
-"""Sliding equilibria of the unexcited system (thesis 3.31, 6.18)."""
+"""Sliding equilibria of the unexcited system: all of them (thesis 3.31, 6.18, 7.12-7.17).
+
+How they are found, and when the set is certified to be complete, is told in ``equilibria.py``.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings, Start
+from fiv_cli.analyses.linear import SYSTEM
 
 if TYPE_CHECKING:
     from fiv_cli.dynamics.system import System
@@ -21,18 +25,26 @@ def run(
     solver: SolverSettings,
 ) -> Outcome:
     """Equilibria, contact forces there and what is left of the equations (residual)."""
-    from fiv_cli.analyses.common import equilibria, sliding
+    from fiv_cli.analyses.equilibria import all_equilibria
+    from fiv_cli.analyses.linearisation import sliding_system
 
-    state = sliding(system, parameters)
-    solutions = equilibria(state)
+    state = sliding_system(system, parameters, settings["system"])
+    found = all_equilibria(state)
+    solutions = found.states
+    counts: dict[str, Any] = {
+        "n_solutions": len(solutions),
+        "n_pulling": found.pulling,
+        "complete": "certified" if found.certified else "not_certified",
+    }
+    counts |= {} if found.n_complex is None else {"n_complex": found.n_complex}
     if not solutions:
-        return Outcome(status="failed", reason="no_equilibrium", values={"n_solutions": 0})
+        return Outcome(status="failed", reason=found.reason, values=counts)
     forces = np.array([state.contact_forces(y) for y in solutions])
     m = len(system.coordinates)
     return Outcome(
-        values={
+        values=counts
+        | {
             "equilibrium": np.array([y[:m] for y in solutions]),
-            "n_solutions": len(solutions),
             "F_N": _per_contact(forces[:, :, 0]),
             "F_T": _per_contact(forces[:, :, 1]),
             "residual": np.array([np.max(np.abs(state.rates(y))) for y in solutions]),
@@ -46,5 +58,10 @@ def _per_contact(values: Any) -> Any:
 
 
 ANALYSIS = Analysis(
-    "equilibrium", "sliding equilibria of the unexcited system", (), False, run, linear=True
+    "equilibrium",
+    "sliding equilibria of the unexcited system",
+    (SYSTEM,),
+    False,
+    run,
+    linear=True,
 )

@@ -74,14 +74,28 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
         )
         if key not in seen:
             seen.add(key)
-            _load(_system(request, announce))
+            for system in _systems(request, announce):
+                _load(system, request.parameters)
 
 
-def _load(system: System) -> None:
+def _systems(request: Request, announce: Callable[[str], None]) -> list[System]:
+    """The compiled systems that a request needs: its own and, on demand, the averaged ones."""
+    own = _system(request, announce)
+    if request.settings.get("system") != "averaged":
+        return [own]
+    from fiv_cli.analyses.averaging import averaged_system
+
+    averages = [averaged_system(own, request.parameters, r, announce) for r in (False, True)]
+    return [own, *averages]
+
+
+def _load(system: System, parameters: Mapping[str, float]) -> None:
     """Bring machine code into memory, so that no point's time contains it."""
     from fiv_cli.analyses import recording, steady_state  # noqa: F401
+    from fiv_cli.analyses.equilibria import statics_of
 
     _ = system.tables, system.tangent_table
+    statics_of(system, parameters)
 
 
 def _system(request: Request, announce: Callable[[str], None] = lambda sentence: None) -> System:

@@ -1,0 +1,193 @@
+"""Sliding equilibria: every real one, counted, ordered, and a reason where there is none."""
+
+from __future__ import annotations
+
+from math import asin, pi
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import analyse, defaults, system
+
+from fiv_cli.analyses.equilibria import all_equilibria, equilibria, sliding
+from fiv_cli.data.flags import reason_code
+from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter, State
+
+# Thesis 6.4.2.1: mu_k, then x1, y1, x2, y2, phi. At 1.4 the thesis prints x1 with a minus sign,
+# which no root of 6.18 has.
+PRINTED = (
+    (0.3, (-0.0042, -0.0304, -0.0036, -0.0061, -0.0001)),
+    (1.4, (+0.0053, -0.0263, -0.0147, -0.0053, 0.0026)),
+    (2.5, (0.0124, -0.0233, -0.0232, -0.0046, 0.0041)),
+)
+# Eigenvalues of the coupled modes, with the decimals that the thesis prints of each part.
+EIGENVALUES = (
+    (0.3, (((-0.05, 2), (100.0, 0)), ((-0.04, 2), (89.4, 1)))),
+    (1.4, (((-0.05, 2), (98.7, 1)), ((-0.048, 3), (93.7, 1)))),
+    (2.5, (((11.98, 2), (102.6, 1)), ((-12.08, 2), (102.6, 1)))),
+)
+
+
+def found_at(model: str | Model, options: dict[str, str] | None = None, **changes: float) -> Any:
+    """The equilibria under Coulomb friction, and the sliding system."""
+    state = sliding(system(model, options=options), defaults(model, "coulomb", **changes))
+    return all_equilibria(state), state
+
+
+@pytest.mark.parametrize(("mu_k", "printed"), PRINTED)
+def test_printed_equilibria_of_the_five_degrees_of_freedom(
+    mu_k: float, printed: tuple[float, ...]
+) -> None:
+    found, state = found_at("belt-5dof", mu_k=mu_k)
+    assert len(found.states) == 1 and found.certified
+    assert tuple(np.round(found.states[0][:5], 4)) == printed
+    assert np.max(np.abs(state.rates(found.states[0]))) < 1e-12 * 200.0  # of the preload, N
+
+
+@pytest.mark.parametrize(("mu_k", "printed"), EIGENVALUES)
+def test_printed_eigenvalues_of_the_coupled_modes(mu_k: float, printed: Any) -> None:
+    found, state = found_at("belt-5dof", mu_k=mu_k)
+    values = np.linalg.eigvals(state.jacobian(found.states[0]))
+    for (real, real_digits), (imaginary, imaginary_digits) in printed:
+        same = np.round(values.real, real_digits) == real
+        assert np.any(same & (np.round(values.imag, imaginary_digits) == imaginary))
+
+
+def test_one_real_and_a_conjugate_pair_without_the_cubic_spring() -> None:
+    """What the thesis says of k_nl = 1e4 holds for k_nl = 0; the cubic spring adds three pairs."""
+    linear, _ = found_at("belt-5dof", mu_k=1.4, k_nl=0.0)
+    cubic, _ = found_at("belt-5dof", mu_k=1.4)
+    assert (len(linear.states), linear.n_complex) == (1, 2)
+    assert (len(cubic.states), cubic.n_complex) == (1, 8)
+
+
+def test_three_equilibria_of_the_pin_in_closed_form() -> None:
+    """Without k1 and friction, with b0 = l2: phi (1 - phi) (1 - phi/2) = 0, s = b0 k3/(k2 + k3)
+    (phi^2/2 - phi), c0 theta = s - b0 phi^2/2."""
+    found, state = found_at("pin-on-disc", k1=0.0, mu_k=0.0)
+    phi = np.array([y[0] for y in found.states])
+    theta = np.array([y[1] for y in found.states])
+    np.testing.assert_allclose(phi, [0.0, 1.0, 2.0], atol=1e-13)
+    s = 0.1 / 2 * (phi**2 / 2 - phi)
+    np.testing.assert_allclose(theta, s / 0.1 - phi**2 / 2, atol=1e-13)
+    normal = [state.contact_forces(y)[0, 0] for y in found.states]
+    np.testing.assert_allclose(normal, 30.0 - 1000.0 * s, rtol=1e-13)
+    assert found.certified and found.n_complex == 0
+
+
+def test_the_first_equilibrium_grows_out_of_no_load() -> None:
+    """A little friction moves the first of three equilibria a little, whatever the others do."""
+    first = [found_at("pin-on-disc", k1=0.0, mu_k=mu)[0].states[0] for mu in (0.0, 1e-6)]
+    assert 0.0 < np.max(np.abs(first[1] - first[0])) < 1e-5
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_real_solution_is_missed_by_the_polynomial(seed: int) -> None:
+    """At random parameters it finds whatever Newton's iteration finds from random starts."""
+    from fiv_cli.analyses.equilibria import _newton
+
+    rng = np.random.default_rng(seed)
+    factors = {name: rng.uniform(0.3, 3.0) for name in ("k1", "k2", "k3", "c0", "N0", "mu_k")}
+    changes = {n: f * defaults("pin-on-disc", "coulomb")[n] for n, f in factors.items()}
+    changes["k1"] *= 0.02  # so that there are often three
+    found, state = found_at("pin-on-disc", **changes)
+    assert found.certified
+    n_real = len(found.states) + found.pulling
+    assert n_real + found.n_complex == 3
+    seen: list[Any] = []
+    for _ in range(30):
+        start = np.append(rng.uniform(-4.0, 4.0, 2), (0.0, 0.0))
+        solution = _newton(state, start)
+        if solution is not None and not any(np.allclose(solution, y, rtol=1e-6) for y in seen):
+            seen.append(solution)
+    assert 1 <= len(seen) <= n_real
+    held = [y for y in seen if state.contact_forces(y)[0, 0] >= 0.0]
+    assert all(any(np.allclose(y, z, rtol=1e-9) for z in found.states) for y in held)
+
+
+@pytest.mark.parametrize("slope_force", ["omit", "include"])
+@pytest.mark.parametrize("mu_k", [0.1, 1.4, 2.9])
+def test_a_stiff_contact_leaves_one_equilibrium(slope_force: str, mu_k: float) -> None:
+    found, state = found_at(
+        "belt-5dof", {"slope_force": slope_force}, mu_k=mu_k, k_nl=1e7, F=1000.0
+    )
+    assert found.certified and len(found.states) == 1
+    assert np.max(np.abs(state.rates(found.states[0]))) < 1e-12 * 1000.0
+
+
+# --- why there is none ----------------------------------------------------------------------------
+def test_a_contact_that_would_have_to_pull_keeps_a_solution_out() -> None:
+    """An upward preload is held by a bilateral contact only."""
+    for options, reason in (({"states": "all"}, "contact_would_pull"), ({"states": "slip"}, "")):
+        found, state = found_at("belt-5dof", options, F=-1.0)
+        assert found.reason == reason
+        assert (len(found.states), found.pulling) == ((0, 1) if reason else (1, 0))
+        assert all(state.contact_forces(y)[0, 0] < 0.0 for y in found.states)
+    assert reason_code("contact_would_pull")
+
+
+@pytest.mark.parametrize("changes", [{"k4": 0.0}, {"k1": 0.0, "k3": 0.0}, {"k5": 0.0, "k6": 0.0}])
+def test_what_nothing_holds_has_no_equilibrium(changes: dict[str, float]) -> None:
+    found, _ = found_at("belt-5dof", **changes)
+    assert not found.states and found.reason == "singular_equilibrium"
+
+
+def test_a_drive_at_standstill_slides_nothing() -> None:
+    found, state = found_at("belt-1dof", v=0.0)
+    assert found.reason == "no_drive" and equilibria(state) == []
+
+
+# --- where no polynomial exists -------------------------------------------------------------------
+def _pendulum(symbols: Any, options: Options) -> Equations:
+    """m x'' = F_T - k sin x."""
+    import sympy
+
+    p, x, x_dot = symbols.parameter, symbols.coordinate("x"), symbols.velocity("x")
+    force = symbols.tangential_force(0) - p("k") * sympy.sin(x)
+    return Equations(
+        accelerations={"x": force / p("m")},
+        contacts=(Contact(p("v") - x_dot, "x", normal_force=p("N")),),
+        kinetic_energy=p("m") * x_dot**2 / 2,
+        potential_energy=-p("k") * sympy.cos(x),
+    )
+
+
+PENDULUM = Model(
+    name="belt-pendulum",
+    title="pendulum on a belt",
+    reference="test suite",
+    numerics_version=1,
+    parameters=tuple(
+        Parameter(n, n, "1", v, n) for n, v in {"m": 1.0, "k": 1.0, "N": 1.0, "v": 1.0}.items()
+    ),
+    states=lambda options: (State("x", "x", "rad", "x"),),
+    equations=_pendulum,
+    laws=("coulomb",),
+    law_defaults={},
+)
+
+
+def test_elsewhere_several_are_found_and_none_is_certified() -> None:
+    """sin x = mu N / k: the first from zero, others further away, no claim to be complete."""
+    found, _ = found_at(PENDULUM, mu_k=0.5, mu_s=0.6)
+    angles = [y[0] for y in found.states]
+    assert angles[0] == pytest.approx(asin(0.5), rel=1e-13)
+    assert len(angles) > 1 and not found.certified and found.n_complex is None
+    np.testing.assert_allclose(np.sin(angles), 0.5, atol=1e-12)
+    assert min(abs(angle - (pi - asin(0.5))) for angle in angles) < 1e-9
+
+
+# --- the analysis ---------------------------------------------------------------------------------
+def test_the_analysis_counts_and_flags() -> None:
+    found = analyse("pin-on-disc", "coulomb", "equilibrium", k1=0.0, mu_k=0.0)
+    values = found.values
+    assert (values["n_solutions"], values["n_pulling"], values["n_complex"]) == (3, 0, 0)
+    assert values["complete"] == "certified"
+    assert values["equilibrium"].shape == (3, 2) and values["F_N"].shape == (3,)
+    assert np.all(values["residual"] < 1e-9)
+
+
+def test_the_analysis_says_why_there_is_none() -> None:
+    found = analyse("belt-5dof", "coulomb", "equilibrium", F=-1.0)
+    assert (found.status, found.reason) == ("failed", "contact_would_pull")
+    assert (found.values["n_solutions"], found.values["n_pulling"]) == (0, 1)
