@@ -152,6 +152,57 @@ def cheap(request: Request) -> Outcome:
     )
 
 
+def region(request: Request) -> Outcome:
+    """Periodic within an ellipse of (N, v) that depends on the start, equilibrium outside."""
+    p, start = request.parameters, request.start
+    far = start is not None and start.kind == "state"
+    inside = ((p["N"] - 4.0) / 3.0) ** 2 + ((p["v"] - 2.0) / (1.5 if far else 0.8)) ** 2 < 1.0
+    return Outcome(values={"attractor": "periodic" if inside else "equilibrium", "L_s": p["N"]})
+
+
+def region_counted(request: Request) -> Outcome:
+    """`region`, leaving one line per run in the file that FIV_TEST_COUNT names."""
+    with Path(os.environ["FIV_TEST_COUNT"]).open("a") as file:
+        file.write(f"{request.parameters['N']!r} {request.parameters['v']!r}\n")
+    return region(request)
+
+
+def region_raising(request: Request) -> Outcome:
+    """`region`, raising at one point of the border's neighbourhood."""
+    if request.parameters["N"] == 7.0 and request.parameters["v"] == 2.0:
+        raise ValueError("N is seven")
+    return region(request)
+
+
+def two_islands(request: Request) -> Outcome:
+    """`region` with a small chaotic island that coarse points miss."""
+    p = request.parameters
+    island = abs(p["N"] - 1.5) < 0.4 and abs(p["v"] - 0.5) < 0.2
+    return Outcome(values={"attractor": "chaotic"}) if island else region(request)
+
+
+REFINED = """
+schema = 1
+title = "refined map"
+[model]
+name = "belt-1dof"
+[grid]
+N = { start = 1, stop = 9, num = 9 }
+v = { start = 0.25, stop = 4.25, num = 5 }
+[sweep]
+refine = { levels = 3, of = "attractor" }
+[[initial]]
+label = "near"
+kind = "equilibrium"
+offset = { x = 1e-4 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { x_dot = "v" }
+[[analysis]]
+kind = "response"
+"""
+
 MILLION = """
 schema = 1
 [model]

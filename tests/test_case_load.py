@@ -420,7 +420,7 @@ class TestBadInput:
         ("lines", "path", "fragment"),
         [
             (["[schedule]", "v = 1"], "schedule", "unknown table"),
-            (["[sweep]", "refine = { levels = 5 }"], "sweep.refine", "unknown key"),
+            (["[sweep]", "refine = { levels = 5 }"], "sweep.refine", "no numeric axis"),
             (["[solver]", "rtoll = 1e-9"], "solver.rtoll", "unknown key"),
             (["[solver]", "rtol = 1"], "solver.rtol", "out of range"),
             (["[solver]", 'method = "euler"'], "solver.method", "not allowed"),

@@ -7,9 +7,11 @@ ones in forty decimal digits: every value is the double nearest to the decimal m
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from decimal import Context, Decimal
 from fractions import Fraction
+from itertools import pairwise
 from math import floor, lcm
 
 # Values of one axis are held in memory; more of them than this is a mistake or several axes.
@@ -37,6 +39,10 @@ class Span:
     def values(self) -> list[float]:
         """The values, each the nearest double."""
         return self._logarithmic() if self.logarithmic else self._linear()
+
+    def halved(self, times: int) -> Span:
+        """The same stretch with the spacing halved so often; its values stay among the new ones."""
+        return replace(self, count=(self.count - 1) * 2**times + 1)
 
     def _linear(self) -> list[float]:
         gaps = max(self.count - 1, 1)
@@ -76,6 +82,19 @@ def span_by_count(start: Fraction, stop: Fraction, num: int, scale: str) -> Span
     if scale == "log" and start <= 0:
         raise AxisError(f"a logarithmic axis starts above 0, not at {float(start):g}", "start")
     return Span(start, stop, num, logarithmic=scale == "log")
+
+
+def span_of_list(values: Sequence[Fraction]) -> Span:
+    """The axis of which these are the values; AxisError when they do not rise evenly."""
+    first, last, gaps = values[0], values[-1], max(len(values) - 1, 1)
+    rising = all(low < high for low, high in pairwise(values))
+    linear = all(value == first + (last - first) * i / gaps for i, value in enumerate(values))
+    constant = first > 0 and all(
+        high * values[0] == low * values[min(1, gaps)] for low, high in pairwise(values)
+    )
+    if not rising or not (linear or constant):
+        raise AxisError("its values do not rise evenly")
+    return Span(first, last, len(values), logarithmic=not linear)
 
 
 def _check_order(start: Fraction, stop: Fraction) -> None:

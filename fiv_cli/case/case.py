@@ -33,6 +33,26 @@ class Axis:
 
 
 @dataclass(frozen=True)
+class Refinement:
+    """How a coarse grid is halved along the borders of a class.
+
+    Attributes
+    ----------
+    levels : how often
+    of : variable that holds the class
+    axes : names of the axes that are halved; those of the case hold the finest lattice
+    sample : points of each map that are run although their class was filled in
+    seed : seed of the sample
+    """
+
+    levels: int
+    of: str
+    axes: tuple[str, ...]
+    sample: int
+    seed: int
+
+
+@dataclass(frozen=True)
 class StartSpec:
     """One ``[[initial]]`` table.
 
@@ -109,6 +129,7 @@ class Case:
     explicit : names of the parameters that the case itself gives
     axes : the grid, in order
     zips : groups of axis names that advance together
+    refinement : None: every point of the grid is run
     """
 
     source: str
@@ -129,6 +150,7 @@ class Case:
     figures: tuple[FigureSpec, ...]
     claims: tuple[ClaimSpec, ...]
     solver: SolverSettings
+    refinement: Refinement | None = None
 
     def axis(self, name: str) -> Axis:
         """The axis called `name`; KeyError when there is none."""

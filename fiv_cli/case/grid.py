@@ -6,12 +6,13 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import Any
+from typing import Any, NamedTuple
 
 from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Span, span_by_count, span_by_step
-from fiv_cli.case.case import Axis
+from fiv_cli.case.case import Axis, Refinement
 from fiv_cli.case.names import ascii_name, listed, suggest
 from fiv_cli.case.physics import Physics, allowed, check_range, law_names, resolve_law
+from fiv_cli.case.refinement import halved, read_refinement
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import RangeTable, SweepTable, check_quantity, describe
 from fiv_cli.case.tables import read_table
@@ -34,19 +35,29 @@ class Candidate:
     allowed: str = ""
 
 
-def read_grid(
-    raw: Mapping[str, Any], physics: Physics, report: Report
-) -> tuple[tuple[Axis, ...], tuple[tuple[str, ...], ...]]:
-    """The axes in order and the groups that advance together."""
+class Grid(NamedTuple):
+    """The axes in order, the groups that advance together, and what is refined."""
+
+    axes: tuple[Axis, ...] = ()
+    zips: tuple[tuple[str, ...], ...] = ()
+    refinement: Refinement | None = None
+
+
+def read_grid(raw: Mapping[str, Any], physics: Physics, report: Report) -> Grid:
+    """The grid; axes that are refined hold their finest lattice."""
     counted = _candidates(raw.get("grid", {}), physics, report)
-    zips = _zips(raw, [candidate.name for candidate, _ in counted], report)
+    table = read_table(SweepTable, raw.get("sweep", {}), ("sweep",), report)
+    zips = _zips(table, [candidate.name for candidate, _ in counted], report)
+    refinement = read_refinement(table, counted, zips, report)
+    if refinement is not None:
+        counted = halved(counted, refinement, report)
     if not _few_enough(counted, zips, report):
-        return tuple(Axis(c.name, c.kind, ()) for c, _ in counted), zips
+        return Grid(tuple(Axis(c.name, c.kind, ()) for c, _ in counted), zips)
     zipped = {name for group in zips for name in group}
     axes = tuple(_axis(c, form, c.name in zipped, report) for c, form in counted)
     if all(axis.values for axis in axes):
         _check_zip_lengths(axes, zips, report)
-    return axes, zips
+    return Grid(axes, zips, refinement)
 
 
 def _candidates(
@@ -279,10 +290,9 @@ def _refuse_repeats(candidate: Candidate, values: Sequence[Any], report: Report)
 
 
 def _zips(
-    raw: Mapping[str, Any], names: Sequence[str], report: Report
+    table: SweepTable | None, names: Sequence[str], report: Report
 ) -> tuple[tuple[str, ...], ...]:
     """The groups of ``[sweep] zip`` that are sound."""
-    table = read_table(SweepTable, raw.get("sweep", {}), ("sweep",), report)
     groups = [] if table is None else table.zip
     sound: list[tuple[str, ...]] = []
     taken: set[str] = set()

@@ -11,11 +11,12 @@ from typing import Any
 from fiv_cli.analyses import get_analysis
 from fiv_cli.case.analysis import read_analyses
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
-from fiv_cli.case.grid import MOST_POINTS, count_points, read_grid, refuse_fixed_axes
+from fiv_cli.case.grid import MOST_POINTS, Grid, count_points, read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
 from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.physics import Physics, read_physics
+from fiv_cli.case.refinement import refuse_chains
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import Answers, read_claims, read_figures
 from fiv_cli.case.solver import read_solver
@@ -107,7 +108,8 @@ def _build(
     """The case, as far as it can be understood; every problem goes to `report`."""
     header = _header(raw, report)
     physics = read_physics(raw, report)
-    axes, zips = ((), ()) if physics is None else read_grid(raw, physics, report)
+    grid = Grid() if physics is None else read_grid(raw, physics, report)
+    axes, zips = grid.axes, grid.zips
     refuse_fixed_axes(raw, axes, report)
     analyses = read_analyses(raw, physics, axes, report)
     starts = () if physics is None else read_starts(raw, physics, axes, report)
@@ -117,6 +119,7 @@ def _build(
     if physics is None or header is None:
         return None
     _refuse_unused_start_axes(axes, analyses, report)
+    refuse_chains(grid.refinement, starts, report)
     _refuse_too_many_runs(axes, zips, starts, report)
     parameters = _fixed_parameters(physics, axes)
     case = Case(
@@ -138,6 +141,7 @@ def _build(
         figures=figures,
         claims=claims,
         solver=solver,
+        refinement=grid.refinement,
     )
     _refuse_rising_friction(case, physics, raw, report)
     return case

@@ -127,10 +127,27 @@ class RangeTable(Table):
     scale: Literal["linear", "log"] = Field(default="linear", description="spacing, with num")
 
 
+class RefineTable(Table):
+    """How a grid is halved along the borders of a class."""
+
+    placeholders: ClassVar[Mapping[str, Any]] = {"levels": 1}
+
+    levels: int = Field(description="how often the spacing of the grid is halved")
+    of: str = Field(default="attractor", description="class whose borders are followed")
+    along: list[str] | None = Field(
+        default=None, description="axes that are halved; default: all numeric ones, zips left out"
+    )
+    sample: int = Field(default=100, description="filled points of each map that are run as well")
+    seed: int = Field(default=0, description="seed of the sample")
+
+
 class SweepTable(Table):
-    """How axes combine."""
+    """How axes combine, and which of their points are run."""
 
     zip: list[list[str]] = Field(default=[], description="groups of axes that advance together")
+    refine: RefineTable | None = Field(
+        default=None, description="[grid] is coarse, and halved along the borders of a class only"
+    )
 
 
 class InitialTable(Table):

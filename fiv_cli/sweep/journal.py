@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.data.assemble import Placed
-from fiv_cli.data.block import KEY_BYTES, Block
-from fiv_cli.data.flags import REASONS, STATUS, retried_codes
+from fiv_cli.data.block import KEY_BYTES, Block, fill_value
+from fiv_cli.data.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
+from fiv_cli.sweep.refine import Stage
 from fiv_cli.sweep.worker import ChainState
 
 Positions = NDArray[np.int64]
@@ -40,20 +41,29 @@ class Record:
     Attributes
     ----------
     status, reason : (size,) codes; pending where nothing is stored
+    ran : (size,) points run now; one that failed is tried again in another run, not in this one
     shards : files and the positions of their rows (-1: not a point of this plan), in order
     states : position -> state of the chain after that point
+    classes : (size,) values of the class that the analysis is refined along; None: it is not
     """
 
     status: NDArray[np.int8]
     reason: NDArray[np.int8]
+    ran: NDArray[np.bool_]
     shards: list[tuple[Path, Positions]] = field(default_factory=list)
     states: dict[int, ChainState] = field(default_factory=dict)
+    classes: NDArray[np.int32] | None = None
 
     def done(self) -> NDArray[np.bool_]:
         """Which points need not be run again."""
         retried = np.isin(self.reason, list(retried_codes()))
+        provisional = retried & np.isin(self.status, _PROVISIONAL) & ~self.ran
+        return self.stored() & ~provisional
+
+    def stored(self) -> NDArray[np.bool_]:
+        """Which points have a result, a failed one included."""
         stored: NDArray[np.bool_] = self.status != PENDING
-        return stored & ~(retried & np.isin(self.status, _PROVISIONAL))
+        return stored
 
 
 class Journal:
@@ -104,6 +114,7 @@ class Journal:
         write_shard(path, block, self.plan.analyses[index].layout.name)
         self._next += 1
         self._register(index, path, positions, block)
+        self.records[index].ran[positions] = True
 
     def _register(self, index: int, path: Path, positions: Positions, block: Block) -> None:
         record = self.records[index]
@@ -111,15 +122,49 @@ class Journal:
         record.shards.append((path, positions))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
+        if record.classes is not None:
+            record.classes[positions[placed]] = self._classes(index, block)[placed]
         for row, state in block.carries.items():
             if placed[row]:
                 record.states[int(positions[row])] = ChainState(**state)
 
+    def _classes(self, index: int, block: Block) -> NDArray[Any]:
+        """The class of each row of a block by which its analysis is refined."""
+        analysis = self.plan.analyses[index]
+        assert analysis.maps is not None
+        name = analysis.maps.refinement.of
+        fill = fill_value(next(v for v in analysis.layout.variables if v.name == name))
+        return block.values.get(name, np.full(len(block), fill))
+
+    def stage(self, index: int) -> Stage | None:
+        """How far a refined analysis has come; None for one of which every point is run."""
+        maps, record = self.plan.analyses[index].maps, self.records[index]
+        if maps is None or record.classes is None:
+            return None
+        return maps.stage(record.classes, record.stored())
+
+    def wanted(self, index: int) -> NDArray[np.bool_]:
+        """Points of an analysis that are to be run, as far as is known, and those that were."""
+        stage = self.stage(index)
+        return np.ones(self.plan.analyses[index].size, bool) if stage is None else stage.wanted
+
+    def statuses(self, index: int) -> NDArray[np.int8]:
+        """Status of every point whose turn has come, (any number,); what is filled in included."""
+        stage, status = self.stage(index), self.records[index].status
+        if stage is None:
+            return status
+        filled = np.full(np.count_nonzero(stage.filled), STATUS.codes[NOT_COMPUTED], np.int8)
+        return np.concatenate([status[stage.wanted], filled])
+
     def blocks(self, index: int) -> Iterator[Placed]:
-        """The stored blocks of an analysis with the positions of their rows, in order."""
+        """The stored blocks of an analysis with the positions of their rows, in order.
+
+        What a refined analysis did not ask for (of a full grid that was run before) is left out.
+        """
+        wanted = self.wanted(index)
         for path, positions in self.records[index].shards:
             block, _ = read_shard(path)
-            yield positions, block
+            yield np.where((positions >= 0) & wanted[positions], positions, -1), block
 
     def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
         """(position, what) of failed points for different reasons, at most `limit`."""
@@ -176,7 +221,10 @@ def _as_bytes(keys: NDArray[np.uint8]) -> NDArray[Any]:
 
 
 def _empty_record(analysis: AnalysisPlan) -> Record:
-    return Record(np.full(analysis.size, PENDING, np.int8), np.zeros(analysis.size, np.int8))
+    size = analysis.size
+    classes = None if analysis.maps is None else np.zeros(size, np.int32)
+    status, reason = np.full(size, PENDING, np.int8), np.zeros(size, np.int8)
+    return Record(status, reason, np.zeros(size, bool), classes=classes)
 
 
 def stored_identity(folder: Path) -> dict[str, Any] | None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,13 @@ from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
+from fiv_cli.case.lines import locate
+from fiv_cli.case.names import listed, suggest
+from fiv_cli.case.report import dotted
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
+from fiv_cli.data.variables import Variable
+from fiv_cli.errors import CaseError, Problem
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
@@ -34,8 +40,12 @@ from fiv_cli.sweep.points import (
     point_key,
     request_at,
 )
+from fiv_cli.sweep.refine import Maps, maps_of
 
 Positions = NDArray[np.int64]
+
+WORK = ("n_steps", "n_events")
+"""Counts that say how an answer was reached; no borders run between them."""
 
 
 @dataclass(frozen=True)
@@ -54,10 +64,17 @@ class ChainSet:
 
 @dataclass(frozen=True)
 class AnalysisPlan:
-    """The points of one analysis."""
+    """The points of one analysis.
+
+    Attributes
+    ----------
+    template, layout : what the points share, and how they lie
+    maps : the points as maps of which only the borders are run; None: every point is run
+    """
 
     template: Template
     layout: Layout
+    maps: Maps | None = None
 
     @property
     def size(self) -> int:
@@ -199,7 +216,34 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
         dims=dims,
         labels=None if entries is None else tuple(entry.label for entry in entries),
     )
-    return AnalysisPlan(_template(case, spec, dims, entries), layout)
+    return AnalysisPlan(_template(case, spec, dims, entries), layout, _maps(case, layout))
+
+
+def _maps(case: Case, layout: Layout) -> Maps | None:
+    """The maps of a refined analysis; None where every point is run.
+
+    Raises
+    ------
+    CaseError
+        the analysis has no such class.
+    """
+    if case.refinement is None:
+        return None
+    classes = [v.name for v in layout.variables if _is_class(v)]
+    if case.refinement.of not in classes:
+        message = f"the analysis {layout.name!r} has no class {case.refinement.of!r}"
+        place = ("sweep", "refine", "of")
+        hint = suggest(case.refinement.of, classes)
+        line = locate(case.text).get(place)
+        problem = Problem(dotted(place), message, listed(classes), hint, line)
+        raise CaseError(case.source, [problem])
+    return maps_of(layout, case.refinement)
+
+
+def _is_class(variable: Variable) -> bool:
+    """Whether a variable has one of a few values at each point."""
+    counted = variable.kind in ("flag", "int") and not variable.dims and not variable.ragged
+    return counted and variable.name not in ("status", "reason", *WORK)
 
 
 def _template(
@@ -294,6 +338,8 @@ def _described(analysis: AnalysisPlan) -> list[str]:
     lines = [f"  {title}: {counted(layout.size)} ({grid})"]
     for dim in layout.dims:
         lines.extend(f"    {_axis_text(axis)}" for axis in dim.axes)
+    if analysis.maps is not None:
+        lines.append(f"    {_refined_text(analysis.maps, layout)}")
     for chains in analysis.chain_sets():
         entry = analysis.template.entries[chains.entry]
         assert entry is not None
@@ -306,6 +352,17 @@ def _described(analysis: AnalysisPlan) -> list[str]:
     if excluded:
         lines.append(f"    {excluded} points with mu_k > mu_s will not be computed")
     return lines
+
+
+def _refined_text(maps: Maps, layout: Layout) -> str:
+    """What is run of a refined analysis, as far as a plan can tell."""
+    coarse = " x ".join(f"{dim} {size}" for dim, size in maps.coarse.items())
+    least = len(maps.numbers) * prod(maps.coarse.values())
+    halved = counted(maps.refinement.levels, "time")
+    return (
+        f"{coarse} halved {halved} along the borders of {maps.refinement.of}: "
+        f"{least} to {layout.size} points are run, the class of the others is filled in"
+    )
 
 
 def counted(count: int, noun: str = "point") -> str:

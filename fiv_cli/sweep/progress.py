@@ -23,6 +23,9 @@ class Progress(Protocol):
     def advance(self, points: int, failed: int) -> None:
         """So many more points are done; so many of them failed."""
 
+    def more(self, points: int) -> None:
+        """So many points more are to be run: what was found asks for them."""
+
     def note(self, text: str) -> None:
         """Something worth a line."""
 
@@ -37,6 +40,9 @@ class Silent:
         """Nothing."""
 
     def advance(self, points: int, failed: int) -> None:
+        """Nothing."""
+
+    def more(self, points: int) -> None:
         """Nothing."""
 
     def note(self, text: str) -> None:
@@ -72,6 +78,11 @@ class Lines:
             self._last = self._clock()
             self._write(f"{self._done} of {self._total} points done, {self._failed} failed")
 
+    def more(self, points: int) -> None:
+        """Count them in, and say so when it is time."""
+        self._total += points
+        self.advance(0, 0)
+
     def note(self, text: str) -> None:
         """Write a line."""
         self._write(text)
@@ -97,10 +108,11 @@ class Bar:
             transient=True,
         )
         self._task: Any = None
-        self._failed = 0
+        self._failed = self._total = 0
 
     def begin(self, total: int, done: int) -> None:
         """Show the bar."""
+        self._total = total
         self._task = self._bar.add_task("points", total=total, completed=done)
         self._bar.start()
 
@@ -109,6 +121,11 @@ class Bar:
         self._failed += failed
         text = f"points ({self._failed} failed)" if self._failed else "points"
         self._bar.update(self._task, advance=points, description=text)
+
+    def more(self, points: int) -> None:
+        """Lengthen the bar."""
+        self._total += points
+        self._bar.update(self._task, total=self._total)
 
     def note(self, text: str) -> None:
         """A line above the bar."""

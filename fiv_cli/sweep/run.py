@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from fiv_cli.data.assemble import assemble
 from fiv_cli.data.flags import STATUS
 from fiv_cli.data.netcdf import write_datasets
 from fiv_cli.data.provenance import provenance
+from fiv_cli.data.refined import described, fill_in, refinement_attributes
 from fiv_cli.errors import StoreMismatchError
 from fiv_cli.sweep import journal as store
 from fiv_cli.sweep.journal import Journal
@@ -27,6 +29,9 @@ from fiv_cli.sweep.plan import AnalysisPlan, Plan, counted, make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.scheduler import Scheduler
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SHOWN_ERRORS = 3
 
@@ -42,6 +47,7 @@ class Summary:
     ran : points run now
     seconds : wall-clock time
     errors : (what, command that runs the point alone), the first distinct ones
+    refined : of each refined analysis, how many of its points were run
     ignored : shards that could not be used, and why
     """
 
@@ -50,6 +56,7 @@ class Summary:
     ran: int
     seconds: float
     errors: tuple[tuple[str, str], ...] = ()
+    refined: tuple[str, ...] = ()
     ignored: tuple[tuple[Path, str], ...] = ()
 
     @property
@@ -68,7 +75,7 @@ class Summary:
         )
         for what, command in self.errors:
             lines += [f"  {what}", f"    alone: {command}"]
-        return lines
+        return lines + [f"  {line}" for line in self.refined]
 
 
 def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Summary:
@@ -103,18 +110,56 @@ def write_dataset(journal: Journal, output: Path) -> None:
     """Assemble the dataset from the shards of a journal."""
     case = journal.plan.case
     datasets = {
-        analysis.layout.name: assemble(analysis.layout, partial(journal.blocks, index))
+        analysis.layout.name: _assembled(journal, index)
         for index, analysis in enumerate(journal.plan.analyses)
     }
     write_datasets(output, datasets, provenance(case, fingerprint(case)))
 
 
+def _assembled(journal: Journal, index: int) -> xr.Dataset:
+    """The dataset of one analysis, what its borders enclose filled in."""
+    dataset = assemble(journal.plan.analyses[index].layout, partial(journal.blocks, index))
+    stage, record = journal.stage(index), journal.records[index]
+    if stage is None or record.classes is None:
+        return dataset
+    refinement = _refinement(journal, index)
+    classes = np.where(stage.filled, stage.drawn, record.classes)
+    origins = stage.origins(record.classes, record.stored())
+    filled = fill_in(dataset, refinement["refined_of"], classes, origins)
+    return filled.assign_attrs(refinement)
+
+
+def _refinement(journal: Journal, index: int) -> dict[str, Any]:
+    """What there is to say of a refined analysis; nothing of any other."""
+    maps, stage = journal.plan.analyses[index].maps, journal.stage(index)
+    record = journal.records[index]
+    if maps is None or stage is None or record.classes is None:
+        return {}
+    origins = stage.origins(record.classes, record.stored())
+    of, levels = maps.refinement.of, maps.refinement.levels
+    return refinement_attributes(of, levels, maps.coarse, origins)
+
+
+def refinements(journal: Journal) -> list[str]:
+    """Of each refined analysis, in a line, how much of it was run."""
+    lines = []
+    for index, analysis in enumerate(journal.plan.analyses):
+        stage = journal.stage(index)
+        if stage is not None and stage.complete:
+            lines.append(f"{analysis.layout.name}: {described(_refinement(journal, index))}")
+        elif stage is not None and analysis.maps is not None:
+            levels = analysis.maps.refinement.levels
+            lines.append(f"{analysis.layout.name}: halved {stage.level} of {levels} times so far")
+    return lines
+
+
 def count_statuses(journal: Journal) -> dict[str, int]:
-    """Status -> number of points, over all analyses."""
+    """Status -> number of points, over all analyses, as far as is known what is to be run."""
     counts = dict.fromkeys(STATUS.codes, 0)
-    for record in journal.records:
+    for index in range(len(journal.records)):
+        statuses = journal.statuses(index)
         for status, code in STATUS.codes.items():
-            counts[status] += int(np.count_nonzero(record.status == code))
+            counts[status] += int(np.count_nonzero(statuses == code))
     return counts
 
 
@@ -181,6 +226,7 @@ def _summed_up(journal: Journal, output: Path, ran: int, seconds: float) -> Summ
         ran=ran,
         seconds=seconds,
         errors=tuple(_errors(journal)),
+        refined=tuple(refinements(journal)),
         ignored=tuple(journal.ignored),
     )
 

@@ -123,24 +123,38 @@ class Scheduler:
         StorageError
             a result cannot be stored; what is stored stays.
         """
-        queues = [
-            Queue(analysis, record, self.policy.executor, self.policy.time_limit)
-            for analysis, record in zip(
-                self.journal.plan.analyses, self.journal.records, strict=True
-            )
-        ]
+        indices = range(len(self.journal.plan.analyses))
+        queues = [self._queue(index) for index in indices]
         left = sum(queue.left for queue in queues)
-        total = self.journal.plan.size
+        total = sum(int(np.count_nonzero(self.journal.wanted(index))) for index in indices)
         self.progress.begin(total, max(0, total - left))
         try:
             if left:
                 self._prepare([i for i, queue in enumerate(queues) if queue.left])
             for index, queue in enumerate(queues):
-                self._drain(index, queue)
+                self._drain_and_refine(index, queue)
             ending.heed()
         finally:
             self._close()
             self.progress.end()
+
+    def _queue(self, index: int) -> Queue:
+        """What is left of one analysis, as far as is known."""
+        analysis = self.journal.plan.analyses[index]
+        wanted = None if analysis.maps is None else self.journal.wanted(index)
+        record, policy = self.journal.records[index], self.policy
+        return Queue(analysis, record, policy.executor, policy.time_limit, wanted)
+
+    def _drain_and_refine(self, index: int, queue: Queue) -> None:
+        """Run everything in one queue, then what its results ask for, until they ask no more."""
+        pace = Pace()
+        self._drain(index, queue, pace)
+        while self.journal.plan.analyses[index].maps is not None and not self._full():
+            queue = self._queue(index)
+            if not queue.left:
+                return
+            self.progress.more(queue.left)
+            self._drain(index, queue, pace)
 
     def _prepare(self, indices: list[int]) -> None:
         """Generate and compile before workers start, so that none does it twice."""
@@ -152,9 +166,8 @@ class Scheduler:
         requests = (request for i in indices for request in analyses[i].systems())
         prepare(requests, self.progress.note)
 
-    def _drain(self, index: int, queue: Queue) -> None:
+    def _drain(self, index: int, queue: Queue, pace: Pace) -> None:
         """Run everything in one queue, in this process or in workers."""
-        pace = Pace()
         self._held = None
         while (queue.left and not self._full()) or self._flights or self._holding():
             ending.heed()

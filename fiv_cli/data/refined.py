@@ -1,0 +1,91 @@
+"""The dataset of a refined analysis: classes filled in, and what says which points were run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fiv_cli.data.assemble import flag_attributes
+from fiv_cli.data.flags import COMPUTED, NOT_COMPUTED, STATUS, reason_code
+
+_SAMPLED = [COMPUTED.codes["sampled"], COMPUTED.codes["sampled_and_mislabelled"]]
+
+
+def fill_in(
+    dataset: xr.Dataset, of: str, classes: NDArray[Any], origins: NDArray[np.int8]
+) -> xr.Dataset:
+    """The dataset with the class of points that were not run.
+
+    Only that class is given; the status of such a point is ``not_computed``, its reason
+    ``filled_in``, and all numbers are missing.
+
+    Parameters
+    ----------
+    dataset : as assembled
+    of : the variable that holds the class
+    classes : (size,) class of each point
+    origins : (size,) codes of `flags.COMPUTED`
+    """
+    filled = (origins == COMPUTED.codes["filled_in"]).reshape(dataset["status"].shape)
+    found = dataset.copy()
+    for name, value in (
+        (of, classes.reshape(filled.shape)),
+        ("status", STATUS.codes[NOT_COMPUTED]),
+        ("reason", reason_code("filled_in")),
+    ):
+        known = dataset[name]
+        found[name] = known.copy(data=np.where(filled, value, known.values).astype(known.dtype))
+    found["computed"] = _computed(dataset, origins)
+    return found
+
+
+def _computed(dataset: xr.Dataset, origins: NDArray[np.int8]) -> xr.Variable:
+    attributes = {
+        "units": "1",
+        "long_name": "whether the point was run, or its class filled in from those around it",
+        "comment": "sampled: filled in first, then run all the same",
+        **flag_attributes("computed"),
+    }
+    return xr.Variable(dataset["status"].dims, origins.reshape(dataset["status"].shape), attributes)
+
+
+def refinement_attributes(
+    of: str, levels: int, coarse: Mapping[str, int], origins: NDArray[np.int8]
+) -> dict[str, Any]:
+    """What a reader must know of a refined dataset.
+
+    Parameters
+    ----------
+    coarse : dim -> points of the grid that was halved
+    """
+    tested = int(np.isin(origins, _SAMPLED).sum())
+    wrong = int((origins == COMPUTED.codes["sampled_and_mislabelled"]).sum())
+    attributes = {
+        "refined_of": of,
+        "refined_levels": levels,
+        "refined_from": ", ".join(f"{dim} {count}" for dim, count in coarse.items()),
+        "points_run": int((origins > 0).sum()),
+        "points_filled_in": int((origins == COMPUTED.codes["filled_in"]).sum()),
+        "sample_size": tested,
+        "sample_mislabelled": wrong,
+    }
+    return attributes | ({"mislabelled_share": wrong / tested} if tested else {})
+
+
+def described(attributes: Mapping[str, Any]) -> str:
+    """The attributes of a refined dataset in a sentence; empty for any other."""
+    if "refined_of" not in attributes:
+        return ""
+    run, filled = int(attributes["points_run"]), int(attributes["points_filled_in"])
+    tested, wrong = int(attributes["sample_size"]), int(attributes["sample_mislabelled"])
+    sampled = f"of {tested} filled in and run all the same, {wrong} mislabelled"
+    share = f" ({wrong / tested:.1%})" if tested else ""
+    return (
+        f"along the borders of {attributes['refined_of']}, {attributes['refined_from']} halved "
+        f"{attributes['refined_levels']} times: {run} of {run + filled} points run "
+        f"({run / max(run + filled, 1):.1%}); {sampled}{share}"
+    )

@@ -1,0 +1,126 @@
+"""A refined analysis: which points of its finest lattice are run, and what the others are given.
+
+Each start and each combination of the axes that are not halved is a map of its own, refined along
+its own borders (see `borders`). What decides is the stored results alone, and of these only the
+points that the refinement itself asks for: how often a run was interrupted, or what else the store
+holds, changes nothing. The points are those of the full grid, with the same keys, so a run of the
+full grid goes on from a refined one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.case.case import Refinement
+from fiv_cli.case.refinement import coarse_size
+from fiv_cli.data.flags import COMPUTED
+from fiv_cli.data.layout import Layout
+from fiv_cli.sweep.borders import draw, sample
+
+Mask = NDArray[np.bool_]
+Numbers = NDArray[np.int64]
+Classes = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """How far a refined analysis has come; all arrays by position.
+
+    Attributes
+    ----------
+    wanted : (size,) points to run, those that have been run included
+    sampled : (size,) those of them whose class was filled in before they were run
+    drawn : (size,) class of each point by the borders; valid when `complete`
+    complete : nothing more is to be run
+    level : how often every map is halved so far
+    """
+
+    wanted: Mask
+    sampled: Mask
+    drawn: Classes
+    complete: bool
+    level: int
+
+    @property
+    def filled(self) -> Mask:
+        """(size,) points that are given a class without a run; none before all is drawn."""
+        return ~self.wanted if self.complete else np.zeros_like(self.wanted)
+
+    def mislabelled(self, classes: Classes) -> Mask:
+        """(size,) points of the sample that turned out to be of another class."""
+        mask: Mask = self.sampled & (classes != self.drawn)
+        return mask
+
+    def origins(self, classes: Classes, known: Mask) -> NDArray[np.int8]:
+        """(size,) codes of `COMPUTED`: where the class of each point comes from."""
+        origins = np.full(self.wanted.shape, COMPUTED.fill_code, np.int8)
+        origins[self.filled] = COMPUTED.codes["filled_in"]
+        origins[self.wanted & known] = COMPUTED.codes["run"]
+        origins[self.sampled & known] = COMPUTED.codes["sampled"]
+        origins[self.mislabelled(classes) & known] = COMPUTED.codes["sampled_and_mislabelled"]
+        return origins
+
+
+@dataclass(frozen=True)
+class Maps:
+    """The points of a refined analysis as maps that are drawn one by one.
+
+    Attributes
+    ----------
+    refinement : how they are drawn
+    numbers : positions of the points, shape (maps, points along each halved dim ...)
+    coarse : dim -> points of the coarse grid along it
+    """
+
+    refinement: Refinement
+    numbers: Numbers
+    coarse: Mapping[str, int]
+
+    def stage(self, classes: Classes, known: Mask) -> Stage:
+        """How far the maps have come.
+
+        Parameters
+        ----------
+        classes : (size,) class of each point, where known
+        known : (size,) points with a stored result
+        """
+        size, levels = self.numbers.size, self.refinement.levels
+        wanted, sampled = np.zeros(size, bool), np.zeros(size, bool)
+        drawn = classes.copy()
+        reached = levels
+        for numbers in self.numbers:
+            picture = draw(classes[numbers], known[numbers], levels)
+            wanted[numbers] = picture.wanted
+            drawn[numbers] = picture.classes
+            reached = min(reached, picture.level)
+            if picture.complete:
+                sampled[numbers] = self._sample(~picture.wanted)
+        wanted |= sampled
+        return Stage(wanted, sampled, drawn, not (wanted & ~known).any(), reached)
+
+    def _sample(self, filled: Mask) -> Mask:
+        return sample(filled, self.refinement.sample, self.refinement.seed)
+
+
+def maps_of(layout: Layout, refinement: Refinement) -> Maps | None:
+    """The maps of an analysis; None where none of its axes is halved."""
+    places = [
+        place
+        for place, dim in enumerate(layout.dims)
+        if dim.size > 1 and all(axis.name in refinement.axes for axis in dim.axes)
+    ]
+    if not places:
+        return None
+    numbers = np.moveaxis(
+        np.arange(layout.size).reshape(layout.shape), places, range(-len(places), 0)
+    )
+    halved = [layout.dims[place] for place in places]
+    return Maps(
+        refinement,
+        numbers.reshape(-1, *(dim.size for dim in halved)),
+        {dim.name: coarse_size(dim.size, refinement.levels) for dim in halved},
+    )

@@ -1,0 +1,232 @@
+"""A refined sweep: few runs, the whole picture, and the same bits however it came about."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sweep_fakes
+import xarray as xr
+
+from fiv_cli.case.load import parse_case
+from fiv_cli.data.flags import ATTRACTOR, COMPUTED, REASON, STATUS
+from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.errors import CaseError
+from fiv_cli.sweep.plan import make_plan
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import Lines, Silent
+from fiv_cli.sweep.run import Summary, run_case
+
+HERE = Policy(workers=1, executor="sweep_fakes:region", preparer="sweep_fakes:prepare")
+FULL = sweep_fakes.REFINED.replace('refine = { levels = 3, of = "attractor" }', "").replace(
+    "num = 9", "num = 65"
+).replace("num = 5", "num = 33")  # fmt: skip
+
+
+def sweep(output: Path, text: str = sweep_fakes.REFINED, **changes: Any) -> Summary:
+    """Run a case from text."""
+    return run_case(sweep_fakes.case(text), output, dataclasses.replace(HERE, **changes), Silent())
+
+
+def dataset(path: Path) -> xr.Dataset:
+    """The one dataset of a file."""
+    return read_datasets(path)[""]
+
+
+def is_code(array: xr.DataArray, code: int) -> np.ndarray:
+    """Where a flag has a value."""
+    return (array == code).values
+
+
+def test_the_picture_is_that_of_the_full_grid(tmp_path: Path) -> None:
+    summary = sweep(tmp_path / "a.nc")
+    sweep(tmp_path / "full.nc", FULL)
+    refined, full = dataset(tmp_path / "a.nc"), dataset(tmp_path / "full.nc")
+    assert refined["attractor"].shape == (65, 33, 2)
+    for axis in ("N", "v"):
+        assert (refined[axis].values == full[axis].values).all()
+    assert (refined["attractor"].values == full["attractor"].values).all()
+    run = refined["computed"].values > 0
+    assert is_code(refined["computed"], COMPUTED.codes["run"]).mean() < 0.5
+    assert (refined["L_s"].values[run] == full["L_s"].values[run]).all()
+    assert np.isnan(refined["L_s"].values[~run]).all()
+    assert (is_code(refined["status"], STATUS.codes["ok"]) == run).all()
+    assert (is_code(refined["reason"], REASON.codes["filled_in"]) == ~run).all()
+    assert summary.complete
+    assert summary.counts["ok"] == run.sum() == summary.ran
+    assert summary.counts["not_computed"] == (~run).sum()
+
+
+def test_each_start_is_refined_along_its_own_border(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    computed = dataset(tmp_path / "a.nc")["computed"]
+    shares = (computed > 0).mean(["N", "v"])
+    assert float(shares.sel(initial="near")) < float(shares.sel(initial="far"))
+    first = sweep_fakes.REFINED.split("[[initial]]")
+    alone = "[[initial]]".join([first[0], first[2]])
+    sweep(tmp_path / "far.nc", alone)
+    one = dataset(tmp_path / "far.nc")["computed"]
+    assert (one.sel(initial="far").values == computed.sel(initial="far").values).all()
+
+
+def test_workers_chunks_and_interruptions_leave_no_trace(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    expected = (tmp_path / "a.nc").read_bytes()
+    for name, changes in {
+        "one": {"chunk_points": 1},
+        "many": {"chunk_points": 1000},
+        "workers": {"workers": 2, "in_process_below": 0.0, "chunk_points": 60},
+    }.items():
+        sweep(tmp_path / f"{name}.nc", **changes)
+        assert (tmp_path / f"{name}.nc").read_bytes() == expected, name
+    for count in (1, 50, 200, 350):
+        partial = sweep(tmp_path / "parts.nc", max_points=count, chunk_points=7)
+        assert (partial.ran, partial.complete) == (count, False)
+        assert "so far" in partial.lines()[-1]
+    assert sweep(tmp_path / "parts.nc").complete
+    assert (tmp_path / "parts.nc").read_bytes() == expected
+    (tmp_path / "parts.nc").unlink()
+    assert sweep(tmp_path / "parts.nc").ran == 0
+    assert (tmp_path / "parts.nc").read_bytes() == expected
+
+
+def test_points_are_those_of_the_full_grid_both_ways(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIV_TEST_COUNT", str(tmp_path / "count"))
+    counted = {"executor": "sweep_fakes:region_counted"}
+    refined = sweep(tmp_path / "a.nc", **counted).ran
+    expected = (tmp_path / "a.nc").read_bytes()
+    full = sweep(tmp_path / "a.nc", FULL, **counted)
+    assert full.ran == 65 * 33 * 2 - refined
+    sweep(tmp_path / "full.nc", FULL)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "full.nc").read_bytes()
+    assert sweep(tmp_path / "a.nc").ran == 0
+    assert (tmp_path / "a.nc").read_bytes() == expected
+
+
+def test_a_finer_refinement_goes_on_from_a_coarser_one(tmp_path: Path) -> None:
+    coarser = sweep(tmp_path / "a.nc", sweep_fakes.REFINED.replace("levels = 3", "levels = 2"))
+    finer = sweep(tmp_path / "a.nc")
+    sweep(tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+    points = int((dataset(tmp_path / "b.nc")["computed"] > 0).sum())
+    assert finer.ran <= points - (coarser.ran - 2 * 100)  # all but those of its sample
+
+
+def test_a_failed_point_stops_nothing_and_is_made_good_on_resume(tmp_path: Path) -> None:
+    broken = sweep(tmp_path / "a.nc", executor="sweep_fakes:region_raising")
+    assert broken.counts["failed"] == 2
+    assert not broken.complete
+    assert broken.counts["pending"] == 0
+    assert sweep(tmp_path / "a.nc").complete
+    sweep(tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_the_share_of_mislabelled_points_is_measured_and_reported(tmp_path: Path) -> None:
+    text = sweep_fakes.REFINED.replace('of = "attractor"', 'of = "attractor", sample = 1000')
+    summary = sweep(tmp_path / "a.nc", text, executor="sweep_fakes:two_islands")
+    sweep(tmp_path / "full.nc", FULL, executor="sweep_fakes:two_islands")
+    refined, full = dataset(tmp_path / "a.nc"), dataset(tmp_path / "full.nc")
+    origin = refined["computed"]
+    sampled = is_code(origin, COMPUTED.codes["sampled"])
+    wrong = is_code(origin, COMPUTED.codes["sampled_and_mislabelled"])
+    assert refined.attrs["sample_size"] == (sampled | wrong).sum() == 2000
+    assert refined.attrs["sample_mislabelled"] == wrong.sum() > 0
+    assert refined.attrs["mislabelled_share"] == wrong.sum() / 2000
+    assert (is_code(full["attractor"], ATTRACTOR.codes["chaotic"]) >= wrong).all()
+    assert (refined["attractor"].values == full["attractor"].values)[sampled | wrong].all()
+    assert f"{wrong.sum()} mislabelled ({wrong.sum() / 2000:.1%})" in summary.lines()[-1]
+
+
+def test_without_a_sample_no_share_is_claimed(tmp_path: Path) -> None:
+    text = sweep_fakes.REFINED.replace('of = "attractor"', 'of = "attractor", sample = 0')
+    sweep(tmp_path / "a.nc", text)
+    refined = dataset(tmp_path / "a.nc")
+    assert refined.attrs["sample_size"] == 0
+    assert "mislabelled_share" not in refined.attrs
+    assert set(np.unique(refined["computed"])) == {0, 1}
+
+
+def test_what_is_not_halved_stays_as_it_is(tmp_path: Path) -> None:
+    text = sweep_fakes.REFINED.replace("num = 9 }", 'num = 9 }\nfriction = ["coulomb", "stribeck"]')
+    text = text.replace('of = "attractor"', 'of = "attractor", along = ["v"]')
+    sweep(tmp_path / "a.nc", text)
+    refined = dataset(tmp_path / "a.nc")
+    assert dict(refined.sizes)["N"] == 9
+    assert refined["attractor"].shape == (9, 2, 33, 2)
+    assert refined.attrs["refined_from"] == "v 5"
+    whole = FULL.replace("num = 65 }", 'num = 9 }\nfriction = ["coulomb", "stribeck"]')
+    sweep(tmp_path / "full.nc", whole)
+    full = dataset(tmp_path / "full.nc")
+    assert (refined["attractor"].values == full["attractor"].values).all()
+
+
+def test_the_values_are_those_of_the_axis_written_out() -> None:
+    fine = sweep_fakes.case(
+        sweep_fakes.REFINED.replace(
+            "{ start = 1, stop = 9, num = 9 }", '{ start = 1, stop = 9, num = 5, scale = "log" }'
+        ).replace("{ start = 0.25, stop = 4.25, num = 5 }", "[0.1, 0.2, 0.3]")
+    )
+    full = sweep_fakes.case(
+        FULL.replace(
+            "{ start = 1, stop = 9, num = 65 }", '{ start = 1, stop = 9, num = 33, scale = "log" }'
+        ).replace("num = 33 }", "num = 17 }").replace("start = 0.25, stop = 4.25", "start = 0.1, stop = 0.3")
+    )  # fmt: skip
+    assert [axis.values for axis in fine.axes] == [axis.values for axis in full.axes]
+    assert fine.axis("v").values[8] == 0.2
+
+
+def test_the_plan_says_what_is_run() -> None:
+    plan = make_plan(sweep_fakes.case(sweep_fakes.REFINED))
+    (line,) = [line for line in plan.describe() if "halved" in line]
+    assert line.strip() == (
+        "N 9 x v 5 halved 3 times along the borders of attractor: 90 to 4290 points are run, "
+        "the class of the others is filled in"
+    )
+
+
+def test_progress_grows_with_what_is_asked_for(tmp_path: Path) -> None:
+    lines: list[str] = []
+    progress = Lines(lines.append, clock=iter(range(0, 10**9, 60)).__next__)
+    summary = run_case(sweep_fakes.case(sweep_fakes.REFINED), tmp_path / "a.nc", HERE, progress)
+    assert lines[0] == "90 points, 0 already stored, 90 to run"
+    assert lines[-1] == f"{summary.ran} of {summary.ran} points done, 0 failed"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('of = "attractor"', 'of = "atractor"'), "did you mean 'attractor'"),
+        (('of = "attractor"', 'of = "L_s"'), "has no class 'L_s'"),
+        (("levels = 3", "levels = 0"), "0 is out of range"),
+        (("levels = 3", "levels = 40"), "40 is out of range"),
+        (('of = "attractor"', 'along = ["w"]'), "'w' is no numeric axis"),
+        (('of = "attractor"', "sample = -1"), "-1 is out of range"),
+        (('of = "attractor"', 'off = "x"'), "unknown key 'off'"),
+        (("{ start = 1, stop = 9, num = 9 }", "[1, 2, 4.5]"), "do not rise evenly"),
+        (("levels = 3", "levels = 12"), "1,073,840,130 runs"),
+        (
+            ('kind = "state"\nstate = { x_dot = "v" }',
+             'kind = "continue"\nalong = "v"\nfrom = "near"'),
+            "refine leaves some out",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_refined_is_refused(change: tuple[str, str], message: str) -> None:
+    text = sweep_fakes.REFINED.replace(*change)
+    assert text != sweep_fakes.REFINED
+    with pytest.raises(CaseError, match="problem") as caught:
+        make_plan(parse_case(text, "fake.toml", ()))
+    assert message in str(caught.value)
+    assert "fake.toml:" in str(caught.value)
+
+
+def test_a_single_point_is_run_alone(tmp_path: Path) -> None:
+    case = sweep_fakes.case(sweep_fakes.REFINED, "grid.N=[3.0]", "grid.v=[2.0]")
+    assert run_case(case, tmp_path / "a.nc", HERE, Silent()).ran == 2
+    assert "computed" not in dataset(tmp_path / "a.nc")
