@@ -305,10 +305,13 @@ def consistent(  # type: ignore[no-untyped-def]
             if released and series[(n + g) * (order + 1) + 1] < 0.0:
                 known_zeros = 2  # slip friction does not exceed the capacity: this is rounding
         lead = leading(series, (n + g) * (order + 1), order, step, known_zeros)
-        if lenient and lead == -2 and contact == trigger_contact:
-            if kind == NORMAL and trigger_kind == GAP:  # the last of ever shorter flights: the
-                # open contact finds no gap rate left, this one a force that falls by rounding
-                lead = leading(series, (n + g) * (order + 1), order, step, 2)
+        if lenient and kind == NORMAL and trigger_kind == GAP and contact == trigger_contact:
+            # the last of ever shorter flights: the open contact finds no gap rate left, this one
+            # a force, or a rate of it, that is negative by rounding
+            offset = (n + g) * (order + 1)
+            rounding = VANISHING * series_scale(series, offset, order, step)
+            if lead == -2 or (lead == -1 and series[offset] >= -rounding):
+                lead = leading(series, offset, order, step, 2)
         opens = kind == NORMAL or kind == GAP
         if contact == trigger_contact:
             opens = kind == NORMAL and trigger_kind < NORMAL
