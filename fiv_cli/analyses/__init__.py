@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from fiv_cli.analyses import eigenvalues, equilibrium, history, response
+from fiv_cli.analyses import critical, eigenvalues, equilibrium, history, response, spectrum
 from fiv_cli.analyses.base import Analysis
 
 _ANALYSES: tuple[Analysis, ...] = (
     history.ANALYSIS,
     equilibrium.ANALYSIS,
     eigenvalues.ANALYSIS,
+    critical.ANALYSIS,
     response.ANALYSIS,
+    spectrum.ANALYSIS,
 )
 
 

@@ -53,10 +53,12 @@ class Varied:
     ----------
     name : contract name
     followers : parameters that take its value, because the case gives them no other
+    unit : its unit
     """
 
     name: str
     followers: tuple[str, ...] = ()
+    unit: str = "1"
 
     def at(self, parameters: Mapping[str, float], value: float) -> dict[str, float]:
         """`parameters` with this one, and what follows it, at `value` (SI)."""

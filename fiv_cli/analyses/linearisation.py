@@ -105,16 +105,16 @@ def _damped(jacobian: Real) -> tuple[Complex, Complex]:
     values, vectors = np.linalg.eig(jacobian)
     values, vectors = values.astype(complex), vectors.astype(complex)
     if _is_mechanical(jacobian):
-        values = _paired(values + _correction(jacobian, values, vectors))
+        values = _corrected(values, _correction(jacobian, values, vectors))
     return values, vectors
 
 
-def _paired(values: Complex) -> Complex:
-    """Conjugate pairs, which stand side by side, conjugate to the last bit."""
-    paired = values.copy()
+def _corrected(values: Complex, steps: Complex) -> Complex:
+    """Real eigenvalues stay real; pairs, which stand side by side, conjugate to the last bit."""
+    corrected = values + np.where(values.imag == 0.0, steps.real, steps)
     upper = np.flatnonzero(values.imag > 0.0)
-    paired[upper + 1] = paired[upper].conj()
-    return paired
+    corrected[upper + 1] = corrected[upper].conj()
+    return corrected
 
 
 def _correction(jacobian: Real, values: Complex, vectors: Complex) -> Complex:

@@ -197,7 +197,8 @@ class _Reader:
         if name in [axis.name for axis in self.axes]:
             message = f"{name!r} is an axis of the grid: the analysis finds its value itself"
             self.report.add(place, message, suggestion=f"remove {name} from [grid]")
-        return Varied(name, self.followers(self.physics, name))
+        unit = table[name].unit if name in table else "1"
+        return Varied(name, self.followers(self.physics, name), unit)
 
     def followers(self, physics: Physics, leader: str) -> tuple[str, ...]:
         """Parameters whose value is that of `leader`, because nothing else gives them one."""

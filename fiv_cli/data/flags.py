@@ -151,6 +151,11 @@ ATTRACTOR = FlagTable(
 CONTACT_STATE = FlagTable(
     {NOT_COMPUTED: -1, "slip+": 0, "slip-": 1, "stick": 2, "separation": 3}, fill=NOT_COMPUTED
 )
+CROSSING_KIND = FlagTable({NOT_COMPUTED: -1, "root": 0, "jump": 1, "end": 2}, fill=NOT_COMPUTED)
+CROSSING_DIRECTION = FlagTable(
+    {NOT_COMPUTED: -1, "to_stable": 0, "to_unstable": 1, "lost": 2, "gained": 3},
+    fill=NOT_COMPUTED,
+)
 STABLE = FlagTable({NOT_COMPUTED: -1, "unstable": 0, "stable": 1, "neutral": 2}, fill=NOT_COMPUTED)
 COMPLETE = FlagTable({NOT_COMPUTED: -1, "not_certified": 0, "certified": 1}, fill=NOT_COMPUTED)
 COMPUTED = FlagTable(
@@ -170,6 +175,8 @@ TABLES: Mapping[str, FlagTable] = {
     "attractor": ATTRACTOR,
     "contact_state": CONTACT_STATE,
     "stable": STABLE,
+    "crossing_kind": CROSSING_KIND,
+    "crossing_direction": CROSSING_DIRECTION,
     "complete": COMPLETE,
     "computed": COMPUTED,
 }

@@ -191,6 +191,34 @@ def _eigenvalues(
     ]
 
 
+def _critical(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    varied, along = settings["parameter"], ("crossing",)
+    ranked = "as at the lower end of the bracket, by rising frequency from 0; followed from there"
+    return [
+        Variable("critical_value", varied.unit, f"critical value of {varied.name}", along),
+        Variable("critical_width", varied.unit, "width of the interval that holds it", along),
+        Variable("crossing_kind", "1", "what happens there", along, "flag", "crossing_kind"),
+        Variable(
+            "crossing_direction",
+            "1",
+            f"what the mode (or the equilibrium) does as {varied.name} rises",
+            along,
+            "flag",
+            "crossing_direction",
+        ),
+        Variable("crossing_mode", "1", "mode that crosses; -1: none", along, "int", comment=ranked),
+        Variable("crossing_frequency", "rad s-1", "frequency of the mode that crosses", along),
+        Variable("unstable_below", "1", "growing eigenvalues below; -1: none at all", along, "int"),
+        Variable("unstable_above", "1", "growing eigenvalues above; -1: none at all", along, "int"),
+        Variable("n_crossings", "1", "crossings in the bracket", kind="int"),
+        Variable("growth_at_low", "rad s-1", "largest real part at the lower end of the bracket"),
+        Variable("growth_at_high", "rad s-1", "largest real part at the upper end of the bracket"),
+        *_averaging(settings, along),
+    ]
+
+
 def _averaging(settings: Mapping[str, Any], dims: tuple[str, ...] = ()) -> list[Variable]:
     """How far an averaged system can be trusted."""
     if settings.get("system") != "averaged":
@@ -241,6 +269,38 @@ def _response(
     ]
 
 
+def _spectrum(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    units = {name: unit for name, unit, _, _ in motions(states)}
+    observed = settings.get("observe") or states[0].name
+    unit, mode = units[observed], ("mode",)
+    pair = "of the linearised system at the first sliding equilibrium, a conjugate pair once"
+    return [
+        Variable("frequency", "Hz", "middle of the bin", ("frequency",), "coordinate", symbol="f"),
+        Variable("attractor", "1", "class of the steady state", (), "flag", "attractor"),
+        Variable(
+            "amplitude",
+            unit,
+            f"amplitude of {observed}",
+            ("frequency",),
+            comment="peak of a sinusoid; root of the sum of squares over the bin, mean left out; "
+            "lines of a period, or a Hann window where the motion is not periodic",
+        ),
+        Variable("mean", unit, f"mean of {observed}"),
+        Variable("response_frequency", "Hz", "frequency of the largest amplitude"),
+        Variable("variance_shown", "1", "share of the mean square that lies below f_max"),
+        Variable("period", "s", "period of the attractor", symbol="T"),
+        Variable("multiplicity", "1", "section points per period", kind="int"),
+        Variable("mode_frequency", "Hz", "frequency of the mode", mode, comment=pair),
+        Variable("mode_growth", "rad s-1", "growth rate of the mode", mode, comment=pair),
+        Variable("unstable_frequency", "Hz", "frequency of the growing mode", mode, comment=pair),
+        *_solver_trust(),
+        Variable("event_residual", "1", "largest switching function left at an event"),
+        Variable("transient_used", "s", "time simulated before the steady state was accepted"),
+    ]
+
+
 def _extremes(states: tuple[State, ...]) -> list[Variable]:
     kinds = (("min", "least"), ("max", "greatest"), ("rms", "root mean square of"))
     return [
@@ -254,5 +314,7 @@ _BY_KIND = {
     "history": _history,
     "equilibrium": _equilibrium,
     "eigenvalues": _eigenvalues,
+    "critical": _critical,
     "response": _response,
+    "spectrum": _spectrum,
 }

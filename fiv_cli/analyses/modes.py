@@ -1,0 +1,72 @@
+"""Modes followed from one linearised system to a neighbouring one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Complex = NDArray[np.complex128]
+Order = NDArray[np.intp]
+
+SHAPE = 0.1  # what a wholly different shape weighs against a change by the largest eigenvalue
+TURNED = 1.0  # what a change of the sign of the imaginary part weighs
+# Of two modes that merge the one with the lower number takes the larger growth rate: nothing else
+# distinguishes them, and rounding must not decide.
+TIE = 1e-6
+
+
+def matched(
+    old_values: Complex, old_vectors: Complex, new_values: Complex, new_vectors: Complex
+) -> Order:
+    """For each old mode the new one that continues it: near in value and alike in shape.
+
+    Parameters
+    ----------
+    old_values, new_values : eigenvalues, (modes,)
+    old_vectors, new_vectors : eigenvectors as rows, (modes, states)
+
+    Returns
+    -------
+    (modes,): place of the new mode; conjugate pairs go to conjugate pairs
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    scale = max(float(np.abs(old_values).max()), np.finfo(float).tiny)
+    cost = np.abs(old_values[:, None] - new_values[None, :]) / scale
+    cost += SHAPE * (1.0 - np.abs(_unit_rows(old_vectors).conj() @ _unit_rows(new_vectors).T))
+    cost += TURNED * (old_values.imag[:, None] * new_values.imag[None, :] < 0.0)
+    cost += TIE * np.linspace(0.0, 1.0, len(cost))[:, None] * new_values.real[None, :] / scale
+    order: Order = linear_sum_assignment(cost)[1]
+    return _paired(order, old_values, new_values)
+
+
+def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
+    """The same with the conjugate of each old mode going to the conjugate of its new mode.
+
+    Where two modes merge, the halves of the two pairs could else be mixed.
+    """
+    order = order.copy()
+    old_twins, new_twins = _conjugates(old_values), _conjugates(new_values)
+    for mode in np.flatnonzero(old_values.imag > 0.0):
+        wanted = new_twins[order[mode]]
+        if new_values[order[mode]].imag > 0.0:
+            twin, holder = old_twins[mode], np.flatnonzero(order == wanted)[0]
+            order[[twin, holder]] = order[[holder, twin]]
+    return order
+
+
+def _conjugates(values: Complex) -> Order:
+    """Place of the conjugate of each eigenvalue; of a real one its own."""
+    places = np.arange(len(values))
+    upper, lower = np.flatnonzero(values.imag > 0.0), np.flatnonzero(values.imag < 0.0)
+    upper = upper[np.lexsort((values[upper].imag, values[upper].real))]
+    lower = lower[np.lexsort((-values[lower].imag, values[lower].real))]
+    places[upper], places[lower] = lower, upper
+    return places
+
+
+def _unit_rows(vectors: Complex) -> Complex:
+    vectors = np.nan_to_num(vectors)
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    result: Complex = vectors / np.where(lengths > 0.0, lengths, 1.0)
+    return result
