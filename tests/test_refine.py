@@ -12,9 +12,13 @@ import sweep_fakes
 import xarray as xr
 
 from fiv_cli.case.load import parse_case
+from fiv_cli.data.claims import evaluate
 from fiv_cli.data.flags import ATTRACTOR, COMPUTED, REASON, STATUS
 from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.data.summary import lines, summarise
 from fiv_cli.errors import CaseError
+from fiv_cli.plots import map as maps
+from fiv_cli.plots import points
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Lines, Silent
@@ -24,6 +28,25 @@ HERE = Policy(workers=1, executor="sweep_fakes:region", preparer="sweep_fakes:pr
 FULL = sweep_fakes.REFINED.replace('refine = { levels = 3, of = "attractor" }', "").replace(
     "num = 9", "num = 65"
 ).replace("num = 5", "num = 33")  # fmt: skip
+
+CLAIMS = """
+[[claim]]
+source = "test"
+text = "no vibration at the edge"
+variable = "attractor"
+at = { N = 1.0 }
+expect = "equilibrium"
+[[claim]]
+source = "test"
+text = "none anywhere"
+variable = "attractor"
+expect = "equilibrium"
+[[claim]]
+source = "test"
+text = "a number that most points have not"
+variable = "L_s"
+expect = { value = 5, tolerance = 5 }
+"""
 
 
 def sweep(output: Path, text: str = sweep_fakes.REFINED, **changes: Any) -> Summary:
@@ -167,18 +190,13 @@ def test_what_is_not_halved_stays_as_it_is(tmp_path: Path) -> None:
 
 
 def test_the_values_are_those_of_the_axis_written_out() -> None:
-    fine = sweep_fakes.case(
-        sweep_fakes.REFINED.replace(
-            "{ start = 1, stop = 9, num = 9 }", '{ start = 1, stop = 9, num = 5, scale = "log" }'
-        ).replace("{ start = 0.25, stop = 4.25, num = 5 }", "[0.1, 0.2, 0.3]")
-    )
-    full = sweep_fakes.case(
-        FULL.replace(
-            "{ start = 1, stop = 9, num = 65 }", '{ start = 1, stop = 9, num = 33, scale = "log" }'
-        ).replace("num = 33 }", "num = 17 }").replace("start = 0.25, stop = 4.25", "start = 0.1, stop = 0.3")
-    )  # fmt: skip
-    assert [axis.values for axis in fine.axes] == [axis.values for axis in full.axes]
-    assert fine.axis("v").values[8] == 0.2
+    coarse = sweep_fakes.REFINED.replace("9, num = 9 }", '9, num = 5, scale = "log" }')
+    coarse = coarse.replace("{ start = 0.25, stop = 4.25, num = 5 }", "[0.1, 0.2, 0.3]")
+    full = FULL.replace("9, num = 65 }", '9, num = 33, scale = "log" }')
+    full = full.replace("start = 0.25, stop = 4.25, num = 33", "start = 0.1, stop = 0.3, num = 17")
+    axes = sweep_fakes.case(coarse).axes
+    assert [axis.values for axis in axes] == [a.values for a in sweep_fakes.case(full).axes]
+    assert axes[1].values[8] == 0.2
 
 
 def test_the_plan_says_what_is_run() -> None:
@@ -230,3 +248,35 @@ def test_a_single_point_is_run_alone(tmp_path: Path) -> None:
     case = sweep_fakes.case(sweep_fakes.REFINED, "grid.N=[3.0]", "grid.v=[2.0]")
     assert run_case(case, tmp_path / "a.nc", HERE, Silent()).ran == 2
     assert "computed" not in dataset(tmp_path / "a.nc")
+
+
+def test_a_claim_about_the_class_is_judged_on_what_is_filled_in_too(tmp_path: Path) -> None:
+    text = sweep_fakes.REFINED + CLAIMS
+    sweep(tmp_path / "a.nc", text)
+    claims = sweep_fakes.case(text).claims
+    analyses = read_datasets(tmp_path / "a.nc")
+    verdicts = [evaluate(claim, analyses, lambda case: None).verdict for claim in claims]
+    assert verdicts == ["confirmed", "contradicted", "undetermined"]
+
+
+def test_the_map_is_drawn_whole_and_says_how_much_was_run(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    refined = dataset(tmp_path / "a.nc")
+    layers = [points.Layer("", refined)]
+    classes = maps.draw(layers, {"variable": "attractor"})
+    share = refined.attrs["points_run"] / 4290
+    words = f"{share:.1%} of 4290 points run, 0 of 200 sampled mislabelled"
+    assert words in classes.get_suptitle()
+    assert [ax.patch.get_hatch() for ax in classes.axes] == [None, None]
+    numbers = maps.draw(layers, {"variable": "L_s"})
+    (legend,) = numbers.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["not run, only the class filled in"]
+    assert not points.gaps(refined)
+
+
+def test_what_is_shown_of_a_refined_dataset(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc")
+    shown = lines(summarise(read_datasets(tmp_path / "a.nc")))
+    run = int((dataset(tmp_path / "a.nc")["computed"] > 0).sum())
+    assert f"halved 3 times: {run} of 4290 points run" in shown[-1]
+    assert any(line.split()[:1] == ["computed"] and "filled_in" in line for line in shown)

@@ -41,7 +41,7 @@ def _document(source: str, output: Path | None, overrides: tuple[str, ...]) -> d
     from fiv_cli.sweep.lock import holder
     from fiv_cli.sweep.output import run_folder
     from fiv_cli.sweep.plan import make_plan
-    from fiv_cli.sweep.run import count_statuses
+    from fiv_cli.sweep.run import count_statuses, refinements
 
     case = load_case(source, overrides)
     path = output or default_output(case)
@@ -56,8 +56,9 @@ def _document(source: str, output: Path | None, overrides: tuple[str, ...]) -> d
         "dataset": str(path),
         "dataset_exists": path.exists(),
         "running": holder(folder),
-        "points": journal.plan.size,
+        "points": sum(count_statuses(journal).values()),
         "counts": count_statuses(journal),
+        "refined": refinements(journal),
         "ignored_shards": [f"{shard}: {why}" for shard, why in journal.ignored],
         "stored_case_differs": differing,
     }
@@ -69,6 +70,7 @@ def _lines(document: dict[str, Any]) -> list[str]:
     lines = [
         f"{document['case']}: {done} of {document['points']} points done",
         *(f"  {count} {status}" for status, count in counts.items() if count),
+        *(f"  {line}" for line in document["refined"]),
         f"  dataset {document['dataset']}"
         + ("" if document["dataset_exists"] else " (not written yet)"),
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fiv_cli.data.reading import flag_names
+from fiv_cli.data.reading import flag_names, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,13 +29,25 @@ def unknown_points(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr
     status = part["status"]
     if variable in ALWAYS_KNOWN:
         return status != status
-    missing = ~is_class(status, ("ok",))
+    missing = ~is_class(status, ("ok",)) & ~filled_in(part, variable)
     if "attractor" not in part or variable in MEASURED_ANYWAY:
         return missing
     undecided = is_class(part["attractor"], ("undecided",))
     if allow_undecided and variable == "attractor":
         return missing & ~undecided
     return missing | undecided
+
+
+def filled_in(part: xr.Dataset, variable: str) -> xr.DataArray:
+    """Points that were not run and whose class is that of the points around them.
+
+    Only the class that a sweep was refined along is filled in; of any other variable, nothing.
+    """
+    status = part["status"]
+    if "computed" not in part or part.attrs.get("refined_of") != variable:
+        return status != status
+    given = numbers(part[variable]).notnull()
+    return is_class(part["computed"], ("filled_in",)) & given
 
 
 def is_class(array: xr.DataArray, names: tuple[str, ...]) -> xr.DataArray:

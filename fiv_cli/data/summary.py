@@ -10,6 +10,7 @@ import numpy as np
 from fiv_cli.data import select
 from fiv_cli.data.claims import point_name
 from fiv_cli.data.reading import flag_names, numbers
+from fiv_cli.data.refined import described
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,11 +44,12 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
         "counts": {
             name: _counts(dataset[name])
-            for name in ("status", "reason", "attractor", "stable")
+            for name in ("status", "reason", "attractor", "stable", "computed")
             if name in dataset
         },
         "ranges": _ranges(dataset),
         "trust": {name: _worst(dataset, name) for name in TRUST if _is_number(dataset, name)},
+        **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
 
 
@@ -131,6 +133,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *(f"  {key:<22} {_count_line(found)}" for key, found in part["counts"].items()),
         *(f"  {key:<22} {_range_line(found)}" for key, found in part["ranges"].items()),
         *_trust_lines(part["trust"]),
+        *([f"  refined {part['refined']}"] if "refined" in part else []),
     ]
 
 

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from fiv_cli.data import select
+from fiv_cli.data.known import filled_in, is_class
 from fiv_cli.data.reading import flag_names, numbers
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
@@ -40,7 +41,8 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     panels = _panels(dataset, array, x, y)
     columns = min(len(panels), MOST_COLUMNS)
     rows = -(-len(panels) // columns)
-    figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
+    words = "\n".join(part for part in (points.title(dataset), _how_run(dataset)) if part)
+    figure, axes = style.new_panels(rows, columns, words, sharex=True, sharey=True)
     paint = _paint_classes if flag_names(array.attrs) else _paint_numbers
     paint(figure, axes, array, dataset, (x, y), panels)
     if "level" in settings:
@@ -63,6 +65,17 @@ def _draw_level(
         plane = numbers(array).pipe(_plane, line, plane_axes)
         if np.nanmin(plane) < level < np.nanmax(plane):
             ax.contour(x, y, plane, levels=[level], colors=[style.VERMILLION], linewidths=1.5)
+
+
+def _how_run(dataset: xr.Dataset) -> str:
+    """How many of the points of a refined map were run, and how far to trust the others."""
+    found = dataset.attrs
+    if "refined_of" not in found:
+        return ""
+    total = found["points_run"] + found["points_filled_in"]
+    share = f"{found['points_run'] / total:.1%} of {total} points run"
+    tested, wrong = found["sample_size"], found["sample_mislabelled"]
+    return f"{share}, {wrong} of {tested} sampled mislabelled" if tested else share
 
 
 def _variable(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
@@ -159,7 +172,8 @@ def _paint_classes(
     panels: Sequence[points.Line],
 ) -> None:
     names = flag_names(array.attrs)
-    known = _computed(dataset).broadcast_like(array) & numbers(array).notnull()
+    answered = _computed(dataset) | filled_in(dataset, str(array.name))
+    known = answered.broadcast_like(array) & numbers(array).notnull()
     present = {code: name for code, name in names.items() if bool((known & (array == code)).any())}
     colours = style.class_colours(list(present.values()))
     for ax, line in zip(axes, panels, strict=False):
@@ -197,6 +211,8 @@ def _why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     if bool(known.all()):
         return ""
     kinds = [kind for kind in points.gaps(dataset) if kind not in ("undecided", "budget")]
+    if "computed" in dataset and bool(is_class(dataset["computed"], ("filled_in",)).any()):
+        kinds.append("not run, only the class filled in")
     return ", ".join(kinds) or "no value"
 
 

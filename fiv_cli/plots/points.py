@@ -224,6 +224,8 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
         for code, name in flag_names(status.attrs).items()
         if name != "ok"
     }
+    if "computed" in dataset:  # what is filled in has an answer, the only one that was asked for
+        found["not computed"] &= ~is_class(dataset, "computed", "filled_in")
     if "attractor" in dataset:
         found["undecided"] = is_class(dataset, "attractor", "undecided") & is_class(
             dataset, "status", "ok", "budget"
