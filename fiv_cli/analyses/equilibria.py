@@ -205,7 +205,9 @@ def _reduced(state: Sliding, reduction: Reduction) -> Equilibria | None:
     None where the scalar does not determine the other unknowns at these parameters.
     """
     values = np.zeros(reduction.n_slots)
-    call(_loaded(reduction)[1], values, 0.0, state.parameters, values)
+    known = dict(zip(state.system.generated.parameter_names, state.parameters, strict=True))
+    arguments = np.array([known[name] for name in reduction.parameters])
+    call(_loaded(reduction)[1], values, 0.0, arguments, values)
     if not np.any(values[list(reduction.denominator)]):
         return None
     roots = _roots(values[list(reduction.closure)])

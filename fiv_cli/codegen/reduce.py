@@ -44,6 +44,7 @@ class _Rest:
     unknowns : normal forces, then coordinates
     equations : expressions that vanish: of each contact, then of each coordinate
     parameters : symbol of each parameter -> its name
+    names : of the parameters, in order
     atoms : functions of parameters alone -> the symbol that stands for each
     """
 
@@ -74,7 +75,6 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     own = {parameter.name for parameter in model.parameters}
     listed = [p.name for p in model.parameters]
     listed += [p.name for p in law.parameters if p.name not in own]
-    all_names = (*listed, *(f"sign.{i}" for i in range(count)), "zone")
     parameters = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
     parameters |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
     parameters[symbols.zone] = "zone"
@@ -92,7 +92,7 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     }
     vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
     vanishing += [equations.accelerations[name] for name in names]
-    rest = _Rest(unknowns, [], parameters, all_names)
+    rest = _Rest(unknowns, [], parameters, tuple(parameters.values()))
     for expression in vanishing:
         numerator = _numerator(rest, sympy.sympify(expression).subs(forces).subs(still))
         if not numerator.is_polynomial(*unknowns):
@@ -180,6 +180,7 @@ def _written(
     inserted = _Inserted(writer, scalar, dict(zip(others, polynomials, strict=False)), polynomials)
     *numerators, denominator = [writer.slots(one) for one in polynomials]
     return Reduction(
+        parameters=rest.names,
         scalar=_name(scalar),
         unknowns=tuple(map(_name, others)),
         numerators=tuple(numerators),

@@ -35,6 +35,7 @@ class Reduction:
 
     Attributes
     ----------
+    parameters : what the function takes: parameters, signs of slip, zone
     scalar : name of the unknown s: a coordinate, or ``F_N.0``
     unknowns : names of the others
     numerators : of each of `unknowns`
@@ -44,6 +45,7 @@ class Reduction:
     text : the function, ``statics(c, t, parameters, slots)``
     """
 
+    parameters: tuple[str, ...]
     scalar: str
     unknowns: tuple[str, ...]
     numerators: tuple[Slots, ...]
@@ -100,6 +102,7 @@ def _from_json(content: dict[str, Any]) -> Statics:
 
 def _reduction(found: dict[str, Any]) -> Reduction:
     return Reduction(
+        parameters=tuple(found["parameters"]),
         scalar=found["scalar"],
         unknowns=tuple(found["unknowns"]),
         numerators=tuple(tuple(slots) for slots in found["numerators"]),

@@ -80,7 +80,11 @@ REASONS: tuple[Reason, ...] = (
     Reason("too_many_events", "raise solver.max_events, or lower t_max if the motion chatters"),
     Reason("too_many_steps", "raise solver.max_steps, or loosen solver.rtol"),
     Reason("time_budget", "the motion had not settled at t_max: raise t_max"),
-    Reason("diverged", "the motion grows without bound: an answer, not a failure"),
+    Reason(
+        "diverged",
+        "the motion grows without bound: an answer, not a failure; where the contact is bilateral "
+        "only separation or damping would end it",
+    ),
     Reason("contact_lost", "the normal force reached zero, where this model ends"),
     Reason(
         "no_consistent_state",
@@ -128,6 +132,20 @@ REASONS: tuple[Reason, ...] = (
         "no_equilibrium_in_part",
         "part of the bracket has no sliding equilibrium (its end is a crossing of kind `end`)",
     ),
+    Reason(
+        "no_return",
+        "the motion did not come back to the section within t_max: raise t_max, or choose another "
+        "section or start",
+    ),
+    Reason(
+        "no_cycle",
+        "Newton's method found no periodic motion near what the start leads to: start nearer to "
+        "it, or give its multiplicity",
+    ),
+    Reason(
+        "outside_bracket",
+        "the branch begins at the case's own value of the parameter: move it into the bracket",
+    ),
 )
 
 STATUS = FlagTable(
@@ -158,6 +176,23 @@ CROSSING_DIRECTION = FlagTable(
 )
 STABLE = FlagTable({NOT_COMPUTED: -1, "unstable": 0, "stable": 1, "neutral": 2}, fill=NOT_COMPUTED)
 COMPLETE = FlagTable({NOT_COMPUTED: -1, "not_certified": 0, "certified": 1}, fill=NOT_COMPUTED)
+CYCLE_END = FlagTable(
+    {
+        NOT_COMPUTED: -1,
+        "fold": 0,
+        "flip": 1,
+        "torus": 2,
+        "branching": 3,
+        "grazing": 4,
+        "contact_lost": 5,
+        "equilibrium": 6,
+        "bracket": 7,
+        "budget": 8,
+        "other": 9,
+    },
+    fill=NOT_COMPUTED,
+)
+GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 COMPUTED = FlagTable(
     {
         NOT_COMPUTED: -1,
@@ -178,6 +213,8 @@ TABLES: Mapping[str, FlagTable] = {
     "crossing_kind": CROSSING_KIND,
     "crossing_direction": CROSSING_DIRECTION,
     "complete": COMPLETE,
+    "cycle_end": CYCLE_END,
+    "goes_on": GOES_ON,
     "computed": COMPUTED,
 }
 
