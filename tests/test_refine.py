@@ -96,23 +96,24 @@ def test_each_start_is_refined_along_its_own_border(tmp_path: Path) -> None:
 
 
 def test_workers_chunks_and_interruptions_leave_no_trace(tmp_path: Path) -> None:
-    sweep(tmp_path / "a.nc")
+    text = sweep_fakes.REFINED.replace("levels = 3", "levels = 2, sample = 20")
+    sweep(tmp_path / "a.nc", text)
     expected = (tmp_path / "a.nc").read_bytes()
     for name, changes in {
-        "one": {"chunk_points": 1},
+        "few": {"chunk_points": 17},
         "many": {"chunk_points": 1000},
         "workers": {"workers": 2, "in_process_below": 0.0, "chunk_points": 60},
     }.items():
-        sweep(tmp_path / f"{name}.nc", **changes)
+        sweep(tmp_path / f"{name}.nc", text, **changes)
         assert (tmp_path / f"{name}.nc").read_bytes() == expected, name
-    for count in (1, 50, 200, 350):
-        partial = sweep(tmp_path / "parts.nc", max_points=count, chunk_points=7)
+    for count in (1, 50, 100, 200):
+        partial = sweep(tmp_path / "parts.nc", text, max_points=count, chunk_points=40)
         assert (partial.ran, partial.complete) == (count, False)
         assert "so far" in partial.lines()[-1]
-    assert sweep(tmp_path / "parts.nc").complete
+    assert sweep(tmp_path / "parts.nc", text).complete
     assert (tmp_path / "parts.nc").read_bytes() == expected
     (tmp_path / "parts.nc").unlink()
-    assert sweep(tmp_path / "parts.nc").ran == 0
+    assert sweep(tmp_path / "parts.nc", text).ran == 0
     assert (tmp_path / "parts.nc").read_bytes() == expected
 
 
