@@ -111,13 +111,18 @@ def _panels(
     if missing or select.row_sizes(dataset, str(array.name)) is not None:
         raise UsageError(f"{array.name}: not one value per point over {x.name} and {y.name}")
     panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
+    refuse_many(panels, array, spread)
+    return panels
+
+
+def refuse_many(panels: Sequence[points.Line], array: xr.DataArray, spread: Sequence[str]) -> None:
+    """UsageError where the axes that are not `spread` out make more panels than one figure has."""
     if len(panels) > MOST_PANELS:
         rest = ", ".join(str(d) for d in array.dims if d not in spread and array.sizes[d] > 1)
         raise UsageError(
             f"{len(panels)} maps in one figure are too many\n"
             f"choose from {rest} with `select` in the figure"
         )
-    return panels
 
 
 def _dress(
@@ -187,26 +192,26 @@ def _paint_classes(
         }
         if order:
             _mesh(ax, plane_axes, place, **looks)
-        _hatch(ax, np.isnan(place))
+        hatch(ax, np.isnan(place))
     handles = [
         Patch(color=colour, label=name.replace("_", " "))
         for colour, name in zip(colours, present.values(), strict=True)
     ]
-    _legend(figure, handles, _why_missing(dataset, known))
+    legend_below(figure, handles, why_missing(dataset, known))
 
 
 def _edges(count: int) -> np.ndarray:
     return np.arange(count + 1) - 0.5
 
 
-def _hatch(ax: Axes, missing: np.ndarray) -> None:
+def hatch(ax: Axes, missing: np.ndarray) -> None:
     """Where there is no answer the panel's own background shows: grey and hatched."""
     if missing.any():
         ax.set_facecolor("#F2F2F2")
         ax.patch.set(hatch=HATCH, edgecolor=style.GREY)
 
 
-def _why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
+def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     """What the hatched cells are: failed, not reached, ...; nothing where every cell is known."""
     if bool(known.all()):
         return ""
@@ -216,7 +221,8 @@ def _why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     return ", ".join(kinds) or "no value"
 
 
-def _legend(figure: Figure, handles: list[Patch], missing: str) -> None:
+def legend_below(figure: Figure, handles: list[Any], missing: str) -> None:
+    """A legend under the panels, with the hatching where something is `missing`."""
     if missing:
         handles.append(Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing))
     figure.legend(handles=handles, loc="outside lower center", ncols=max(1, min(5, len(handles))))
@@ -239,8 +245,8 @@ def _paint_numbers(
         _mesh(ax, plane_axes, plane, **looks) for ax, plane in zip(axes, planes, strict=False)
     ]
     for ax, plane in zip(axes, planes, strict=False):
-        _hatch(ax, np.isnan(plane))
+        hatch(ax, np.isnan(plane))
     figure.colorbar(meshes[0], ax=list(axes), label=labels.axis_label(array))
-    missing = _why_missing(dataset, values.notnull())
+    missing = why_missing(dataset, values.notnull())
     if missing:
-        _legend(figure, [], missing)
+        legend_below(figure, [], missing)

@@ -1,4 +1,9 @@
-"""Amplitude spectrum of a motion: a windowed discrete Fourier transform of its samples."""
+"""Amplitudes over frequency: of steady states along a parameter, of one, or of a motion in time.
+
+Along a parameter the colour is the amplitude and dark dots are the unstable eigenfrequencies of
+the linearised system (thesis Figure 6.18). Of a motion in time it is a windowed discrete Fourier
+transform of its samples.
+"""
 
 from __future__ import annotations
 
@@ -6,35 +11,161 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.colors import LogNorm
 
+from fiv_cli.data import select
+from fiv_cli.data.reading import numbers
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, motion, points, style
+from fiv_cli.plots import map as map_
 
 if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-suits = motion.suits
+STEADY, GROWING = "amplitude", "unstable_frequency"
+NO_SPECTRUM = ("diverged", "contact_lost")
 WINDOW = "hann"
 # Samples count as uniform when their intervals agree to this share.
 UNIFORM = 1e-6
 FEWEST_SAMPLES = 16
+DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
+
+
+def suits(dataset: xr.Dataset) -> bool:
+    """Whether the dataset holds spectra of steady states, or motions in time."""
+    return STEADY in dataset or motion.suits(dataset)
 
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
-    """A line for each variable of each motion; the mean is taken off before."""
+    """Colours along a parameter, lines where none varies."""
     dataset = layers[0].dataset
+    if STEADY not in dataset:
+        return _draw_motions(dataset, settings)
+    if any(select.is_numeric(axis) for axis in points.varying_axes(dataset)):
+        return _draw_along(dataset, settings)
+    return _draw_steady(dataset, settings)
+
+
+# --- steady states along a parameter --------------------------------------------------------------
+def _draw_along(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+    """A panel for each start and each value of the other axes."""
+    axis = points.abscissa(dataset, settings)
+    array = numbers(dataset[STEADY])
+    spread = [str(axis.dims[0]), "frequency"]
+    panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
+    map_.refuse_many(panels, array, spread)
+    columns = min(len(panels), map_.MOST_COLUMNS)
+    rows = -(-len(panels) // columns)
+    figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
+    norm = _norm(array.values)
+    for number, ax in enumerate(axes):
+        if number >= len(panels):
+            ax.set_axis_off()
+            continue
+        _paint(ax, dataset, panels[number], axis, norm, settings)
+        points.dress_axis(ax, axis, "x")
+        ax.set_ylabel(_frequency_label(settings) if number % columns == 0 else "")
+        points.scale(ax, settings)
+    image = next(ax.collections[0] for ax in axes if ax.collections)
+    figure.colorbar(image, ax=axes, label=labels.axis_label(dataset[STEADY]), extend="min")
+    _explain(figure, dataset)
+    return figure
+
+
+def _norm(values: np.ndarray) -> LogNorm:
+    known = values[np.isfinite(values) & (values > 0.0)]
+    top = float(known.max()) if known.size else 1.0
+    return LogNorm(top / 10.0**DECADES, top, clip=True)
+
+
+def _paint(
+    ax: Axes,
+    dataset: xr.Dataset,
+    panel: points.Line,
+    axis: xr.DataArray,
+    norm: LogNorm,
+    settings: Mapping[str, Any],
+) -> None:
+    """Colours, and dots where an eigenvalue grows."""
+    part = dataset.isel(panel.index)
+    dim = str(axis.dims[0])
+    plane = part[STEADY].transpose("frequency", dim).values
+    shown = np.where(np.isfinite(plane), np.maximum(plane, norm.vmin), np.nan)
+    x, height = points.positions(axis), dataset["frequency"].values * _factor(settings)
+    ax.pcolormesh(x, height, shown, shading="nearest", cmap="YlOrRd", norm=norm, rasterized=True)
+    map_.hatch(ax, np.isnan(shown))
+    ax.grid(False)
+    ax.set_title(panel.label)
+    if GROWING in part:
+        modes = part[GROWING].transpose(dim, "mode").values * _factor(settings)
+        size = style.dot_size(x.size)
+        ax.plot(x, modes, "o", ms=size, mew=0, color=style.BLACK, zorder=4)
+        ax.set_ylim(0.0, height[-1])
+
+
+def _explain(figure: Figure, dataset: xr.Dataset) -> None:
+    """What dots and hatching mean."""
+    handles: list[Any] = []
+    if GROWING in dataset and bool(dataset[GROWING].notnull().any()):
+        (dot,) = figure.axes[0].plot([], [], "o", ms=3.5, mew=0, color=style.BLACK)
+        dot.set_label("unstable eigenfrequency")
+        handles.append(dot)
+    known = dataset[STEADY].notnull().all("frequency")
+    missing = _unbounded(dataset) or map_.why_missing(dataset, known)
+    if handles or missing:
+        map_.legend_below(figure, handles, missing)
+
+
+def _unbounded(dataset: xr.Dataset) -> str:
+    """The classes of motion without a spectrum that the dataset holds."""
+    names = [n for n in NO_SPECTRUM if bool(points.is_class(dataset, "attractor", n).any())]
+    return points.joined(*(name.replace("_", " ") for name in names))
+
+
+# --- one steady state -----------------------------------------------------------------------------
+def _draw_steady(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+    """A line for each start; unstable eigenfrequencies upright."""
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
-    unit = str(settings.get("unit", "Hz"))
+    array = numbers(dataset[STEADY])
+    lines = points.lines(dataset, ["frequency"], [str(dim) for dim in array.dims])
+    x = dataset["frequency"].values * _factor(settings)
+    for line, colour in zip(lines, style.line_colours(len(lines)), strict=True):
+        ax.plot(x, array.isel(line.index).values, color=colour, label=line.label, lw=0.9)
+    growing = np.unique(dataset[GROWING].values) if GROWING in dataset else np.zeros(0)
+    for number, frequency in enumerate(growing[np.isfinite(growing)] * _factor(settings)):
+        label = None if number else "unstable eigenfrequency"
+        ax.axvline(frequency, ls="--", lw=0.9, color=style.BLACK, label=label, zorder=1)
+    ax.set_xlabel(_frequency_label(settings))
+    ax.set_ylabel(labels.axis_label(dataset[STEADY]))
+    ax.set_xlim(0.0, x[-1])
+    points.scale(ax, settings)
+    points.legend(ax)
+    return figure
+
+
+def _factor(settings: Mapping[str, Any]) -> float:
+    """From Hz to the unit of the figure."""
+    return 2.0 * np.pi if settings.get("unit") == "rad/s" else 1.0
+
+
+def _frequency_label(settings: Mapping[str, Any]) -> str:
+    return r"$\omega$ (rad/s)" if settings.get("unit") == "rad/s" else "$f$ (Hz)"
+
+
+# --- a motion in time -----------------------------------------------------------------------------
+def _draw_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+    """A line for each variable of each motion; the mean is taken off before."""
+    figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     names = motion.variables(dataset, settings)
     shown = [(one, name) for one in motion.motions(dataset, settings) for name in names]
     for (one, name), colour in zip(shown, style.line_colours(len(shown)), strict=True):
         values = motion.of_contact(one.data[name], settings)
         frequency, height = amplitude_spectrum(one.time, values)
-        factor = 2.0 * np.pi if unit == "rad/s" else 1.0
         label = points.joined(one.label, labels.short_label(dataset[name]))
-        ax.plot(frequency * factor, height, color=colour, label=label, lw=0.9)
-    letter = r"\omega" if unit == "rad/s" else "f"
-    ax.set_xlabel(f"${letter}$ ({unit})")
+        ax.plot(frequency * _factor(settings), height, color=colour, label=label, lw=0.9)
+    ax.set_xlabel(_frequency_label(settings))
     ax.set_ylabel(
         "amplitude" + (f" of {labels.short_label(dataset[names[0]])}" * (len(names) == 1))
     )
