@@ -30,7 +30,7 @@ def defaults(model: str | Model, law: str, **changes: float) -> dict[str, float]
     table = model_of(model)
     own = (*table.parameters, *table.adopted(get_law(law).parameters))
     given = {p.name: p.default for p in own if p.default is not None} | changes
-    follow = {p.name: given[p.default_from] for p in own if p.default_from is not None}
+    follow = {p.name: given[p.default_from] for p in own if p.default_from in given}
     return follow | given
 
 

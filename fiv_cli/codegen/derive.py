@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy
 
+from fiv_cli.codegen.generate import rate_of
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.symbols import Symbols
 from fiv_cli.friction.base import Law, Slip
@@ -109,18 +110,30 @@ def index_of(kinds: Sequence[int]) -> int:
 
 
 def derive(
-    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
+    model: Model,
+    law: Law,
+    options: Mapping[str, str],
+    structural: Mapping[str, float],
+    scheduled: tuple[str, ...] = (),
 ) -> Derivation:
-    """Derive all contact states of `model` under `options` with `law`."""
-    return _Deriver(model, law, options, structural).derive()
+    """Derive all contact states of `model` under `options` with `law`.
+
+    `scheduled` names the parameters that vary (linearly) in time.
+    """
+    return _Deriver(model, law, options, structural, scheduled).derive()
 
 
 class _Deriver:
     def __init__(
-        self, model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
+        self,
+        model: Model,
+        law: Law,
+        options: Mapping[str, str],
+        structural: Mapping[str, float],
+        scheduled: tuple[str, ...],
     ) -> None:
         self.law = law
-        self.symbols = Symbols(structural)
+        self.symbols = Symbols(structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = model.equations(self.symbols, options)
         self.contacts = self.equations.contacts
@@ -133,6 +146,8 @@ class _Deriver:
         own = {parameter.name for parameter in model.parameters}
         self.parameters = [p.name for p in model.parameters]
         self.parameters += [p.name for p in law.parameters if p.name not in own]
+        self.parameters += model.derived.names(options) if model.derived else ()
+        self.parameters += [rate_of(name) for name in scheduled]
         self.law_forces = [self._law_force(i) for i in range(len(self.contacts))]
 
     # --- the parts of the vector ------------------------------------------------------------------
@@ -237,20 +252,24 @@ class _Deriver:
 
         In stick the slip velocity is zero identically, not up to integration error.
         """
-        for contact, kind in zip(self.contacts, kinds, strict=True):
-            if kind != SEPARATION and self._is_rigid(contact):
-                assert contact.gap_coordinate is not None
-                self._eliminate(contact.gap, contact.gap_coordinate, names)
-                rate = self._time_derivative(contact.gap)
-                self._eliminate(rate, f"{contact.gap_coordinate}_dot", names)
+        closed = [
+            contact
+            for contact, kind in zip(self.contacts, kinds, strict=True)
+            if kind != SEPARATION and self._is_rigid(contact)
+        ]
+        positions = {str(c.gap_coordinate): c.gap for c in closed}
+        self._eliminate(positions, names)
+        velocities = {f"{c.gap_coordinate}_dot": self._time_derivative(c.gap) for c in closed}
         for contact, kind in zip(self.contacts, kinds, strict=True):
             if kind == STICK:
-                self._eliminate(contact.slip_velocity, f"{contact.slip_coordinate}_dot", names)
+                velocities[f"{contact.slip_coordinate}_dot"] = contact.slip_velocity
+        self._eliminate(velocities, names)
 
-    def _eliminate(self, expression: Any, entry: str, names: dict[Any, Node]) -> None:
-        symbol = self._entry(entry)
-        slope = sympy.diff(expression, symbol)
-        names[symbol] = self.graph.build(-expression.subs(symbol, 0) / slope, names)
+    def _eliminate(self, conditions: Mapping[str, Any], names: dict[Any, Node]) -> None:
+        """Replace entries by what makes the conditions, affine in them, vanish jointly."""
+        entries = [self._entry(name) for name in conditions]
+        rows = [self._affine(condition, entries, names) for condition in conditions.values()]
+        names.update(zip(entries, _solve(self.graph, rows)[0], strict=True))
 
     @staticmethod
     def _is_rigid(contact: Contact) -> bool:
@@ -392,8 +411,11 @@ class _Deriver:
 
     def _capacity(self, contact: int, names: Mapping[Any, Node]) -> Node:
         assert self.law.capacity is not None
-        normal = self.symbols.normal_force(contact)
-        return self.graph.build(self.law.capacity(normal, self._law_parameters()), names)
+        normal, parameters = self.symbols.normal_force(contact), self._law_parameters()
+        if not self.contacts[contact].static_friction:
+            at_rest = Slip(sympy.Integer(0), sympy.Integer(1), sympy.Integer(0), normal)
+            return self.graph.build(self.law.force(at_rest, parameters), names)
+        return self.graph.build(self.law.capacity(normal, parameters), names)
 
     def _angle(self, kinds: tuple[int, ...], names: Mapping[Any, Node]) -> Node | None:
         zone = self.equations.zone

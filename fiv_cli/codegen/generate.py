@@ -23,6 +23,13 @@ if TYPE_CHECKING:
     from fiv_cli.models.base import Model
 
 FLOW, TANGENT = "flow", "tangent"
+
+
+def rate_of(parameter: str) -> str:
+    """Name of the rate of a parameter that varies in time."""
+    return f"{parameter}.rate"
+
+
 IMPACT_ORDER = 1  # of the series of the state after an impact: its value and its rate
 
 # Functions with a plateau, and the weight of their argument in what limits a step (see
@@ -103,28 +110,33 @@ def generate(
     structural: Mapping[str, float],
     order: int,
     announce: Callable[[str], None] = lambda message: None,
+    scheduled: tuple[str, ...] = (),
 ) -> Generated:
     """Text and tables, from the cache or made now; `announce` says so when they are made."""
-    key = text_key(model, law, options, structural, order)
+    key = text_key(model, law, options, structural, order, scheduled)
     stored = cache.read(f"{key}.json")
     if stored is None:
         announce(f"generating code for {model.name} with {law.name} friction (once per user)")
-        stored = _make(model, law, options, structural, order)
+        stored = _make(model, law, options, structural, order, scheduled)
         cache.write(f"{key}.json", stored)
     return _from_json(key, json.loads(stored))
 
 
 def text_key(
-    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float], order: int
+    model: Model,
+    law: Law,
+    options: Mapping[str, str],
+    structural: Mapping[str, float],
+    order: int,
+    scheduled: tuple[str, ...] = (),
 ) -> str:
     """Hash of everything that decides generated text: source files, options, order, SymPy."""
     package = Path(__file__).parent
     sources = sorted(package.glob("*.py"))
     sources += [package.parent / floor / "base.py" for floor in ("models", "friction")]
-    modules = {model.equations.__module__, law.force.__module__}
-    modules |= _law_modules()
-    files = sources + sorted(_source_file(module) for module in modules)
-    settings = [dict(sorted(options.items())), dict(sorted(structural.items())), order]
+    files = [*sources, *_model_files(model), *sorted(map(_source_file, _law_modules()))]
+    written = [dict(sorted(table.items())) for table in (options, structural)]
+    settings = [*written, order, list(scheduled)]
     return cache.content_key(
         [
             cache.source_of(*files),
@@ -135,6 +147,17 @@ def text_key(
             version("sympy"),
         ]
     )
+
+
+def _model_files(model: Model) -> list[Path]:
+    """The model's file and those that models share."""
+    from fiv_cli.models import all_models
+
+    others = {m.equations.__module__ for m in all_models().values() if m.name != model.name}
+    own = _source_file(model.equations.__module__)
+    shared = (Path(__file__).parent.parent / "models").glob("*.py")
+    kept = [file for file in shared if f"fiv_cli.models.{file.stem}" not in others]
+    return sorted({own, *kept})
 
 
 def _law_modules() -> set[str]:
@@ -153,12 +176,17 @@ def _source_file(module: str) -> Path:
 
 
 def _make(
-    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float], order: int
+    model: Model,
+    law: Law,
+    options: Mapping[str, str],
+    structural: Mapping[str, float],
+    order: int,
+    scheduled: tuple[str, ...],
 ) -> bytes:
     from fiv_cli.codegen.derive import derive
     from fiv_cli.codegen.emit import Coefficients, constants
 
-    derivation = derive(model, law, options, structural)
+    derivation = derive(model, law, options, structural, scheduled)
     coefficients = Coefficients()
     title = f"{model.name}, {law.name} friction, options {dict(options)}"
     flow = [f"# {title}", "# state: " + ", ".join(derivation.state_names)]

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import sympy
+
+from fiv_cli.codegen.generate import rate_of
 
 
 class Symbols:
     """SymPy symbols by name; two calls with one name give the same symbol.
 
-    A parameter that must be written into the code (a structural one) is a number instead.
+    A parameter that must be written into the code (a structural one) is a number instead; one
+    that varies in time (a scheduled one) is a linear function of it.
     """
 
-    def __init__(self, structural: Mapping[str, float] | None = None) -> None:
+    def __init__(
+        self, structural: Mapping[str, float] | None = None, scheduled: Collection[str] = ()
+    ) -> None:
         self._structural = dict(structural or {})
+        self._scheduled = frozenset(scheduled)
         self.time = sympy.Symbol("t", real=True)
         self.zone = self._real("zone")
 
@@ -24,10 +30,14 @@ class Symbols:
         return sympy.Symbol(name, real=True)
 
     def parameter(self, name: str) -> Any:
-        """Parameter `name`; a number where its value is structural."""
+        """Parameter `name`; a number where its value is structural, a function of a schedule."""
         if name in self._structural:
             return sympy.nsimplify(self._structural[name])
-        return self._real(f"p.{name}")
+        return self._real(f"p.{name}") + self.parameter_rate(name) * self.time
+
+    def parameter_rate(self, name: str) -> Any:
+        """Rate of parameter `name`, per second: zero unless it follows a schedule."""
+        return self._real(f"p.{rate_of(name)}") if name in self._scheduled else sympy.Integer(0)
 
     def coordinate(self, name: str) -> sympy.Symbol:
         """Generalised coordinate (or internal state of the law)."""

@@ -64,9 +64,9 @@ M_TIME, M_SPREAD, M_OTHER, M_FRICTION, M_DRIVE, M_IMPACT, M_RESIDUAL = range(7)
 MEASURES_WIDTH = 7
 
 # options[contact, ...]: candidates of `decide`, (kind, sign) pairs from OFFERS on; BEFORE: the
-# code of the contact's state before the event
-COUNT, AT_REST, BEFORE, OFFERS = 0, 1, 2, 3
-OPTIONS_WIDTH = 3 + 2 * 4
+# code of the contact's state before the event; ONE_WAY: 1 where the sign of slip never changes
+COUNT, AT_REST, BEFORE, ONE_WAY, OFFERS = 0, 1, 2, 3, 4
+OPTIONS_WIDTH = 4 + 2 * 4
 
 # Why `advance` returned.
 REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET = 0, 1, 2, 3
@@ -400,7 +400,7 @@ def decide(  # type: ignore[no-untyped-def]
         else:  # re-contact, or a slip that ends at the same instant
             v = slip_velocity(table, guards, config, clock, kinds, coefficients, y, field, i)
             options[i, AT_REST] = 1 if v == 0.0 else 0
-            if kinds[i] == SEPARATION and v != 0.0:
+            if kinds[i] == SEPARATION and v != 0.0 and options[i, ONE_WAY] == 0:
                 sign = 1 if v > 0.0 else -1
         released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
         if released and not grazing:  # the demanded force passes the capacity: it slips its way

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.codegen.generate import rate_of
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
@@ -120,6 +121,7 @@ class Motion:
         self.tables = system.tables
         self._allocate(system, solver)
         self.parameters = system.parameter_vector(parameters)
+        self.kink = self._take_up_schedule(time)
         self.y[:] = state if isinstance(state, np.ndarray) else system.state_vector(state)
         self.clock[kernel.TIME] = time
         self.started = self._enter(sticking)
@@ -157,6 +159,24 @@ class Motion:
             np.zeros((contacts, 3)),
             np.zeros(len(self.system.coordinates)),
         )
+
+    # --- parameters that vary in time -----------------------------------------------------------
+    def _take_up_schedule(self, time: float) -> float:
+        """Set what varies to the piece that begins at `time`; returns where it ends, s."""
+        schedule, names = self.system.schedule, self.system.generated.parameter_names
+        if not schedule.curves:
+            return float("inf")
+        for name, (value, rate) in schedule.piece(time).items():
+            self.parameters[names.index(name)] = value
+            self.parameters[names.index(rate_of(name))] = rate
+        self.clock[kernel.FILLED_FOR] = 0.0
+        return schedule.next_kink(time)
+
+    def _pass_kink(self) -> None:
+        """Go on with the next piece: forces jump, so the contact states are decided anew."""
+        self.kink = self._take_up_schedule(self.kink)
+        self._fill_coefficients()
+        self.started = self._decide()
 
     # --- start ----------------------------------------------------------------------------------
     def _enter(self, sticking: tuple[bool, ...]) -> bool:
@@ -325,10 +345,35 @@ class Motion:
         self.counters[kernel.SECTIONS] = 0
         self.counters[kernel.SAMPLED] = samples.count
         self.limits[kernel.MAX_SECTIONS] = len(times)
+        vector = self.section_vector(section)
+
+        def go_on(until: float) -> Stop:
+            return self._advance(until, vector, (times, states), samples, measuring, phase_interval)
+
+        while self.kink < t_stop:
+            stop = go_on(self.kink)
+            if stop != Stop.REACHED:
+                return stop
+            self._pass_kink()
+            if not self.started:
+                return Stop.NO_STATE
+        return go_on(t_stop)
+
+    def _advance(
+        self,
+        t_stop: float,
+        section: NDArray[np.int64],
+        sections: tuple[Vector, NDArray[np.float64]],
+        samples: Samples,
+        measuring: bool,
+        phase_interval: float,
+    ) -> Stop:
+        """Call the driver."""
+        times, states = sections
         code = kernel.advance(
             self.tables.table, self.tables.impacts, self.tables.guards, self.config, self.clock,
             self.kinds, self.parameters, self.coefficients, self.y, self.tolerances, self.strips,
-            self.counters, self.limits, t_stop, self.section_vector(section), phase_interval,
+            self.counters, self.limits, t_stop, section, phase_interval,
             self.tables.ends, times, states, samples.times, samples.states, samples.outputs,
             samples.codes, self.ledger, measuring, self.quadrature, self.measures.reference,
             self.measures.totals, self.measures.extremes, self.measures.shares, self.tangents,
@@ -393,12 +438,14 @@ def scratch_of(system: System) -> Scratch:
     guards = system.tables.guards.shape[1]
     rows = 2 * n + 2 * guards + 2
     width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
+    options = np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64)
+    options[:, kernel.ONE_WAY] = system.generated.smooth
     return Scratch(
         series=np.zeros(rows * (order + 1)),
         work=np.zeros(rows * (order + 1)),
         stages=np.zeros((SCRATCH_ROWS, width)),
         roots=roots.scratch(),
-        options=np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64),
+        options=options,
     )
 
 

@@ -11,16 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.generate import Generated, generate
+from fiv_cli.codegen.generate import Generated, generate, rate_of
+from fiv_cli.dynamics.schedule import Schedule
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Model
 
-SystemKey = tuple[str, str, tuple[tuple[str, str], ...], tuple[tuple[str, float], ...], int]
+SystemKey = tuple[
+    str, str, tuple[tuple[str, str], ...], tuple[tuple[str, float], ...], int, Schedule
+]
 Vector = NDArray[np.float64]
 
+STEADY = Schedule()  # nothing varies
 LEAST_ORDER = 12
 EXTRA_ORDER = 4  # the systems are small: a step costs more in events and roots than in series
 
@@ -40,10 +44,12 @@ def system_key(
     options: Mapping[str, str],
     parameters: Mapping[str, float],
     solver: SolverSettings,
+    schedule: Schedule = STEADY,
 ) -> SystemKey:
-    """What decides the generated code: names, options, structural values and order."""
+    """What makes a system: names, options, structural values, order, and what varies in time."""
     structural = tuple((name, parameters[name]) for name in get_law(law).structural)
-    return model, law, tuple(sorted(options.items())), structural, taylor_order(solver.rtol)
+    chosen = tuple(sorted(options.items()))
+    return model, law, chosen, structural, taylor_order(solver.rtol), schedule
 
 
 _BUILT: dict[SystemKey, System] = {}
@@ -56,12 +62,13 @@ def build_system(
     parameters: Mapping[str, float],
     solver: SolverSettings,
     announce: Callable[[str], None] = lambda message: None,
+    schedule: Schedule = STEADY,
 ) -> System:
     """The compiled system, from memory, from the per-user cache, or made now.
 
     `announce` is called with a sentence when something has to be generated or compiled.
     """
-    key = system_key(model, law, options, parameters, solver)
+    key = system_key(model, law, options, parameters, solver, schedule)
     if key not in _BUILT:
         _BUILT[key] = _make(get_model(model), get_law(law), key, announce)
     return _BUILT[key]
@@ -69,11 +76,11 @@ def build_system(
 
 def _make(model: Model, law: Law, key: SystemKey, announce: Callable[[str], None]) -> System:
     _announce_kernels(announce)
-    options, structural, order = dict(key[2]), dict(key[3]), key[4]
-    generated = generate(model, law, options, structural, order, announce)
+    options, structural, order, schedule = dict(key[2]), dict(key[3]), key[4], key[5]
+    generated = generate(model, law, options, structural, order, announce, schedule.names)
     if not generated.is_compiled():
         announce(f"compiling {model.name} with {law.name} friction (once per user)")
-    return System(model, law, options, generated)
+    return System(model, law, options, generated, schedule)
 
 
 def _announce_kernels(announce: Callable[[str], None]) -> None:
@@ -91,12 +98,14 @@ class System:
     ----------
     model, law, options : what it is
     generated : text, tables and machine code
+    schedule : parameters that vary in time
     """
 
     model: Model
     law: Law
     options: Mapping[str, str]
     generated: Generated
+    schedule: Schedule = STEADY
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -144,8 +153,25 @@ class System:
         """Parameters in generated order, slip signs +1, sector 0; shape (n_parameters,)."""
         names = self.generated.parameter_names
         own = len(names) - 1 - self.n_contacts
-        values = [parameters[name] for name in names[:own]]
+        known = self.known(parameters)
+        values = [known[name] for name in names[:own]]
         return np.array([*values, *([1.0] * self.n_contacts), 0.0])
+
+    @cached_property
+    def _is_extended(self) -> bool:
+        return self.model.derived is not None or bool(self.schedule.curves)
+
+    def known(self, parameters: Mapping[str, float]) -> Mapping[str, float]:
+        """The parameters, what is computed from them, and rates (zero) of what varies.
+
+        What varies in time stands as it is at t = 0.
+        """
+        if not self._is_extended:
+            return parameters
+        known = {**parameters, **self.schedule.values(0.0)}
+        if self.model.derived is not None:
+            known |= self.model.derived.values(known, self.options)
+        return known | {rate_of(name): 0.0 for name in self.schedule.names}
 
     def state_vector(self, values: Mapping[str, float]) -> Vector:
         """State vector from named values, the rest 0; shape (n_states,)."""

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from fiv_cli.friction import coulomb, hyperbolic, linear_slope, stribeck, tanh
+from fiv_cli.friction import coulomb, exponential, hyperbolic, linear_slope, stribeck, tanh
 from fiv_cli.friction.base import Law
 
-_LAWS: tuple[Law, ...] = (coulomb.LAW, stribeck.LAW, linear_slope.LAW, hyperbolic.LAW)
+_LAWS: tuple[Law, ...] = (
+    coulomb.LAW,
+    stribeck.LAW,
+    exponential.LAW,
+    linear_slope.LAW,
+    hyperbolic.LAW,
+)
 
 TANH_OF = "tanh of "
 

@@ -66,12 +66,48 @@ class State:
 
 @dataclass(frozen=True)
 class Option:
-    """A switch of a model with the thesis' choice as default."""
+    """A switch of a model with the thesis' choice as default.
+
+    Attributes
+    ----------
+    name : contract name
+    choices : what it may be; empty where `read` decides
+    default : one of them, or what `read` would return
+    meaning : one line
+    read : value in a case file -> the text that stands for it; ValueError says what is wrong
+    form : what `read` takes, in words
+    """
 
     name: str
     choices: tuple[str, ...]
     default: str
     meaning: str
+    read: Callable[[object], str] | None = None
+    form: str = ""
+
+    def text(self, value: object) -> str:
+        """The text that stands for `value`; ValueError when it is not allowed."""
+        if self.read is not None:
+            return self.read(value)
+        if value not in self.choices:
+            raise ValueError(f"{value!r} is not allowed")
+        return str(value)
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Numbers that follow from parameters by more than a formula: the modes of a plate.
+
+    Attributes
+    ----------
+    names : options -> names, which `Symbols.parameter` knows like those of parameters
+    values : (parameters, options) -> name -> SI value
+    sources : parameters that they depend on
+    """
+
+    names: Callable[[Options], tuple[str, ...]]
+    values: Callable[[Mapping[str, float], Options], Mapping[str, float]]
+    sources: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -81,7 +117,7 @@ class Forcing:
     Attributes
     ----------
     amplitude : parameter that switches it on (set to 0 in the "unexcited system")
-    frequency : parameters -> angular frequency, rad/s
+    frequency : parameters (and `Model.derived` numbers) -> angular frequency, rad/s
     meaning : one line
     fast_velocity : parameters -> amplitude of the slip velocity, m/s, that the excitation alone
         gives a free mass at a high frequency (thesis 5.12); None: its fast motion is not averaged
@@ -109,8 +145,9 @@ class Contact:
     impact : "plastic" (the gap rate is zero after re-contact) or "none"; the impulse acts on
         the accelerations as F_N does, and its tangential part is ignored
     closing_rate : gap rate that the impulse is computed from, when it is not the gap's own
-    sliding_only : a bilateral contact that always slides the way the drive moves it at rest: F_N
-        may be negative, and there is neither stick nor reversal of friction
+    sliding_only : the contact always slides the way the drive moves it at rest: there is neither
+        stick nor reversal of friction; without a gap it is bilateral (F_N may be negative)
+    static_friction : False: it sticks up to the kinetic friction at zero speed, not more
     """
 
     slip_velocity: Any
@@ -122,6 +159,7 @@ class Contact:
     impact: str = "plastic"
     closing_rate: Any | None = None
     sliding_only: bool = False
+    static_friction: bool = True
 
 
 @dataclass(frozen=True)
@@ -181,6 +219,7 @@ class Model:
     law_defaults : law parameter -> default on this model; a name: the value of that parameter
     forcings : periodic excitations
     revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
+    derived : numbers that are computed from the parameters, if any
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     """
 
@@ -197,6 +236,7 @@ class Model:
     contacts: int = 1
     forcings: tuple[Forcing, ...] = ()
     revolution: Callable[[Mapping[str, float]], float] | None = None
+    derived: Derived | None = None
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""
