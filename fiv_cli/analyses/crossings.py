@@ -112,7 +112,7 @@ Probe = Callable[[float], Sample]
 
 
 class ScanTooLong(Exception):
-    """The eigenvalues are too rough a function of the parameter to be resolved."""
+    """The modes are too rough a function of the parameter to be resolved."""
 
 
 def critical_values(
@@ -123,7 +123,10 @@ def critical_values(
     which: str,
 ) -> Outcome:
     """Every crossing of the ``original`` or ``averaged`` system inside the bracket."""
-    probe = _remembered(lambda at: _sample(system, varied.at(parameters, at), which, at))
+
+    def probe(at: float) -> Sample:
+        return _sample(system, varied.at(parameters, at), which, at)
+
     try:
         crossings = find_crossings(probe, *bracket)
     except ScanTooLong:
@@ -206,6 +209,7 @@ def find_crossings(probe: Probe, low: float, high: float) -> list[Crossing]:
     ------
     ScanTooLong : the modes are too rough a function of the parameter
     """
+    probe = _remembered(probe)
     scan = _Scan(probe, NARROWEST * (high - low))
     left = probe(low)
     for right in np.linspace(low, high, PIECES + 1)[1:]:

@@ -24,6 +24,9 @@ from fiv_cli.dynamics.system import System, Vector
 
 NEWTON_STEPS = 60
 CONVERGED = 1e-13  # last Newton step, relative to the solution
+# Near a singular stiffness rounding keeps the steps larger: below this, one that no longer shrinks
+# to half is the last.
+STALLED = 1e-8
 SAME_SOLUTION = 1e-8
 # A root whose imaginary part is below this share of itself is tried as a real one.
 NEARLY_REAL = 1e-3
@@ -296,6 +299,7 @@ def _newton(
     n, m, free = len(start), len(state.system.coordinates), state.free
     rows = m + np.array(free)
     y = state.field(start)[:n].copy()
+    last = np.inf
     for _ in range(NEWTON_STEPS):
         matrix = state.slopes(y, free)[rows]
         rest = state.rates(y) if kept is None else state.rates(y) - kept
@@ -308,8 +312,10 @@ def _newton(
         if not np.all(np.abs(y) < BOUND):
             return None
         y = state.field(y)[:n].copy()
-        if np.max(np.abs(step)) <= CONVERGED * np.max(np.abs(y), initial=1e-300):
+        size = np.max(np.abs(step)) / np.max(np.abs(y), initial=1e-300)
+        if size <= CONVERGED or (size <= STALLED and size > last / 2.0):
             return y
+        last = size
     return None
 
 

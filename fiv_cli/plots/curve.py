@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # What a curve shows unless the figure says otherwise: the first of these that is there.
-PREFERRED = ("L_s", "growth_rate", "n_solutions", "attractor")
+PREFERRED = ("L_s", "growth_rate", "critical_value", "n_solutions", "attractor")
 
 CLASS_SHIFT = 0.06
 
