@@ -145,5 +145,5 @@ def test_the_averaged_motion_is_what_remains_of_the_excited_one() -> None:
     changes = {"A_b": amplitude * 40.0, "R": 40.0}
     found = analyse(MODEL, "tanh of coulomb", "history", start, settings, **changes).values
     slow = slice(-1572, None)  # a hundred periods of the excitation
-    assert np.mean(found["x"][slow]) == pytest.approx(averaged_x[0], abs=0.02)
-    assert np.mean(found["y"][slow]) == pytest.approx(averaged_x[1], abs=0.01)
+    assert np.mean(found["x"][slow]) == pytest.approx(averaged_x[0], abs=1e-3)
+    assert np.mean(found["y"][slow]) == pytest.approx(averaged_x[1], abs=1e-3)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import cos, pi, sin, sqrt
-from typing import Any
 
 import numpy as np
 import pytest
@@ -45,7 +44,7 @@ def only(found: Outcome) -> float:
     return float(value)
 
 
-# --- mode coupling (thesis 3.1.3) ------------------------------------------------------------------
+# --- mode coupling (thesis 3.1.3) -----------------------------------------------------------------
 def hurwitz(c1: float, c2: float) -> float:
     """Critical friction of the damped flutter model, by the criterion of Hurwitz on 3.29."""
     k11, k22 = cos(pi / 4) ** 2 + cos(pi / 6) ** 2, sin(pi / 4) ** 2 + sin(pi / 6) ** 2 + 2.0
