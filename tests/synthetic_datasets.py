@@ -179,6 +179,39 @@ def history(labels=("far", "near"), omega=9.0, t_end=8.0, sample=0.01):
     )
 
 
+def spectra(labels=("near", "far"), points=12):
+    """Spectra of x along mu_k: a line at 25 Hz, an eigenfrequency that grows from 0.5 on; one point
+    diverged."""
+    mu, frequency = np.linspace(0.1, 1.2, points), np.linspace(0.0, 40.0, 81)
+    dims = ("mu_k", "initial")
+    amplitude = np.zeros((points, len(labels), frequency.size))
+    amplitude[:, :, 50] = 1e-3 * mu[:, None]
+    amplitude[:, :, 10] = 1e-5
+    attractor = np.full((points, len(labels)), "periodic", dtype=object)
+    if points > 1:
+        amplitude[-1, 0], attractor[-1, 0] = np.nan, "diverged"
+    growing = np.stack([np.where(mu > 0.5, 20.0 + mu, np.nan), np.full(points, np.nan)], axis=-1)
+    growing = np.repeat(growing[:, None], len(labels), axis=1)
+    return xr.Dataset(
+        {
+            "status": (dims, np.zeros((points, len(labels)), np.int8), status_flag()),
+            "attractor": (dims, codes(ATTRACTORS, attractor), flag(ATTRACTORS)),
+            "amplitude": (
+                (*dims, "frequency"),
+                amplitude,
+                {"units": "m", "long_name": "amplitude of x"},
+            ),
+            "unstable_frequency": ((*dims, "mode"), growing, {"units": "Hz"}),
+        },
+        {
+            "mu_k": axis("mu_k", mu, r"\mu_k", "1", "coefficient of kinetic friction"),
+            "initial": ("initial", np.array(labels)),
+            "frequency": ("frequency", frequency, {"units": "Hz", "long_name": "frequency"}),
+        },
+        attributes(title="Spectra", reference="Figure 6.18"),
+    )
+
+
 def eigenvalues():
     """Two modes that lock in at mu_k = 0.5; one point was not computed."""
     mu = np.linspace(0.0, 1.0, 41)

@@ -363,6 +363,40 @@ def test_a_spectrum_is_in_the_unit_asked_for(unit, label, peak):
     assert ax.get_ylabel() == r"amplitude of $\varphi$ (rad)"
 
 
+def test_spectra_along_a_parameter_are_colours_with_dots_at_growing_modes():
+    drawn = draw(data.spectra(), figure("spectrum"))
+    near, far = drawn.axes[:2]
+    assert (near.get_title(), far.get_title()) == ("near", "far")
+    (mesh,) = [c for c in far.collections if isinstance(c, QuadMesh)]
+    cells = mesh.get_array().reshape(81, 12)
+    np.testing.assert_allclose(cells[50], 1e-3 * np.linspace(0.1, 1.2, 12))
+    assert np.all(cells[0] == pytest.approx(1.2e-6))  # nothing: three decades below the largest
+    dots = np.concatenate([line.get_xydata() for line in far.lines])
+    dots = dots[np.isfinite(dots[:, 1])]
+    np.testing.assert_allclose(dots[:, 1], 20.0 + dots[:, 0])
+    assert len(dots) == np.count_nonzero(np.linspace(0.1, 1.2, 12) > 0.5)
+
+
+def test_a_motion_without_bound_leaves_its_column_hatched_and_named():
+    drawn = draw(data.spectra(), figure("spectrum", select={"initial": "near"}))
+    (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
+    assert np.ma.getmaskarray(mesh.get_array()).reshape(81, 12)[:, -1].all()
+    assert drawn.axes[0].patch.get_hatch()
+    assert legend_texts(drawn) == ["unstable eigenfrequency", "diverged"]
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("Hz", 1.0), ("rad/s", 2 * np.pi)])
+def test_a_single_spectrum_is_a_line_with_growing_modes_upright(unit, factor):
+    (ax,) = draw(
+        data.spectra(), figure("spectrum", select={"mu_k": 0.9, "initial": "far"}, unit=unit)
+    ).axes
+    x, y = ax.lines[0].get_data()
+    assert x[np.argmax(y)] == pytest.approx(25.0 * factor)
+    (upright,) = [line for line in ax.lines if line.get_label() == "unstable eigenfrequency"]
+    assert upright.get_xdata()[0] == pytest.approx(20.9 * factor)
+    assert ax.get_ylabel() == "amplitude of x (m)"
+
+
 # --- eigenvalues, laws -------------------------------------------------------------------------
 
 

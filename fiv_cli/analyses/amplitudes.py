@@ -117,7 +117,7 @@ def _with_lines(
     if end is not None:
         outcome.status, outcome.reason = end.status, end.reason
         return outcome
-    lines = _period_lines(values, length) if period is not None else _window_lines(values, length)
+    lines = period_lines(values, length) if period is not None else window_lines(values, length)
     outcome.values |= on_bins(lines, settings)
     return outcome
 
@@ -136,7 +136,7 @@ def sampled(
     return samples.states[:, place].copy(), stopped(stop)
 
 
-def _period_lines(values: Vector, period: float) -> Lines:
+def period_lines(values: Vector, period: float) -> Lines:
     """Fourier coefficients of one period."""
     transformed = np.fft.rfft(values) / len(values)
     square = (2.0 * np.abs(transformed[1:])) ** 2
@@ -145,7 +145,7 @@ def _period_lines(values: Vector, period: float) -> Lines:
     return Lines(frequency, square, float(transformed[0].real), peak)
 
 
-def _window_lines(values: Vector, length: float) -> Lines:
+def window_lines(values: Vector, length: float) -> Lines:
     """Lines of the weighted window."""
     count = len(values)
     mean = float(np.mean(values))

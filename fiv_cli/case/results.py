@@ -124,7 +124,7 @@ def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:
         return {"x": states, "y": states}
     if kind == "map":
         return {"x": axes, "y": axes}
-    if kind in ("curve", "bifurcation", "eigenvalues"):
+    if kind in ("curve", "bifurcation", "eigenvalues", "spectrum"):
         return {"x": axes}
     return {}
 
