@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+from fiv_cli.models.base import (
+    Contact,
+    Equations,
+    Forcing,
+    Model,
+    Option,
+    Options,
+    Parameter,
+    State,
+)
 
 
 def _parameters(**defaults: float) -> tuple[Parameter, ...]:
@@ -203,4 +212,5 @@ BALL = Model(
     equations=_ball,
     laws=("coulomb",),
     law_defaults={"mu_k": 0.0, "mu_s": 0.0},
+    forcings=(Forcing("A", lambda p: p["omega"], "shaking of the table"),),
 )

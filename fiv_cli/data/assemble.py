@@ -28,6 +28,9 @@ Placed = tuple[NDArray[np.int64], Block]
 
 Blocks = Callable[[], Iterable[Placed]]
 
+WHOLE_STATES = ("eigenvalues", "cycle")
+"""Analyses whose dim ``state`` holds displacements and velocities."""
+
 
 @dataclass
 class _Survey:
@@ -132,7 +135,7 @@ def _known_size(dim: str, layout: Layout) -> int:
         return model.contacts
     if dim == "state":
         displacements = len(model.states({**model.default_options(), **layout.options}))
-        return 2 * displacements if layout.kind == "eigenvalues" else displacements
+        return 2 * displacements if layout.kind in WHOLE_STATES else displacements
     return 1
 
 

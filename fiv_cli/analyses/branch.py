@@ -1,0 +1,436 @@
+"""A branch of cycles along a parameter: where it goes, turns, changes stability and ends.
+
+Pseudo-arclength continuation (H. B. Keller, 1977): the unknowns of a cycle and the parameter are
+moved together along the branch, so that it is followed round folds, and past every change of
+stability. A change between two points of the branch is bisected along it. Where no cycle follows,
+the step is bisected until the parameter of the last cycle and that of the first failure are as
+close as asked for: between them the branch ends.
+
+A cycle of a system with friction may end without a fold. At a *grazing* an event enters or leaves
+its sequence: a sliding motion touches zero slip velocity, a landing is missed. The branch may go
+on with the other sequence, turn back with it, or end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from fiv_cli.analyses.base import Varied
+from fiv_cli.analyses.periodic import (
+    Anchor,
+    Cycle,
+    Matrix,
+    Passage,
+    Problem,
+    Shooting,
+    anchor_at,
+    begin,
+    describe,
+    newton,
+    passage,
+    shooting,
+    to_longest_piece,
+)
+from fiv_cli.dynamics.motion import Stop
+from fiv_cli.dynamics.system import Vector
+
+FIRST, LONGEST, SHORTEST = 0.01, 0.1, 1e-10  # lengths of a step along the branch
+LONGER = 1.5  # growth of a step ...
+PATIENCE = 3  # ... after so many that went well
+ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen
+DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
+MOST_POINTS = 400
+BISECTIONS = 200
+BEYOND = 1e-3  # share of the bracket by which the far side of an end is looked at
+CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
+AROUND = 60  # points allowed on the way back to the end
+MEETING = 1e-4  # share of the bracket within which two branches end at one value
+EDGE = 1e-12  # share of the bracket within which a value counts as its edge
+UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
+SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to vanish
+ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a real one
+
+FLIP, TORUS, FOLD, BRANCHING = "flip", "torus", "fold", "branching"
+GRAZING, CONTACT_LOST, AT_REST, AT_EDGE = "grazing", "contact_lost", "equilibrium", "bracket"
+BUDGET, OTHER = "budget", "other"
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """What is followed.
+
+    Attributes
+    ----------
+    problem : the system, its parameters at the first cycle
+    varied : the parameter
+    bracket : its lowest and highest value
+    width : how closely changes and ends are bracketed
+    """
+
+    problem: Problem
+    varied: Varied
+    bracket: tuple[float, float]
+    width: float
+
+    @property
+    def span(self) -> float:
+        """Extent of the bracket."""
+        return self.bracket[1] - self.bracket[0]
+
+    def holds(self, value: float) -> bool:
+        """Whether `value` lies inside the bracket: outside, parameters may make no sense."""
+        return self.bracket[0] <= value <= self.bracket[1]
+
+    def at(self, value: float) -> Problem:
+        """The problem at another value of the parameter."""
+        return self.problem.changed(self.varied, value)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A cycle on a branch.
+
+    Attributes
+    ----------
+    value : of the parameter
+    cycle : the cycle
+    frame : the conditions it was found by
+    unknowns : its unknowns in `frame`, and the parameter over the extent of the bracket
+    tangent : direction of the branch in these unknowns, of length one
+    """
+
+    value: float
+    cycle: Cycle
+    frame: Shooting
+    unknowns: Vector
+    tangent: Vector
+
+    @property
+    def slope(self) -> float:
+        """Share of the parameter in the direction of the branch, with its sign."""
+        return float(self.tangent[-1])
+
+    @cached_property
+    def character(self) -> tuple[object, ...]:
+        """What changes at a mark: way along the parameter, stability, sequence of events."""
+        return self.slope > 0.0, self.cycle.stable, self.cycle.signature
+
+
+@dataclass(frozen=True)
+class End:
+    """A change on a branch, or its end.
+
+    Attributes
+    ----------
+    value : of the parameter
+    width : the change lies this close to it
+    kind : see the constants of this module
+    direction : 1 where the parameter was rising along the branch, else -1
+    goes_on : whether the branch was followed beyond
+    """
+
+    value: float
+    width: float
+    kind: str
+    direction: int
+    goes_on: bool
+
+
+# --- the branch's equations ----------------------------------------------------------------------
+def _jacobian(
+    line: Continuation, frame: Shooting, unknowns: Vector
+) -> tuple[Vector, Matrix] | None:
+    """The closing conditions and their Jacobian, the derivative by the parameter last."""
+    own, value = unknowns[:-1], _within(line, float(unknowns[-1] * line.span))
+    found = frame.around(line.at(value), own) if line.holds(value) else None
+    if found is None:
+        return None
+    slope = _by_parameter(line, frame, own, value, found)
+    if slope is None:
+        return None
+    return frame.values(found, own), np.column_stack([frame.jacobian(found), slope])
+
+
+def _by_parameter(
+    line: Continuation, frame: Shooting, own: Vector, value: float, here: Passage
+) -> Vector | None:
+    """Derivative of the closing conditions by the parameter over the bracket's extent.
+
+    By central differences; to one side where the other side's events are others.
+    """
+    sides: list[tuple[float, Vector]] = []
+    for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
+        if line.holds(value + shift):
+            found = frame.around(line.at(value + shift), own, tangents=False)
+            if found is not None and found.events == here.events:
+                sides.append((shift, frame.values(found, own)))
+    if not sides:
+        return None
+    if len(sides) == 1:
+        sides.append((0.0, frame.values(here, own)))
+    (low, before), (high, after) = sides
+    return (after - before) / (high - low) * line.span
+
+
+def _direction(jacobian: Matrix, before: Vector) -> Vector:
+    """Unit vector along the branch that goes on the way that `before` went."""
+    bordered = np.vstack([jacobian, before])
+    wanted = np.zeros(len(bordered))
+    wanted[-1] = 1.0
+    along = np.linalg.lstsq(bordered, wanted, rcond=None)[0]
+    return np.asarray(along / np.linalg.norm(along), np.float64)
+
+
+def first_point(line: Continuation, cycle: Cycle, value: float, rising: bool) -> Point | None:
+    """The point of the branch at `cycle`, about to go up or down along the parameter."""
+    free = 1 if cycle.autonomous else 0
+    way = np.zeros(len(cycle.anchor.state) + free + 1)
+    way[-1] = line.span if rising else -line.span
+    return _framed(line, cycle, value, way)
+
+
+def step(line: Continuation, here: Point, length: float) -> Point | None:
+    """The next point, `length` along the branch, or at the edge of the bracket before that."""
+    foreseen = here.unknowns + length * here.tangent
+    low, high = line.bracket[0] / line.span, line.bracket[1] / line.span
+    across = here.tangent
+    if not low <= foreseen[-1] <= high:
+        edge = min(max(foreseen[-1], low), high)
+        share = (edge - here.unknowns[-1]) / (foreseen[-1] - here.unknowns[-1])
+        foreseen = here.unknowns + share * length * here.tangent
+        across = np.append(np.zeros(len(foreseen) - 1), 1.0)
+    return _corrected(line, here, foreseen, across, ASTRAY * length)
+
+
+def _corrected(
+    line: Continuation, here: Point, foreseen: Vector, across: Vector, astray: float
+) -> Point | None:
+    """The cycle of the branch in the plane across `across` through `foreseen`."""
+
+    def conditions(unknowns: Vector) -> tuple[Vector, Matrix] | None:
+        found = _jacobian(line, here.frame, unknowns)
+        if found is None:
+            return None
+        values, jacobian = found
+        away = float(across @ (unknowns - foreseen))
+        return np.append(values, away), np.vstack([jacobian, across])
+
+    unknowns = newton(conditions, foreseen)
+    if unknowns is None or float(np.linalg.norm(unknowns - foreseen)) > astray:
+        return None
+    return _point(line, here, unknowns)
+
+
+def _point(line: Continuation, before: Point, unknowns: Vector) -> Point | None:
+    """The cycle with these unknowns in the frame of `before`, in a frame of its own."""
+    frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
+    problem = line.at(value)
+    anchor = frame.anchor_of(unknowns[:-1])
+    cycle = describe(problem, anchor, frame.period_of(problem, unknowns[:-1]))
+    if cycle is None:
+        return None
+    shift = to_longest_piece(cycle.times, cycle.period)
+    way = _transported(line, before, unknowns, anchor, shift)
+    motion = begin(problem, anchor)
+    motion.run(motion.time + shift)
+    moved = describe(problem, anchor_at(problem, motion), cycle.period)
+    return None if moved is None or way is None else _framed(line, moved, value, way)
+
+
+def _within(line: Continuation, value: float) -> float:
+    """The edge of the bracket where `value` is there to rounding."""
+    for edge in line.bracket:
+        if abs(value - edge) <= EDGE * line.span:
+            return edge
+    return value
+
+
+def _transported(
+    line: Continuation, before: Point, unknowns: Vector, anchor: Anchor, shift: float
+) -> Vector | None:
+    """Way from `before` to `unknowns` as change of the state a time `shift` later, of the period
+    and of the parameter, in physical units."""
+    frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
+    n = len(frame.scales)
+    way = unknowns - before.unknowns
+    state = way[:n] * frame.scales
+    change = DIFFERENCE * line.span * (1.0 if line.holds(value + DIFFERENCE * line.span) else -1.0)
+    later = passage(line.at(value), anchor, shift)
+    shifted = passage(line.at(value + change), anchor, shift, tangents=False)
+    if later.stop != Stop.REACHED or shifted.stop != Stop.REACHED:
+        return None
+    slope = (shifted.state - later.state) / change
+    moved = later.monodromy @ state + slope * way[-1] * line.span
+    return np.concatenate([moved, way[n:-1] * frame.period, [way[-1] * line.span]])
+
+
+def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Point | None:
+    """The point of the branch at `cycle`, going on along `way` (physical units)."""
+    frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
+    unknowns = np.append(frame.start, value / line.span)
+    found = _jacobian(line, frame, unknowns)
+    if found is None:
+        return None
+    n = len(frame.scales)
+    scaled = np.concatenate(
+        [way[:n] / frame.scales, way[n:-1] / frame.period, [way[-1] / line.span]]
+    )
+    if frame.normal is not None:  # the way along the flow is no way along the branch
+        scaled[:n] -= (scaled[:n] @ frame.normal) * frame.normal
+    return Point(value, cycle, frame, unknowns, _direction(found[1], scaled))
+
+
+# --- along the branch ----------------------------------------------------------------------------
+def follow(
+    line: Continuation, first: Point, most: int = MOST_POINTS, round_corners: bool = True
+) -> tuple[list[Point], list[End]]:
+    """The points of a branch from `first` on, which is not among them, and its ends."""
+    points: list[Point] = []
+    ends: list[End] = []
+    here, length, in_a_row = first, FIRST, PATIENCE
+    while len(points) < most:
+        there = step(line, here, length)
+        if there is None and not _is_close(line, here, length):
+            length, in_a_row = 0.5 * length, 0
+            continue
+        if there is None:
+            end = _last_end(line, here, length)
+            there = _round_corner(line, here) if round_corners and end.kind == GRAZING else None
+            ends.append(replace(end, goes_on=there is not None))
+            if there is None:
+                return points, ends
+            here, length, in_a_row = there, FIRST, 0
+            points.append(here)
+            continue
+        in_a_row += 1
+        if there.character != here.character:
+            end, there, length = _first_change(line, here, there, length)
+            ends.append(end)
+        here = there
+        points.append(here)
+        last = _known_end(line, first, points)
+        if last is not None:
+            return points, [*ends, last]
+        if in_a_row >= PATIENCE:
+            length = min(LONGER * length, LONGEST)
+    return points, [*ends, End(here.value, 0.0, BUDGET, _way(here), False)]
+
+
+def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | None:
+    """The end that the last point has reached: an edge of the bracket, or rest."""
+    here = points[-1]
+    if here.value in line.bracket:
+        return End(here.value, 0.0, AT_EDGE, _way(here), False)
+    sizes = [float(np.max(p.cycle.scales / first.cycle.scales)) for p in points[-2:]]
+    if sizes[-1] > SHRUNK or len(points) < 2 or sizes[1] >= sizes[0]:
+        return None
+    # Towards a Hopf point the parameter goes as the square of the amplitude.
+    share = sizes[1] ** 2 / (sizes[0] ** 2 - sizes[1] ** 2)
+    rest = share * (here.value - points[-2].value)
+    if abs(rest) > line.width:
+        return None
+    return End(here.value + rest, abs(rest), AT_REST, _way(here), False)
+
+
+def _is_close(line: Continuation, here: Point, length: float) -> bool:
+    """Whether a step this long stays within what an end is bracketed to."""
+    return _reach(line, here, length) <= line.width or length < SHORTEST
+
+
+def _way(point: Point) -> int:
+    return 1 if point.slope > 0.0 else -1
+
+
+def _reach(line: Continuation, here: Point, length: float) -> float:
+    """Change of the parameter over a stretch of the branch."""
+    return length * abs(here.slope) * line.span
+
+
+def _first_change(
+    line: Continuation, here: Point, there: Point, length: float
+) -> tuple[End, Point, float]:
+    """The first change of character between two points, the point after it, the next step."""
+    length *= 0.5
+    for _ in range(BISECTIONS):
+        middle = step(line, here, length)
+        if middle is not None and middle.character == here.character:
+            here = middle
+            continue
+        there = there if middle is None else middle
+        if _is_close(line, here, length):
+            break
+        length *= 0.5
+    reach = _reach(line, here, length)
+    value = here.value + 0.5 * _way(here) * reach
+    end = End(value, 0.5 * reach, _kind_of_change(here, there), _way(here), True)
+    return end, there, max(length, FIRST * SHRUNK)
+
+
+def _kind_of_change(here: Point, there: Point) -> str:
+    if here.cycle.signature != there.cycle.signature:
+        return GRAZING
+    if _way(here) != _way(there):
+        return FOLD
+    before, after = here.cycle.nontrivial, there.cycle.nontrivial
+    crossing = min((*before, *after), key=lambda multiplier: abs(abs(multiplier) - 1.0))
+    angle = abs(float(np.angle(crossing)))
+    if angle < ON_CIRCLE and abs(crossing.imag) < 1e-6:
+        return BRANCHING
+    return FLIP if abs(crossing.imag) < 1e-6 else TORUS
+
+
+# --- the end of a branch -------------------------------------------------------------------------
+def _last_end(line: Continuation, here: Point, length: float) -> End:
+    """What ends the branch between a cycle and the failure `length` after it."""
+    kind = _kind_of_end(line, here)
+    reach = _reach(line, here, length)
+    return End(here.value + 0.5 * _way(here) * reach, 0.5 * reach, kind, _way(here), False)
+
+
+def _kind_of_end(line: Continuation, here: Point) -> str:
+    """By the motion from the last cycle's point, a little beyond the end."""
+    value = here.value + _way(here) * BEYOND * line.span
+    value = min(max(value, line.bracket[0]), line.bracket[1])
+    beyond = passage(line.at(value), here.cycle.anchor, here.cycle.period, tangents=False)
+    if beyond.stop == Stop.CONTACT_LOST:
+        return CONTACT_LOST
+    if beyond.events != here.cycle.events:
+        return GRAZING
+    return FOLD if abs(here.slope) < UPRIGHT else OTHER
+
+
+def _round_corner(line: Continuation, here: Point) -> Point | None:
+    """The first cycle with another sequence of events on a branch that begins where this ends.
+
+    Cycles near the last one are looked for from all sides; one counts if its own branch, followed
+    back, ends at the same value of the parameter.
+    """
+    for distance in CORNERS:
+        for way in np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))]):
+            found = _beyond_corner(line, here, here.unknowns + distance * way)
+            if found is not None:
+                return found
+    return None
+
+
+def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
+    """The nearest cycle to `guess`, if it lies on another branch from the end of this one."""
+    value = float(guess[-1] * line.span)
+    if not line.holds(value):
+        return None
+    around = here.frame.around(line.at(value), guess[:-1], tangents=False)
+    if around is None or around.events == here.cycle.events:
+        return None
+    unknowns = newton(lambda trial: _jacobian(line, here.frame, trial), guess)
+    if unknowns is None or np.linalg.norm(unknowns - here.unknowns) > LONGEST:
+        return None
+    found = _point(line, here, unknowns)
+    if found is None or found.cycle.signature == here.cycle.signature:
+        return None
+    back = replace(found, tangent=-found.tangent)
+    _, ends = follow(line, back, most=AROUND, round_corners=False)
+    met = bool(ends) and abs(ends[0].value - here.value) <= MEETING * line.span
+    return found if met and ends[0].kind == GRAZING else None

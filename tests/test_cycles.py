@@ -1,0 +1,301 @@
+"""Periodic orbits by Newton's method, and the branches they lie on."""
+
+from __future__ import annotations
+
+from math import asin, atan, cos, exp, log, pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import analyse, defaults, system
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
+from small_models import BALL
+
+from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
+from fiv_cli.analyses.first_guess import Returns, near_returns
+from fiv_cli.analyses.periodic import Problem, newton
+from fiv_cli.case.load import parse_case
+from fiv_cli.dynamics.motion import Stop
+from fiv_cli.errors import CaseError
+
+TURNING = Section("zero", state="x_dot", direction="down")
+LANDING = Section("zero", state="z_dot", direction="down")
+
+
+def cycle(
+    model: Any = "belt-1dof",
+    law: str = "coulomb",
+    start: Any = None,
+    branch: tuple[str, float, float] | None = None,
+    section: Section | None = None,
+    t_max: float = 50.0,
+    **changes: Any,
+) -> Outcome:
+    """The cycle from a start; `branch` gives the parameter to follow it along and the bracket."""
+    settings: dict[str, Any] = {"section": section or Section("event"), "t_max": t_max}
+    for name in ("transient", "multiplicity", "width"):
+        settings |= {name: changes.pop(name)} if name in changes else {}
+    if branch is not None:
+        settings |= {"parameter": Varied(branch[0]), "bracket": branch[1:]}
+    return analyse(model, law, "cycle", start or {}, settings, **changes)
+
+
+def ends(found: Outcome) -> list[tuple[str, float]]:
+    """Kind and value of the changes and ends of a branch, in its order."""
+    values = found.ragged
+    return list(zip(values["cycle_end_kind"], values["cycle_end"], strict=True))
+
+
+# --- cycles --------------------------------------------------------------------------------------
+@pytest.mark.parametrize("start", [{}, {"x": 9.0}, {"x": -3.0, "x_dot": 0.4}])
+def test_the_coulomb_cycle_from_a_rough_start(start: dict[str, float]) -> None:
+    found = cycle(start=start).values
+    assert found["cycle_period"] == pytest.approx(pi + 2 * atan(1 / 1.7) + 3.4, abs=1e-11)
+    np.testing.assert_allclose(found["cycle_section"], [0.6, 1.0], atol=1e-11)
+    np.testing.assert_allclose(found["floquet_multiplier"], [1.0, 0.0], atol=1e-12)
+    assert found["stable"] == "stable"
+    assert found["x_max"] == pytest.approx(2.3 + sqrt(1 + 1.7**2), abs=1e-11)
+    assert found["residual"] < 1e-11
+    assert (found["multiplicity"], found["n_events"]) == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("x_dot", "ratio", "releases"), [(0.0, 4, (3.531843, 3.625851)), (1.0, 3, (3.866518, 4.026946))]
+)
+def test_two_cycles_of_the_excited_belt_coexist(x_dot: float, ratio: int, releases: Any) -> None:
+    """Gates of an independent computation: omega = 1.2, periods 4 and 3 of the excitation."""
+    section = Section("event", event="stick->slip")
+    found = cycle(start={"x_dot": x_dot}, section=section, t_max=300.0, u0=0.5, omega=1.2)
+    assert found.values["period_ratio"] == pytest.approx(ratio, abs=1e-14)
+    assert found.values["multiplicity"] == 2
+    np.testing.assert_allclose(np.sort(found.ragged["section_value"]), releases, atol=1e-6)
+    assert found.values["stable"] == "stable"
+    assert found.values["floquet_multiplier"][1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("D", "period", "multiplier"), [(0.3, 19.25064477, -0.7302530), (0.2, 20.5694052, -0.9868573)]
+)
+def test_two_masses_nearly_flip(D: float, period: float, multiplier: float) -> None:
+    """At D = 0.2 the multiplier is about -0.987; a short run looks aperiodic."""
+    found = cycle("belt-2mass", "stribeck", t_max=300.0, D=D).values
+    assert found["cycle_period"] == pytest.approx(period, abs=1e-7)
+    assert found["floquet_multiplier_real"][1] == pytest.approx(multiplier, abs=1e-6)
+    assert found["stable"] == "stable"
+
+
+def test_an_unstable_sliding_cycle() -> None:
+    """Between the stable equilibrium and stick-slip; its multiplier is exp(trace integrated)."""
+    c, near = 0.65, {"x": 3.55, "x_dot": 0.0}
+    found = cycle(law="stribeck", start=near, section=TURNING, t_max=14.0, c=c).values
+    assert found["stable"] == "unstable"
+    assert (found["n_events"], found["multiplicity"]) == (0, 1)
+
+    def rates(t: float, y: Any) -> list[float]:
+        friction = 10 * (0.23 + 0.17 * exp(-(1 - y[1])))
+        return [y[1], friction - c * y[1] - y[0]]
+
+    period, begin = found["cycle_period"], found["cycle_section"]
+    around = solve_ivp(rates, (0, period), begin, rtol=1e-12, atol=1e-12, dense_output=True)
+    np.testing.assert_allclose(around.y[:, -1], begin, atol=1e-9)
+    trace = quad(lambda t: 1.7 * exp(-(1 - around.sol(t)[1])) - c, 0, period, epsabs=1e-11)[0]
+    assert found["floquet_multiplier"][0] == pytest.approx(exp(trace), rel=1e-8)
+
+
+# --- a ball on a shaking table: everything in closed form ----------------------------------------
+GRAVITY, RESTITUTION, OMEGA = 10.0, 0.8, 2 * pi
+FLIGHT = 1.0  # s, a period of the table
+SPEED = (1 - RESTITUTION) / (1 + RESTITUTION) * GRAVITY * FLIGHT / 2  # of the table at impact
+
+
+def bouncing(amplitude: float, stable: bool, after: float) -> dict[str, float]:
+    """A ball that bounces once a period, at time 0, `after` the impact of a stated kind."""
+    first = asin(-SPEED / (amplitude * OMEGA))
+    phase = first if stable else pi - first
+    flown = (-phase / OMEGA) % FLIGHT
+    leaving = GRAVITY * FLIGHT / 2
+    height = amplitude * cos(phase) + leaving * flown - GRAVITY * flown**2 / 2
+    return {"z": height + after, "z_dot": leaving - GRAVITY * flown}
+
+
+@pytest.mark.parametrize("stable", [True, False])
+def test_a_bouncing_cycle_is_found_stable_or_not(stable: bool) -> None:
+    found = cycle(BALL, start=bouncing(0.1, stable, 1e-3), section=LANDING, t_max=6.0).values
+    assert found["period_ratio"] == pytest.approx(1.0, abs=1e-14)
+    assert found["stable"] == ("stable" if stable else "unstable")
+    phase = asin(-SPEED / (0.1 * OMEGA))
+    rise = -0.1 * OMEGA**2 * cos(phase if stable else pi - phase)
+    e = RESTITUTION
+    trace = 1 - e + (e * GRAVITY + (1 + e) * rise) * (1 + e) / GRAVITY
+    idle = np.exp(np.roots([1.0, 0.2, 1.0]) * FLIGHT)
+    expected = np.sort(np.abs(np.concatenate([np.roots([1.0, -trace, e**2]), idle])))[::-1]
+    np.testing.assert_allclose(found["floquet_multiplier"], expected, rtol=1e-8)
+
+
+def test_a_branch_of_impacting_cycles_folds_and_flips_where_it_must() -> None:
+    """Fold: the table is just fast enough. Flip: multiplier -1, from trace and determinant e^2."""
+    fold = SPEED / OMEGA
+    rise = 2 * GRAVITY * (1 + RESTITUTION**2) / (1 + RESTITUTION) ** 2 / OMEGA**2
+    flip = sqrt(fold**2 + rise**2)
+    start = bouncing(0.1, True, 1e-3)
+    found = cycle(BALL, start=start, section=LANDING, t_max=6.0, branch=("A", 0.05, 0.5))
+    kinds = [kind for kind, _ in ends(found)]
+    assert "fold" in kinds and "flip" in kinds
+    for kind, value, width in zip(
+        found.ragged["cycle_end_kind"],
+        found.ragged["cycle_end"],
+        found.ragged["cycle_end_width"],
+        strict=True,
+    ):
+        if kind in ("fold", "flip"):
+            assert abs(value - (fold if kind == "fold" else flip)) <= 2 * width
+            assert width <= 0.5e-6
+    assert found.values["cycle_lowest"] == pytest.approx(fold, abs=1e-6)
+    assert found.values["cycle_lowest_kind"] == "fold"
+    turn = kinds.index("fold")
+    assert found.ragged["cycle_end_goes_on"][turn] == "yes"
+
+
+# --- ends of branches ----------------------------------------------------------------------------
+def speed_that_misses(c: float) -> float:
+    """Belt speed at which a slip from release just touches the speed of the belt again."""
+    w = sqrt(1 - c**2 / 4)
+
+    def missed(v: float) -> float:
+        stretch, slope = 1.7 - c * v, (v + c * (1.7 - c * v) / 2) / w
+        t = np.linspace(1.0, 9.0, 200_001)
+        inner = (slope * w - c * stretch / 2) * np.cos(w * t)
+        inner -= (stretch * w + c * slope / 2) * np.sin(w * t)
+        return float(np.max(np.exp(-c * t / 2) * inner) - v)
+
+    return brentq(missed, 0.5, 5.0, xtol=1e-12)
+
+
+@pytest.mark.parametrize("c", [0.1, 0.3])
+def test_stick_slip_ends_where_the_landing_is_missed(c: float) -> None:
+    """Damped Coulomb belt: the speed from the closed form of the slip."""
+    found = cycle(branch=("v", 0.1, 4.0), c=c, v=0.5)
+    (low, lowest), (high, highest) = ends(found)
+    assert (low, lowest, high) == ("bracket", 0.1, "grazing")
+    width = found.ragged["cycle_end_width"][-1]
+    assert width <= 0.5 * 1e-6 * 3.9
+    assert abs(highest - speed_that_misses(c)) <= 2 * width
+    assert found.ragged["cycle_end_goes_on"] == ["no", "no"]
+    assert set(found.ragged["branch_stable"]) == {"stable"}
+    assert np.all(np.diff(found.ragged["branch_value"]) > 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "bracket", "rest"),
+    [("v", (0.5, 8.0), log(1.7 / 0.2)), ("c", (0.1, 2.0), 1.7 * exp(-1.0))],
+)
+def test_a_branch_turns_at_a_grazing_and_shrinks_to_the_equilibrium(
+    name: str, bracket: tuple[float, float], rest: float
+) -> None:
+    """Stribeck belt: stick-slip, the unstable sliding cycle back, and the Hopf point c = -dF/dv."""
+    found = cycle(law="stribeck", branch=(name, *bracket), t_max=60.0, c=0.2)
+    (_, first), (turn, corner), (last, point) = ends(found)
+    assert first == bracket[0]
+    assert (turn, last) == ("grazing", "equilibrium")
+    assert point == pytest.approx(rest, abs=3e-6)
+    assert corner > point
+    assert found.ragged["cycle_end_goes_on"] == ["no", "yes", "no"]
+    stable = np.array(found.ragged["branch_stable"]) == "stable"
+    turned = int(np.argmax(found.ragged["branch_value"]))
+    assert np.all(stable[:turned]) and not np.any(stable[turned + 1 :])
+    assert found.values["cycle_highest"] == corner
+
+
+def test_the_pin_s_stick_slip_exists_beyond_what_starts_reach() -> None:
+    """N0 = 30 N: followed from 5 rad/s the stable cycle lives to 14.83 rad/s, and ends grazing."""
+    found = cycle(
+        "pin-on-disc", start={"phi_dot": 5.0}, branch=("Omega", 0.5, 20.0), t_max=3.0,
+        transient=2.0, Omega=5.0,
+    )  # fmt: skip
+    assert found.values["cycle_highest_kind"] == "grazing"
+    assert found.values["cycle_highest"] == pytest.approx(14.82921, abs=2e-5)
+    (flip,) = [value for kind, value in ends(found) if kind == "flip"]
+    at_flip = cycle(
+        "pin-on-disc", start={"phi_dot": 5.0}, t_max=3.0, transient=2.0, Omega=flip, multiplicity=1
+    )
+    assert flip == pytest.approx(1.90190, abs=2e-5)
+    assert at_flip.status == "ok"
+
+
+# --- what cannot be found ------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"start": {"x": 2.3, "x_dot": 0.5}}, "no_return"),  # slides, and never sticks
+        ({"start": {"x": 9.0}, "t_max": 5.0}, "no_return"),  # one landing only
+        ({"law": "stribeck", "c": 1.0, "section": TURNING}, "no_cycle"),  # comes to rest
+        ({"branch": ("v", 2.0, 4.0)}, "outside_bracket"),
+        ({"section": Section("zero", state="x_dot"), "mu_s": 0.0, "mu_k": 0.0, "k": 1e-9,
+          "t_max": 1.0}, "no_return"),
+    ],
+)  # fmt: skip
+def test_why_there_is_no_cycle(changes: dict[str, Any], reason: str) -> None:
+    found = cycle(**changes)
+    assert (found.status, found.reason) == ("ok", reason)
+
+
+def test_a_cycle_is_followed_from_neighbour_to_neighbour() -> None:
+    """Along a grid: stable or not, the neighbour's cycle is the first guess."""
+    first = cycle(law="stribeck", start={"x": 3.55}, section=TURNING, t_max=14.0, c=0.65)
+    assert first.carry is not None
+    follows = Start("followed", "continue", {}, first.carry)
+    second = cycle(law="stribeck", start=follows, section=TURNING, c=0.66)
+    assert second.values["stable"] == "unstable"
+    assert second.values["x_max"] > first.values["x_max"]
+
+
+# --- parts ---------------------------------------------------------------------------------------
+def test_newton_finds_a_root_or_says_so() -> None:
+    def circle_and_line(u: Any) -> Any:
+        values = np.array([u @ u - 2.0, u[0] - u[1]])
+        return values, np.array([2 * u, [1.0, -1.0]])
+
+    root = newton(circle_and_line, np.array([3.0, 0.5]))
+    np.testing.assert_allclose(root, [1.0, 1.0], atol=1e-9)
+
+    def nothing(u: Any) -> Any:
+        return np.array([u @ u + 1.0]), 2 * u[None, :]
+
+    assert newton(nothing, np.array([3.0])) is None
+
+
+def test_near_returns_are_ranked_by_their_distance() -> None:
+    """A spiral out of an unstable period two: its own returns come first, early ones."""
+    problem = Problem(system("belt-1dof"), defaults("belt-1dof", "coulomb"), SolverSettings(),
+                      Section("event"))  # fmt: skip
+    times = np.arange(20.0)
+    side = np.where(np.arange(20) % 2 == 0, 1.0, -1.0)
+    points = (side * (1.0 + 1e-3 * 1.5 ** np.arange(20)))[:, None]
+    found = near_returns(problem, Returns(times, points, Stop.REACHED), None)
+    assert found[0] == (0.0, 2.0)
+    assert near_returns(problem, Returns(times, points, Stop.REACHED), 3)[0][1] >= 3.0
+
+
+CASE = """
+schema = 1
+title = "branch"
+[model]
+name = "belt-1dof"
+[[analysis]]
+kind = "cycle"
+"""
+
+
+@pytest.mark.parametrize(("line", "missing"), [("parameter = 'v'", "bracket"),
+                                               ("bracket = [1, 2]", "parameter")])  # fmt: skip
+def test_a_parameter_and_its_bracket_belong_together(line: str, missing: str) -> None:
+    with pytest.raises(CaseError, match=f"analysis.0.{missing}: is missing"):
+        parse_case(CASE + line + "\n", "case.toml")
+
+
+def test_the_half_turn_of_the_closed_form() -> None:
+    """`speed_that_misses` itself: without damping the landing is never missed."""
+    assert speed_that_misses(0.1) == pytest.approx(1.866757460950, abs=1e-9)
+    x, v = 1.7, 1.0
+    assert x * cos(0.0) + v * sin(0.0) == x
