@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fiv_cli.analyses import critical, eigenvalues, equilibrium, history, response, spectrum
+from fiv_cli.analyses import critical, cycle, eigenvalues, equilibrium, history, response, spectrum
 from fiv_cli.analyses.base import Analysis
 
 _ANALYSES: tuple[Analysis, ...] = (
@@ -12,6 +12,7 @@ _ANALYSES: tuple[Analysis, ...] = (
     critical.ANALYSIS,
     response.ANALYSIS,
     spectrum.ANALYSIS,
+    cycle.ANALYSIS,
 )
 
 

@@ -76,6 +76,9 @@ def _analysis(
     _refuse_unknown(analysis, given, place, report)
     reader = _Reader(physics, axes, given, report)
     settings = {s.name: reader.setting(s, place) for s in analysis.settings}
+    for one, other in (("parameter", "bracket"), ("bracket", "parameter")):
+        if one in given and settings.get(other, 0) is None and other not in given:
+            report.add((*place, other), f"is missing: it belongs to {one}")
     return AnalysisSpec(table.name or table.kind, table.kind, settings)
 
 

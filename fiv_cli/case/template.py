@@ -28,7 +28,7 @@ def case_template(model: Model, analysis: Analysis) -> str:
     """
     law = get_law(model.laws[0])
     first, second, *_ = _swept(model, law)
-    varies = any(setting.type == "parameter" and setting.required for setting in analysis.settings)
+    varies = any(setting.type == "parameter" for setting in analysis.settings)
     axis = None if analysis.kind == "history" else second if varies else first
     blocks = [
         _header(model, analysis),

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fiv_cli.analyses.base import Varied
 from fiv_cli.models.base import Model, State
 
 INT_FILL = -2147483647
@@ -301,8 +302,85 @@ def _spectrum(
     ]
 
 
-def _extremes(states: tuple[State, ...]) -> list[Variable]:
-    kinds = (("min", "least"), ("max", "greatest"), ("rms", "root mean square of"))
+def _cycle(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    units = {name: unit for name, unit, _, _ in motions(states)}
+    observed = settings.get("observe") or states[0].name
+    return [
+        Variable("cycle_period", "s", "period of the cycle", symbol="T"),
+        Variable("stable", "1", "whether the cycle is stable", (), "flag", "stable"),
+        Variable("multiplicity", "1", "section points per period", kind="int"),
+        Variable("period_ratio", "1", "period over the period of the excitation"),
+        Variable(
+            "cycle_section",
+            "1",
+            f"point of the cycle at the section, where {observed} is least",
+            ("state",),
+            comment="each state in its own unit (state_units)",
+        ),
+        Variable("section_value", units[observed], f"{observed} at the section", ragged="section"),
+        Variable("floquet_multiplier", "1", "modulus of the multiplier", ("multiplier",)),
+        Variable("floquet_multiplier_real", "1", "real part of the multiplier", ("multiplier",)),
+        Variable("floquet_multiplier_imag", "1", "imaginary part", ("multiplier",)),
+        *_extremes(states, _LEAST_AND_GREATEST),
+        Variable("residual", "1", "miss after a period, over the extent of the cycle"),
+        Variable("n_events", "1", "events per period", kind="int"),
+        *(_branch(settings["parameter"], observed, units[observed]) if _varies(settings) else []),
+    ]
+
+
+def _varies(settings: Mapping[str, Any]) -> bool:
+    return settings.get("parameter") is not None
+
+
+def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
+    """The branch of a cycle along a parameter, and where it changes or ends."""
+    name, branch, end = varied.name, "branch", "cycle_end"
+    kind = "fold, flip (a multiplier passes -1), torus (a pair passes 1 in modulus), branching (a "
+    kind += "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
+    kind += "(the cycle shrinks to rest), bracket (its edge), budget (of points)"
+    return [
+        Variable("branch_value", varied.unit, f"{name} along the branch", ragged=branch),
+        Variable("branch_period", "s", "period along the branch", ragged=branch),
+        Variable("branch_min", unit, f"least {observed} of the cycle", ragged=branch),
+        Variable("branch_max", unit, f"greatest {observed} of the cycle", ragged=branch),
+        Variable(
+            "branch_multiplier", "1", "modulus of the largest nontrivial multiplier", ragged=branch
+        ),
+        Variable("branch_stable", "1", "stability", (), "flag", "stable", ragged=branch),
+        Variable(
+            "cycle_end",
+            varied.unit,
+            f"{name} where the branch changes or ends",
+            ragged=end,
+            comment="in the order of the branch, within cycle_end_width",
+        ),
+        Variable("cycle_end_width", varied.unit, "half the bracket of the end", ragged=end),
+        Variable("cycle_end_kind", "1", "what happens", (), "flag", "cycle_end", end, comment=kind),
+        Variable("cycle_end_direction", "1", f"1: {name} rising, -1: falling", (), "int", "", end),
+        Variable(
+            "cycle_end_goes_on", "1", "whether the branch goes on", (), "flag", "goes_on", end
+        ),
+        *(
+            variable
+            for side in ("lowest", "highest")
+            for variable in (
+                Variable(f"cycle_{side}", varied.unit, f"{side} {name} of the branch"),
+                Variable(f"cycle_{side}_width", varied.unit, "half the bracket of it"),
+                Variable(f"cycle_{side}_kind", "1", "what is there", (), "flag", "cycle_end"),
+            )
+        ),
+    ]
+
+
+_LEAST_AND_GREATEST = (("min", "least"), ("max", "greatest"))
+
+
+def _extremes(
+    states: tuple[State, ...],
+    kinds: tuple[tuple[str, str], ...] = (*_LEAST_AND_GREATEST, ("rms", "root mean square of")),
+) -> list[Variable]:
     return [
         Variable(f"{name}_{short}", unit, f"{long} {name} in the steady state")
         for name, unit, _, _ in motions(states)
@@ -317,4 +395,5 @@ _BY_KIND = {
     "critical": _critical,
     "response": _response,
     "spectrum": _spectrum,
+    "cycle": _cycle,
 }
