@@ -81,6 +81,8 @@ GRAZING = 1e-5  # a switching function that falls slower than this share of its 
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 BISECTIONS = 80
+POLISHES = 4  # looks at a switching function at an event, Newton steps between them
+ROUNDING = 1e-16  # a residual, relative to the scale, that no further step improves
 
 # field output: state, rates, switching, the sector's angle if any, then per contact
 # (F_N, F_T, v_rel), then energies
@@ -407,11 +409,15 @@ def decide(  # type: ignore[no-untyped-def]
             offer(options, i, SLIP, 1 if trigger_kind == CAPACITY_UP else -1)
             combinations *= options[i, COUNT]
             continue
-        if options[i, AT_REST] == 1:
-            offer(options, i, STICK, sign)
-        offer(options, i, SLIP, sign)
-        if options[i, AT_REST] == 1:
-            offer(options, i, SLIP, -sign)
+        # What triggers falls through zero, unless it grazes: it cannot stay as it was.
+        passes = triggered and not grazing
+        if not (passes and trigger_kind == NORMAL):
+            if options[i, AT_REST] == 1:
+                offer(options, i, STICK, sign)
+            if not (passes and trigger_kind == VELOCITY):
+                offer(options, i, SLIP, sign)
+            if options[i, AT_REST] == 1:
+                offer(options, i, SLIP, -sign)
         if trigger_kind < 0 or (triggered and (trigger_kind == GAP or trigger_kind == NORMAL)):
             offer(options, i, SEPARATION, sign)
         combinations *= options[i, COUNT]
@@ -926,21 +932,21 @@ def advance(  # type: ignore[no-untyped-def]
         else:
             state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
         if taylor and 0 <= hit < n_guards:
-            # The root is that of the series about the start of the step; one Newton step on the
-            # series about the event itself takes it to rounding.
+            # The root is that of the switching function's series; Newton steps on the function
+            # itself, along the state's series, take it to rounding.
             offset = (n + hit) * (order + 1)
             scale = series_scale(series, offset, order, step)
-            call_generated(table[index, TAYLOR], coefficients, t + tau, out, work)
-            value, fall = work[offset], work[offset + 1]
-            if scale > 0.0:
-                grazing = fall * step > -GRAZING * scale
-                residual = abs(value) / scale
-            if not grazing:
-                shift = max(-value / fall, -tau)
-                residual = abs(series_value(work, offset, order, shift)) / scale
+            fall = series_slope(series, offset, order, tau)
+            grazing = scale == 0.0 or fall * step > -GRAZING * scale
+            for polish in range(POLISHES):
+                call_generated(table[index, FIELD], coefficients, t + tau, out, field)
+                value = field[2 * n + hit]
+                residual = abs(value) / scale if scale > 0.0 else 0.0
+                if grazing or residual <= ROUNDING or polish == POLISHES - 1:
+                    break
+                tau += max(-value / fall, -tau)
                 for i in range(n):
-                    out[i] = series_value(work, i * (order + 1), order, shift)
-                tau += shift
+                    out[i] = series_value(series, i * (order + 1), order, tau)
         # --- along the step --------------------------------------------------------------------
         if counters[SAMPLED] < len(sample_times):
             take_samples(
