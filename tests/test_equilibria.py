@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import asin, pi
+from math import asin, cos, pi, sin
 from typing import Any
 
 import numpy as np
@@ -130,6 +130,25 @@ def test_a_contact_that_would_have_to_pull_keeps_a_solution_out() -> None:
 def test_what_nothing_holds_has_no_equilibrium(changes: dict[str, float]) -> None:
     found, _ = found_at("belt-5dof", **changes)
     assert not found.states and found.reason == "singular_equilibrium"
+
+
+@pytest.mark.parametrize("states", ["until-separation", "slip"])
+def test_at_divergence_the_stiffness_is_singular_and_beyond_it_the_contact_would_pull(
+    states: str,
+) -> None:
+    """k11 k22 = k12 (k12 + mu k3), thesis 3.23 and 3.25: the equilibrium leaves by infinity."""
+    k1, k2, k3, angles = 1.0, 1.0, 2.0, (2.4, pi / 6)
+    (c1, s1), (c2, s2) = ((cos(angle), sin(angle)) for angle in angles)
+    k11, k22 = k1 * c1**2 + k2 * c2**2, k1 * s1**2 + k2 * s2**2 + k3
+    k12 = -k1 * s1 * c1 + k2 * s2 * c2
+    critical = (k11 * k22 / k12 - k12) / k3
+    found = {}
+    for name, mu in {"below": 0.99 * critical, "at": critical, "above": 1.01 * critical}.items():
+        found[name], _ = found_at("flutter-2dof", {"states": states}, alpha1=2.4, mu_k=mu, mu_s=mu)
+    assert found["at"].reason == "singular_equilibrium" and not found["at"].certified
+    assert (len(found["below"].states), found["below"].reason) == (1, "")
+    beyond = "" if states == "slip" else "contact_would_pull"
+    assert (found["above"].reason, found["above"].certified) == (beyond, True)
 
 
 def test_a_drive_at_standstill_slides_nothing() -> None:

@@ -220,7 +220,8 @@ def _reduced(state: Sliding, reduction: Reduction) -> Equilibria | None:
         _keep(found, _newton(state, _inserted(state, reduction, values, float(scalar))))
     missing = len(roots) - len(found)
     certified = missing % 2 == 0 and not _undetermined(reduction, values)
-    return Equilibria(found, 0, missing, certified, "" if found else _why_none(state))
+    n_complex = missing if certified else None
+    return Equilibria(found, 0, n_complex, certified, "" if found else _why_none(state))
 
 
 def _why_none(state: Sliding) -> str:
@@ -272,7 +273,8 @@ def _search(state: Sliding) -> Equilibria:
     """What deflated Newton iterations find from a fixed set of starts."""
     n = len(state.system.state_names)
     found: list[Vector] = []
-    _keep(found, _newton(state, np.zeros(n)))
+    for first in (_loaded_from_zero(state), _newton(state, np.zeros(n))):
+        _keep(found, first)
     if found:
         one = state.system.state_vector(dict.fromkeys(state.system.coordinates, 1.0))
         reach = found[0] if np.any(found[0]) else one
