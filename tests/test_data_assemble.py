@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.analyses.base import Outcome
+from fiv_cli.analyses.base import Outcome, Varied
 from fiv_cli.case.case import Axis
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.block import Block, pack
@@ -86,7 +86,10 @@ def test_points_without_a_block_are_pending() -> None:
 @pytest.mark.parametrize("model", all_models())
 @pytest.mark.parametrize("kind", all_analyses())
 def test_every_variable_has_a_unit_a_name_and_sound_flags(model: str, kind: str) -> None:
-    variables = variables_of(kind, all_models()[model], {}, {})
+    table = all_models()[model]
+    settings = {setting.name: setting.default for setting in all_analyses()[kind].settings}
+    settings["parameter"] = Varied("mu_k")
+    variables = variables_of(kind, table, table.default_options(), settings)
     assert [v.name for v in variables[:2]] == ["status", "reason"]
     assert len({v.name for v in variables}) == len(variables)
     for variable in variables:

@@ -45,8 +45,10 @@ def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
 
     Where two modes merge, the halves of the two pairs could else be mixed.
     """
-    order = order.copy()
     old_twins, new_twins = _conjugates(old_values), _conjugates(new_values)
+    if old_twins is None or new_twins is None:
+        return order
+    order = order.copy()
     for mode in np.flatnonzero(old_values.imag > 0.0):
         wanted = new_twins[order[mode]]
         if new_values[order[mode]].imag > 0.0:
@@ -55,12 +57,14 @@ def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
     return order
 
 
-def _conjugates(values: Complex) -> Order:
-    """Place of the conjugate of each eigenvalue; of a real one its own."""
+def _conjugates(values: Complex) -> Order | None:
+    """Place of the conjugate of each eigenvalue; of a real one its own; None: not in pairs."""
     places = np.arange(len(values))
     upper, lower = np.flatnonzero(values.imag > 0.0), np.flatnonzero(values.imag < 0.0)
     upper = upper[np.lexsort((values[upper].imag, values[upper].real))]
     lower = lower[np.lexsort((-values[lower].imag, values[lower].real))]
+    if len(upper) != len(lower):
+        return None
     places[upper], places[lower] = lower, upper
     return places
 

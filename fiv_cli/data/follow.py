@@ -1,135 +1,263 @@
 """Modes followed by continuity along the grid, instead of sorted anew at each point.
 
-A pure step from dataset to dataset: it renumbers modes and computes nothing.
+A pure step from dataset to dataset: it renumbers modes, and marks where two of them merge; it
+computes nothing anew. Modes are followed along the first numeric axis, row by row, and each row
+is joined to the row before it, so that a number means the same all over a grid of several axes.
+(Around a point where two modes merge no numbering is continuous all the way round.)
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-Complex = NDArray[np.complex128]
-Order = NDArray[np.intp]
+from fiv_cli.analyses.modes import Complex, Order, matched
+
+# Two modes merge where they come to differ more in growth than in frequency, if they then differ
+# in both by less than this share of the frequency: with much damping they pass at a distance.
+MERGED = 0.01
+
+Index = tuple[int, ...]
 
 
 def follow_modes(dataset: xr.Dataset) -> xr.Dataset:
-    """Renumber modes so that each continues its neighbour's along the first numeric axis.
+    """Renumber modes so that each continues its neighbours', and mark where two merge.
 
     Parameters
     ----------
     dataset : holds ``eigenvalue_real/imag(..., mode)`` and ``eigenvector_real/imag(..., mode,
-        state)``; the first point with eigenvalues along the axis keeps its numbering
+        state)``; the first point with eigenvalues along the axes keeps its numbering
 
     Returns
     -------
-    a dataset in which every variable along ``mode`` is renumbered, ``coupled_with`` included
+    a dataset in which every variable along ``mode`` is renumbered, ``coupled_with`` included,
+    and ``coupling_point``, where there is one, is filled in
     """
-    axis = _axis_to_follow(dataset)
-    if axis is None:
+    axes = _axes_to_follow(dataset)
+    if not axes:
         return dataset
-    values = _complex(dataset, "eigenvalue", axis, ("mode",))
-    vectors = _complex(dataset, "eigenvector", axis, ("mode", "state"))
+    values = _complex(dataset, "eigenvalue", axes, ("mode",))
+    vectors = _complex(dataset, "eigenvector", axes, ("mode", "state"))
     orders = np.empty(values.shape, np.intp)
-    for curve in np.ndindex(values.shape[:-2]):
-        orders[curve] = _follow_curve(values[curve], vectors[curve])
-    return _renumbered(dataset, orders, axis)
+    for block in np.ndindex(values.shape[: -len(axes) - 1]):
+        orders[block] = follow_grid(values[block], vectors[block])
+    followed = _renumbered(dataset, orders, axes)
+    return _with_coupling_points(followed, axes) if "coupling_point" in dataset else followed
 
 
-def _axis_to_follow(dataset: xr.Dataset) -> str | None:
-    """The first dim with more than one numeric value."""
-    for name in dataset["eigenvalue_real"].dims[:-1]:
-        numeric = name not in dataset.coords or dataset[name].dtype.kind == "f"
-        if numeric and dataset.sizes[name] > 1:
-            return str(name)
-    return None
+# --- one grid -------------------------------------------------------------------------------------
+def follow_grid(values: Complex, vectors: Complex) -> Order:
+    """Numbering of the modes at each point of a grid.
+
+    Parameters
+    ----------
+    values : (..., points, modes), NaN where nothing was computed; rows lie along the last axis
+        but one, and are joined along the others
+    vectors : (..., points, modes, states)
+
+    Returns
+    -------
+    (..., points, modes): which of a point's modes stands at each place
+    """
+    orders = np.broadcast_to(np.arange(values.shape[-1]), values.shape).copy()
+    done: dict[Index, _Row] = {}
+    for place in np.ndindex(values.shape[:-2]):
+        row = _Row(values[place], vectors[place], orders[place])
+        first = row.joined_to([done[before] for before in _before(place)])
+        row.follow(first)
+        done[place] = row
+    return orders
 
 
-def _arranged(dataset: xr.Dataset, name: str, axis: str, last: tuple[str, ...]) -> list[str]:
-    others = [str(dim) for dim in dataset[name].dims if dim not in (axis, *last)]
-    return [*others, axis, *last]
+def _before(place: Index) -> Iterator[Index]:
+    """The neighbouring rows that come before this one, the nearest in storage first."""
+    for axis in reversed(range(len(place))):
+        if place[axis] > 0:
+            yield (*place[:axis], place[axis] - 1, *place[axis + 1 :])
 
 
-def _complex(dataset: xr.Dataset, stem: str, axis: str, last: tuple[str, ...]) -> Complex:
-    """Real and imaginary parts, with the followed axis before `last`."""
-    order = _arranged(dataset, f"{stem}_real", axis, last)
+@dataclass(frozen=True)
+class _Row:
+    """One row of points: eigenvalues (points, modes), vectors, and their order, to be filled."""
+
+    values: Complex
+    vectors: Complex
+    orders: Order
+
+    def known(self) -> NDArray[np.bool_]:
+        """Where something was computed, (points,)."""
+        return np.asarray(np.isfinite(self.values).all(axis=1))
+
+    def ordered(self, point: int) -> tuple[Complex, Complex]:
+        order = self.orders[point]
+        return self.values[point][order], self.vectors[point][order]
+
+    def continue_from(self, other: _Row, there: int, here: int) -> None:
+        """Number the modes at `here` as they continue those of `other` at `there`."""
+        old = other.ordered(there)
+        self.orders[here] = matched(*old, self.values[here], self.vectors[here])
+
+    def joined_to(self, rows: list[_Row]) -> int:
+        """Number one point as its neighbour in the first of `rows` that has one; its place."""
+        for row in rows:
+            both = np.flatnonzero(self.known() & row.known())
+            if both.size:
+                self.continue_from(row, int(both[0]), int(both[0]))
+                return int(both[0])
+        found = np.flatnonzero(self.known())
+        return int(found[0]) if found.size else 0
+
+    def follow(self, first: int) -> None:
+        """Number all other points from the one at `first`, upwards and downwards."""
+        known = np.flatnonzero(self.known())
+        upwards, downwards = known[known > first], known[known < first][::-1]
+        for points in (upwards, downwards):
+            last = first
+            for point in points.tolist():
+                self.continue_from(self, last, point)
+                last = point
+
+
+# --- the dataset's axes ---------------------------------------------------------------------------
+def _axes_to_follow(dataset: xr.Dataset) -> list[str]:
+    """The dims with more than one numeric value."""
+    dims = [str(name) for name in dataset["eigenvalue_real"].dims[:-1]]
+    return [name for name in dims if dataset.sizes[name] > 1 and _is_numeric(dataset, name)]
+
+
+def _is_numeric(dataset: xr.Dataset, dim: str) -> bool:
+    return dim not in dataset.coords or dataset[dim].dtype.kind == "f"
+
+
+def _arranged(
+    dataset: xr.Dataset, name: str, axes: list[str], last: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Dims in which other dims come first and rows, along the first of `axes`, last."""
+    others = [str(dim) for dim in dataset[name].dims if dim not in (*axes, *last)]
+    return (*others, *axes[1:], axes[0], *last)
+
+
+def _complex(dataset: xr.Dataset, stem: str, axes: list[str], last: tuple[str, ...]) -> Complex:
+    """Real and imaginary parts, with the followed axes before `last`."""
+    order = _arranged(dataset, f"{stem}_real", axes, last)
     real = dataset[f"{stem}_real"].transpose(*order).values
     imag = dataset[f"{stem}_imag"].transpose(*order).values
     result: Complex = real + 1j * imag
     return result
 
 
-def _follow_curve(values: Complex, vectors: Complex) -> Order:
-    """Numbering of the modes at each point of a curve.
-
-    Parameters
-    ----------
-    values : (points, modes), NaN where nothing was computed
-    vectors : (points, modes, states)
-
-    Returns
-    -------
-    (points, modes): which of a point's modes stands at each place
-    """
-    count = values.shape[1]
-    orders = np.tile(np.arange(count), (len(values), 1))
-    previous: tuple[Complex, Complex] | None = None
-    for point, (value, vector) in enumerate(zip(values, vectors, strict=True)):
-        if not np.isfinite(value).all():
-            continue
-        if previous is not None:
-            orders[point] = _matched(*previous, value, vector)
-        previous = value[orders[point]], vector[orders[point]]
-    return orders
-
-
-def _matched(
-    old_values: Complex, old_vectors: Complex, new_values: Complex, new_vectors: Complex
-) -> Order:
-    """For each old mode the new one that continues it: near in value and alike in shape."""
-    from scipy.optimize import linear_sum_assignment
-
-    scale = max(float(np.abs(old_values).max()), np.finfo(float).tiny)
-    distance = np.abs(old_values[:, None] - new_values[None, :]) / scale
-    old, new = _unit_rows(old_vectors), _unit_rows(new_vectors)
-    unlike = 1.0 - np.abs(old.conj() @ new.T)
-    order: Order = linear_sum_assignment(distance + 0.1 * unlike)[1]
-    return order
-
-
-def _unit_rows(vectors: Complex) -> Complex:
-    vectors = np.nan_to_num(vectors)
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    result: Complex = vectors / np.where(lengths > 0.0, lengths, 1.0)
-    return result
-
-
-def _renumbered(dataset: xr.Dataset, orders: Order, axis: str) -> xr.Dataset:
+def _renumbered(dataset: xr.Dataset, orders: Order, axes: list[str]) -> xr.Dataset:
     result = dataset.copy()
     for name, variable in dataset.data_vars.items():
         if "mode" in variable.dims:
-            result[name] = _taken(dataset, str(name), orders, axis)
+            result[name] = _taken(dataset, str(name), orders, axes)
     if "coupled_with" in dataset:
-        result["coupled_with"] = _partners_renumbered(result["coupled_with"], orders, axis)
+        result["coupled_with"] = _partners_renumbered(result, orders, axes)
     return result
 
 
-def _taken(dataset: xr.Dataset, name: str, orders: Order, axis: str) -> xr.DataArray:
+def _taken(dataset: xr.Dataset, name: str, orders: Order, axes: list[str]) -> xr.DataArray:
     """One variable with its modes in the new order."""
     variable = dataset[name]
     behind = tuple(str(d) for d in variable.dims[variable.dims.index("mode") + 1 :])
-    arranged = variable.transpose(*_arranged(dataset, name, axis, ("mode", *behind)))
+    arranged = variable.transpose(*_arranged(dataset, name, axes, ("mode", *behind)))
     index = orders.reshape(*orders.shape, *(1 for _ in behind))
     taken = np.take_along_axis(arranged.values, index, axis=orders.ndim - 1)
     return arranged.copy(data=taken).transpose(*variable.dims)
 
 
-def _partners_renumbered(partners: xr.DataArray, orders: Order, axis: str) -> xr.DataArray:
+def _partners_renumbered(dataset: xr.Dataset, orders: Order, axes: list[str]) -> xr.DataArray:
     """``coupled_with`` names modes by number: these follow the renumbering."""
-    dims = [str(d) for d in partners.dims if d not in (axis, "mode")]
-    arranged = partners.transpose(*dims, axis, "mode")
+    partners = dataset["coupled_with"]
+    arranged = partners.transpose(*_arranged(dataset, "coupled_with", axes, ("mode",)))
     inverse = np.argsort(orders, axis=-1)
     old = arranged.values
     moved = np.take_along_axis(inverse, np.clip(old, 0, orders.shape[-1] - 1), axis=-1)
     renamed = np.where(old >= 0, moved, old).astype(old.dtype)
     return arranged.copy(data=renamed).transpose(*partners.dims)
+
+
+# --- where modes merge ----------------------------------------------------------------------------
+def _with_coupling_points(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
+    coordinate = _coordinate(dataset, axes[0])
+    values = _complex(dataset, "eigenvalue", axes, ("mode",))
+    points = np.full(values.shape, np.nan)
+    for row in np.ndindex(values.shape[:-2]):
+        points[row] = coupling_points(coordinate.values.astype(float), values[row])
+    variable = dataset["coupling_point"]
+    dims = _arranged(dataset, "coupling_point", axes, ("mode",))
+    filled = xr.DataArray(points, dims=dims).transpose(*variable.dims)
+    marked = variable.copy(data=filled.values)
+    marked.attrs["units"] = coordinate.attrs.get("units", "1")
+    marked.attrs["long_name"] = (
+        f"{coordinate.name} at which the mode merges with another, before the next point"
+    )
+    return dataset.assign(coupling_point=marked)
+
+
+def _coordinate(dataset: xr.Dataset, dim: str) -> xr.DataArray:
+    """The axis along `dim`: its own, or the first of those that advance along it together."""
+    along = [str(name) for name, coord in dataset.coords.items() if coord.dims == (dim,)]
+    numeric = [name for name in along if dataset[name].dtype.kind == "f"]
+    return dataset[numeric[0]] if numeric else dataset[dim]
+
+
+def coupling_points(axis: NDArray[np.float64], values: Complex) -> NDArray[np.float64]:
+    """Where pairs of followed modes merge or part along a row.
+
+    The square of the difference of two eigenvalues is a smooth function of the parameter where
+    they merge: negative while they differ in frequency, positive where they differ in growth.
+
+    Parameters
+    ----------
+    axis : (points,), the parameter
+    values : (points, modes), followed
+
+    Returns
+    -------
+    (points, modes): the value between a point and the next at which the mode does so, else NaN
+    """
+    found = np.full(values.shape, np.nan)
+    modes = range(values.shape[1])
+    for first, second in product(modes, modes):
+        if first < second:
+            for point, place in _merging(axis, values[:, first], values[:, second]):
+                found[point, [first, second]] = place
+    return found
+
+
+def _merging(
+    axis: NDArray[np.float64], first: Complex, second: Complex
+) -> Iterator[tuple[int, float]]:
+    """Each point after which these two modes merge or part, and where."""
+    squares = (first - second) ** 2
+    same_side = first.imag * second.imag > 0.0
+    frequency = np.abs(first.imag)
+    for point in range(len(axis) - 1):
+        ends = squares[point : point + 2]
+        if not (np.isfinite(ends).all() and same_side[point : point + 2].all()):
+            continue
+        if (ends[0].real < 0.0) != (ends[1].real < 0.0):
+            share = ends[0].real / (ends[0].real - ends[1].real)
+            rest = abs(ends[0].imag + share * (ends[1].imag - ends[0].imag))
+            if rest <= 2.0 * (MERGED * frequency[point]) ** 2:
+                yield point, _root(axis, squares.real, point)
+
+
+def _root(axis: NDArray[np.float64], heights: NDArray[np.float64], point: int) -> float:
+    """Zero between a point and the next, of the cubic through them and their neighbours."""
+    near = slice(max(point - 1, 0), point + 3)
+    x, y = axis[near], heights[near]
+    x, y = x[np.isfinite(y)], y[np.isfinite(y)]
+    low, high = axis[point], axis[point + 1]
+    scaled = (x - low) / (high - low)
+    roots = np.roots(np.polyfit(scaled, y, len(x) - 1))
+    real = roots[(np.abs(roots.imag) < 1e-9) & (roots.real >= 0.0) & (roots.real <= 1.0)].real
+    straight = heights[point] / (heights[point] - heights[point + 1])
+    share = min(real, key=lambda root: abs(root - straight), default=straight)
+    return float(low + share * (high - low))

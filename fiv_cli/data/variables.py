@@ -61,7 +61,7 @@ def variables_of(
 
     Parameters
     ----------
-    kind : "history", "equilibrium", "eigenvalues" or "response"
+    kind : kind of the analysis
     options : options of the model (they decide its states)
     settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
     """
@@ -178,6 +178,14 @@ def _eigenvalues(
         Variable("eigenvector_real", "1", "real part of the eigenvector", vector, comment=mixed),
         Variable("eigenvector_imag", "1", "imaginary part of the mode", vector, comment=mixed),
         Variable("coupled_with", "1", "mode of equal frequency; -1: none", mode, "int"),
+        Variable(
+            "coupling_point",
+            "1",
+            "where on the first numeric axis the mode merges with another, before the next point",
+            mode,
+            comment="between the points, where the two come to differ more in growth than in "
+            "frequency, and in both by less than 1 %; with more damping they pass at a distance",
+        ),
         Variable("growth_rate", "rad s-1", "largest real part"),
         Variable(
             "stable",
@@ -267,6 +275,45 @@ def _response(
         *_solver_trust(),
         Variable("event_residual", "1", "largest switching function left at an event"),
         Variable("transient_used", "s", "time simulated before the steady state was accepted"),
+    ]
+
+
+def _boundary(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    varied, along = settings["parameter"], ("crossing",)
+    way = "direction in which it was met; none: every run begins at the start"
+    unit, classes = varied.unit, "class of the steady state"
+    return [
+        Variable("boundary", unit, f"{varied.name} at which the answer changes", along),
+        Variable("boundary_width", unit, "width of the interval that holds it", along),
+        Variable("class_below", "1", f"{classes} below", along, "flag", "attractor"),
+        Variable("class_above", "1", f"{classes} above", along, "flag", "attractor"),
+        Variable("answer_below", "1", "answer to the question below", along, "flag", "answer"),
+        Variable("answer_above", "1", "answer to the question above", along, "flag", "answer"),
+        Variable("found_going", "1", way, along, "flag", "followed"),
+        Variable("n_crossings", "1", "changes in the bracket", kind="int"),
+        Variable("n_runs", "1", "responses computed", kind="int"),
+        Variable("n_undecided", "1", "responses without an answer", kind="int"),
+        Variable("scan", unit, f"{varied.name} looked at first", ("scan",), kind="coordinate"),
+        Variable("scan_class", "1", f"{classes} there", ("scan",), "flag", "attractor"),
+        *(_way_back(unit, classes) if settings["follow"] == "both" else ()),
+        *_solver_trust(),
+        Variable("event_residual", "1", "largest switching function left at an event"),
+    ]
+
+
+def _way_back(unit: str, classes: str) -> list[Variable]:
+    """What a bracket followed up and down again has besides."""
+    back = f"{classes} there on the way down"
+    end = "end of a range in which the way up and the way down differ"
+    known = "width of the interval that holds it; missing where it is the end of the bracket"
+    return [
+        Variable("scan_class_back", "1", back, ("scan",), "flag", "attractor"),
+        Variable("bistable_low", unit, f"lower {end}", ("range",)),
+        Variable("bistable_low_width", unit, known, ("range",)),
+        Variable("bistable_high", unit, f"upper {end}", ("range",)),
+        Variable("bistable_high_width", unit, known, ("range",)),
     ]
 
 
@@ -395,5 +442,6 @@ _BY_KIND = {
     "critical": _critical,
     "response": _response,
     "spectrum": _spectrum,
+    "boundary": _boundary,
     "cycle": _cycle,
 }

@@ -1,0 +1,199 @@
+"""Modes followed through crossings, mergers and grids of several axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from motions import analyse
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.modes import matched
+from fiv_cli.data.follow import coupling_points, follow_grid, follow_modes
+
+Complex = NDArray[np.complex128]
+FLUTTER = 5 / 2 + sqrt(3)
+
+
+def shuffled(values: Complex, vectors: Complex, seed: int = 3) -> tuple[Complex, Complex]:
+    """The modes of each point in a random order, but for the very first point."""
+    generator = np.random.default_rng(seed)
+    values, vectors = values.copy(), vectors.copy()
+    for place in list(np.ndindex(values.shape[:-1]))[1:]:
+        order = generator.permutation(values.shape[-1])
+        values[place], vectors[place] = values[place][order], vectors[place][order]
+    return values, vectors
+
+
+def followed(values: Complex, vectors: Complex) -> Complex:
+    """The eigenvalues in the order that `follow_grid` finds."""
+    return np.take_along_axis(values, follow_grid(values, vectors), axis=-1)
+
+
+def flutter(friction: NDArray[np.float64], **changes: float) -> tuple[Complex, Complex]:
+    """Eigenvalues and vectors of the flutter model along its friction."""
+    found = [
+        analyse("flutter-2dof", "coulomb", "eigenvalues", mu_k=float(mu), **changes).values
+        for mu in friction
+    ]
+    values = np.array([f["eigenvalue_real"] + 1j * f["eigenvalue_imag"] for f in found])
+    vectors = np.array([f["eigenvector_real"] + 1j * f["eigenvector_imag"] for f in found])
+    return values, vectors
+
+
+# --- one row -------------------------------------------------------------------------------------
+@pytest.mark.parametrize("points", [9, 10, 41])
+def test_modes_that_pass_each_other_keep_their_numbers(points: int) -> None:
+    at = np.linspace(0.0, 1.0, points)
+    values = np.stack([2j - 0.1 + 0 * at, 1j - 0.2 + 2j * at], axis=1)
+    vectors = np.broadcast_to(np.eye(2, dtype=complex), (points, 2, 2))
+    np.testing.assert_array_equal(followed(*shuffled(values, vectors)), values)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.3])
+def test_modes_are_followed_through_their_merger(damping: float) -> None:
+    """Each of four numbers is smooth but for the merger, and pairs stay pairs."""
+    friction = np.linspace(3.0, 5.5, 60)
+    values = followed(*shuffled(*flutter(friction, c1=damping, c2=damping)))
+    assert np.abs(np.diff(values, axis=0)).max() < 0.15
+    upper = values.imag[0] > 0.0
+    assert np.all((values.imag > 0.0) == upper)
+    twins = [int(np.flatnonzero(values[0] == z.conjugate())[0]) for z in values[0]]
+    np.testing.assert_array_equal(values[:, twins], values.conj())
+
+
+def test_the_lower_number_takes_the_larger_growth() -> None:
+    values = followed(*flutter(np.linspace(4.0, 4.5, 8)))
+    grows, decays = values[-1, 0], values[-1, 2]
+    assert grows.real > 0.0 > decays.real
+
+
+def test_a_pair_that_becomes_two_real_modes_and_a_pair_again() -> None:
+    at = np.linspace(0.0, 1.0, 41)
+    root = np.sqrt((at - 0.3137) * (0.7137 - at) + 0j)
+    pair = np.stack([-1.0 + root, -1.0 - root], axis=1)
+    other = np.stack([-0.1 + 1j + 0 * at, -0.1 - 1j + 0 * at], axis=1)
+    values = np.concatenate([pair, other], axis=1)
+    shapes = np.stack([np.ones_like(values), values], axis=2)
+    found = followed(*shuffled(values, shapes))
+    assert np.abs(np.diff(found, axis=0)).max() < 0.2
+    assert {tuple(sorted(np.flatnonzero(abs(row + 1.0) < 0.5))) for row in found} == {(0, 1)}
+
+
+def test_points_without_eigenvalues_are_bridged() -> None:
+    at = np.linspace(0.0, 1.0, 21)
+    values = np.stack([2j + 0 * at, 1j + 2j * at], axis=1)
+    vectors = np.broadcast_to(np.eye(2, dtype=complex), (21, 2, 2))
+    mixed, shapes = shuffled(values, vectors)
+    mixed[[0, 9, 10]] = np.nan
+    found = followed(mixed, shapes)
+    # the first known point sets the numbers
+    expected = values if found[1, 0] == values[1, 0] else values[:, ::-1]
+    known = [point for point in range(21) if point not in (0, 9, 10)]
+    np.testing.assert_array_equal(found[known], expected[known])
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10_000))
+def test_matching_gives_each_mode_one_successor(seed: int) -> None:
+    generator = np.random.default_rng(seed)
+    matrices = generator.normal(size=(2, 6, 6))
+    pairs = [np.linalg.eig(matrix) for matrix in matrices]
+    (old, old_vectors), (new, new_vectors) = [(v.astype(complex), w.T) for v, w in pairs]
+    order = matched(old, old_vectors.astype(complex), new, new_vectors.astype(complex))
+    assert sorted(order) == list(range(6))
+    for mode in np.flatnonzero(old.imag > 0.0):
+        if new[order[mode]].imag > 0.0:
+            twin = int(np.flatnonzero(old == old[mode].conjugate())[0])
+            assert new[order[twin]] == new[order[mode]].conjugate()
+
+
+# --- several axes --------------------------------------------------------------------------------
+def test_a_number_means_the_same_all_over_a_grid() -> None:
+    """Two modes pass each other along a line that slants through the grid."""
+    x, y = np.meshgrid(np.linspace(0, 1, 15), np.linspace(0, 1, 11), indexing="ij")
+    values = np.stack([3j + 0 * x, 1j + 2j * x + 3j * y], axis=-1)
+    vectors = np.broadcast_to(np.eye(2, dtype=complex), (15, 11, 2, 2))
+    np.testing.assert_array_equal(followed(*shuffled(values, vectors)), values)
+
+
+def test_three_axes_with_holes() -> None:
+    axes = np.meshgrid(*(np.linspace(0, 1, n) for n in (4, 5, 9)), indexing="ij")
+    total = sum(axes)
+    values = np.stack([3j + 0 * total, 1j + 2j * total, 7j - 1j * total], axis=-1)
+    vectors = np.broadcast_to(np.eye(3, dtype=complex), (*total.shape, 3, 3))
+    mixed, shapes = shuffled(values, vectors)
+    holes = np.random.default_rng(2).random(total.shape) < 0.15
+    holes[0, 0, 0] = False
+    mixed[holes] = np.nan
+    np.testing.assert_array_equal(followed(mixed, shapes)[~holes], values[~holes])
+
+
+def as_dataset(
+    evaluate: Callable[[float, float], Complex], x: NDArray[np.float64], y: NDArray[np.float64]
+) -> xr.Dataset:
+    """Eigenvalues of two uncoupled modes on a grid (kind, x, y), sorted anew at each point."""
+    values = np.array([[evaluate(float(a), float(b)) for b in y] for a in x])
+    order = np.argsort(values.imag, axis=-1)
+    vectors = np.eye(2, dtype=complex)[order]
+    values = np.take_along_axis(values, order, axis=-1)
+    both, shapes = np.stack([values, values]), np.stack([vectors, vectors])
+    return xr.Dataset(
+        {
+            "eigenvalue_real": (("kind", "x", "y", "mode"), both.real),
+            "eigenvalue_imag": (("kind", "x", "y", "mode"), both.imag),
+            "eigenvector_real": (("kind", "x", "y", "mode", "state"), shapes.real),
+            "eigenvector_imag": (("kind", "x", "y", "mode", "state"), shapes.imag),
+            "growth_rate": (("kind", "x", "y"), both.real.max(axis=-1)),
+        },
+        coords={"kind": np.array(["one", "other"]), "x": x, "y": y},
+    )
+
+
+def test_datasets_are_renumbered_on_every_numeric_axis() -> None:
+    x, y = np.linspace(0.0, 1.0, 12), np.linspace(0.0, 1.0, 7)
+    found = follow_modes(as_dataset(lambda a, b: np.array([3j, 1j + 2j * a + 3j * b]), x, y))
+    expected = 1 + 2 * x[:, None] + 3 * y[None, :]
+    for kind in ("one", "other"):
+        part = found.sel(kind=kind)["eigenvalue_imag"].transpose("x", "y", "mode")
+        np.testing.assert_allclose(part.values[..., 0], expected)
+        np.testing.assert_allclose(part.values[..., 1], 3.0)
+    shape = found["eigenvector_real"].transpose("kind", "x", "y", "mode", "state").values
+    assert np.all(shape[..., 0, 1] == 1.0)
+
+
+# --- where modes merge ---------------------------------------------------------------------------
+@pytest.mark.parametrize("damping", [0.0, 1e-6, 0.05, 0.4])
+def test_frequencies_that_meet_are_marked_where_they_do(damping: float) -> None:
+    """Undamped or equally damped: exactly at the friction of undamped flutter."""
+    friction = np.linspace(3.02, 5.5, 40)
+    values = followed(*flutter(friction, c1=damping, c2=damping))
+    marks = coupling_points(friction, values)
+    (before,) = np.unique(np.nonzero(np.isfinite(marks))[0])
+    assert friction[before] < FLUTTER < friction[before + 1]
+    np.testing.assert_allclose(marks[before], FLUTTER, rtol=1e-6)
+
+
+def test_modes_that_part_again_are_marked_twice() -> None:
+    at = np.linspace(0.0, 1.0, 33)
+    root = np.sqrt((at - 0.31) * (0.77 - at) + 0j)
+    marks = coupling_points(at, np.stack([2j - 0.1 + root, 2j - 0.1 - root], axis=1))
+    np.testing.assert_allclose(marks[np.isfinite(marks)], [0.31, 0.31, 0.77, 0.77], rtol=1e-12)
+
+
+def test_modes_far_apart_in_damping_do_not_merge() -> None:
+    """The thesis: with unequal damping the imaginary parts merge no more."""
+    friction = np.linspace(3.02, 5.5, 40)
+    values = followed(*flutter(friction, c1=0.2, c2=0.4))
+    assert np.all(np.isnan(coupling_points(friction, values)))
+
+
+def test_modes_that_only_pass_do_not_merge() -> None:
+    at = np.linspace(0.0, 1.0, 40)
+    marks = coupling_points(at, np.stack([-0.001 + 2j + 0 * at, -0.001 + 1j + 2j * at], axis=1))
+    assert np.all(np.isnan(marks))
