@@ -441,6 +441,8 @@ class _Response:
 
     def _class_of(self, outcome: Outcome) -> tuple[str, str]:
         """Two agreeing tests, or undecided."""
+        if self.count == 0:
+            return "undecided", "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
         regular = regularity(self.points[: self.count, self.observed])
         if not (np.isfinite(exponent) and np.isfinite(regular)):

@@ -146,6 +146,10 @@ REASONS: tuple[Reason, ...] = (
         "outside_bracket",
         "the branch begins at the case's own value of the parameter: move it into the bracket",
     ),
+    Reason(
+        "no_section_points",
+        "the motion never met the section: choose another, as { zero = STATE } where nothing sticks",
+    ),
 )
 
 STATUS = FlagTable(
