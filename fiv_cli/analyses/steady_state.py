@@ -235,10 +235,12 @@ class _Response:
     def _at_equilibrium(self) -> Outcome | None:
         """Stable, and nothing but slip left: the motion decays to it.
 
-        A law without stick has no events that could die: there the motion must have arrived.
+        Without stick (of the law, or in a contact that only slides) there are no events that could
+        die: there the motion must have arrived.
         """
         assert self.equilibrium is not None
-        if self.system.law.capacity is None and not self._is_near(self.equilibrium):
+        never_sticks = self.system.law.capacity is None or all(self.system.generated.smooth)
+        if never_sticks and not self._is_near(self.equilibrium):
             return None
         outcome = self._resting_values(self.equilibrium, sticking=False)
         outcome.values["L_s"] = 0.0
