@@ -105,7 +105,7 @@ class TestExitCodes:
             (["models", "--no-such-option"], "No such option"),
             (["models", "belt-1dov"], "did you mean 'belt-1dof'"),
             (["models", "stribek", "--laws"], "did you mean 'stribeck'"),
-            (["new", "belt"], "did you mean 'belt-1dof'"),
+            (["new", "belt-1dov"], "did you mean 'belt-1dof'"),
             (["new", "belt-1dof", "--analysis", "respond"], "did you mean 'response'"),
             (["check"], "Missing argument"),
             (["check", "none.toml"], "no such file"),

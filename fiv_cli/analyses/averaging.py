@@ -41,7 +41,7 @@ def fast_velocity(system: System, parameters: Mapping[str, float]) -> float:
     """Amplitude of the slip velocity that the excitation makes, m/s."""
     forcing = system.model.averaged_forcing()
     assert forcing is not None and forcing.fast_velocity is not None
-    return forcing.fast_velocity(parameters)
+    return forcing.fast_velocity(system.known(parameters))
 
 
 def rest_velocities(state: Sliding) -> NDArray[np.float64]:
@@ -83,4 +83,4 @@ def frequency_ratio(
     assert forcing is not None
     m = len(jacobian) // 2
     squares = np.abs(np.linalg.eigvals(jacobian[m:, :m]))
-    return float(forcing.frequency(parameters) / np.sqrt(squares.max()))
+    return float(forcing.frequency(system.known(parameters)) / np.sqrt(squares.max()))

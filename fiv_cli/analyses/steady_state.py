@@ -89,7 +89,8 @@ class _Response:
         self.equilibrium = equilibrium
         self.motion = motion
         forcing = system.model.active_forcing(parameters)
-        self.excitation = None if forcing is None else 2 * np.pi / forcing.frequency(parameters)
+        known = system.known(parameters)
+        self.excitation = None if forcing is None else 2 * np.pi / forcing.frequency(known)
         self.eigenvalues = (
             None if equilibrium is None else np.linalg.eigvals(unexcited.jacobian(equilibrium))
         )

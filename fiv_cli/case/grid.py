@@ -96,9 +96,9 @@ def _candidate(key: str, place: Path, physics: Physics, report: Report) -> Candi
         return _start_axis(name, place, physics, report)
     if name == "friction":
         return _law_axis(place, physics)
-    options = {option.name: option.choices for option in physics.model.options}
+    options = {option.name: option for option in physics.model.options}
     if name in options:
-        return _option_axis(name, options[name], place)
+        return Candidate(name, "option", place, options[name].text, allowed=options[name].allowed)
     return _parameter_axis(name.removeprefix("friction."), place, physics, report)
 
 
@@ -124,15 +124,6 @@ def _law_axis(place: Path, physics: Physics) -> Candidate:
         lambda value: resolve_law(physics.model, str(value)),
         allowed=listed(names),
     )
-
-
-def _option_axis(name: str, choices: Sequence[str], place: Path) -> Candidate:
-    def read(value: object) -> object:
-        if value not in choices:
-            raise ValueError(f"{value!r} is no choice of {name}")
-        return value
-
-    return Candidate(name, "option", place, read, allowed=listed(choices))
 
 
 def _parameter_axis(name: str, place: Path, physics: Physics, report: Report) -> Candidate | None:

@@ -33,11 +33,13 @@ _GREEK = {
 }
 _SUBSCRIPTS = dict(zip("₀₁₂₃₄₅₆₇₈₉ₖₛₐ", "0123456789ksa", strict=True))
 _ASCII = str.maketrans({**_GREEK, **_SUBSCRIPTS})
+_SYNONYMS = {"mu_1": "mu_k"}  # chapter 4 of the thesis
 
 
 def ascii_name(name: str) -> str:
-    """The contract spelling of `name`: ``Ω`` -> ``Omega``, ``μ_k`` -> ``mu_k``."""
-    return name.translate(_ASCII)
+    """The contract spelling of `name`: ``Ω`` -> ``Omega``, ``μ_k`` and ``μ_1`` -> ``mu_k``."""
+    parts = name.translate(_ASCII).split(".")
+    return ".".join(_SYNONYMS.get(part, part) for part in parts)
 
 
 def suggest(name: str, known: Collection[str]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +15,7 @@ from fiv_cli.case.units import convert
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
-from fiv_cli.models.base import Model, Parameter
+from fiv_cli.models.base import Model, Option, Parameter
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,8 @@ class Physics:
     Attributes
     ----------
     model : the model
-    options : every option (those that are axes hold their default)
+    options : every option; one that is an axis holds a value under which the model has the states
+        of every value of the axis
     laws : the laws in use: one, or those of the axis ``friction``
     fixed : parameter -> SI value, given by the case; ``LAW.NAME`` when given for one law only
     """
@@ -69,6 +71,7 @@ def read_physics(raw: Mapping[str, Any], report: Report) -> Physics | None:
     if model is None or table is None or friction is None:
         return None
     options = {**model.default_options(), **_options(model, table, report)}
+    options |= _options_of_axes(model, options, raw)
     laws = _laws(model, raw, friction, report)
     physics = Physics(model, options, laws)
     fixed = _model_parameters(physics, table, report) | _friction_parameters(
@@ -143,12 +146,40 @@ def _options(model: Model, table: ModelTable, report: Report) -> dict[str, str]:
         place: Path = ("model", "options", name)
         if name not in known:
             report.add(place, f"unknown option {name!r}", listed(known), suggest(name, known))
-        elif value not in known[name].choices:
-            choices = known[name].choices
-            report.add(place, f"{value!r} is not allowed", listed(choices), suggest(value, choices))
-        else:
-            chosen[name] = value
+            continue
+        try:
+            chosen[name] = known[name].text(value)
+        except ValueError as error:
+            option = known[name]
+            report.add(place, str(error), option.allowed, suggest(str(value), option.choices))
     return chosen
+
+
+def _options_of_axes(
+    model: Model, options: Mapping[str, str], raw: Mapping[str, Any]
+) -> dict[str, str]:
+    """For each option that is an axis, the value that stands for all of the axis."""
+    grid = raw.get("grid")
+    axes = grid if isinstance(grid, dict) else {}
+    found = {o.name: _known_texts(o, axes[o.name]) for o in model.options if o.name in axes}
+    chosen: dict[str, str] = {}
+    for option in [option for option in model.options if found.get(option.name)]:
+        texts = found[option.name]
+        if option.join is not None:
+            chosen[option.name] = option.join(texts)
+        else:
+            most = [len(model.states({**options, **chosen, option.name: t})) for t in texts]
+            chosen[option.name] = texts[most.index(max(most))]
+    return chosen
+
+
+def _known_texts(option: Option, values: object) -> list[str]:
+    """The values of an axis that are allowed; the grid notes the others."""
+    texts = []
+    for value in values if isinstance(values, list) else []:
+        with suppress(ValueError, TypeError):
+            texts.append(option.text(value))
+    return texts
 
 
 def _laws(

@@ -10,10 +10,16 @@ from typing import Any
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis, Setting
-from fiv_cli.case.structure import INTERVAL_SCHEMA, QUANTITY_SCHEMA, CaseTable, SectionTable
+from fiv_cli.case.structure import (
+    INTERVAL_SCHEMA,
+    QUANTITY_SCHEMA,
+    CaseTable,
+    QuestionTable,
+    SectionTable,
+)
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.models import all_models
-from fiv_cli.models.base import Model, Parameter
+from fiv_cli.models.base import Model, Option, Parameter
 
 Schema = dict[str, Any]
 
@@ -26,6 +32,7 @@ def case_schema() -> Schema:
     schema = CaseTable.model_json_schema(by_alias=True)
     tables = schema["$defs"]
     tables["SectionTable"] = SectionTable.model_json_schema(by_alias=True)
+    tables["QuestionTable"] = QuestionTable.model_json_schema(by_alias=True)
     models = all_models().values()
     _fill_model(tables["ModelTable"], models)
     _fill_friction(tables["FrictionTable"])
@@ -41,10 +48,7 @@ def _fill_model(table: Schema, models: Iterable[Model]) -> None:
 
 
 def _of_model(model: Model) -> Schema:
-    options = {
-        option.name: {"enum": list(option.choices), "description": option.meaning}
-        for option in model.options
-    }
+    options = {option.name: _option(option) for option in model.options}
     return {
         "parameters": {
             "properties": _parameters(model.parameters),
@@ -53,6 +57,13 @@ def _of_model(model: Model) -> Schema:
         },
         "options": {"properties": options, "additionalProperties": False},
     }
+
+
+def _option(option: Option) -> Schema:
+    if option.read is None:
+        return {"enum": list(option.choices), "description": option.meaning}
+    about = f"{option.meaning}: {option.form}"
+    return {"type": ["array", "string"], "description": about}
 
 
 def _fill_friction(table: Schema) -> None:
@@ -89,6 +100,7 @@ def _setting(setting: Setting) -> Schema:
         "state": {"type": "string"},
         "parameter": {"type": "string"},
         "bracket": INTERVAL_SCHEMA,
+        "question": {"$ref": "#/$defs/QuestionTable"},
     }
     unit = "" if setting.unit == "1" else f" ({setting.unit})"
     form = {**forms[setting.type], "description": f"{setting.meaning}{unit}"}
@@ -104,6 +116,12 @@ def _fill_grid(table: Schema, models: Iterable[Model]) -> None:
         name: {**form, "description": about["description"]}
         for name, about in _parameters(parameters).items()
     } | {"friction": {**form, "description": "friction laws, by name"}}
+    table["properties"] |= {
+        option.name: {"type": "array", "items": _option(option), "description": option.meaning}
+        for model in models
+        for option in model.options
+        if option.read is not None
+    }
 
 
 def _parameters(parameters: Iterable[Parameter]) -> dict[str, Schema]:

@@ -107,7 +107,7 @@ class ModelTable(Table):
 
     name: str = Field(description="name of the model; `fiv models` lists them")
     parameters: dict[str, Quantity] = Field(default={}, description="what differs from the default")
-    options: dict[str, str] = Field(default={}, description="switches of the model")
+    options: dict[str, Any] = Field(default={}, description="switches of the model")
 
 
 class FrictionTable(OpenTable):
@@ -204,6 +204,17 @@ class ShareTable(Table):
     over: list[str] = Field(description="axes, or initial, that are counted along")
     relative_to: dict[str, Quantity] = Field(
         default={}, description="axis -> value: the shares are over that at this point"
+    )
+
+
+class QuestionTable(Table):
+    """A question that a run answers with yes or no."""
+
+    placeholders: ClassVar[Mapping[str, Any]] = {"expect": "periodic"}
+
+    variable: str = Field(default="attractor", description="variable that decides")
+    expect: str | dict[str, Any] = Field(
+        description='a class, "not CLASS", or { less_than = NUMBER } for a number'
     )
 
 

@@ -17,6 +17,7 @@ _FIGURES = {
     "response": "bifurcation",
     "eigenvalues": "eigenvalues",
     "equilibrium": "curve",
+    "spectrum": "spectrum",
 }
 
 
@@ -60,7 +61,7 @@ def _model(model: Model, axis: Parameter | None) -> list[str]:
     if model.options:
         lines += ["", "[model.options]"]
     for option in model.options:
-        choices = " | ".join(option.choices)
+        choices = option.form or " | ".join(option.choices)
         line = f'# {option.name} = "{option.default}"'
         lines.append(_with_comment(line, f"{option.meaning}: {choices}"))
     return lines
@@ -139,6 +140,7 @@ def _value(model: Model, setting: Setting, varied: Parameter) -> str:
         "state": f'"{model.states(model.default_options())[0].name}"',
         "section": '{ event = "slip->stick" }',
         "number": "30.0" if setting.required else "0.01",
+        "question": '{ variable = "attractor", expect = "equilibrium" }',
         "integer": "1",
         "boolean": "true",
     }

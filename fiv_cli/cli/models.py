@@ -93,6 +93,7 @@ def model_document(model: Model) -> dict[str, Any]:
         ],
         "options": [
             {"name": o.name, "choices": o.choices, "default": o.default, "meaning": o.meaning}
+            | ({"form": o.form} if o.form else {})
             for o in model.options
         ],
         "laws": list(model.laws),
@@ -148,7 +149,9 @@ def _print_model(model: Model) -> None:
 
 def _print_options(model: Model) -> None:
     if model.options:
-        rows = [(o.name, " | ".join(o.choices), o.default, o.meaning) for o in model.options]
+        rows = [
+            (o.name, o.form or " | ".join(o.choices), o.default, o.meaning) for o in model.options
+        ]
         click.echo()
         print_table(
             "Options, under [model.options]", ("name", "choices", "default", "meaning"), rows

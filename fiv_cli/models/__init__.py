@@ -6,7 +6,10 @@ from fiv_cli.models import (
     belt_1dof,
     belt_2mass,
     belt_5dof,
+    disc_nonlinear_contact,
+    disc_rigid_contact,
     excited_2dof,
+    excited_disc,
     flutter_2dof,
     pin_on_disc,
 )
@@ -18,6 +21,9 @@ _MODELS: tuple[Model, ...] = (
     flutter_2dof.MODEL,
     excited_2dof.MODEL,
     belt_5dof.MODEL,
+    disc_rigid_contact.MODEL,
+    excited_disc.MODEL,
+    disc_nonlinear_contact.MODEL,
     pin_on_disc.MODEL,
 )
 

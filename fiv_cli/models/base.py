@@ -76,6 +76,7 @@ class Option:
     meaning : one line
     read : value in a case file -> the text that stands for it; ValueError says what is wrong
     form : what `read` takes, in words
+    join : several such texts -> the one under which the model has the states of each
     """
 
     name: str
@@ -84,6 +85,12 @@ class Option:
     meaning: str
     read: Callable[[object], str] | None = None
     form: str = ""
+    join: Callable[[Iterable[str]], str] | None = None
+
+    @property
+    def allowed(self) -> str:
+        """What it may be, in one line."""
+        return self.form or ", ".join(self.choices)
 
     def text(self, value: object) -> str:
         """The text that stands for `value`; ValueError when it is not allowed."""

@@ -22,6 +22,7 @@ that of the lowest mode. Each l >= 1 is a doublet: both C_kl and D_kl are there.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -30,6 +31,8 @@ from typing import Any
 from fiv_cli.models.base import Derived, Option, Options, Parameter, State
 
 THESIS_MODES = "0,0 0,1 0,2 0,3"
+
+_WRITTEN = re.compile(r"\s*\d+,\d+(\s+\d+,\d+)*\s*")
 
 PLATE = (
     Parameter("a", "a", "m", 0.044, "inner radius of the disc", "Table 4.1", 0.0, exclusive=True),
@@ -53,7 +56,7 @@ def damping_ratio(default: float) -> Parameter:
 
 def read_modes(value: object) -> str:
     """``[[k, l], ...]`` -> ``"k,l ..."``, sorted; ValueError says what is wrong."""
-    if isinstance(value, str):
+    if isinstance(value, str) and _WRITTEN.fullmatch(value):
         value = [[int(number) for number in pair.split(",")] for pair in value.split()]
     if not isinstance(value, list | tuple) or not value:
         raise ValueError(f"{value!r} is no list of modes")
@@ -76,7 +79,8 @@ MODES = Option(
     THESIS_MODES,
     "modes of the disc, nodal circles and diameters; with l > 0 both of a doublet",
     read_modes,
-    "a list of [k, l], such as [[0, 0], [0, 1]]",
+    'a list of [k, l], such as [[0, 0], [0, 1]], or "0,0 0,1"',
+    lambda texts: read_modes(" ".join({pair for text in texts for pair in text.split()})),
 )
 
 DISC_DAMPING = Option(
