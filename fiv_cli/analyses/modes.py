@@ -12,7 +12,7 @@ SHAPE = 0.1  # what a wholly different shape weighs against a change by the larg
 TURNED = 1.0  # what a change of the sign of the imaginary part weighs
 # Of two modes that merge the one with the lower number takes the larger growth rate: nothing else
 # distinguishes them, and rounding must not decide.
-TIE = 1e-6
+TIE = 1e-3
 
 
 def matched(

@@ -1,8 +1,8 @@
 """Modes followed by continuity along the grid, instead of sorted anew at each point.
 
 A pure step from dataset to dataset: it renumbers modes, and marks where two of them merge; it
-computes nothing anew. Modes are followed along the first numeric axis, row by row, and each row
-is joined to the row before it, so that a number means the same all over a grid of several axes.
+computes nothing anew. Modes are followed along the numeric axis with the most points, row by row,
+and each row is joined to the row before it, so that a number means the same all over a grid.
 (Around a point where two modes merge no numbering is continuous all the way round.)
 """
 
@@ -125,9 +125,10 @@ class _Row:
 
 # --- the dataset's axes ---------------------------------------------------------------------------
 def _axes_to_follow(dataset: xr.Dataset) -> list[str]:
-    """The dims with more than one numeric value."""
+    """The dims with more than one numeric value, the longest first."""
     dims = [str(name) for name in dataset["eigenvalue_real"].dims[:-1]]
-    return [name for name in dims if dataset.sizes[name] > 1 and _is_numeric(dataset, name)]
+    numeric = [name for name in dims if dataset.sizes[name] > 1 and _is_numeric(dataset, name)]
+    return sorted(numeric, key=lambda name: -dataset.sizes[name])
 
 
 def _is_numeric(dataset: xr.Dataset, dim: str) -> bool:
@@ -194,6 +195,7 @@ def _with_coupling_points(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
     filled = xr.DataArray(points, dims=dims).transpose(*variable.dims)
     marked = variable.copy(data=filled.values)
     marked.attrs["units"] = coordinate.attrs.get("units", "1")
+    marked.attrs["along"] = str(coordinate.name)
     marked.attrs["long_name"] = (
         f"{coordinate.name} at which the mode merges with another, before the next point"
     )

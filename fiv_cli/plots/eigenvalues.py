@@ -28,6 +28,8 @@ def suits(dataset: xr.Dataset) -> bool:
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     """A colour for each mode, a dash for each value of the other axes; unstable points marked.
 
+    Where two modes merge a dotted line stands.
+
     Of a conjugate pair the eigenvalue with positive imaginary part is drawn.
     """
     dataset = layers[0].dataset
@@ -39,6 +41,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
         _panel(ax, dataset, name, axis)
         ax.set_ylabel(labels.axis_label(dataset[name]))
         points.scale(ax, settings)
+        _mark_mergers(ax, dataset, axis)
     axes[0].axhline(0.0, color=style.BLACK, lw=0.8)
     points.dress_axis(axes[1], axis, "x")
     points.mark_gaps(axes[1], dataset, axis)
@@ -67,6 +70,16 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             )  # fmt: skip
     if np.any(dataset[PARTS[0]].values > 0.0):
         ax.plot([], [], "o", ms=3.5, color=style.VERMILLION, label="unstable")
+
+
+def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
+    """A line across where two modes merge or part, found between the points along `axis`."""
+    if dataset.get("coupling_point", axis).attrs.get("along") != axis.name:
+        return
+    places = np.unique(dataset["coupling_point"].values)
+    for number, place in enumerate(places[np.isfinite(places)]):
+        label = "modes merge" if number == 0 else None
+        ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
 
 
 def _modes(dataset: xr.Dataset) -> dict[int, str]:
