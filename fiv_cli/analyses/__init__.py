@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from fiv_cli.analyses import critical, cycle, eigenvalues, equilibrium, history, response, spectrum
+from fiv_cli.analyses import (
+    boundary,
+    critical,
+    cycle,
+    eigenvalues,
+    equilibrium,
+    history,
+    response,
+    spectrum,
+)
 from fiv_cli.analyses.base import Analysis
 
 _ANALYSES: tuple[Analysis, ...] = (
@@ -12,6 +21,7 @@ _ANALYSES: tuple[Analysis, ...] = (
     critical.ANALYSIS,
     response.ANALYSIS,
     spectrum.ANALYSIS,
+    boundary.ANALYSIS,
     cycle.ANALYSIS,
 )
 

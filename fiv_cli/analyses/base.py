@@ -8,12 +8,21 @@ variables to ``fiv_cli/data/variables.py``. An analysis knows nothing of workers
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fiv_cli.dynamics.settings import Section, SolverSettings
 
-__all__ = ["Analysis", "Outcome", "Section", "Setting", "SolverSettings", "Start", "Varied"]
+__all__ = [
+    "Analysis",
+    "Outcome",
+    "Question",
+    "Section",
+    "Setting",
+    "SolverSettings",
+    "Start",
+    "Varied",
+]
 
 
 @dataclass(frozen=True)
@@ -25,7 +34,8 @@ class Setting:
     name : key
     type : "number", "integer", "string", "boolean", "section" (a table, see `Section`), "state"
         (the name of a state of the model), "parameter" (that of a parameter of the model or the
-        law, see `Varied`) or "bracket" (its lowest and highest value, SI)
+        law, see `Varied`), "bracket" (its lowest and highest value, SI) or "question" (a table, see
+        `Question`)
     default : value when the key is left out; None: see `meaning`
     meaning : one line
     unit : unit of a number, for "30 s" strings
@@ -66,6 +76,40 @@ class Varied:
 
 
 @dataclass(frozen=True)
+class Question:
+    """A question that a run answers with yes or no.
+
+    Attributes
+    ----------
+    variable : the variable that decides
+    name : class asked for, where the variable holds a class
+    negated : "not CLASS"
+    below : the number that the variable must stay below; None: it holds a class
+    """
+
+    variable: str = "attractor"
+    name: str = ""
+    negated: bool = False
+    below: float | None = None
+
+
+FRICTION_PAIRS = (("mu_k", "mu_s"), ("mu_k_2", "mu_s_2"))
+"""Kinetic and static coefficients that belong together."""
+
+
+def friction_rises(parameters: Mapping[str, float]) -> str:
+    """Reason why a motion must not be computed (mu_k > mu_s); empty when it may be.
+
+    Coefficients of the sector count only where there is one.
+    """
+    for kinetic, static in FRICTION_PAIRS:
+        counts = kinetic != "mu_k_2" or parameters.get("beta", 0.0) > 0.0
+        if counts and parameters.get(kinetic, 0.0) > parameters.get(static, float("inf")):
+            return "mu_k_above_mu_s"
+    return ""
+
+
+@dataclass(frozen=True)
 class Start:
     """One start of a run, resolved for one point.
 
@@ -76,12 +120,19 @@ class Start:
         the rest 0) or "continue" (from `carried`; `values` is the offset from an equilibrium)
     values : state name -> SI value; velocities carry the suffix ``_dot``
     carried : what the neighbour's `Outcome.carry` held, for "continue"
+    named : state -> parameter whose value it takes, among `values`
     """
 
     label: str
     kind: str
     values: Mapping[str, float] = field(default_factory=dict)
     carried: Mapping[str, Any] | None = None
+    named: Mapping[str, str] = field(default_factory=dict)
+
+    def at(self, parameters: Mapping[str, float]) -> Start:
+        """The same start where the parameters have other values."""
+        taken = {state: parameters[name] for state, name in self.named.items()}
+        return replace(self, values={**self.values, **taken})
 
 
 @dataclass
@@ -120,6 +171,7 @@ class Analysis:
         `uses_starts` is false; `settings` holds every setting, defaults filled in, a section as
         `Section`
     linear : True where mu_k > mu_s is harmless
+    chains : whether a point may continue from its neighbour along an axis
     sizes : ``(settings) -> {dim: coordinate values}`` of own dims that settings fix (``time``)
     """
 
@@ -129,4 +181,5 @@ class Analysis:
     uses_starts: bool
     run: Callable[..., Outcome]
     linear: bool = False
+    chains: bool = True
     sizes: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda settings: {}

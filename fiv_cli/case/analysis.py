@@ -7,16 +7,19 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.analyses.base import Analysis, Section, Setting, Varied
+from fiv_cli.analyses.base import Analysis, Question, Section, Setting, Varied
 from fiv_cli.analyses.linear import SYSTEM
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.names import ascii_name, listed, suggest
 from fiv_cli.case.physics import Physics, allowed, quantity
 from fiv_cli.case.report import Path, Report
+from fiv_cli.case.results import ATTRACTORS
 from fiv_cli.case.structure import (
     AnalysisTable,
+    QuestionTable,
     SectionTable,
     check_interval,
+    check_number,
     check_quantity,
     describe,
 )
@@ -24,6 +27,9 @@ from fiv_cli.case.tables import read_table, read_tables
 from fiv_cli.case.units import convert
 from fiv_cli.friction import all_laws
 from fiv_cli.models.base import Parameter
+
+NUMBERS = ("L_s", "period", "multiplicity", "period_ratio", "response_frequency", "lyapunov")
+EXTREMES = ("min", "max", "rms")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
@@ -121,6 +127,7 @@ class _Reader:
             "state": self.state,
             "parameter": self.parameter,
             "bracket": self.bracket,
+            "question": self.question,
         }[setting.type]
         try:
             return read(setting, self.given[setting.name], place)
@@ -229,6 +236,39 @@ class _Reader:
             return None
         return _varying(self.physics).get(ascii_name(name))
 
+    def question(self, setting: Setting, value: object, place: Path) -> Question:
+        table = read_table(QuestionTable, value, place, self.report)
+        if table is None:
+            return Question(name="periodic")
+        if isinstance(table.expect, str):
+            return self.question_of_class(table.variable, table.expect, place)
+        if set(table.expect) != {"less_than"}:
+            raise ValueError(f"a table with {listed(list(table.expect))} asks nothing")
+        if self.physics is not None and table.variable not in self.numbers(self.physics):
+            known = self.numbers(self.physics)
+            hint = suggest(table.variable, known)
+            self.report.add(
+                (*place, "variable"), f"{table.variable!r} is no number", listed(known), hint
+            )
+        return Question(table.variable, below=check_number(table.expect["less_than"]))
+
+    def question_of_class(self, variable: str, expect: str, place: Path) -> Question:
+        if variable != "attractor":
+            message = f"{variable!r} holds no class: give expect = {{ less_than = NUMBER }}"
+            self.report.add((*place, "variable"), message, "attractor")
+        name = expect.removeprefix("not ").strip()
+        if name not in ATTRACTORS:
+            message = f"there is no class {name!r}"
+            hint = suggest(name, ATTRACTORS)
+            self.report.add((*place, "expect"), message, listed(ATTRACTORS), hint)
+        return Question("attractor", name, expect.startswith("not "))
+
+    def numbers(self, physics: Physics) -> list[str]:
+        """The variables of a response that are one number at each point."""
+        shares = ("stick_fraction", "slip_fraction", "separation_fraction")
+        extremes = [f"{n}_{kind}" for n in physics.units_of_states() for kind in EXTREMES]
+        return [*NUMBERS, *(shares if physics.model.contacts == 1 else ()), *extremes]
+
     def section(self, setting: Setting, value: object, place: Path) -> Section:
         table = read_table(SectionTable, value, place, self.report)
         if table is None or not isinstance(value, dict):
@@ -299,6 +339,8 @@ class _Reader:
     def switched_on(self, amplitude: str, physics: Physics) -> bool:
         if amplitude in [axis.name for axis in self.axes]:
             return True
+        if amplitude == ascii_name(str(self.given.get("parameter", ""))):
+            return True
         return physics.fixed.get(amplitude, physics.default(amplitude)) != 0.0
 
 
@@ -336,5 +378,7 @@ def _allowed(setting: Setting) -> str:
         "state": "the name of a state",
         "parameter": "the name of a parameter of the model or the law",
         "bracket": "[lowest, highest] value of the parameter",
+        "question": '{ variable = "attractor", expect = "periodic" }, or with expect = '
+        '"not periodic" or { less_than = 0.1 }',
     }.get(setting.type, setting.type)
     return f"{form}{unit}{bound} ({setting.meaning})"

@@ -119,6 +119,7 @@ def _build(
     if physics is None or header is None:
         return None
     _refuse_unused_start_axes(axes, analyses, report)
+    _refuse_needless_chains(analyses, starts, report)
     refuse_chains(grid.refinement, starts, report)
     _refuse_too_many_runs(axes, zips, starts, report)
     parameters = _fixed_parameters(physics, axes)
@@ -198,6 +199,21 @@ def _refuse_unused_start_axes(
     for axis in axes:
         if axis.kind == "start":
             report.add(("grid", axis.name), "no analysis of this case has a start to vary")
+
+
+def _refuse_needless_chains(
+    analyses: Sequence[AnalysisSpec], starts: Sequence[StartSpec], report: Report
+) -> None:
+    """Some analyses follow a branch by themselves; their points do not continue from others."""
+    followed = [start.label for start in starts if start.kind == "continue"]
+    for index, analysis in enumerate(analyses):
+        if followed and not get_analysis(analysis.kind).chains:
+            report.add(
+                ("analysis", index),
+                f"{analysis.kind!r} cannot begin at the neighbour's end (start {followed[0]!r})",
+                'starts of kind "equilibrium", "state" or "random"',
+                'give it a case of its own; follow = "up" | "down" follows a branch in the bracket',
+            )
 
 
 def _refuse_too_many_runs(

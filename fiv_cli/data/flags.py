@@ -126,7 +126,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_crossing",
-        "no mode changes stability inside the bracket: widen it, or look at `eigenvalues` along it",
+        "nothing changes inside the bracket: widen it, or look closer (`critical`: at "
+        "`eigenvalues` along it; `boundary`: at more points, scan)",
     ),
     Reason(
         "no_equilibrium_in_part",
@@ -145,6 +146,16 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "outside_bracket",
         "the branch begins at the case's own value of the parameter: move it into the bracket",
+    ),
+    Reason(
+        "undecided_in_part",
+        "runs in part of the bracket have no class, so what changes there is not known: raise "
+        "t_max, or look at `scan_class` and shorten the bracket",
+    ),
+    Reason(
+        "branch_ended",
+        "what was followed left nothing to go on from (contact lost, diverged, failed): the rest "
+        "of the bracket was not looked at",
     ),
     Reason(
         "no_section_points",
@@ -197,6 +208,8 @@ CYCLE_END = FlagTable(
     fill=NOT_COMPUTED,
 )
 GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
+ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
+FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
 COMPUTED = FlagTable(
     {
         NOT_COMPUTED: -1,
@@ -220,6 +233,8 @@ TABLES: Mapping[str, FlagTable] = {
     "cycle_end": CYCLE_END,
     "goes_on": GOES_ON,
     "computed": COMPUTED,
+    "answer": ANSWER,
+    "followed": FOLLOWED,
 }
 
 

@@ -14,14 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import SolverSettings, Start
+from fiv_cli.analyses.base import SolverSettings, Start, friction_rises
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
 
 Values = tuple[Any, ...]
-
-FRICTION_PAIRS = (("mu_k", "mu_s"), ("mu_k_2", "mu_s_2"))
-"""Kinetic and static coefficients that belong together."""
 
 
 @dataclass(frozen=True)
@@ -106,17 +103,7 @@ def law_at(template: Template, values: Values) -> str:
 
 def exclusion(template: Template, parameters: Mapping[str, float]) -> str:
     """Reason why a point must not be computed; empty when it may be."""
-    if template.linear:
-        return ""
-    for kinetic, static in FRICTION_PAIRS:
-        if parameters.get(kinetic, 0.0) > parameters.get(static, float("inf")):
-            return "mu_k_above_mu_s" if _counts(kinetic, parameters) else ""
-    return ""
-
-
-def _counts(kinetic: str, parameters: Mapping[str, float]) -> bool:
-    """Coefficients of the sector count only where there is one."""
-    return kinetic != "mu_k_2" or parameters.get("beta", 0.0) > 0.0
+    return "" if template.linear else friction_rises(parameters)
 
 
 def request_at(template: Template, values: Values, start: Start | None) -> Request:
@@ -161,7 +148,10 @@ def resolve_start(template: Template, values: Values, entry: StartEntry) -> Star
     origin = entry if entry.origin is None else entry.origin
     kind = "equilibrium" if origin.spec.kind == "equilibrium" else "state"
     own = _START_VALUES[origin.spec.kind](template, values, origin)
-    return Start(entry.label, kind, {**own, **start_axes(template, values)})
+    varied = start_axes(template, values)
+    state = origin.spec.state.items()
+    named = {n: p for n, p in state if isinstance(p, str) and n not in varied}
+    return Start(entry.label, kind, {**own, **varied}, named=named)
 
 
 def start_axes(template: Template, values: Values) -> dict[str, float]:

@@ -1,0 +1,291 @@
+"""Where an answer changes along a line: every change, to its width, and nothing guessed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fiv_cli.analyses.base import Outcome, Question, Start
+from fiv_cli.analyses.bisection import (
+    MOST_LOOKS,
+    Change,
+    Found,
+    Look,
+    followed,
+    hysteresis,
+    scanned,
+)
+from fiv_cli.analyses.boundaries import answered, going_on
+from fiv_cli.case.load import parse_case
+from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.errors import CaseError
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import Silent
+from fiv_cli.sweep.run import run_case
+
+WIDTH = 1e-6
+
+
+def steps(*places: float) -> Callable[[float, Look | None], Look]:
+    """Looks whose answer alternates at each of the places."""
+
+    def look(value: float, origin: Look | None) -> Look:
+        count = sum(value > place for place in places)
+        return Look(value, count % 2 == 1, f"{count}")
+
+    return look
+
+
+def holds(change: Change, place: float) -> bool:
+    """Whether a change encloses a place between two decided looks."""
+    return change.decided and change.low.value <= place <= change.high.value
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.floats(0.01, 0.99), max_size=4, unique=True))
+def test_every_change_that_the_scan_can_tell_is_found(places: list[float]) -> None:
+    values = np.linspace(0.0, 1.0, 12).tolist()
+    found = scanned(values, steps(*places), WIDTH)
+    counts = np.histogram(places, values)[0]
+    odd = [i for i, count in enumerate(counts) if count % 2]
+    assert len(found.changes) == len(odd)
+    for change, cell in zip(found.changes, odd, strict=True):
+        assert any(holds(change, place) for place in places)
+        assert values[cell] <= change.low.value < change.high.value <= values[cell + 1]
+        assert change.width <= WIDTH
+        assert change.low.label != change.high.label
+
+
+def test_the_classes_are_those_on_the_two_sides() -> None:
+    (change,) = scanned([0.0, 0.5, 1.0], steps(0.3), WIDTH).changes
+    assert (change.low.label, change.high.label) == ("0", "1")
+    assert (change.low.answer, change.high.answer) == (False, True)
+    assert change.middle == pytest.approx(0.3, abs=WIDTH)
+
+
+def half_open(begin: float, end: float) -> Callable[[float, Look | None], Look]:
+    """No below `begin`, open up to `end`, yes above."""
+
+    def look(value: float, origin: Look | None) -> Look:
+        inside = begin <= value <= end
+        return Look(value, None if inside else value > end, "undecided" if inside else "decided")
+
+    return look
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.41, 0.44), (0.2, 0.8), (0.499, 0.501)])
+def test_a_change_is_as_wide_as_what_is_undecided_in_it(begin: float, end: float) -> None:
+    found = scanned(np.linspace(0.0, 1.0, 9).tolist(), half_open(begin, end), WIDTH)
+    (change,) = found.changes
+    assert change.decided
+    assert begin - WIDTH <= change.low.value < begin
+    assert end < change.high.value <= end + WIDTH
+
+
+def test_what_is_open_at_an_end_is_listed_with_its_whole_width_and_no_answer() -> None:
+    found = scanned([0.0, 0.25, 0.5, 0.75, 1.0], half_open(0.6, 2.0), WIDTH)
+    (change,) = found.changes
+    assert not change.decided
+    assert (change.low.value, change.high.value) == (0.5, 0.75)
+    assert (change.low.answer, change.high.answer) == (False, None)
+
+
+def test_an_open_look_between_equal_answers_is_listed_on_both_sides() -> None:
+    def look(value: float, origin: Look | None) -> Look:
+        return Look(value, None if value == 0.5 else True, "")
+
+    found = scanned([0.0, 0.25, 0.5, 0.75, 1.0], look, WIDTH)
+    ends = [(change.low.value, change.high.value, change.decided) for change in found.changes]
+    assert ends == [(0.25, 0.5, False), (0.5, 0.75, False)]
+
+
+def bistable(low: float, high: float, reach: float = 10.0) -> Callable[..., Look]:
+    """An upper branch down to `low` and a lower one up to `high`.
+
+    A step longer than `reach` falls off the upper branch, wherever it ends.
+    """
+
+    def look(value: float, origin: Look | None) -> Look:
+        upper = value > high
+        if origin is not None and origin.carry == "upper" and value > low:
+            upper |= abs(value - origin.value) <= reach
+        return Look(value, upper, "", "upper" if upper else "lower")
+
+    return look
+
+
+def there_and_back(look: Callable[..., Look], count: int) -> tuple[Found, Found]:
+    """Both ways along (0, 1)."""
+    values = np.linspace(0.0, 1.0, count).tolist()
+    up = followed(values, look, WIDTH)
+    return up, followed(values[::-1], look, WIDTH, up.looks[-1])
+
+
+@pytest.mark.parametrize("reach", [10.0, 0.05])
+def test_a_bistable_range_has_its_two_ends_whatever_the_steps(reach: float) -> None:
+    up, back = there_and_back(bistable(0.31, 0.74, reach), 9)
+    (loss,), (return_,) = up.changes, back.changes
+    assert loss.middle == pytest.approx(0.74, abs=WIDTH)
+    assert return_.middle == pytest.approx(0.31, abs=WIDTH)
+    assert return_.width <= WIDTH
+    (found,) = hysteresis(up.changes, back.changes, (0.0, 1.0))
+    assert (found.low, found.high) == (return_.middle, loss.middle)
+    assert (found.low_width, found.high_width) == (return_.width, loss.width)
+
+
+def test_without_hysteresis_there_is_no_range() -> None:
+    up, back = there_and_back(bistable(0.5, 0.5), 6)
+    assert len(up.changes) == len(back.changes) == 1
+    assert hysteresis(up.changes, back.changes, (0.0, 1.0)) == []
+
+
+def test_a_range_that_reaches_the_bracket_has_no_width_there() -> None:
+    up, back = there_and_back(bistable(-1.0, 0.4), 6)
+    (found,) = hysteresis(up.changes, back.changes, (0.0, 1.0))
+    assert found.low == 0.0
+    assert np.isnan(found.low_width)
+    assert found.high == pytest.approx(0.4, abs=WIDTH)
+
+
+def test_a_branch_that_bears_no_step_is_left_at_the_width_reached() -> None:
+    looks = 0
+
+    def look(value: float, origin: Look | None) -> Look:
+        nonlocal looks
+        looks += 1
+        near = origin is None or abs(value - origin.value) <= 2e-6
+        return Look(value, near and (origin is None or bool(origin.answer)), "", "x")
+
+    found = followed([0.0, 1.0], look, 1e-6)
+    assert looks <= MOST_LOOKS + 2
+    assert found.changes[0].decided
+
+
+def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
+    def look(value: float, origin: Look | None) -> Look:
+        return Look(value, True, "", None if value >= 0.5 else "x")
+
+    assert [one.value for one in followed([0.0, 0.5, 1.0], look, WIDTH).looks] == [0.0, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("question", "outcome", "answer"),
+    [
+        (Question(name="periodic"), Outcome(values={"attractor": "periodic"}), True),
+        (Question(name="periodic"), Outcome(values={"attractor": "diverged"}), False),
+        (Question(name="periodic", negated=True), Outcome(values={"attractor": "chaotic"}), True),
+        (Question(name="periodic"), Outcome(values={"attractor": "undecided"}), None),
+        (Question(name="undecided"), Outcome(values={"attractor": "undecided"}), True),
+        (Question(name="periodic"), Outcome("failed", "no_equilibrium"), None),
+        (Question(name="periodic"), Outcome("not_computed", "mu_k_above_mu_s"), None),
+        (Question("L_s", below=1.0), Outcome(values={"attractor": "periodic", "L_s": 0.5}), True),
+        (Question("L_s", below=1.0), Outcome(values={"attractor": "periodic", "L_s": 2.0}), False),
+        (Question("L_s", below=1.0), Outcome(values={"attractor": "undecided", "L_s": 0.5}), None),
+        (Question("period", below=1.0), Outcome(values={"attractor": "equilibrium"}), None),
+    ],
+)
+def test_answers(question: Question, outcome: Outcome, answer: bool | None) -> None:
+    assert answered(question, outcome) is answer
+
+
+def test_an_equilibrium_is_perturbed_again_by_the_offset_of_the_start() -> None:
+    carry = {"attractor": "equilibrium", "state": [1.0]}
+    near = going_on(Start("near", "equilibrium", {"x": 1e-4}), carry)
+    assert (near.kind, near.values, near.carried) == ("continue", {"x": 1e-4}, carry)
+    far = going_on(Start("far", "state", {"x": 1.0}), carry)
+    assert far.values == {}
+    assert far.carried == {"attractor": "followed", "state": [1.0]}
+
+
+def test_a_start_that_names_a_parameter_follows_it() -> None:
+    start = Start("drive", "state", {"x_dot": 1.0, "x": 3.0}, named={"x_dot": "v"})
+    assert start.at({"v": 2.5}).values == {"x_dot": 2.5, "x": 3.0}
+
+
+PIN = """
+schema = 1
+[model]
+name = "pin-on-disc"
+[[initial]]
+label = "drive"
+kind = "state"
+state = { phi_dot = "Omega" }
+[[analysis]]
+name = "reached"
+kind = "boundary"
+parameter = "Omega"
+bracket = [4.0, 10.0]
+of = { expect = "periodic" }
+scan = 4
+width = 1e-3
+lyapunov = "never"
+[[analysis]]
+name = "exists"
+kind = "boundary"
+parameter = "Omega"
+bracket = [6.0, 18.0]
+of = { variable = "attractor", expect = "periodic" }
+scan = 5
+width = 1e-3
+follow = "both"
+lyapunov = "never"
+"""
+
+
+def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path) -> None:
+    """From phi_dot = Omega stick-slip is lost near 6.84 rad/s; followed, it lives to 14.829214.
+
+    The latter is where bisection to 1e-8 of the bracket ends.
+    """
+    summary = run_case(
+        parse_case(PIN, "pin.toml", ()), tmp_path / "a.nc", Policy(workers=1), Silent()
+    )
+    assert summary.complete
+    reached, exists = (read_datasets(tmp_path / "a.nc")[name] for name in ("reached", "exists"))
+    (low,) = reached["boundary"].values.ravel()
+    (high,) = exists["boundary"].values.ravel()
+    assert low == pytest.approx(6.838, abs=0.005)
+    assert abs(high - 14.829214) <= 0.5 * exists["boundary_width"].item()
+    assert (reached["boundary_width"] <= 0.006).all()
+    assert reached["boundary"].attrs["units"] == "rad s-1"
+    assert reached["scan"].values.tolist() == [4.0, 6.0, 8.0, 10.0]
+    assert reached["class_below"].values.ravel().tolist() == [1]
+    assert reached["class_above"].values.ravel().tolist() == [0]
+    assert exists["bistable_low"].item() == 6.0
+    assert exists["bistable_high"].item() == high
+    assert np.isnan(exists["bistable_low_width"].item())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('{ expect = "periodic" }', '{ expect = "periodical" }'), "did you mean 'periodic'"),
+        (("bracket = [4.0, 10.0]", "bracket = [10.0, 4.0]"), "is not below"),
+        (('{ expect = "periodic" }', '{ variable = "L_z", expect = { less_than = 1 } }'), "L_s"),
+        (('{ expect = "periodic"', '{ variable = "L_s", expect = "periodic"'), "holds no class"),
+        (('of = { expect = "periodic" }', ""), "is missing"),
+        (("scan = 4", "scan = 1"), "1 is out of range"),
+        (("[[initial]]", "[grid]\nOmega = [1, 2]\n[[initial]]"), "is an axis of the grid"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(change: tuple[str, str], message: str) -> None:
+    text = PIN.replace(*change, 1)
+    assert text != PIN
+    with pytest.raises(CaseError) as caught:
+        parse_case(text, "pin.toml", ())
+    assert message in str(caught.value)
+
+
+def test_a_start_that_continues_along_the_grid_is_refused() -> None:
+    text = PIN.replace("[[initial]]", "[grid]\nN0 = [20, 30]\n[[initial]]", 1).replace(
+        "[[analysis]]",
+        '[[initial]]\nlabel = "up"\nkind = "continue"\nalong = "N0"\nfrom = "drive"\n[[analysis]]',
+        1,
+    )
+    with pytest.raises(CaseError, match="neighbour's end"):
+        parse_case(text, "pin.toml", ())
