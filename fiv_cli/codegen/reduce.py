@@ -75,6 +75,7 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     own = {parameter.name for parameter in model.parameters}
     listed = [p.name for p in model.parameters]
     listed += [p.name for p in law.parameters if p.name not in own]
+    listed += () if model.derived is None else model.derived.names(options)
     parameters = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
     parameters |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
     parameters[symbols.zone] = "zone"
