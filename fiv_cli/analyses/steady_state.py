@@ -31,6 +31,7 @@ from fiv_cli.analyses.common import (
     stopped,
     trust,
 )
+from fiv_cli.analyses.decay import Decay
 from fiv_cli.analyses.settling import settled_period
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
@@ -91,10 +92,15 @@ class _Response:
         forcing = system.model.active_forcing(parameters)
         known = system.known(parameters)
         self.excitation = None if forcing is None else 2 * np.pi / forcing.frequency(known)
-        self.eigenvalues = (
-            None if equilibrium is None else np.linalg.eigvals(unexcited.jacobian(equilibrium))
-        )
+        jacobian = None if equilibrium is None else unexcited.jacobian(equilibrium)
+        self.eigenvalues = None if jacobian is None else np.linalg.eigvals(jacobian)
         self.quiet = self._quiet_time(parameters)
+        self.decay = (
+            None
+            if equilibrium is None or jacobian is None
+            else Decay(jacobian, equilibrium, self.quiet)
+        )
+        self.last_event = motion.time
         self.section: Section = settings["section"]
         self.observed = system.state_names.index(settings["observe"] or system.state_names[0])
         self.times = np.zeros(KEPT)
@@ -123,6 +129,7 @@ class _Response:
         t_max, transient = self.settings["t_max"], self.settings["transient"]
         if transient > 0.0:
             self.stop = self.motion.run(min(transient, t_max))
+            self.last_event = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
         found = self._ended() or self._settle(half) or self._window(t_max)
         found.values |= trust(self.motion)
@@ -178,17 +185,18 @@ class _Response:
             self.times[self.count : self.count + CHUNK],
             self.points[self.count : self.count + CHUNK],
         )
-        begun, events = self.motion.time, self.motion.n_events
+        events = self.motion.n_events
         self._aim_phase(section)
         self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
-        return self._is_quiet(begun, events)
+        if self.motion.n_events != events:
+            self.last_event = self.motion.time
+        return self._is_quiet()
 
-    def _is_quiet(self, begun: float, events: int) -> bool:
-        """Whether all contacts slipped since `begun`, long enough and without an event."""
+    def _is_quiet(self) -> bool:
+        """Whether all contacts have slipped long enough without an event."""
         slipping = bool(np.all(self.motion.kinds == kernel.SLIP))
-        long_enough = self.motion.time - begun >= self.quiet * (1.0 - 1e-12)
-        return slipping and long_enough and self.motion.n_events == events
+        return slipping and self.motion.time - self.last_event >= self.quiet * (1.0 - 1e-12)
 
     def _forget_oldest(self) -> None:
         half = KEPT // 2
@@ -237,15 +245,20 @@ class _Response:
         """Stable, and nothing but slip left: the motion decays to it.
 
         Without stick (of the law, or in a contact that only slides) there are no events that could
-        die: there the motion must have arrived.
+        die: there the motion must have arrived, or decay as it does only near the equilibrium.
         """
         assert self.equilibrium is not None
         never_sticks = self.system.law.capacity is None or all(self.system.generated.smooth)
-        if never_sticks and not self._is_near(self.equilibrium):
+        if never_sticks and not self._arrives(self.equilibrium):
             return None
         outcome = self._resting_values(self.equilibrium, sticking=False)
         outcome.values["L_s"] = 0.0
         return outcome
+
+    def _arrives(self, equilibrium: Vector) -> bool:
+        assert self.decay is not None
+        decays = self.decay.confirms(self.motion.time, self.motion.y)
+        return decays or self._is_near(equilibrium)
 
     def _is_near(self, equilibrium: Vector) -> bool:
         assert self.eigenvalues is not None
@@ -396,7 +409,6 @@ class _Response:
         """Measure the rest of the budget and say what its tests say."""
         self.count = 0
         with_exponent = self.settings["lyapunov"] != "never"
-        begun, events = self.motion.time, self.motion.n_events
         outcome = self._measure_window(t_max, with_exponent)
         ended = self._ended()
         if ended is not None:
@@ -404,7 +416,7 @@ class _Response:
         period = settled_period(self._map_points())
         if period:
             return self._periodic_from_section(period)
-        dead = self._is_quiet(begun, events) and self.excitation is None
+        dead = self._is_quiet() and self.excitation is None
         found = self._after_stick_slip(t_max) if dead else None
         if found is not None:
             return found

@@ -1,0 +1,81 @@
+"""Motions that never stick: which decaying slides count as the equilibrium, and which not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import analyse
+
+from fiv_cli.analyses.base import Outcome, Section, Start
+from fiv_cli.analyses.decay import Decay
+
+# Bilateral and stiff (thesis 6.4.2.2): below the critical 1.735 a stable equilibrium and a large
+# motion are both there.
+STIFF = {"k_nl": 1e7, "F": 800.0, "k4": 5e6, "k5": 5e6, "k6": 5e6, "mu_k": 1.5}
+TURNING = Section("zero", state="x1_dot", direction="up")
+EVENT = Section("event")
+
+
+def slide(offset: float, section: Section, t_max: float) -> Outcome:
+    """The bilateral model from an offset of x1 (m) off its equilibrium."""
+    start = Start("a", "equilibrium", {"x1": offset})
+    settings: dict[str, Any] = {"section": section, "t_max": t_max, "lyapunov": "never"}
+    slip = {"states": "slip"}
+    return analyse("belt-5dof", "coulomb", "response", start, settings, options=slip, **STIFF)
+
+
+@pytest.mark.parametrize("section", [EVENT, TURNING])
+def test_a_slide_near_the_equilibrium_is_known_long_before_it_arrives(section: Section) -> None:
+    """At a decay of 0.05 1/s arriving takes some 200 s."""
+    found = slide(1e-3, section, 400.0)
+    assert found.values["attractor"] == "equilibrium" and found.values["L_s"] == 0.0
+    assert found.values["transient_used"] < 15.0
+
+
+@pytest.mark.parametrize(("section", "reason"), [(EVENT, "no_section_points"), (TURNING, None)])
+def test_a_slide_far_out_does_not_end_at_the_stable_equilibrium(
+    section: Section, reason: str | None
+) -> None:
+    found = slide(0.3, section, 20.0)
+    assert found.values["attractor"] != "equilibrium"
+    assert found.values["L_s"] > 0.01
+    assert reason is None or found.reason == reason
+
+
+def test_stick_slip_that_died_is_seen_through_a_section_at_velocity_zero() -> None:
+    """Many section points a second are no events."""
+    turning = {"section": Section("zero", state="x_dot", direction="both")}
+    start = Start("a", "equilibrium", {"x": 0.5})
+    found = analyse("belt-1dof", "coulomb", "response", start, turning, c=0.05)
+    assert found.values["attractor"] == "equilibrium"
+    assert found.values["transient_used"] < 40.0
+
+
+# --- the test of decay ----------------------------------------------------------------------------
+RATE, SPIN = -0.05, 3.0
+SPIRAL = np.array([[RATE, SPIN], [-SPIN, RATE]])
+REST = np.array([2.0, -1.0])
+
+
+def confirmed(rate: float, span: float = 4.0, looks: int = 3) -> list[bool]:
+    """What a spiral of amplitude 0.3 that decays at `rate` is taken for, look by look."""
+    decay = Decay(SPIRAL, REST, 4.0)
+    times = span * np.arange(looks)
+    turned = np.stack([np.cos(SPIN * times), -np.sin(SPIN * times)], axis=1)
+    states = REST + 0.3 * np.exp(rate * times)[:, None] * turned
+    return [decay.confirms(t, y) for t, y in zip(times, states, strict=True)]
+
+
+def test_two_looks_confirm_the_rate_of_the_eigenvalue() -> None:
+    assert confirmed(RATE) == [False, True, True]
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.02, 0.5 * RATE, 2.0 * RATE])
+def test_another_rate_confirms_nothing(rate: float) -> None:
+    assert not any(confirmed(rate))
+
+
+def test_looks_too_close_together_are_waited_for() -> None:
+    assert confirmed(RATE, span=1.0, looks=6) == [False, False, False, False, True, False]
