@@ -212,6 +212,27 @@ def spectra(labels=("near", "far"), points=12):
     )
 
 
+def crossings():
+    """A jump everywhere and, but for the last point, two roots behind it."""
+    ratio = np.array([5.0, 10.0, 20.0])
+    value = np.stack([0.3 * ratio, 0.31 * ratio, 0.4 * ratio], axis=-1)
+    kind = np.array([["jump", "root", "root"]] * 3, dtype=object)
+    direction = np.array([["to_stable", "to_unstable", "to_stable"]] * 3, dtype=object)
+    value[2, 1:], kind[2, 1:], direction[2, 1:] = np.nan, "not_computed", "not_computed"
+    dims, kinds, ways = ("R", "crossing"), ("root", "jump", "end"), ("to_stable", "to_unstable")
+    named = {"units": "N", "long_name": "critical value of A_b"}
+    return xr.Dataset(
+        {
+            "status": (("R",), codes(STATUS, ["ok"] * 3), status_flag()),
+            "critical_value": (dims, value, named),
+            "crossing_kind": (dims, codes(kinds, kind), flag(kinds)),
+            "crossing_direction": (dims, codes(ways, direction), flag(ways)),
+        },
+        {"R": axis("R", ratio, "R", "1", "frequency ratio")},
+        attributes(title="Suppression", reference="Figure 5.6"),
+    )
+
+
 def eigenvalues():
     """Two modes that lock in at mu_k = 0.5; one point was not computed."""
     mu = np.linspace(0.0, 1.0, 41)

@@ -132,6 +132,16 @@ def test_lines_of_a_second_axis_say_its_value_with_unit():
     assert len([line for line in drawn.axes[0].lines if "N_0" in line.get_label()]) == 17
 
 
+def test_a_curve_of_crossings_has_a_line_for_each_sort():
+    dataset = data.crossings()
+    (ax,) = draw(dataset, figure("curve")).axes
+    assert legend_texts(ax) == ["root to stable", "root to unstable", "jump to stable"]
+    np.testing.assert_array_equal(marks(ax, "jump to stable"), [[5, 1.5], [10, 3], [20, 6]])
+    assert marks(ax, "root to stable")[:, 1] == pytest.approx([2.0, 4.0, np.nan], nan_ok=True)
+    (ax,) = draw(dataset.isel(R=[2]).isel(R=[0, 0]), figure("curve")).axes
+    assert ax.get_legend() is None
+
+
 def test_a_curve_runs_along_the_longest_axis_unless_the_figure_says_otherwise():
     dataset = data.stability_map(nx=3, ny=50)
     drawn = draw(dataset, figure("curve", variable="L_s"))
@@ -398,6 +408,18 @@ def test_a_single_spectrum_is_a_line_with_growing_modes_upright(unit, factor):
 
 
 # --- eigenvalues, laws -------------------------------------------------------------------------
+
+
+def test_a_line_stands_where_modes_merge():
+    dataset = data.eigenvalues()
+    points = np.where(dataset["mu_k"].values[:, None] == 0.5, 0.5, np.nan) * np.ones(4)
+    dataset["coupling_point"] = (("mu_k", "mode"), points, {"along": "mu_k"})
+    top, bottom = draw(dataset, figure("eigenvalues")).axes
+    for ax in (top, bottom):
+        assert marks(ax, "modes merge")[:, 0].tolist() == [0.5, 0.5]
+    dataset["coupling_point"].attrs["along"] = "F"
+    top, _ = draw(dataset, figure("eigenvalues")).axes
+    assert "modes merge" not in [line.get_label() for line in top.lines]
 
 
 def test_eigenvalues_mark_every_unstable_point():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 PREFERRED = ("L_s", "growth_rate", "critical_value", "n_solutions", "attractor")
 
 CLASS_SHIFT = 0.06
+
+SORTS = ("crossing_kind", "crossing_direction")
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -85,10 +88,41 @@ def _curves(layer: points.Layer, name: str, settings: Mapping[str, Any]) -> list
             f"it varies along: {', '.join(map(str, array.dims)) or 'nothing'}"
         )
     x, words = points.positions(axis), labels.axis_label(dataset[name])
+    if "crossing" in array.dims and all(sort in dataset for sort in SORTS):
+        return _by_sort(layer, array, x, dim)
     return [
         _Curve(words, points.joined(layer.label, line.label), x, array.isel(line.index).values)
         for line in points.lines(dataset, [dim], [str(d) for d in array.dims])
     ]
+
+
+def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) -> list[_Curve]:
+    """Lines of crossings: those of one rank are joined while they are of one kind and direction.
+
+    The label says which, where there are several.
+    """
+    dataset, words = layer.dataset, labels.axis_label(layer.dataset[str(array.name)])
+    sorts = _sorts(dataset)
+    along = [str(d) for d in array.dims if d != "crossing"]
+    curves = []
+    for line in points.lines(dataset, [dim], along):
+        for sort, mask in sorts.items():
+            values = array.where(mask).isel(line.index).transpose("crossing", dim).values
+            label = points.joined(layer.label, line.label, sort if len(sorts) > 1 else "")
+            curves += [_Curve(words, label, x, y) for y in values if np.any(np.isfinite(y))]
+    return curves
+
+
+def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """What crossings there are (``jump to stable``) -> which ones are of that kind."""
+    tables = [flag_names(dataset[name].attrs) for name in SORTS]
+    found = {}
+    for kind, direction in product(*tables):
+        mask = (dataset[SORTS[0]] == kind) & (dataset[SORTS[1]] == direction)
+        if bool(mask.any()) and NOT_COMPUTED not in (tables[0][kind], tables[1][direction]):
+            words = f"{tables[0][kind]} {tables[1][direction]}".replace("_", " ")
+            found[words] = mask
+    return found
 
 
 def _dress(
