@@ -92,7 +92,8 @@ def _paint(
     part = dataset.isel(panel.index)
     dim = str(axis.dims[0])
     plane = part[STEADY].transpose("frequency", dim).values
-    shown = np.where(np.isfinite(plane), np.maximum(plane, norm.vmin), np.nan)
+    lowest = float(norm.vmin or 0.0)
+    shown = np.where(np.isfinite(plane), np.maximum(plane, lowest), np.nan)
     x, height = points.positions(axis), dataset["frequency"].values * _factor(settings)
     ax.pcolormesh(x, height, shown, shading="nearest", cmap="YlOrRd", norm=norm, rasterized=True)
     map_.hatch(ax, np.isnan(shown))
