@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from fiv_cli.sweep.again import Point
 
 FAILED = 4
+_WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
+"""What no comma divides: a quoted text, a list."""
 MARK = "point"
 """Global attribute that only the motion of a single point has."""
 
@@ -85,7 +88,7 @@ def parse_places(places: tuple[str, ...]) -> dict[str, str]:
         a part has no ``=``, or an axis stands twice.
     """
     found: dict[str, str] = {}
-    for part in (part.strip() for place in places for part in place.split(",")):
+    for part in (part.strip() for place in places for part in _parts(place)):
         name, equals, value = part.partition("=")
         if not equals or not name.strip() or not value.strip():
             raise UsageError(f"--at {part}: malformed\nnext: --at AXIS=VALUE,initial=LABEL")
@@ -93,6 +96,12 @@ def parse_places(places: tuple[str, ...]) -> dict[str, str]:
             raise UsageError(f"--at: {name.strip()} is given twice\nnext: give it once")
         found[name.strip()] = value.strip()
     return found
+
+
+def _parts(place: str) -> list[str]:
+    """`place` divided at its commas, but for those in quotes and brackets."""
+    kept = _WHOLE.sub(lambda match: match[0].replace(",", "\0"), place)
+    return [part.replace("\0", ",") for part in kept.split(",")]
 
 
 def _seconds(option: str, text: str | None) -> float | None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,6 +20,7 @@ from fiv_cli.data.block import pack
 from fiv_cli.data.flags import advice
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.errors import UsageError
+from fiv_cli.models import get_model
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
 from fiv_cli.sweep.points import (
     StartEntry,
@@ -62,7 +65,7 @@ def find_point(case: Case, at: Mapping[str, str]) -> Point:
         `at` is off the grid or names something else, or the point is not computed at all.
     """
     analysis = _with_starts(case)
-    position, place = locate(analysis, at)
+    position, place = locate(analysis, _canonical(case, at))
     _refuse_excluded(analysis, analysis.point(position)[0])
     return Point(case, analysis, position, place)
 
@@ -119,6 +122,17 @@ def _place(analysis: AnalysisPlan, position: int) -> dict[str, Any]:
     place: dict[str, Any] = dict(zip(names, values, strict=True))
     entry = analysis.entry(index)
     return place if entry is None else {**place, "initial": entry.label}
+
+
+def _canonical(case: Case, at: Mapping[str, str]) -> dict[str, str]:
+    """`at` with each option that is a list (``[[0, 0]]``) as the text that stands for it."""
+    texts = dict(at)
+    for option in get_model(case.model).options:
+        if option.read is not None and option.name in texts:
+            with suppress(ValueError):  # noted where the axis is searched
+                text = texts[option.name]
+                texts[option.name] = option.text(json.loads(text) if "[" in text else text)
+    return texts
 
 
 def _with_starts(case: Case) -> AnalysisPlan:

@@ -374,4 +374,9 @@ def _axis_text(axis: Axis) -> str:
     values = axis.values
     if axis.kind in ("parameter", "start") and len(values) > 4:
         return f"{axis.name} = {values[0]!r} ... {values[-1]!r} ({len(values)} values)"
-    return f"{axis.name} = " + ", ".join(str(value) for value in values)
+    return f"{axis.name} = " + ", ".join(map(_value_text, values))
+
+
+def _value_text(value: Any) -> str:
+    text = str(value)
+    return f'"{text}"' if "," in text else text

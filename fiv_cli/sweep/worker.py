@@ -25,7 +25,9 @@ from fiv_cli.analyses.execute import Request
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.flags import is_retried
 from fiv_cli.data.shard import from_plain, to_plain
-from fiv_cli.data.variables import Variable
+from fiv_cli.data.states import on_all_states
+from fiv_cli.data.variables import Variable, variables_of
+from fiv_cli.models import get_model
 from fiv_cli.sweep.points import (
     StartEntry,
     Template,
@@ -221,7 +223,18 @@ def _executed(
 ) -> Outcome:
     request = request_at(template, values, start)
     reason = exclusion(template, request.parameters)
-    return Outcome("not_computed", reason) if reason else execute(request)
+    return (
+        Outcome("not_computed", reason) if reason else _placed(execute(request), request, template)
+    )
+
+
+def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
+    """`outcome` over the states of the dataset, where an axis decides which a point has."""
+    if request.options == template.options:
+        return outcome
+    model = get_model(request.model)
+    variables = variables_of(request.analysis, model, template.options, request.settings)
+    return on_all_states(outcome, model, request.options, template.options, variables)
 
 
 def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
