@@ -75,6 +75,7 @@ def test_names_are_unique_for_they_name_datasets():
 
 QUICK = {
     "ch3/fig_3_03": {},
+    "ch3/fig_3_13": {3: CONTRADICTED},
     "ch7/fig_7_02": {},
     "ch7/fig_7_03": {},
     "ch7/fig_7_04": {},
@@ -94,6 +95,8 @@ def test_a_quick_case_runs_and_its_claims_and_figures_come_out(name, tmp_path):
         assert can_draw(analyses, figure)
         assert draw(analyses, figure).axes
 
+
+COARSE_DAMPING = ("grid.c1=[0.0, 0.1, 0.2]", "grid.c2=[0.0, 0.1, 0.2]")
 
 # Cases of many points on a few of them: those that the named claims speak of.
 REDUCED = [
@@ -127,6 +130,29 @@ REDUCED = [
         "ch3/negative_slope",
         ("grid.c=[0.0, 0.1, 0.2]", "grid.alpha_0=[-0.4, -0.2, 0.0, 0.2]"),
         dict.fromkeys(range(9), CONFIRMED),
+    ),
+    ("ch3/fig_3_09", ("grid.D=[0.3]", "analysis.0.t_end=200.0"), {0: CONFIRMED, 3: CONFIRMED}),
+    (
+        "ch3/fig_3_10",
+        ("grid.D=[0.1, 0.3]", "analysis.0.t_max=10000.0"),
+        dict.fromkeys(range(3), CONFIRMED),
+    ),
+    ("ch3/fig_3_12", ("grid.mu_k=[4.1, 4.24, 6.0]",), dict.fromkeys(range(4), CONFIRMED)),
+    (
+        "ch3/fig_3_14",
+        ("grid.mu_k=[4.1, 4.24, 4.84, 7.98, 12.0]",),
+        dict.fromkeys(range(5), CONFIRMED),
+    ),
+    ("ch3/fig_3_15", COARSE_DAMPING, {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED}),
+    (
+        "ch3/fig_3_16",
+        ("grid.mu_k=[4.1, 4.24, 4.82, 10.3, 12.0]",),
+        dict.fromkeys(range(4), CONFIRMED),
+    ),
+    (
+        "ch3/fig_3_17",
+        ("grid.c1=[0.0, 1e-6, 0.05, 0.1]", "grid.c2=[0.0, 2e-6, 0.1, 0.2]"),
+        dict.fromkeys(range(6), CONFIRMED) | {1: CONTRADICTED},
     ),
     (
         "ch3/neutral_circle",
