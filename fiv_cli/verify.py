@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import asin, atan, cos, hypot, inf, nan, pi, sin, sqrt
 from typing import Any
 
-from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
 
 RTOL = 1e-12  # tighter than the default of runs, so that closed forms are met to rounding
 CLOSED = 1e-11  # tolerance against a closed form
@@ -87,15 +87,18 @@ class _Bench:
         analysis: str,
         start: Mapping[str, float] | None = None,
         settings: Mapping[str, Any] | None = None,
+        options: Mapping[str, str] | None = None,
         **changes: float,
     ) -> Outcome:
         """One outcome; `changes` are parameters that differ from the defaults."""
         from fiv_cli.analyses import get_analysis
         from fiv_cli.dynamics.system import build_system
+        from fiv_cli.models import get_model
 
+        chosen = get_model(model).default_options() | dict(options or {})
         parameters = default_parameters(model, law) | changes
         solver = SolverSettings(rtol=RTOL)
-        system = build_system(model, law, {}, parameters, solver, self.announce)
+        system = build_system(model, law, chosen, parameters, solver, self.announce)
         kind = get_analysis(analysis)
         filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
         begin = None if start is None else Start("start", "state", start)
@@ -234,6 +237,103 @@ def negative_slope(bench: _Bench) -> Iterator[Check]:
         yield Check(name, source, growth, (0.1 - damping) / 2, 1e-14)
 
 
+def flutter(bench: _Bench) -> Iterator[Check]:
+    """Mode coupling: the friction at which sliding becomes unstable, with and without damping."""
+    source = "thesis 3.29 by the criterion of Hurwitz"
+    undamped = 5 / 2 + sqrt(3)
+    found = _critical(bench, "flutter-2dof", "mu_k", 6.0, {})
+    name = "flutter without damping, mu_k"
+    yield Check(name, source, _crossing(found, 0), undamped, 1e-13)
+    frequency = _of_crossing(found, "crossing_frequency", 0)
+    yield Check("frequencies meet at (rad/s)", source, frequency, sqrt(2), 1e-7)
+    for c in (1e-6, 0.2, 0.5):
+        found = _critical(bench, "flutter-2dof", "mu_k", 9.0, {"c1": c, "c2": c})
+        expected = undamped + 4 * (2 + sqrt(3)) * c**2
+        yield Check(f"flutter, c1 = c2 = {c}, mu_k", source, _crossing(found, 0), expected, CLOSED)
+    for c1, c2 in ((1e-6, 2e-6), (0.2, 0.4), (0.5, 1.0), (0.3, 0.1)):
+        found = _critical(bench, "flutter-2dof", "mu_k", 20.0, {"c1": c1, "c2": c2})
+        name = f"flutter, c1 = {c1}, c2 = {c2}, mu_k"
+        yield Check(name, source, _crossing(found, 0), _hurwitz(c1, c2), CLOSED)
+    yield Check("the same as damping vanishes", source, _hurwitz(1e-6, 2e-6), 3.7655445, 5e-8)
+
+
+def _hurwitz(c1: float, c2: float) -> float:
+    """Critical friction of the flutter model at m = k1 = k2 = 1, k3 = 2."""
+    k11, k22 = cos(pi / 4) ** 2 + cos(pi / 6) ** 2, sin(pi / 4) ** 2 + sin(pi / 6) ** 2 + 2.0
+    k12 = -sin(pi / 4) * cos(pi / 4) + sin(pi / 6) * cos(pi / 6)
+    a1, a2, a3 = c1 * k22 + c2 * k11, k11 + k22 + c1 * c2, c1 + c2
+    return ((k11 * k22 - a1 * (a2 * a3 - a1) / a3**2) / k12 - k12) / 2.0
+
+
+def averaged_friction(bench: _Bench) -> Iterator[Check]:
+    """Dry friction under a fast oscillation of the slip velocity is viscous while it reverses."""
+    source = "thesis 5.14"
+    for speed in (0.0, 0.3, 0.301, 0.4, 3.0, 3e4):
+        found = bench.run(
+            "excited-2dof", "coulomb", "equilibrium", settings={"system": "averaged"},
+            A_b=20.0 * speed,
+        )  # fmt: skip
+        share = float(found.values["F_T"][0] / found.values["F_N"][0]) / 0.4
+        expected = 1.0 if speed <= 0.3 else 2.0 / pi * asin(0.3 / speed)
+        name = f"averaged friction over mu_k F_N, v = 0.3, fast velocity {speed:g} m/s"
+        yield Check(name, source, share, expected, 1e-14)
+
+
+def suppression(bench: _Bench) -> Iterator[Check]:
+    """Mode coupling suppressed by a tangential excitation: eigenvalues of the averaged system."""
+    source = "thesis 5.15 with -2 zeta a_2 in the entry (2, 4); separate computation"
+    rest = _critical(bench, "excited-2dof", "mu_k", 1.0, {})
+    yield Check("without excitation, mu_k", source, _crossing(rest, 0), 0.36562415, 5e-9)
+    crossings = {0.7: (0.3, 0.300208, 0.398407), 0.4: (0.3,)}
+    for friction, expected in crossings.items():
+        found = _critical(bench, "excited-2dof", "A_b", 20.0, {"mu_k": friction}, "averaged")
+        name = f"mu_k = {friction}: crossings"
+        yield Check(name, source, _value(found, "n_crossings"), len(expected), 0.0)
+        for number, ratio in enumerate(expected):
+            value = _crossing(found, number) / 20.0
+            tolerance = 1e-15 if number == 0 else 5e-7  # the first is the belt's velocity itself
+            yield Check(f"mu_k = {friction}: A_b/R (N)", source, value, ratio, tolerance)
+
+
+def belt_with_five_degrees(bench: _Bench) -> Iterator[Check]:
+    """Critical friction of the five-degree-of-freedom belt."""
+    source = "thesis 6.4.1; separate computation"
+    stiff = {"k4": 5e6, "k5": 5e6, "k6": 5e6, "k_nl": 1e7, "F": 800.0}
+    cases: tuple[tuple[str, str, dict[str, float], float], ...] = (
+        ("F = 200, k_nl = 1e4", "nonlinear", {}, 1.513784),
+        ("F = 200, k_nl = 1e4, linear geometry", "linear", {}, 1.973910),
+        ("a stiff belt, F = 800, k_nl = 1e7", "nonlinear", stiff, 1.735143),
+    )
+    for name, geometry, changes, expected in cases:
+        options = {"geometry": geometry}
+        found = _critical(bench, "belt-5dof", "mu_k", 3.0, changes, options=options)
+        yield Check(f"{name}: critical mu_k", source, _crossing(found, 0), expected, 5e-7)
+
+
+def _critical(
+    bench: _Bench,
+    model: str,
+    parameter: str,
+    highest: float,
+    changes: Mapping[str, float],
+    system: str = "original",
+    options: Mapping[str, str] | None = None,
+) -> Outcome:
+    """Every critical value of a parameter from zero to `highest`."""
+    settings = {"parameter": Varied(parameter), "bracket": (0.0, highest), "system": system}
+    return bench.run(model, "coulomb", "critical", None, settings, options, **changes)
+
+
+def _crossing(outcome: Outcome, number: int) -> float:
+    """One of the critical values, NaN when there are not so many."""
+    return _of_crossing(outcome, "critical_value", number)
+
+
+def _of_crossing(outcome: Outcome, name: str, number: int) -> float:
+    values = outcome.values.get(name, ())
+    return float(values[number]) if number < len(values) else nan
+
+
 def hyperbolic_belt(bench: _Bench) -> Iterator[Check]:
     """Stick-slip with friction falling hyperbolically."""
     source = "Leine et al., Nonlinear Dynamics 16 (1998) 41; separate computation"
@@ -319,6 +419,10 @@ PROBLEMS: tuple[Problem, ...] = (
     free_decay,
     den_hartog,
     negative_slope,
+    flutter,
+    averaged_friction,
+    suppression,
+    belt_with_five_degrees,
     hyperbolic_belt,
     excited_belt,
     pin_equilibrium,
