@@ -13,7 +13,7 @@ on with the other sequence, turn back with it, or end.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -287,36 +287,70 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
 def follow(
     line: Continuation, first: Point, most: int = MOST_POINTS, round_corners: bool = True
 ) -> tuple[list[Point], list[End]]:
-    """The points of a branch from `first` on, which is not among them, and its ends."""
-    points: list[Point] = []
-    ends: list[End] = []
-    here, length, in_a_row = first, FIRST, PATIENCE
-    while len(points) < most:
-        there = step(line, here, length)
-        if there is None and not _is_close(line, here, length):
-            length, in_a_row = 0.5 * length, 0
+    """The points of a branch from `first` on, which is not among them, and its ends.
+
+    Parameters
+    ----------
+    most : points after which it is given up (an end of kind "budget")
+    round_corners : whether a branch of other cycles that begins at an end is gone on with
+    """
+    walk = _Walk(first)
+    while len(walk.points) < most:
+        there = step(line, walk.here, walk.length)
+        if there is not None:
+            last = _advance(line, first, walk, there)
+        elif _is_close(line, walk.here, walk.length):
+            last = _turn(line, walk) if round_corners else _last_end(line, walk.here, walk.length)
+        else:
+            walk.length, walk.in_a_row = 0.5 * walk.length, 0
             continue
-        if there is None:
-            end = _last_end(line, here, length)
-            there = _round_corner(line, here) if round_corners and end.kind == GRAZING else None
-            ends.append(replace(end, goes_on=there is not None))
-            if there is None:
-                return points, ends
-            here, length, in_a_row = there, FIRST, 0
-            points.append(here)
-            continue
-        in_a_row += 1
-        if there.character != here.character:
-            end, there, length = _first_change(line, here, there, length)
-            ends.append(end)
-        here = there
-        points.append(here)
-        last = _known_end(line, first, points)
         if last is not None:
-            return points, [*ends, last]
-        if in_a_row >= PATIENCE:
-            length = min(LONGER * length, LONGEST)
-    return points, [*ends, End(here.value, 0.0, BUDGET, _way(here), False)]
+            return walk.points, [*walk.ends, last]
+    return walk.points, [*walk.ends, End(walk.here.value, 0.0, BUDGET, _way(walk.here), False)]
+
+
+@dataclass
+class _Walk:
+    """How far a branch has been followed.
+
+    Attributes
+    ----------
+    here : the last point
+    length : of the next step
+    in_a_row : steps that went well since one that did not
+    points, ends : what was passed
+    """
+
+    here: Point
+    length: float = FIRST
+    in_a_row: int = PATIENCE
+    points: list[Point] = field(default_factory=list)
+    ends: list[End] = field(default_factory=list)
+
+
+def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End | None:
+    """Go to the next point, or to the first after a change before it; the end reached there."""
+    walk.in_a_row += 1
+    if there.character != walk.here.character:
+        end, there, walk.length = _first_change(line, walk.here, there, walk.length)
+        walk.ends.append(end)
+    if walk.in_a_row >= PATIENCE:
+        walk.length = min(LONGER * walk.length, LONGEST)
+    walk.here = there
+    walk.points.append(there)
+    return _known_end(line, first, walk.points)
+
+
+def _turn(line: Continuation, walk: _Walk) -> End | None:
+    """Go on with the branch that begins where this one ends; the end where there is none."""
+    end = _last_end(line, walk.here, walk.length)
+    there = _round_corner(line, walk.here) if end.kind == GRAZING else None
+    if there is None:
+        return end
+    walk.ends.append(replace(end, goes_on=True))
+    walk.here, walk.length, walk.in_a_row = there, FIRST, 0
+    walk.points.append(there)
+    return None
 
 
 def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | None:

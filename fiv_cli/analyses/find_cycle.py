@@ -102,7 +102,7 @@ def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
         "multiplicity": len(cycle.points),
         "stable": _stability(cycle),
         "residual": cycle.residual,
-        "n_events": len(cycle.events),
+        "n_events": len(cycle.times),
         "floquet_multiplier": np.abs(cycle.multipliers),
         "floquet_multiplier_real": cycle.multipliers.real,
         "floquet_multiplier_imag": cycle.multipliers.imag,

@@ -110,7 +110,8 @@ class Passage:
     monodromy : derivative of the end by the beginning; shape (n_states, n_states), or (n_states,
         0) without tangents
     times : of the events, s from the beginning
-    events : code before, code after and contact of each
+    events : code before, code after and contact of each, but for impacts that contact does not
+        survive: where bounces pile up, one more or less changes nothing
     stop : why it ended
     """
 
@@ -135,7 +136,7 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
     motion.carry_tangents(np.eye(n) if tangents else np.zeros((0, n)))
     stop = motion.run(started + span)
     rows = motion.ledger[: motion.counters[kernel.LEDGER]]
-    events = tuple((int(row[1]), int(row[2]), int(row[3])) for row in rows)
+    events = tuple((int(row[1]), int(row[2]), int(row[3])) for row in rows if not _bounces(row))
     return Passage(
         motion.y.copy(),
         np.array([before, motion.rates()]),
@@ -144,6 +145,10 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
         events,
         stop,
     )
+
+
+def _bounces(row: Vector) -> bool:
+    return bool(row[1] == row[2] == kernel.CODE_SEPARATION)
 
 
 # --- the closing conditions ----------------------------------------------------------------------
@@ -277,7 +282,7 @@ class Cycle:
     multipliers : Floquet multipliers, largest first; complex, shape (n_states,)
     autonomous : whether one of them, 1, is the direction of the flow
     times : of the events, s from the anchor
-    events : code before, code after and contact of each
+    events : as in `Passage`
     points : states at the section, in order; shape (multiplicity, n_states)
     extremes : least and greatest value of every state; shape (2, n_states)
     """
