@@ -6,6 +6,7 @@ Thesis 6.4.2.2, Figure 6.18. What is computed is told in ``amplitudes.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,8 +21,10 @@ if TYPE_CHECKING:
 DEFAULT_BINS = 256
 WINDOW_BINS = 16  # least spectral lines of the window in one bin
 
+OBSERVED = "state whose amplitudes are shown; the first state when left out"
+
 SETTINGS = (
-    *response.SETTINGS,
+    *(replace(s, meaning=OBSERVED) if s.name == "observe" else s for s in response.SETTINGS),
     Setting(
         "f_max", "number", None, "highest frequency", "Hz", minimum=0.0, exclusive=True,
         required=True,
