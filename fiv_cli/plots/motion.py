@@ -74,26 +74,23 @@ def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) ->
     time = data["time"].values
     known = np.isfinite(time) & np.isfinite(data[displacements(dataset)[0]].values)
     known &= (begin <= time) & (time <= end)
-    ledger = tuple(event for event in _events(dataset, line) if begin < event.time < end)
+    ledger = tuple(_events(dataset, line, begin, end))
     return Motion(line.label, time[known], data.isel(time=np.flatnonzero(known)), ledger)
 
 
-def _events(dataset: xr.Dataset, line: points.Line) -> Iterator[Event]:
-    """The event ledger of one motion; nothing where the dataset keeps none."""
+def _events(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Iterator[Event]:
+    """The events of one motion between two instants; nothing where the dataset keeps none."""
     if "event_to" not in dataset:
         return
     sizes = select.row_sizes(dataset, "event_to")
     assert sizes is not None  # the ledger is ragged by its definition
     row = np.ravel_multi_index([line.index[str(d)] for d in sizes.dims], sizes.shape)
-    mine = np.flatnonzero(select.row_of_each(sizes) == row)
+    times = dataset["event_time"].values
+    mine = (select.row_of_each(sizes) == row) & (begin < times) & (times < end)
     before, after = (flag_names(dataset[f"event_{end}"].attrs) for end in ("from", "to"))
-    for place in mine:
-        yield Event(
-            float(dataset["event_time"].values[place]),
-            int(dataset["event_contact"].values[place]),
-            before[int(dataset["event_from"].values[place])],
-            after[int(dataset["event_to"].values[place])],
-        )
+    columns = ("event_time", "event_contact", "event_from", "event_to")
+    for time, contact, from_, to in zip(*(dataset[c].values[mine] for c in columns), strict=True):
+        yield Event(float(time), int(contact), before[int(from_)], after[int(to)])
 
 
 def displacements(dataset: xr.Dataset) -> list[str]:
@@ -156,8 +153,9 @@ def contact_spans(
             # a stretch reaches to the sample after it, where the next one begins
             yield state, motion.time[first], motion.time[min(last, motion.time.size - 1)]
         return
-    borders = [motion.time[0], *(event.time for event in events), motion.time[-1]]
-    states = [events[0].before, *(event.after for event in events)]
+    changes = [event for event in events if event.before != event.after]  # bounces change nothing
+    borders = [motion.time[0], *(event.time for event in changes), motion.time[-1]]
+    states = [events[0].before, *(event.after for event in changes)]
     yield from zip(states, borders[:-1], borders[1:], strict=True)
 
 
