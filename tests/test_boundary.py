@@ -181,6 +181,16 @@ def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
         (Question(name="periodic", negated=True), Outcome(values={"attractor": "chaotic"}), True),
         (Question(name="periodic"), Outcome(values={"attractor": "undecided"}), None),
         (Question(name="undecided"), Outcome(values={"attractor": "undecided"}), True),
+        (
+            Question(name="contact_lost", negated=True, counts=True),
+            Outcome(values={"attractor": "undecided"}),
+            True,
+        ),
+        (
+            Question(name="contact_lost", negated=True, counts=True),
+            Outcome("budget", "too_many_events", {"attractor": "undecided"}),
+            None,
+        ),
         (Question(name="periodic"), Outcome("failed", "no_equilibrium"), None),
         (Question(name="periodic"), Outcome("not_computed", "mu_k_above_mu_s"), None),
         (Question("L_s", below=1.0), Outcome(values={"attractor": "periodic", "L_s": 0.5}), True),

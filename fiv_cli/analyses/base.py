@@ -85,12 +85,14 @@ class Question:
     name : class asked for, where the variable holds a class
     negated : "not CLASS"
     below : the number that the variable must stay below; None: it holds a class
+    counts : a run that is undecided when its time is up has an answer like any other
     """
 
     variable: str = "attractor"
     name: str = ""
     negated: bool = False
     below: float | None = None
+    counts: bool = False
 
 
 FRICTION_PAIRS = (("mu_k", "mu_s"), ("mu_k_2", "mu_s_2"))

@@ -6,7 +6,9 @@ change is the end of the branch that was followed: it is bisected by going on fr
 that was still on the branch. A bistable range is where the way up and the way back differ.
 
 A run that is undecided, fails or runs out of budget has no answer, and none is guessed: a change
-next to it is as wide as what was decided on both sides.
+next to it is as wide as what was decided on both sides. Only where the question says so
+(``undecided = "counts"``) is a motion that is undecided when its time is up an answer: one that had
+not lost contact, or had not diverged, by then.
 """
 
 from __future__ import annotations
@@ -24,7 +26,6 @@ from fiv_cli.analyses.steady_state import steady_state
 from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"
-OPEN_CLASSES = ("undecided", NOTHING)
 SUMMED = ("n_steps", "n_events")
 WORST = ("energy_residual", "event_residual")
 
@@ -74,19 +75,22 @@ class _Runs:
 
 def answered(question: Question, outcome: Outcome) -> bool | None:
     """Whether a run satisfies the question; None where it does not tell."""
-    if outcome.status not in ("ok", "budget"):
-        return None
     label = str(outcome.values.get("attractor", NOTHING))
+    if outcome.status not in ("ok", "budget") or _is_open(label, question, outcome.status):
+        return None
     if question.below is None:
-        holds = (label == question.name) != question.negated
-        return None if _is_open(label, question.name) else holds
+        return (label == question.name) != question.negated
     value = float(outcome.values.get(question.variable, np.nan))
-    return None if label in OPEN_CLASSES or np.isnan(value) else value < question.below
+    return None if np.isnan(value) else value < question.below
 
 
-def _is_open(label: str, asked: str) -> bool:
-    """Whether a class tells nothing; that a motion is undecided may itself be asked for."""
-    return label in OPEN_CLASSES and (label, asked) != ("undecided", "undecided")
+def _is_open(label: str, question: Question, status: str) -> bool:
+    """Whether a class tells nothing.
+
+    That a motion is undecided may itself be asked for, or count as a class where its time was up.
+    """
+    counts = question.name == "undecided" or (question.counts and status == "ok")
+    return label == NOTHING or (label == "undecided" and not counts)
 
 
 def going_on(start: Start, carry: Mapping[str, Any]) -> Start:

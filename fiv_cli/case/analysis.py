@@ -241,7 +241,7 @@ class _Reader:
         if table is None:
             return Question(name="periodic")
         if isinstance(table.expect, str):
-            return self.question_of_class(table.variable, table.expect, place)
+            return self.question_of_class(table, table.expect, place)
         if set(table.expect) != {"less_than"}:
             raise ValueError(f"a table with {listed(list(table.expect))} asks nothing")
         if self.physics is not None and table.variable not in self.numbers(self.physics):
@@ -250,18 +250,20 @@ class _Reader:
             self.report.add(
                 (*place, "variable"), f"{table.variable!r} is no number", listed(known), hint
             )
-        return Question(table.variable, below=check_number(table.expect["less_than"]))
+        bound = check_number(table.expect["less_than"])
+        return Question(table.variable, below=bound, counts=table.undecided == "counts")
 
-    def question_of_class(self, variable: str, expect: str, place: Path) -> Question:
-        if variable != "attractor":
-            message = f"{variable!r} holds no class: give expect = {{ less_than = NUMBER }}"
+    def question_of_class(self, table: QuestionTable, expect: str, place: Path) -> Question:
+        if table.variable != "attractor":
+            message = f"{table.variable!r} holds no class: give expect = {{ less_than = NUMBER }}"
             self.report.add((*place, "variable"), message, "attractor")
         name = expect.removeprefix("not ").strip()
         if name not in ATTRACTORS:
             message = f"there is no class {name!r}"
             hint = suggest(name, ATTRACTORS)
             self.report.add((*place, "expect"), message, listed(ATTRACTORS), hint)
-        return Question("attractor", name, expect.startswith("not "))
+        negated, counts = expect.startswith("not "), table.undecided == "counts"
+        return Question("attractor", name, negated, counts=counts)
 
     def numbers(self, physics: Physics) -> list[str]:
         """The variables of a response that are one number at each point."""

@@ -216,9 +216,16 @@ class QuestionTable(Table):
     expect: str | dict[str, Any] = Field(
         description='a class, "not CLASS", or { less_than = NUMBER } for a number'
     )
+    undecided: Literal["open", "counts"] = Field(
+        default="open",
+        description="a run that is undecided at t_max: open, it has no answer; counts, undecided "
+        "is a class like the others (a contact that was not lost within t_max is not lost)",
+    )
 
 
-FigureKind = Literal["curve", "bifurcation", "map", "history", "phase", "spectrum", "eigenvalues"]
+FigureKind = Literal[
+    "curve", "bifurcation", "map", "history", "phase", "spectrum", "eigenvalues", "branch"
+]
 
 
 class FigureTable(Table):
