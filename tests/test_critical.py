@@ -164,7 +164,9 @@ def test_a_bracket_without_a_crossing_says_so() -> None:
 
 def test_without_an_equilibrium_there_is_nothing_to_cross() -> None:
     found = critical("belt-1dof", "c", (0.0, 1.0), v=0.0)
-    assert (found.status, found.reason) == ("failed", "no_equilibrium")
+    assert (found.status, found.reason) == ("failed", "no_drive")
+    beyond = critical("flutter-2dof", "mu_k", (2.0, 3.0), alpha1=-pi / 4)
+    assert (beyond.status, beyond.reason) == ("failed", "contact_would_pull")
 
 
 def test_divergence_ends_the_equilibrium_of_a_contact_that_can_open() -> None:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.common import Sliding, sliding
+from fiv_cli.analyses.equilibria import Sliding, sliding
 from fiv_cli.codegen.generate import generate
 from fiv_cli.dynamics.system import System
 from fiv_cli.friction.averaged import FAST_VELOCITY, averaged

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.averaging import LEAST_RATIO, frequency_ratio
 from fiv_cli.analyses.base import Outcome, Varied
-from fiv_cli.analyses.equilibria import equilibria
+from fiv_cli.analyses.equilibria import equilibria, why_none
 from fiv_cli.analyses.linearisation import NEUTRAL, sliding_system, spectrum
 from fiv_cli.analyses.modes import matched
 from fiv_cli.dynamics.system import System
@@ -133,7 +133,8 @@ def critical_values(
         return Outcome(status="failed", reason="not_converged")
     ends = [probe(end) for end in bracket]
     if not crossings and not ends[0].exists:
-        return Outcome(status="failed", reason="no_equilibrium")
+        nowhere = sliding_system(system, varied.at(parameters, bracket[0]), which)
+        return Outcome(status="failed", reason=why_none(nowhere))
     values = _described(crossings, ends)
     if which == "original":
         return Outcome(reason=_reason(crossings, []), values=values)

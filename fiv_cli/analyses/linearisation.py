@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.analyses.common import Sliding, equilibria, sliding
+from fiv_cli.analyses.equilibria import Sliding, all_equilibria, sliding
 from fiv_cli.dynamics.system import System
 
 Real = NDArray[np.float64]
@@ -33,10 +33,10 @@ def eigenvalues_at(
 ) -> Outcome:
     """Eigenvalues and vectors at the equilibrium with this number, counted from 1."""
     state = sliding_system(system, parameters, which)
-    solutions = equilibria(state)
-    if len(solutions) < number:
-        return Outcome(status="failed", reason="no_equilibrium")
-    jacobian = state.jacobian(solutions[number - 1])
+    found = all_equilibria(state)
+    if len(found.states) < number:
+        return Outcome(status="failed", reason=found.reason or "no_equilibrium")
+    jacobian = state.jacobian(found.states[number - 1])
     values = _described(*spectrum(jacobian))
     if which == "original":
         return Outcome(values=values)

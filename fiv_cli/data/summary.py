@@ -9,6 +9,7 @@ import numpy as np
 
 from fiv_cli.data import select
 from fiv_cli.data.claims import point_name
+from fiv_cli.data.flags import NOT_COMPUTED
 from fiv_cli.data.reading import flag_names, numbers
 from fiv_cli.data.refined import described
 
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
 
 # How far to trust a number: the greatest is the worst.
 TRUST = ("energy_residual", "event_residual", "residual", "transient_used", "n_steps", "n_events")
+
+# Flags of which every class is counted.
+COUNTED = (
+    *("status", "reason", "attractor", "stable", "crossing_kind", "crossing_direction"),
+    "computed",
+)
 
 # Labels of an axis that are all listed; of more, the first and the last.
 MOST_NAMES = 8
@@ -43,8 +50,8 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
         "counts": {
-            name: _counts(dataset[name])
-            for name in ("status", "reason", "attractor", "stable", "computed")
+            name: _counts(dataset[name], dataset["status"].ndim)
+            for name in COUNTED
             if name in dataset
         },
         "ranges": _ranges(dataset),
@@ -67,9 +74,14 @@ def _axis(dataset: xr.Dataset, name: str) -> dict[str, Any]:
     return {**found, "values": [str(value) for value in axis.values]}
 
 
-def _counts(flag: xr.DataArray) -> dict[str, int]:
-    """Class -> number of points, the most frequent first; classes that do not occur left out."""
+def _counts(flag: xr.DataArray, grid_dims: int) -> dict[str, int]:
+    """Class -> number of points, the most frequent first; classes that do not occur left out.
+
+    Of a flag with dims of its own only what is there is counted, not what fills up its rows.
+    """
     counted = {name: int((flag == code).sum()) for code, name in flag_names(flag.attrs).items()}
+    if flag.ndim > grid_dims:
+        counted.pop(NOT_COMPUTED, None)
     return dict(sorted(((n, c) for n, c in counted.items() if c), key=lambda item: -item[1]))
 
 
