@@ -295,6 +295,8 @@ def follow(
     round_corners : whether a branch of other cycles that begins at an end is gone on with
     """
     walk = _Walk(first)
+    if first.value == line.bracket[_way(first) > 0]:
+        return [], [End(first.value, 0.0, AT_EDGE, _way(first), False)]
     while len(walk.points) < most:
         there = step(line, walk.here, walk.length)
         if there is not None:

@@ -13,7 +13,17 @@ from fiv_cli.data import select
 from fiv_cli.data.reading import read_analyses
 from fiv_cli.data.shares import SHARE, with_share
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import bifurcation, curve, eigenvalues, history, phase, points, spectrum, style
+from fiv_cli.plots import (
+    bifurcation,
+    branch,
+    curve,
+    eigenvalues,
+    history,
+    phase,
+    points,
+    spectrum,
+    style,
+)
 from fiv_cli.plots import map as map_
 from fiv_cli.plots.points import Layer
 
@@ -49,6 +59,7 @@ KINDS: dict[str, Kind] = {
     "history": Kind(history.suits, history.draw),
     "phase": Kind(phase.suits, phase.draw),
     "spectrum": Kind(spectrum.suits, spectrum.draw),
+    "branch": Kind(branch.suits, branch.draw, overlays=True),
 }
 
 # A default figure is left out where a figure before it says the same and more.

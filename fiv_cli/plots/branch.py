@@ -1,0 +1,141 @@
+"""Branches of cycles: least and greatest value along a parameter, stability, changes and ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.data import select
+from fiv_cli.data.reading import flag_names
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import labels, points, style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+ALONG = "branch_value"
+EXTREMES = ("branch_min", "branch_max")
+DASHES = {"stable": "-", "unstable": "--", "neutral": ":"}
+# What is not marked: the edge of the bracket says nothing of the branch.
+UNMARKED = ("bracket", "not_computed")
+MARKS = {
+    "fold": "o",
+    "flip": "s",
+    "torus": "D",
+    "branching": "^",
+    "grazing": "X",
+    "contact_lost": "P",
+    "equilibrium": "*",
+    "budget": "v",
+    "other": "h",
+}
+
+
+def suits(dataset: xr.Dataset) -> bool:
+    """Whether the dataset holds branches of cycles."""
+    return ALONG in dataset
+
+
+def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+    """A colour for each branch, solid where it is stable; a mark at each change and end."""
+    for layer in layers:
+        if not suits(layer.dataset):
+            raise UsageError(
+                "no branch of cycles in this dataset\n"
+                "give its analysis of kind `cycle` a parameter and a bracket"
+            )
+    first = layers[0].dataset
+    figure, (ax,) = style.new_panels(1, 1, points.title(first))
+    named = [
+        (points.joined(layer.label, line.label), layer.dataset, line.index)
+        for layer in layers
+        for line in points.lines(layer.dataset, [], points.grid_dims(layer.dataset))
+        if _length(layer.dataset, line.index)
+    ]
+    entries = points.entries([name for name, _, _ in named])
+    for (_, dataset, index), entry in zip(named, entries, strict=True):
+        _branch(ax, dataset, index, entry)
+    _name_marks(ax, [dataset for _, dataset, _ in named])
+    ax.set_xlabel(labels.axis_label(first[ALONG]))
+    greatest = labels.axis_label(first[EXTREMES[1]])
+    ax.set_ylabel(greatest.replace("greatest", "least and greatest"))
+    points.scale(ax, settings)
+    points.legend(ax)
+    return figure
+
+
+def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry) -> None:
+    """One branch: both extremes, in pieces of one stability, and its marks."""
+    row = _rows(dataset, ALONG, index)
+    value = dataset[ALONG].values[row]
+    stability = _words(dataset["branch_stable"])[row]
+    for number, name in enumerate(EXTREMES):
+        height = dataset[name].values[row]
+        for piece in _pieces(stability):
+            dash = DASHES.get(str(stability[piece.start]), "-")
+            ax.plot(value[piece], height[piece], dash, color=entry.colour)
+        for place, at, mark in _marks(dataset, index, value):
+            ax.plot(
+                at, height[place], mark, color=entry.colour, mec="white", mew=0.4, ms=6, zorder=4
+            )
+        if number == 0:
+            ax.plot([], [], "-", color=entry.colour, label=entry.label)
+
+
+def _length(dataset: xr.Dataset, index: Mapping[str, int]) -> int:
+    """Points on the branch of one point of the grid."""
+    row = _rows(dataset, ALONG, index)
+    return row.stop - row.start
+
+
+def _rows(dataset: xr.Dataset, name: str, index: Mapping[str, int]) -> slice:
+    """Where the values of one point of the grid lie in a ragged variable."""
+    sizes = select.row_sizes(dataset, name)
+    assert sizes is not None
+    ends = np.cumsum(sizes.values.ravel())
+    place = int(np.ravel_multi_index([index[str(dim)] for dim in sizes.dims], sizes.shape))
+    return slice(int(ends[place] - sizes.values.ravel()[place]), int(ends[place]))
+
+
+def _words(flags: xr.DataArray) -> np.ndarray:
+    """A flag variable as names."""
+    names = flag_names(flags.attrs)
+    return np.array([names[int(code)] for code in flags.values], dtype=object)
+
+
+def _pieces(words: np.ndarray) -> Iterator[slice]:
+    """Runs of equal words, each with the first of the next run: a line without gaps."""
+    changes = np.flatnonzero(words[1:] != words[:-1]) + 1
+    begins = [0, *changes.tolist()]
+    for begin, end in zip(begins, [*begins[1:], len(words)], strict=True):
+        if end > begin:
+            yield slice(begin, min(end + 1, len(words)))
+
+
+def _marks(
+    dataset: xr.Dataset, index: Mapping[str, int], value: np.ndarray
+) -> Iterator[tuple[int, float, str]]:
+    """Nearest point of the branch, value of the parameter and mark of every change and end."""
+    row = _rows(dataset, "cycle_end", index)
+    for at, kind in zip(
+        dataset["cycle_end"].values[row], _words(dataset["cycle_end_kind"])[row], strict=True
+    ):
+        if kind not in UNMARKED:
+            yield int(np.argmin(np.abs(value - at))), float(at), MARKS[kind]
+
+
+def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
+    """Legend entries of the dashes and marks that are there."""
+    stabilities = {str(word) for d in datasets for word in _words(d["branch_stable"])}
+    for word, dash in DASHES.items():
+        if word in stabilities:
+            ax.plot([], [], dash, color=style.BLACK, label=word)
+    kinds = {str(word) for d in datasets for word in _words(d["cycle_end_kind"])}
+    for word, mark in MARKS.items():
+        if word in kinds:
+            label = word.replace("_", " ")
+            ax.plot([], [], mark, color=style.BLACK, mec="white", ms=6, ls="none", label=label)

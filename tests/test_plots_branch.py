@@ -1,0 +1,83 @@
+"""Figures of branches of cycles, from a case to the marks."""
+
+from __future__ import annotations
+
+from math import exp
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fiv_cli.case.load import parse_case
+from fiv_cli.data.reading import flag_names, read_analyses
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import default_figures, draw, figures_of
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import for_stderr
+from fiv_cli.sweep.run import run_case
+
+CASE = """
+schema = 1
+title = "stick-slip, the unstable sliding cycle, and rest"
+[model]
+name = "belt-1dof"
+[friction]
+law = "stribeck"
+[grid]
+N = [9.0, 10.0]
+[[analysis]]
+kind = "cycle"
+t_max = 60.0
+parameter = "c"
+bracket = [0.0, 2.0]
+"""
+
+
+@pytest.fixture(scope="module")
+def branches(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """The dataset of the case."""
+    output = tmp_path_factory.mktemp("branches") / "branches.nc"
+    run_case(parse_case(CASE, "case.toml"), output, Policy(workers=1), for_stderr(quiet=True))
+    (dataset,) = read_analyses(Path(output)).values()
+    return dataset
+
+
+def words(flags: xr.DataArray) -> list[str]:
+    return [flag_names(flags.attrs)[int(code)] for code in flags.values.ravel()]
+
+
+def test_a_branch_is_stored_with_its_ends(branches: xr.Dataset) -> None:
+    assert words(branches["stable"]) == ["stable", "stable"]
+    assert words(branches["cycle_end_kind"]) == ["bracket", "grazing", "equilibrium"] * 2
+    assert words(branches["cycle_end_goes_on"]) == ["no", "yes", "no"] * 2
+    rest = branches["cycle_end"].values[[2, 5]]
+    np.testing.assert_allclose(rest, [0.17 * N * exp(-1.0) for N in (9.0, 10.0)], atol=3e-6)
+    assert branches["cycle_end"].attrs["units"] == "N s m-1"
+    assert words(branches["cycle_highest_kind"]) == ["grazing", "grazing"]
+    assert branches["cycle_section"].sizes["state"] == 2
+    assert branches["branch_row_size"].sum() == branches.sizes["branch_obs"]
+
+
+def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
+    branches: xr.Dataset,
+) -> None:
+    (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
+    assert figure in figures_of(branches)
+    (ax,) = draw(branches, figure).axes
+    drawn = [line for line in ax.lines if len(line.get_xdata())]
+    dashes = [line.get_linestyle() for line in drawn if line.get_marker() == "None"]
+    assert dashes == ["-", "--"] * 4  # least and greatest value of two branches
+    grazing = [line for line in drawn if line.get_marker() == "X"]
+    highest = np.repeat(branches["cycle_highest"].values, 2)
+    np.testing.assert_array_equal([line.get_xdata()[0] for line in grazing], highest)
+    entries = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert entries[2:] == ["stable", "unstable", "grazing", "equilibrium"]
+    assert "least and greatest" in ax.get_ylabel()
+
+
+def test_a_dataset_without_branches_says_what_to_do(branches: xr.Dataset) -> None:
+    (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
+    with pytest.raises(UsageError, match="parameter and a bracket"):
+        draw(branches.drop_vars("branch_value"), figure)
