@@ -173,6 +173,7 @@ class Analysis:
         `uses_starts` is false; `settings` holds every setting, defaults filled in, a section as
         `Section`
     linear : True where mu_k > mu_s is harmless
+    varying : whether parameters may vary in time
     chains : whether a point may continue from its neighbour along an axis
     sizes : ``(settings) -> {dim: coordinate values}`` of own dims that settings fix (``time``)
     """
@@ -183,5 +184,6 @@ class Analysis:
     uses_starts: bool
     run: Callable[..., Outcome]
     linear: bool = False
+    varying: bool = False
     chains: bool = True
     sizes: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda settings: {}

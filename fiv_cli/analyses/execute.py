@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.dynamics.schedule import STEADY, Schedule
 
 if TYPE_CHECKING:
     from fiv_cli.dynamics.system import System
@@ -30,6 +31,7 @@ class Request:
     settings : every setting of the analysis
     solver : integrator settings
     start : None where the analysis has no starts
+    schedule : parameters that vary in time
     """
 
     model: str
@@ -40,6 +42,7 @@ class Request:
     settings: Mapping[str, object]
     solver: SolverSettings = field(default_factory=SolverSettings)
     start: Start | None = None
+    schedule: Schedule = STEADY
 
 
 def execute(request: Request) -> Outcome:
@@ -70,7 +73,12 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
     seen = set()
     for request in requests:
         key = system_key(
-            request.model, request.law, request.options, request.parameters, request.solver
+            request.model,
+            request.law,
+            request.options,
+            request.parameters,
+            request.solver,
+            request.schedule,
         )
         if key not in seen:
             seen.add(key)
@@ -108,4 +116,5 @@ def _system(request: Request, announce: Callable[[str], None] = lambda sentence:
         request.parameters,
         request.solver,
         announce,
+        request.schedule,
     )

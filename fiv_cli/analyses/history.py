@@ -70,5 +70,6 @@ ANALYSIS = Analysis(
     SETTINGS,
     True,
     run,
+    varying=True,
     sizes=lambda settings: {"time": sample_times(settings)},
 )

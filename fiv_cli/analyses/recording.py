@@ -41,7 +41,7 @@ def record(
     motion.start_measuring(np.zeros(len(system.coordinates)))
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
-    outcome.values |= {"time": times, **_curves(system, samples)}
+    outcome.values |= {"time": times, **_curves(system, samples), **_varying(system, times)}
     outcome.values |= trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger[:, 0],
@@ -91,6 +91,14 @@ def _curves(system: System, samples: Samples) -> dict[str, Any]:
     blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
     codes = np.where(taken[:, None], samples.codes, -1)
     return {**blanked, "contact_state": _contact_rows(codes)}
+
+
+def _varying(system: System, times: Vector) -> dict[str, Vector]:
+    """Each parameter that varies in time, at `times`."""
+    return {
+        name: np.interp(times, [t for t, _ in points], [value for _, value in points])
+        for name, points in system.schedule.curves
+    }
 
 
 def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:

@@ -199,7 +199,7 @@ class _Reader:
         name = ascii_name(value)
         if self.physics is None:
             return Varied(name)
-        table = _varying(self.physics)
+        table = varying(self.physics)
         if name not in table:
             meanings = {key: parameter.meaning for key, parameter in table.items()}
             message = f"there is no parameter {name!r} that can vary"
@@ -234,7 +234,7 @@ class _Reader:
         name = self.given.get("parameter")
         if self.physics is None or not isinstance(name, str):
             return None
-        return _varying(self.physics).get(ascii_name(name))
+        return varying(self.physics).get(ascii_name(name))
 
     def question(self, setting: Setting, value: object, place: Path) -> Question:
         table = read_table(QuestionTable, value, place, self.report)
@@ -346,8 +346,8 @@ class _Reader:
         return physics.fixed.get(amplitude, physics.default(amplitude)) != 0.0
 
 
-def _varying(physics: Physics) -> dict[str, Parameter]:
-    """The parameters that an analysis can vary: of the model, or of every law in use.
+def varying(physics: Physics) -> dict[str, Parameter]:
+    """The parameters that can vary in one run: of the model, or of every law in use.
 
     Whole numbers and what is written into the generated code cannot.
     """

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.dynamics.schedule import STEADY, Schedule
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
@@ -130,6 +131,7 @@ class Case:
     axes : the grid, in order
     zips : groups of axis names that advance together
     refinement : None: every point of the grid is run
+    schedule : parameters that vary in time; `parameters` holds their values at t = 0
     """
 
     source: str
@@ -151,6 +153,7 @@ class Case:
     claims: tuple[ClaimSpec, ...]
     solver: SolverSettings
     refinement: Refinement | None = None
+    schedule: Schedule = STEADY
 
     def axis(self, name: str) -> Axis:
         """The axis called `name`; KeyError when there is none."""

@@ -327,7 +327,7 @@ def refuse_fixed_axes(raw: Mapping[str, Any], axes: Iterable[Axis], report: Repo
     """Note every axis whose name the case also fixes."""
     written = {_axis_name(key): place for key, place, _ in _flattened(_table(raw, "grid"))}
     for axis in axes:
-        for place in _fixed_places(raw, axis.name):
+        for place in fixed_places(raw, axis.name):
             shown = ".".join(map(str, place))
             report.add(
                 written[axis.name],
@@ -337,8 +337,8 @@ def refuse_fixed_axes(raw: Mapping[str, Any], axes: Iterable[Axis], report: Repo
             )
 
 
-def _fixed_places(raw: Mapping[str, Any], name: str) -> list[Path]:
-    """Where the case fixes what an axis varies."""
+def fixed_places(raw: Mapping[str, Any], name: str) -> list[Path]:
+    """Where the case fixes what an axis, or the time, varies."""
     if name == "friction":
         return [("friction", "law")] if "law" in _table(raw, "friction") else []
     tables: list[Path] = [("model", "parameters"), ("model", "options"), ("friction",)]

@@ -49,6 +49,8 @@ def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]
         "solver": case.solver,
         "numerics": _numerics(case),
     }
+    if case.schedule.curves:  # only then: the keys of a constant case are what they were
+        found["schedule"] = dict(case.schedule.curves)
     return json.loads(json.dumps(found, default=_plain))
 
 

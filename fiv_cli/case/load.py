@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -19,10 +19,12 @@ from fiv_cli.case.physics import Physics, read_physics
 from fiv_cli.case.refinement import refuse_chains
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import Answers, read_claims, read_figures
+from fiv_cli.case.schedule import at_the_start, read_schedule, refuse_constant_analyses
 from fiv_cli.case.solver import read_solver
 from fiv_cli.case.starts import read_starts
 from fiv_cli.case.structure import CaseTable, HeaderTable
 from fiv_cli.case.tables import keys_of, read_table
+from fiv_cli.dynamics.schedule import STEADY
 from fiv_cli.errors import CaseError, Problem, UsageError
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Parameter
@@ -113,6 +115,7 @@ def _build(
     refuse_fixed_axes(raw, axes, report)
     analyses = read_analyses(raw, physics, axes, report)
     starts = () if physics is None else read_starts(raw, physics, axes, report)
+    schedule = STEADY if physics is None else read_schedule(raw, physics, axes, report)
     answers = Answers(physics, axes, starts, analyses)
     figures, claims = read_figures(raw, answers, report), read_claims(raw, answers, report)
     solver = read_solver(raw, report)
@@ -121,6 +124,8 @@ def _build(
     _refuse_unused_start_axes(axes, analyses, report)
     _refuse_needless_chains(analyses, starts, report)
     refuse_chains(grid.refinement, starts, report)
+    refuse_constant_analyses(schedule, analyses, report)
+    physics = at_the_start(physics, schedule)
     _refuse_too_many_runs(axes, zips, starts, report)
     parameters = _fixed_parameters(physics, axes)
     case = Case(
@@ -143,6 +148,7 @@ def _build(
         claims=claims,
         solver=solver,
         refinement=grid.refinement,
+        schedule=schedule,
     )
     _refuse_rising_friction(case, physics, raw, report)
     return case
@@ -243,16 +249,29 @@ def _refuse_rising_friction(
         values = case.parameters_at(law.name, {})
         for name in [name for name in values if name.startswith("mu_k")]:
             static = name.replace("mu_k", "mu_s", 1)
-            if static in values and values[name] > values[static]:
+            above = [pair for pair in _pairs(case, values, name, static) if pair[0] > pair[1]]
+            if above:
                 report.add(
                     _place_of(name, raw),
-                    f"{name} = {values[name]!r} is above {static} = {values[static]!r}",
+                    f"{name} = {above[0][0]!r} is above {static} = {above[0][1]!r}",
                     f"{name} <= {static} in an analysis in time",
                     f"give {static} as well" if static not in physics.fixed else "",
                 )
 
 
+def _pairs(
+    case: Case, values: Mapping[str, float], kinetic: str, static: str
+) -> Iterable[tuple[float, float]]:
+    """Both coefficients at the start and wherever a schedule has a kink."""
+    if static in values:
+        for time in case.schedule.instants:
+            found = {**values, **case.schedule.values(time)}
+            yield found[kinetic], found[static]
+
+
 def _place_of(name: str, raw: Mapping[str, Any]) -> Path:
     """Where a case gives a parameter, for messages."""
+    if name in raw.get("schedule", {}):
+        return "schedule", name
     model = raw.get("model", {}).get("parameters", {})
     return ("model", "parameters", name) if name in model else ("friction", name)

@@ -38,6 +38,7 @@ def case_schema() -> Schema:
     _fill_friction(tables["FrictionTable"])
     _fill_analysis(tables["AnalysisTable"], all_analyses().values())
     _fill_grid(schema["properties"]["grid"], models)
+    _fill_schedule(schema["properties"]["schedule"], models)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
@@ -110,17 +111,28 @@ def _setting(setting: Setting) -> Schema:
 def _fill_grid(table: Schema, models: Iterable[Model]) -> None:
     """The names that an axis may have; their forms are those of any axis."""
     form = table["additionalProperties"]
-    parameters = [p for model in models for p in model.parameters]
-    parameters += [p for law in all_laws().values() for p in law.parameters]
-    table["properties"] = {
-        name: {**form, "description": about["description"]}
-        for name, about in _parameters(parameters).items()
-    } | {"friction": {**form, "description": "friction laws, by name"}}
+    table["properties"] = _of_every_parameter(form, models)
+    table["properties"]["friction"] = {**form, "description": "friction laws, by name"}
     table["properties"] |= {
         option.name: {"type": "array", "items": _option(option), "description": option.meaning}
         for model in models
         for option in model.options
         if option.read is not None
+    }
+
+
+def _fill_schedule(table: Schema, models: Iterable[Model]) -> None:
+    """The names of what may vary in time."""
+    table["properties"] = _of_every_parameter(table["additionalProperties"], models)
+
+
+def _of_every_parameter(form: Schema, models: Iterable[Model]) -> dict[str, Schema]:
+    """`form` under the name of every parameter of every model and law."""
+    parameters = [p for model in models for p in model.parameters]
+    parameters += [p for law in all_laws().values() for p in law.parameters]
+    return {
+        name: {**form, "description": about["description"]}
+        for name, about in _parameters(parameters).items()
     }
 
 

@@ -127,6 +127,17 @@ class RangeTable(Table):
     scale: Literal["linear", "log"] = Field(default="linear", description="spacing, with num")
 
 
+class CurveTable(Table):
+    """How a parameter varies in time: a ramp from t = 0, or straight lines between points."""
+
+    start: Quantity | None = Field(default=None, description="value up to t = 0")
+    stop: Quantity | None = Field(default=None, description="value from t = over on")
+    over: Quantity | None = Field(default=None, description="how long the ramp takes, s")
+    points: list[list[Quantity]] | None = Field(
+        default=None, description="[time, value] with rising times; constant before and after"
+    )
+
+
 class RefineTable(Table):
     """How a grid is halved along the borders of a class."""
 
@@ -314,6 +325,7 @@ class CaseTable(HeaderTable):
     grid: dict[str, list[Quantity] | RangeTable] = Field(
         default={}, description="ordered axes: parameters, options, friction, initial.STATE"
     )
+    schedule: dict[str, CurveTable] = Field(default={}, description="parameters that vary in time")
     sweep: SweepTable = Field(default=SweepTable(), description="how axes combine")
     initial: list[InitialTable] = Field(default=[], description="starts of the motion")
     analysis: list[AnalysisTable] = Field(description="what is computed")

@@ -10,6 +10,7 @@ from typing import Any
 from fiv_cli.case.case import Axis
 from fiv_cli.data.variables import Variable, variables_of
 from fiv_cli.models import get_model
+from fiv_cli.models.base import Parameter
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ class Layout:
     settings : settings of the analysis
     dims : dims of the grid, in order
     labels : coordinate of the dim ``initial``; None where the analysis has no starts
+    varying : parameters that vary in time
     """
 
     name: str
@@ -51,6 +53,7 @@ class Layout:
     settings: Mapping[str, Any]
     dims: tuple[Dim, ...]
     labels: tuple[str, ...] | None
+    varying: tuple[Parameter, ...] = ()
 
     @property
     def dim_names(self) -> tuple[str, ...]:
@@ -72,4 +75,5 @@ class Layout:
     @property
     def variables(self) -> tuple[Variable, ...]:
         """The variables of this analysis."""
-        return variables_of(self.kind, get_model(self.model), self.options, self.settings)
+        model = get_model(self.model)
+        return variables_of(self.kind, model, self.options, self.settings, self.varying)

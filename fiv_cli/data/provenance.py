@@ -44,6 +44,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, Any]:
         "overrides": case.overrides,
         "fingerprint": fingerprint,
         "solver_json": asdict(case.solver),
+        **({"schedule_json": dict(case.schedule.curves)} if case.schedule.curves else {}),
         "packages_json": {name: _version(name) for name in PACKAGES},
     }
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fiv_cli.analyses.base import Varied
-from fiv_cli.models.base import Model, State
+from fiv_cli.models.base import Model, Parameter, State
 
 INT_FILL = -2147483647
 """Stands for "not computed" in integer variables (the NetCDF default for int32)."""
@@ -55,7 +55,11 @@ REASON = Variable("reason", "1", "why there is no better answer", kind="flag", f
 
 
 def variables_of(
-    kind: str, model: Model, options: Mapping[str, str], settings: Mapping[str, Any]
+    kind: str,
+    model: Model,
+    options: Mapping[str, str],
+    settings: Mapping[str, Any],
+    varying: tuple[Parameter, ...] = (),
 ) -> tuple[Variable, ...]:
     """Every variable of an analysis of `kind` on `model`, ``status`` and ``reason`` first.
 
@@ -64,11 +68,13 @@ def variables_of(
     kind : kind of the analysis
     options : options of the model (they decide its states)
     settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
+    varying : parameters that vary in time; each is a variable over ``time``
     """
     states = model.states(options)
     contact = ("contact",) if model.contacts > 1 else ()
     own = _BY_KIND[kind](states, contact, settings)
-    return (STATUS, REASON, *own)
+    over_time = [Variable(p.name, p.unit, p.meaning, ("time",), symbol=p.symbol) for p in varying]
+    return (STATUS, REASON, *own, *over_time)
 
 
 def rate_unit(unit: str) -> str:

@@ -37,6 +37,11 @@ class Schedule:
         """Times at which some rate jumps, s."""
         return tuple(sorted({time for _, points in self.curves for time, _ in points}))
 
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """The start and every kink, s: what varies is extreme at one of them."""
+        return 0.0, *self.kinks
+
     def next_kink(self, time: float) -> float:
         """The first kink after `time`, s; infinity when none follows."""
         place = bisect_right(self.kinks, time)
@@ -49,6 +54,10 @@ class Schedule:
     def values(self, time: float) -> dict[str, float]:
         """Parameter -> its value at `time`, SI."""
         return {name: value + rate * time for name, (value, rate) in self.piece(time).items()}
+
+
+STEADY = Schedule()
+"""Nothing varies."""
 
 
 def make_schedule(curves: Mapping[str, Iterable[tuple[float, float]]]) -> Schedule:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.generate import Generated, generate, rate_of
-from fiv_cli.dynamics.schedule import Schedule
+from fiv_cli.dynamics.schedule import STEADY, Schedule
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
@@ -24,7 +24,6 @@ SystemKey = tuple[
 ]
 Vector = NDArray[np.float64]
 
-STEADY = Schedule()  # nothing varies
 LEAST_ORDER = 12
 EXTRA_ORDER = 4  # the systems are small: a step costs more in events and roots than in series
 

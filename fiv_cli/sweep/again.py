@@ -269,6 +269,7 @@ def _dataset(
         settings=settings,
         dims=tuple(_single(dim, by_name) for dim in layout.dims),
         labels=None if layout.labels is None else (layout.labels[index],),
+        varying=layout.varying,
     )
     key = point_key(analysis.template, values, analysis.entry(index))
     block = pack([outcome], [key], single.variables)

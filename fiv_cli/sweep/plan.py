@@ -26,6 +26,7 @@ from fiv_cli.case.report import dotted
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.variables import Variable
+from fiv_cli.dynamics.schedule import Points
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
@@ -194,6 +195,7 @@ class Plan:
         head = [
             f"{case.source}: {case.title}" if case.title else case.source,
             f"  model {case.model}, friction {_laws(case)}",
+            *(f"  {_curve_text(name, points)}" for name, points in case.schedule.curves),
         ]
         return head + [line for analysis in self.analyses for line in _described(analysis)]
 
@@ -215,8 +217,16 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
         settings=spec.settings,
         dims=dims,
         labels=None if entries is None else tuple(entry.label for entry in entries),
+        varying=_varying(case),
     )
     return AnalysisPlan(_template(case, spec, dims, entries), layout, _maps(case, layout))
+
+
+def _varying(case: Case) -> tuple[Parameter, ...]:
+    """The parameters that vary in time."""
+    model = get_model(case.model)
+    table = (*model.parameters, *model.adopted(get_law(case.law).parameters))
+    return tuple(p for p in table if p.name in case.schedule.names)
 
 
 def _maps(case: Case, layout: Layout) -> Maps | None:
@@ -271,6 +281,7 @@ def _template(
         solver=case.solver,
         linear=get_analysis(spec.kind).linear,
         base=bytes.fromhex(fingerprint(case, spec)),
+        schedule=case.schedule,
     )
 
 
@@ -368,6 +379,14 @@ def _refined_text(maps: Maps, layout: Layout) -> str:
 def counted(count: int, noun: str = "point") -> str:
     """``1 point``, ``2 points``."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _curve_text(name: str, points: Points) -> str:
+    """``Omega = 6.283 at 0 s, 0.0 at 35.0 s``; the middle of a long curve is left out."""
+    texts = [f"{value!r} at {time!r} s" for time, value in points]
+    if len(texts) > 6:
+        texts = [*texts[:2], f"... ({len(texts)} points)", *texts[-2:]]
+    return f"{name} varies in time: {', '.join(texts)}"
 
 
 def _axis_text(axis: Axis) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 from fiv_cli.analyses.base import SolverSettings, Start, friction_rises
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
+from fiv_cli.dynamics.schedule import STEADY, Schedule
 
 Values = tuple[Any, ...]
 
@@ -68,6 +69,7 @@ class Template:
     entries : the starts; a single None where the analysis has none
     linear : mu_k > mu_s is harmless
     base : digest of everything that decides a point but its axis values and its start
+    schedule : parameters that vary in time
     """
 
     model: str
@@ -83,6 +85,7 @@ class Template:
     solver: SolverSettings
     linear: bool
     base: bytes
+    schedule: Schedule = STEADY
 
 
 def parameters_at(template: Template, values: Values) -> dict[str, float]:
@@ -103,7 +106,10 @@ def law_at(template: Template, values: Values) -> str:
 
 def exclusion(template: Template, parameters: Mapping[str, float]) -> str:
     """Reason why a point must not be computed; empty when it may be."""
-    return "" if template.linear else friction_rises(parameters)
+    if template.linear:
+        return ""
+    varied = ({**parameters, **template.schedule.values(t)} for t in template.schedule.instants)
+    return next(filter(None, map(friction_rises, varied)), "")
 
 
 def request_at(template: Template, values: Values, start: Start | None) -> Request:
@@ -117,6 +123,7 @@ def request_at(template: Template, values: Values, start: Start | None) -> Reque
         settings=template.settings,
         solver=template.solver,
         start=start,
+        schedule=template.schedule,
     )
 
 

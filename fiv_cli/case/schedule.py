@@ -1,0 +1,242 @@
+"""The table ``[schedule]``: parameters that vary in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from fiv_cli.analyses import all_analyses, get_analysis
+from fiv_cli.case.analysis import varying
+from fiv_cli.case.case import AnalysisSpec, Axis
+from fiv_cli.case.grid import fixed_places
+from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.physics import Physics, allowed, quantity
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.structure import CurveTable, check_quantity, describe
+from fiv_cli.case.tables import read_table
+from fiv_cli.case.units import convert
+from fiv_cli.dynamics.schedule import STEADY, Points, Schedule, make_schedule
+from fiv_cli.models.base import Forcing, Parameter
+
+_FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
+
+
+def read_schedule(
+    raw: Mapping[str, Any], physics: Physics, axes: Sequence[Axis], report: Report
+) -> Schedule:
+    """What varies in time, with every parameter that follows one of them."""
+    curves: dict[str, Points] = {}
+    for key, place, value in _entries(raw.get("schedule", {}), report):
+        name = ascii_name(key).removeprefix("friction.")
+        if name in curves:
+            report.add(place, f"the schedule of {name!r} is given twice")
+        elif _may_vary(name, place, raw, physics, axes, report):
+            points = _points(physics.table()[name], value, place, report)
+            if points is not None:
+                curves[name] = points
+    if not curves:
+        return STEADY
+    _refuse_phases(curves, physics, axes, report)
+    _refuse_sectors(curves, physics, report)
+    return make_schedule(curves | _following(curves, physics, axes))
+
+
+def at_the_start(physics: Physics, schedule: Schedule) -> Physics:
+    """`physics` with what varies in time fixed at its value at t = 0."""
+    names = set(schedule.names)
+    kept = {key: v for key, v in physics.fixed.items() if key.split(".")[-1] not in names}
+    return replace(physics, fixed=kept | schedule.values(0.0))
+
+
+def refuse_constant_analyses(
+    schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
+) -> None:
+    """Steady states, equilibria and eigenvalues belong to constant parameters."""
+    able = [kind for kind, analysis in all_analyses().items() if analysis.varying]
+    names = listed(schedule.names)
+    for index, analysis in enumerate(analyses):
+        if schedule.curves and not get_analysis(analysis.kind).varying:
+            report.add(
+                ("analysis", index),
+                f"{analysis.kind!r} belongs to constant parameters, but {names} varies in time",
+                f"analyses of kind {listed(able)}",
+                f"give it a case of its own without [schedule], with {names} fixed or an axis",
+            )
+
+
+def _entries(table: object, report: Report) -> Iterable[tuple[str, Path, Any]]:
+    """Each curve with its place; ``friction.mu_k`` may be written without quotes."""
+    if not isinstance(table, dict):
+        report.add(("schedule",), f"must be a table, not {describe(table)}")
+        return
+    for key, value in table.items():
+        if key == "friction" and isinstance(value, dict):
+            yield from ((k, ("schedule", key, k), inner) for k, inner in value.items())
+        else:
+            yield key, ("schedule", key), value
+
+
+def _may_vary(
+    name: str,
+    place: Path,
+    raw: Mapping[str, Any],
+    physics: Physics,
+    axes: Sequence[Axis],
+    report: Report,
+) -> bool:
+    """Whether a schedule of `name` makes sense; notes why it does not."""
+    known = varying(physics)
+    if name not in known:
+        meanings = {key: parameter.meaning for key, parameter in known.items()}
+        report.add(place, _why_not(name, physics), listed(known), suggest(name, meanings))
+        return False
+    derived = physics.model.derived
+    if derived is not None and name in derived.sources:
+        message = f"the modes of the plate depend on {name!r}: it cannot vary in time"
+        report.add(place, message, listed([one for one in known if one not in derived.sources]))
+        return False
+    clashes = [".".join(map(str, where)) for where in fixed_places(raw, name)]
+    clashes += [f"grid.{axis.name}, as an axis" for axis in axes if axis.name == name]
+    for shown in clashes:
+        message = f"{name!r} varies in time and is also given by {shown}"
+        report.add(place, message, "one of the two", "its schedule also says where it starts")
+    return not clashes
+
+
+def _why_not(name: str, physics: Physics) -> str:
+    if any(name in law.structural for law in physics.laws):
+        return f"{name!r} is part of the form of the law: it cannot vary in time"
+    if name in physics.table():
+        return f"{name!r} cannot vary in time (it counts, or not every law in use has it)"
+    return f"there is no parameter {name!r} to vary in time"
+
+
+def _points(parameter: Parameter, value: object, place: Path, report: Report) -> Points | None:
+    """The curve as (time, value) in SI; None and a note where it is not sound."""
+    table = read_table(CurveTable, value, place, report)
+    if table is None or not isinstance(value, dict) or not value.keys() <= table.model_fields_set:
+        return None
+    if value.keys() == {"points"}:
+        return _listed(parameter, table.points or [], place, report)
+    if value.keys() == {"start", "stop", "over"}:
+        return _ramp(parameter, table, place, report)
+    report.add(place, "is neither a ramp nor a list of points", _FORMS)
+    return None
+
+
+def _ramp(parameter: Parameter, table: CurveTable, place: Path, report: Report) -> Points | None:
+    start = _value(parameter, table.start, (*place, "start"), report)
+    stop = _value(parameter, table.stop, (*place, "stop"), report)
+    over = _time(table.over, (*place, "over"), report)
+    if start is None or stop is None or over is None:
+        return None
+    if over <= 0.0:
+        report.add((*place, "over"), f"{over!r} is out of range", "a time in s, > 0")
+        return None
+    return (0.0, start), (over, stop)
+
+
+def _listed(
+    parameter: Parameter, pairs: Sequence[Sequence[object]], place: Path, report: Report
+) -> Points | None:
+    found: list[tuple[float, float]] = []
+    for index, pair in enumerate(pairs):
+        here = (*place, "points", index)
+        if len(pair) != 2:
+            report.add(here, f"a point has a time and a value, not {len(pair)} numbers", _FORMS)
+            return None
+        time = _time(pair[0], here, report)
+        value = _value(parameter, pair[1], here, report)
+        if time is None or value is None:
+            return None
+        if found and time <= found[-1][0]:
+            report.add(here, f"its time {time!r} does not rise", "rising times, in s")
+            return None
+        found.append((time, value))
+    if not found:
+        report.add((*place, "points"), "a schedule has one point at least", _FORMS)
+    return tuple(found) or None
+
+
+def _value(parameter: Parameter, value: object, place: Path, report: Report) -> float | None:
+    try:
+        return quantity(parameter, value)
+    except ValueError as error:
+        report.add(place, str(error), allowed(parameter))
+        return None
+
+
+def _time(value: object, place: Path, report: Report) -> float | None:
+    try:
+        return convert(check_quantity(value), "s")
+    except ValueError as error:
+        report.add(place, str(error), "a time in s")
+        return None
+
+
+def _following(
+    curves: Mapping[str, Points], physics: Physics, axes: Sequence[Axis]
+) -> dict[str, Points]:
+    """Parameters whose value is that of one that varies, because nothing else gives them one."""
+    given = {key.split(".")[-1] for key in physics.fixed} | {axis.name for axis in axes}
+    free = [p for p in physics.table().values() if p.name not in given | curves.keys()]
+    leaders = {p.name: p.default_from for p in free if p.default_from is not None}
+    return {name: curves[leader] for name, leader in leaders.items() if leader in curves}
+
+
+# --- phases ---------------------------------------------------------------------------------------
+def _refuse_phases(
+    curves: Mapping[str, Points], physics: Physics, axes: Sequence[Axis], report: Report
+) -> None:
+    """A phase is frequency times time: of a frequency that varies it would be wrong."""
+    for forcing in physics.model.forcings:
+        if forcing.amplitude in curves or _is_on(forcing, physics, axes):
+            for name in sorted(_frequency_of(forcing) & curves.keys()):
+                report.add(
+                    ("schedule", name),
+                    f"the {forcing.meaning} has a phase that depends on {name!r}: "
+                    "it cannot vary in time",
+                    suggestion=f"switch it off ({forcing.amplitude} = 0)",
+                )
+
+
+def _refuse_sectors(curves: Mapping[str, Points], physics: Physics, report: Report) -> None:
+    """The bounds of a sector are read once."""
+    if not physics.model.forcings:
+        return
+    from fiv_cli.codegen.symbols import Symbols
+
+    zone = physics.model.equations(Symbols(), physics.options).zone
+    for name in sorted(curves.keys() & (() if zone is None else {zone.start, zone.width})):
+        report.add(("schedule", name), f"the sector's {name!r} cannot vary in time")
+
+
+def _is_on(forcing: Forcing, physics: Physics, axes: Sequence[Axis]) -> bool:
+    if forcing.amplitude in [axis.name for axis in axes]:
+        return True
+    return physics.fixed.get(forcing.amplitude, physics.default(forcing.amplitude)) != 0.0
+
+
+def _frequency_of(forcing: Forcing) -> set[str]:
+    """The parameters that the frequency of an excitation depends on."""
+    asked = _Asked()
+    forcing.frequency(asked)
+    return asked.names
+
+
+class _Asked(Mapping[str, float]):
+    """Parameters that are all 1 and remember which were asked for."""
+
+    def __init__(self) -> None:
+        self.names: set[str] = set()
+
+    def __getitem__(self, name: str) -> float:
+        self.names.add(name)
+        return 1.0
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
