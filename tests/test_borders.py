@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from fiv_cli.sweep.borders import Picture, draw, sample
+from fiv_cli.sweep.borders import BLANK, Picture, draw, sample
 
 UNKNOWN = -9
 
@@ -100,6 +100,26 @@ def test_classes_of_points_that_are_not_wanted_change_nothing() -> None:
 
 
 unit = st.floats(0.0, 1.0)
+
+
+def test_points_run_in_vain_draw_no_border() -> None:
+    truth = lattice(disc(0.45, 0.55, 0.3), 9, 4)
+    clean, _ = run_to_the_end(truth, 4)
+    failed = np.zeros(truth.shape, bool)
+    failed[::16, ::16][1::3, 2::3] = True  # every ninth point of the coarse lattice
+    failed.ravel()[3::50] = True
+    picture, _ = run_to_the_end(np.where(failed, BLANK, truth), 4)
+    assert abs(picture.wanted.sum() - clean.wanted.sum()) < 0.1 * clean.wanted.sum()
+    assert (picture.classes == BLANK).sum() == (failed & picture.wanted).sum()
+    assert (picture.classes == truth)[picture.classes != BLANK].all()
+
+
+def test_nothing_is_filled_in_where_everything_was_run_in_vain() -> None:
+    picture, _ = run_to_the_end(np.full((33, 33), BLANK), 3)
+    assert picture.wanted.sum() == 25
+    assert (picture.classes == BLANK).all()
+
+
 discs = st.tuples(unit, unit, st.floats(0.005, 0.5), st.integers(1, 3))
 stripes = st.tuples(unit, st.floats(-1.0, 1.0), st.floats(0.004, 0.1))
 

@@ -7,6 +7,9 @@ is followed into the next ones before the lattice is halved again, so that in th
 neighbours of different class have both been run: a border that was met anywhere is drawn whole,
 and all that can be missed is an island between the points of the coarse lattice.
 
+A point that was run in vain (its process died, say) is `BLANK`: it agrees with whatever is around
+it, so that an accident draws no border.
+
 Everything here is a pure function of the classes found so far. What is wanted next follows from
 what is known, so a run that was interrupted goes on as if nothing had happened.
 """
@@ -20,7 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Mask = NDArray[np.bool_]
-Classes = NDArray[np.integer[Any]]
+Classes = NDArray[np.int32]
+
+BLANK = int(np.iinfo(np.int32).min)
+"""Class of a point that was run without coming to any."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +53,8 @@ def draw(classes: Classes, known: Mask, levels: int) -> Picture:
 
     Parameters
     ----------
-    classes : class of each point of the fine lattice, where known; every length is a multiple of
-        2**levels plus one
+    classes : class of each point of the fine lattice, where known, or `BLANK`; every length is a
+        multiple of 2**levels plus one, and two at least
     known : which points have been run; those that are not wanted are not looked at
     levels : how often the coarse lattice is halved
     """
@@ -113,12 +119,18 @@ def _halved(coarse: Classes, classes: Classes, known: Mask, wanted: Mask) -> Cla
 
 
 def _disagreeing(classes: Classes) -> Mask:
-    """Cells whose corners are not all of one class."""
-    least = greatest = classes
+    """Cells whose corners are not all of one class, blank ones left out."""
+    least = np.where(classes == BLANK, np.iinfo(np.int32).max, classes)
     for axis in range(classes.ndim):
         least = np.minimum(*_neighbours(least, axis))
-        greatest = np.maximum(*_neighbours(greatest, axis))
-    return least != greatest
+    return least < _greatest(classes)
+
+
+def _greatest(classes: Classes) -> Classes:
+    """The greatest class at the corners of each cell; blank where they all are."""
+    for axis in range(classes.ndim):
+        classes = np.maximum(*_neighbours(classes, axis))
+    return classes
 
 
 def _neighbours(array: Any, axis: int) -> tuple[Any, Any]:
@@ -156,10 +168,13 @@ def _points_of(cells: Mask) -> Mask:
 
 
 def _prolonged(coarse: Classes) -> Classes:
-    """The map on the halved lattice: new points take the class of the corner below them."""
+    """The map on the halved lattice: new points take the class of the cell they lie in."""
+    finer = _greatest(coarse)
     for axis, length in enumerate(coarse.shape):
-        coarse = np.take(coarse, np.arange(2 * length - 1) // 2, axis)
-    return coarse
+        finer = np.take(finer, np.minimum(np.arange(2 * length - 1) // 2, length - 2), axis)
+    old = _every(finer, 2)
+    old[...] = np.where(coarse == BLANK, old, coarse)
+    return finer
 
 
 def _parents(cells: Mask) -> Mask:

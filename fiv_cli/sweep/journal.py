@@ -24,6 +24,7 @@ from fiv_cli.data.block import KEY_BYTES, Block, fill_value
 from fiv_cli.data.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
+from fiv_cli.sweep.borders import BLANK
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
 from fiv_cli.sweep.refine import Stage
 from fiv_cli.sweep.worker import ChainState
@@ -56,9 +57,13 @@ class Record:
 
     def done(self) -> NDArray[np.bool_]:
         """Which points need not be run again."""
+        return self.stored() & ~(self.in_vain() & ~self.ran)
+
+    def in_vain(self) -> NDArray[np.bool_]:
+        """Which points have no answer for reasons that do not lie in them."""
         retried = np.isin(self.reason, list(retried_codes()))
-        provisional = retried & np.isin(self.status, _PROVISIONAL) & ~self.ran
-        return self.stored() & ~provisional
+        in_vain: NDArray[np.bool_] = retried & np.isin(self.status, _PROVISIONAL)
+        return in_vain
 
     def stored(self) -> NDArray[np.bool_]:
         """Which points have a result, a failed one included."""
@@ -130,18 +135,29 @@ class Journal:
 
     def _classes(self, index: int, block: Block) -> NDArray[Any]:
         """The class of each row of a block by which its analysis is refined."""
+        maps = self.plan.analyses[index].maps
+        assert maps is not None
+        return block.values.get(maps.refinement.of, np.full(len(block), self.fill(index)))
+
+    def fill(self, index: int) -> int:
+        """What the class of a refined analysis is where there is none."""
         analysis = self.plan.analyses[index]
         assert analysis.maps is not None
         name = analysis.maps.refinement.of
-        fill = fill_value(next(v for v in analysis.layout.variables if v.name == name))
-        return block.values.get(name, np.full(len(block), fill))
+        return int(fill_value(next(v for v in analysis.layout.variables if v.name == name)))
 
     def stage(self, index: int) -> Stage | None:
         """How far a refined analysis has come; None for one of which every point is run."""
         maps, record = self.plan.analyses[index].maps, self.records[index]
-        if maps is None or record.classes is None:
+        if maps is None:
             return None
-        return maps.stage(record.classes, record.stored())
+        return maps.stage(self.classes(index), record.stored())
+
+    def classes(self, index: int) -> NDArray[np.int32]:
+        """Class of each point of a refined analysis, blank where it was run in vain."""
+        record = self.records[index]
+        assert record.classes is not None
+        return np.where(record.in_vain(), np.int32(BLANK), record.classes)
 
     def wanted(self, index: int) -> NDArray[np.bool_]:
         """Points of an analysis that are to be run, as far as is known, and those that were."""

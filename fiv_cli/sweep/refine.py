@@ -19,11 +19,9 @@ from fiv_cli.case.case import Refinement
 from fiv_cli.case.refinement import coarse_size
 from fiv_cli.data.flags import COMPUTED
 from fiv_cli.data.layout import Layout
-from fiv_cli.sweep.borders import draw, sample
+from fiv_cli.sweep.borders import BLANK, Classes, Mask, draw, sample
 
-Mask = NDArray[np.bool_]
 Numbers = NDArray[np.int64]
-Classes = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -50,19 +48,19 @@ class Stage:
         """(size,) points that are given a class without a run; none before all is drawn."""
         return ~self.wanted if self.complete else np.zeros_like(self.wanted)
 
-    def mislabelled(self, classes: Classes) -> Mask:
-        """(size,) points of the sample that turned out to be of another class."""
-        mask: Mask = self.sampled & (classes != self.drawn)
-        return mask
-
     def origins(self, classes: Classes, known: Mask) -> NDArray[np.int8]:
         """(size,) codes of `COMPUTED`: where the class of each point comes from."""
+        told = self.sampled & known & (classes != BLANK) & (self.drawn != BLANK)
         origins = np.full(self.wanted.shape, COMPUTED.fill_code, np.int8)
         origins[self.filled] = COMPUTED.codes["filled_in"]
         origins[self.wanted & known] = COMPUTED.codes["run"]
-        origins[self.sampled & known] = COMPUTED.codes["sampled"]
-        origins[self.mislabelled(classes) & known] = COMPUTED.codes["sampled_and_mislabelled"]
+        origins[told] = COMPUTED.codes["sampled"]
+        origins[told & (classes != self.drawn)] = COMPUTED.codes["sampled_and_mislabelled"]
         return origins
+
+    def filled_classes(self, fill: int) -> Classes:
+        """(size,) class of each point by the borders, `fill` where there is none around it."""
+        return np.where(self.drawn == BLANK, np.int32(fill), self.drawn)
 
 
 @dataclass(frozen=True)

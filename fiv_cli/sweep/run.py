@@ -32,6 +32,9 @@ from fiv_cli.sweep.scheduler import Scheduler
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
+
+    from fiv_cli.sweep.refine import Maps, Stage
 
 SHOWN_ERRORS = 3
 
@@ -119,37 +122,35 @@ def write_dataset(journal: Journal, output: Path) -> None:
 def _assembled(journal: Journal, index: int) -> xr.Dataset:
     """The dataset of one analysis, what its borders enclose filled in."""
     dataset = assemble(journal.plan.analyses[index].layout, partial(journal.blocks, index))
-    stage, record = journal.stage(index), journal.records[index]
-    if stage is None or record.classes is None:
-        return dataset
-    refinement = _refinement(journal, index)
-    classes = np.where(stage.filled, stage.drawn, record.classes)
-    origins = stage.origins(record.classes, record.stored())
-    filled = fill_in(dataset, refinement["refined_of"], classes, origins)
-    return filled.assign_attrs(refinement)
-
-
-def _refinement(journal: Journal, index: int) -> dict[str, Any]:
-    """What there is to say of a refined analysis; nothing of any other."""
     maps, stage = journal.plan.analyses[index].maps, journal.stage(index)
-    record = journal.records[index]
-    if maps is None or stage is None or record.classes is None:
-        return {}
-    origins = stage.origins(record.classes, record.stored())
-    of, levels = maps.refinement.of, maps.refinement.levels
-    return refinement_attributes(of, levels, maps.coarse, origins)
+    if maps is None or stage is None:
+        return dataset
+    origins = _origins(journal, index, stage)
+    classes = stage.filled_classes(journal.fill(index))
+    filled = fill_in(dataset, maps.refinement.of, classes, origins)
+    return filled.assign_attrs(_said(maps, origins))
+
+
+def _origins(journal: Journal, index: int, stage: Stage) -> NDArray[np.int8]:
+    """Where the class of each point of a refined analysis comes from."""
+    return stage.origins(journal.classes(index), journal.records[index].stored())
+
+
+def _said(maps: Maps, origins: NDArray[np.int8]) -> dict[str, Any]:
+    """What there is to say of a refined analysis."""
+    refinement = maps.refinement
+    return refinement_attributes(refinement.of, refinement.levels, maps.coarse, origins)
 
 
 def refinements(journal: Journal) -> list[str]:
     """Of each refined analysis, in a line, how much of it was run."""
     lines = []
     for index, analysis in enumerate(journal.plan.analyses):
-        stage = journal.stage(index)
-        if stage is not None and stage.complete:
-            lines.append(f"{analysis.layout.name}: {described(_refinement(journal, index))}")
-        elif stage is not None and analysis.maps is not None:
-            levels = analysis.maps.refinement.levels
-            lines.append(f"{analysis.layout.name}: halved {stage.level} of {levels} times so far")
+        maps, stage = analysis.maps, journal.stage(index)
+        if maps is not None and stage is not None:
+            so_far = f"halved {stage.level} of {maps.refinement.levels} times so far"
+            said = described(_said(maps, _origins(journal, index, stage)))
+            lines.append(f"{analysis.layout.name}: {said if stage.complete else so_far}")
     return lines
 
 
