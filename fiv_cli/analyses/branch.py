@@ -44,7 +44,7 @@ ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle f
 DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
 MOST_POINTS = 400
 BISECTIONS = 200
-BEYOND = 1e-3  # share of the bracket by which the far side of an end is looked at
+BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
 AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value
@@ -427,14 +427,16 @@ def _last_end(line: Continuation, here: Point, length: float) -> End:
 
 
 def _kind_of_end(line: Continuation, here: Point) -> str:
-    """By the motion from the last cycle's point, a little beyond the end."""
-    value = here.value + _way(here) * BEYOND * line.span
-    value = min(max(value, line.bracket[0]), line.bracket[1])
-    beyond = passage(line.at(value), here.cycle.anchor, here.cycle.period, tangents=False)
-    if beyond.stop == Stop.CONTACT_LOST:
-        return CONTACT_LOST
-    if beyond.events != here.cycle.events:
-        return GRAZING
+    """By the motions a little farther along the branch, where its cycles would have been."""
+    for distance in BEYOND:
+        unknowns = here.unknowns + distance * here.tangent
+        value = min(max(float(unknowns[-1] * line.span), line.bracket[0]), line.bracket[1])
+        anchor = here.frame.anchor_of(unknowns[:-1])
+        beyond = passage(line.at(value), anchor, here.cycle.period, tangents=False)
+        if beyond.stop == Stop.CONTACT_LOST:
+            return CONTACT_LOST
+        if beyond.stop != Stop.REACHED or beyond.events != here.cycle.events:
+            return GRAZING
     return FOLD if abs(here.slope) < UPRIGHT else OTHER
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -17,6 +18,8 @@ from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System
 
 NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of a cycle
+STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
+BRIDGES = 5  # halvings of the way between neighbours
 RELATIVE_WIDTH = 1e-6  # of the bracket, to which ends are bracketed unless the case says
 
 
@@ -30,7 +33,10 @@ def find_cycle(
     """The cycle near what `start` leads to, and its branch where a parameter is given."""
     problem = Problem(system, parameters, tightened(solver), settings["section"])
     if start.kind == "continue" and start.carried is not None:
-        found: Cycle | Outcome | None = _closed(problem, iter([_carried_guess(start.carried)]))
+        carried = start.carried
+        found: Cycle | Outcome | None = _bridged(
+            problem, _carried_guess(carried), carried["parameters"], BRIDGES
+        )
     else:
         found = _reached(problem, start, settings)
     if found is None:
@@ -76,6 +82,26 @@ def _closed(problem: Problem, candidates: Iterator[Guess]) -> Cycle | None:
     return None
 
 
+def _bridged(
+    problem: Problem, guess: Guess, before: Mapping[str, float], bridges: int
+) -> Cycle | None:
+    """The cycle that a neighbour's, of the parameters `before`, turns into.
+
+    Where it is not found in one stride, or another one is, the way is halved.
+    """
+    cycle = close(problem, guess.anchor, guess.period, guess.scales)
+    if cycle is not None and abs(cycle.period - guess.period) <= STRIDE * guess.period:
+        return cycle
+    if bridges == 0:
+        return None
+    middle = {n: 0.5 * (value + before[n]) for n, value in problem.parameters.items()}
+    nearer = _bridged(replace(problem, parameters=middle), guess, before, bridges - 1)
+    if nearer is None:
+        return None
+    own = Guess(nearer.anchor, nearer.period, nearer.scales)
+    return _bridged(problem, own, middle, bridges - 1)
+
+
 def _carried_guess(carried: Mapping[str, Any]) -> Guess:
     """The neighbour's cycle."""
     sticking = tuple(bool(s) for s in carried["sticking"])
@@ -83,7 +109,7 @@ def _carried_guess(carried: Mapping[str, Any]) -> Guess:
     return Guess(anchor, float(carried["period"]), np.array(carried["scales"], dtype=float))
 
 
-def _carry(cycle: Cycle) -> dict[str, Any]:
+def _carry(problem: Problem, cycle: Cycle) -> dict[str, Any]:
     """What a continuing neighbour starts from."""
     return {
         "attractor": "periodic",
@@ -92,6 +118,7 @@ def _carry(cycle: Cycle) -> dict[str, Any]:
         "phase": cycle.anchor.phase,
         "period": cycle.period,
         "scales": cycle.scales.tolist(),
+        "parameters": dict(problem.parameters),
     }
 
 
@@ -116,7 +143,7 @@ def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
         points = np.roll(cycle.points, -int(np.argmin(cycle.points[:, observed])), axis=0)
         values["cycle_section"] = points[0, : 2 * len(problem.system.coordinates)]
         shown = points[:, observed]
-    return Outcome(values=values, ragged={"section_value": shown}, carry=_carry(cycle))
+    return Outcome(values=values, ragged={"section_value": shown}, carry=_carry(problem, cycle))
 
 
 def _stability(cycle: Cycle) -> str:

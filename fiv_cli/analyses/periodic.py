@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.dynamics.motion import Motion, Stop, call
 from fiv_cli.dynamics.system import System, Vector
 
 Matrix = NDArray[np.float64]
@@ -105,6 +105,8 @@ class Passage:
 
     Attributes
     ----------
+    begun : state at the beginning, as contact lets it be: a sticking contact has no slip velocity
+    projection : derivative of `begun` by the state that was asked for
     state : at the end
     rates : of the state at the beginning and at the end; shape (2, n_states)
     monodromy : derivative of the end by the beginning; shape (n_states, n_states), or (n_states,
@@ -115,6 +117,8 @@ class Passage:
     stop : why it ended
     """
 
+    begun: Vector
+    projection: Matrix
     state: Vector
     rates: Matrix
     monodromy: Matrix
@@ -127,24 +131,37 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
     """Follow the motion through `anchor` for `span` seconds, with its tangents or without."""
     motion = begin(problem, anchor)
     n = len(motion.y)
-    if not motion.started:
-        return Passage(
-            motion.y.copy(), np.zeros((2, n)), np.zeros((n, n)), np.zeros(0), (), Stop.NO_STATE
-        )
-    started, before = motion.time, motion.rates().copy()
+    started, before = motion.time, motion.y.copy()
+    rates = motion.rates().copy() if motion.started else np.zeros(n)
+    projection = _projection(motion) if tangents and motion.started else np.eye(n)
     motion.keep_ledger(MOST_EVENTS)
     motion.carry_tangents(np.eye(n) if tangents else np.zeros((0, n)))
     stop = motion.run(started + span)
     rows = motion.ledger[: motion.counters[kernel.LEDGER]]
-    events = tuple((int(row[1]), int(row[2]), int(row[3])) for row in rows if not _bounces(row))
     return Passage(
-        motion.y.copy(),
-        np.array([before, motion.rates()]),
-        motion.tangents.T.copy(),
-        rows[:, 0] - started,
-        events,
-        stop,
+        begun=before,
+        projection=projection,
+        state=motion.y.copy(),
+        rates=np.array([rates, motion.rates() if motion.started else rates]),
+        monodromy=motion.tangents.T.copy(),
+        times=rows[:, 0] - started,
+        events=tuple((int(r[1]), int(r[2]), int(r[3])) for r in rows if not _bounces(r)),
+        stop=stop,
     )
+
+
+def _projection(motion: Motion) -> Matrix:
+    """Derivative of the state where a motion is by the state asked for, by differentiated code."""
+    n, order = len(motion.y), motion.system.generated.order
+    index = kernel.state_index(motion.kinds, len(motion.kinds))
+    address = motion.system.tangent_table[index, kernel.TANGENT]
+    series = np.zeros_like(motion.work)
+    matrix = np.zeros((n, n))
+    for column in range(n):
+        joined = np.concatenate([motion.y, np.eye(n)[column]])
+        call(address, motion.coefficients, motion.time, joined, series)
+        matrix[:, column] = series[n * (order + 1) : 2 * n * (order + 1) : order + 1]
+    return matrix
 
 
 def _bounces(row: Vector) -> bool:
@@ -201,21 +218,25 @@ class Shooting:
         return found if finite and found.stop == Stop.REACHED else None
 
     def values(self, found: Passage, unknowns: Vector) -> Vector:
-        """What must vanish: the gap after a period, and the way along the flow."""
-        state = unknowns[: len(self.scales)]
-        gap: Vector = found.state / self.scales - state
+        """What must vanish: the gap after a period, what contact does not let be, and, where the
+        period is free, the way along the flow."""
+        state, begun = unknowns[: len(self.scales)], found.begun / self.scales
+        gap = np.concatenate([found.state / self.scales - begun, begun - state])
         if self.normal is None:
             return gap
-        return np.append(gap, self.normal @ (state - self.anchor.state / self.scales))
+        return np.append(gap, self.normal @ (begun - self.anchor.state / self.scales))
 
     def jacobian(self, found: Passage) -> Matrix:
         """Derivative of `values` by the unknowns."""
-        closing = found.monodromy * self.scales / self.scales[:, None] - np.eye(len(self.scales))
+        projection = found.projection * self.scales / self.scales[:, None]
+        monodromy = found.monodromy * self.scales / self.scales[:, None]
+        closing = np.vstack([monodromy - projection, projection - np.eye(len(self.scales))])
         if self.normal is None:
             return closing
         stretch = found.rates[1] / self.scales * self.period
-        across = np.append(self.normal, 0.0)
-        return np.vstack([np.column_stack([closing, stretch]), across])
+        last = np.concatenate([stretch, np.zeros_like(stretch)])
+        across = np.append(self.normal @ projection, 0.0)
+        return np.vstack([np.column_stack([closing, last]), across])
 
     def conditions(self, problem: Problem, unknowns: Vector) -> tuple[Vector, Matrix] | None:
         """`values` and their Jacobian; None where the motion does not last a period."""
@@ -354,13 +375,12 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
     points, extremes = _watched(problem, anchor, period)
     if is_at_rest(extremes, len(problem.system.coordinates)):
         return None
-    state = begin(problem, anchor).y.copy()
     multipliers = np.linalg.eigvals(around.monodromy).astype(np.complex128)
     order = np.lexsort((-multipliers.imag, -np.abs(multipliers)))
     return Cycle(
-        anchor=replace(anchor, state=state),
+        anchor=replace(anchor, state=around.begun),
         period=period,
-        residual=float(np.max(np.abs(around.state - state) / extents(extremes))),
+        residual=float(np.max(np.abs(around.state - around.begun) / extents(extremes))),
         multipliers=multipliers[order],
         autonomous=problem.excitation is None,
         times=around.times,
