@@ -240,14 +240,37 @@ def test_why_there_is_no_cycle(changes: dict[str, Any], reason: str) -> None:
     assert (found.status, found.reason) == ("ok", reason)
 
 
+def test_the_window_of_a_forced_cycle() -> None:
+    """The period-4 motion at omega = 1.2 is near the upper end of its window, a fold."""
+    forced = {"u0": 0.5, "omega": 1.2, "t_max": 300.0}
+    found = cycle(branch=("omega", 0.5, 2.0), **forced)
+    (_, low), (turn, high), _ = ends(found)
+    assert turn == "fold"
+    assert low < 1.2 < high
+    value, stable = found.ragged["branch_value"], np.array(found.ragged["branch_stable"])
+    own = int(np.flatnonzero(value == 1.2)[0])
+    assert np.all(np.diff(value[: own + 2]) > 0.0)  # both ways lead away from the first cycle
+    assert np.all(stable[: own + 1] == "stable") and stable[-1] == "unstable"
+    follows = Start("followed", "continue", {}, found.carry)
+    for omega, there in ((low + 1e-4, True), (low - 1e-4, False), (high + 1e-4, False)):
+        beside = cycle(start=follows, **{**forced, "omega": omega})
+        assert ("cycle_period" in beside.values) == there
+        assert beside.reason == ("" if there else "no_cycle")
+
+
 def test_a_cycle_is_followed_from_neighbour_to_neighbour() -> None:
-    """Along a grid: stable or not, the neighbour's cycle is the first guess."""
+    """Along a grid: stable or not, the neighbour's cycle is the first guess; strides are halved."""
     first = cycle(law="stribeck", start={"x": 3.55}, section=TURNING, t_max=14.0, c=0.65)
     assert first.carry is not None
     follows = Start("followed", "continue", {}, first.carry)
     second = cycle(law="stribeck", start=follows, section=TURNING, c=0.66)
     assert second.values["stable"] == "unstable"
     assert second.values["x_max"] > first.values["x_max"]
+    third = cycle(law="stribeck", start=follows, section=TURNING, c=0.703)
+    assert third.values["stable"] == "unstable"
+    assert third.values["x_dot_max"] == pytest.approx(1.0, abs=0.02)  # nearly sticks
+    lost = cycle(law="stribeck", start=follows, section=TURNING, c=0.8)
+    assert (lost.reason, lost.carry) == ("no_cycle", None)
 
 
 # --- parts ---------------------------------------------------------------------------------------

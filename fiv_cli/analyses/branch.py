@@ -258,13 +258,21 @@ def _transported(
     way = unknowns - before.unknowns
     state = way[:n] * frame.scales
     change = DIFFERENCE * line.span * (1.0 if line.holds(value + DIFFERENCE * line.span) else -1.0)
-    later = passage(line.at(value), anchor, shift)
-    shifted = passage(line.at(value + change), anchor, shift, tangents=False)
+    here, beside = line.at(value), line.at(value + change)
+    later = passage(here, anchor, shift)
+    shifted = passage(beside, anchor, _same_phase(here, beside, shift), tangents=False)
     if later.stop != Stop.REACHED or shifted.stop != Stop.REACHED:
         return None
     slope = (shifted.state - later.state) / change
     moved = later.monodromy @ state + slope * way[-1] * line.span
     return np.concatenate([moved, way[n:-1] * frame.period, [way[-1] * line.span]])
+
+
+def _same_phase(here: Problem, beside: Problem, span: float) -> float:
+    """The time over which another problem's excitation turns as far as over `span`, s."""
+    if here.excitation is None or beside.excitation is None:
+        return span
+    return span * beside.excitation / here.excitation
 
 
 def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Point | None:
