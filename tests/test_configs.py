@@ -123,7 +123,7 @@ REDUCED = [
     ("ch7/fig_7_10b", ("grid.N0=[25.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch7/normal_force", ("grid.Omega=[0.2, 0.6]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED}),
     ("ch7/equal_coefficients", ("grid.N0=[30.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch3/fig_3_05", (), dict.fromkeys(range(5), CONFIRMED)),
+    ("ch3/fig_3_05", (), dict.fromkeys(range(7), CONFIRMED)),
     ("ch3/fig_3_06", ("grid.omega=[0.5, 0.85]",), dict.fromkeys(range(4), CONFIRMED)),
     ("ch3/fig_3_07", ("grid.omega=[0.5, 0.85]",), {0: CONFIRMED, 1: CONFIRMED}),
     (
