@@ -160,8 +160,9 @@ def time_scale(series, n, order):  # type: ignore[no-untyped-def]
             high = abs(series[first + top])
             for k in range(3):
                 low = abs(series[first + k])
-                if low > 0.0 and high > 0.0:
-                    shortest = min(shortest, (low / high) ** (1.0 / (top - k)))
+                ratio = low / high if high > 0.0 else 0.0
+                if ratio > 0.0:  # a value so small that its share is lost sets no scale
+                    shortest = min(shortest, ratio ** (1.0 / (top - k)))
     return shortest
 
 
@@ -320,7 +321,8 @@ def consistent(  # type: ignore[no-untyped-def]
         at_zero = lead < -1
         if lead < 0 and not (lenient and opens and at_zero):
             return False
-        strips[g] = max(lead - 1, 0)
+        # A function that is zero throughout (a capacity that stays just reached) has no root.
+        strips[g] = max(lead - 1, 0) if lead != 0 else order + 1
     return True
 
 
@@ -871,6 +873,8 @@ def advance(  # type: ignore[no-untyped-def]
             factor, shift, strip = 1.0, 0.0, 0
             if check < n_guards:
                 row, entry, strip = n + check, 2 * n + check, strips[check]
+                if strip > order:
+                    continue
             elif check < n_guards + 2:
                 if has_angle == 0 or clock[ZONE_HIGH] == np.inf:
                     continue
