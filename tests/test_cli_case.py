@@ -323,7 +323,9 @@ class TestNew:
     @pytest.mark.parametrize("kind", list(all_analyses()))
     def test_every_setting_is_there(self, kind: str) -> None:
         analysis = all_analyses()[kind]
-        text = case_template(all_models()["belt-1dof"], analysis)
+        on_discs = any(setting.type == "points" for setting in analysis.settings)
+        model = all_models()["disc-rigid-contact" if on_discs else "belt-1dof"]
+        text = case_template(model, analysis)
         for setting in analysis.settings:
             text = text.replace(f"\n# {setting.name} = ", f"\n{setting.name} = ")
         given = parse_case(text, "new.toml").analyses[0].settings

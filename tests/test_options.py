@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from motions import analyse, defaults
 
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.load import parse_case
@@ -14,6 +15,7 @@ from fiv_cli.data.variables import variables_of
 from fiv_cli.errors import CaseError
 from fiv_cli.models import get_model
 from fiv_cli.models.disc import read_modes
+from fiv_cli.plate import AnnularPlate, mode
 from fiv_cli.sweep.again import find_point
 
 DISC = """
@@ -128,3 +130,59 @@ def test_a_point_is_found_by_its_modes(written: str) -> None:
     at = parse_places((f"modes={written},initial=rest",))
     point = find_point(parse_case(text, "a.toml"), at)
     assert point.place == {"modes": "0,0 0,1", "initial": "rest"}
+
+
+# --- displacement of a disc -----------------------------------------------------------------------
+def test_w_of_a_disc_is_the_sum_of_its_modes() -> None:
+    """At r0 the modal coordinates are displacements; elsewhere shapes give their ratio."""
+    model = get_model("disc-nonlinear-contact")
+    parameters, options = (
+        defaults(model, "coulomb"),
+        {**model.default_options(), "modes": "0,2 1,0"},
+    )
+    assert model.surface is not None
+    at_r0 = model.surface(parameters, options, parameters["r0"], np.pi / 8.0)
+    root = np.sqrt(0.5)
+    assert at_r0 == pytest.approx({"C_1_0": 1.0, "C_0_2": root, "D_0_2": root}, rel=1e-14)
+    edge = model.surface(parameters, options, 0.12, 0.0)
+    shape = mode(AnnularPlate(0.044, 0.12, 0.002, 7200.0, 150e9, 0.211), 0, 2).shape
+    assert edge["C_0_2"] == pytest.approx(float(shape(0.12) / shape(0.1)), rel=1e-14)
+    assert edge["D_0_2"] == 0.0
+    clamped = model.surface(parameters, options, 0.044, 0.3)
+    assert max(map(abs, clamped.values())) < 1e-12
+    assert np.isnan(model.surface(parameters, options, 0.13, 0.0)["C_1_0"])
+    assert model.surface(parameters, {**options, "geometry": "linear"}, 0.1, 0.0) == {}
+
+
+def test_w_over_time_and_at_rest() -> None:
+    options, places = {"modes": "0,0 0,2"}, ((0.1, 0.0), (0.12, 0.7))
+    start = {"u": -2e-2, "C_0_0": 1e-3, "D_0_2": 1e-3}
+    settings = {"t_end": 0.02, "sample": 0.01, "points": places}
+    outcome = analyse(
+        "disc-nonlinear-contact", "coulomb", "history", start, settings, None, options
+    )
+    found = outcome.values
+    np.testing.assert_allclose(found["w"][0], found["C_0_0"] + found["C_0_2"], rtol=1e-14)
+    assert found["w"].shape == (2, 3)
+    np.testing.assert_array_equal(found["point_radius"], [0.1, 0.12])
+    rest = analyse("disc-nonlinear-contact", "coulomb", "equilibrium", options=options).values
+    phi, u, c0, c2, d2 = rest["equilibrium"][0]
+    w = c0 + c2 * np.cos(2 * phi) + d2 * np.sin(2 * phi)
+    assert rest["w"][0] == pytest.approx(w, rel=1e-12)
+    spring = 5e4 * (w - u) + 1e6 * (w - u) ** 3
+    assert rest["F_N"][0] == pytest.approx(spring, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("model", "points", "words"),
+    [
+        ("belt-1dof", "[[0.1, 0.0]]", "has no elastic disc"),
+        ("excited-disc", "[[0.2, 0.0]]", "off the disc"),
+        ("excited-disc", "[0.1, 0.0]", "must be a list of two numbers"),
+        ("excited-disc", "[]", "must be a list of points"),
+    ],
+)
+def test_points_are_on_the_disc(model: str, points: str, words: str) -> None:
+    text = f'schema = 1\n[model]\nname = "{model}"\n[[analysis]]\nkind = "history"\nt_end = 1.0\n'
+    with pytest.raises(CaseError, match=words):
+        parse_case(text + f"points = {points}\n", "a.toml")

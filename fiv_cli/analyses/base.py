@@ -11,12 +11,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from fiv_cli.dynamics.schedule import STEADY, Points, Schedule
 from fiv_cli.dynamics.settings import Section, SolverSettings
 
 __all__ = [
+    "STEADY",
     "Analysis",
     "Outcome",
+    "Points",
     "Question",
+    "Schedule",
     "Section",
     "Setting",
     "SolverSettings",
@@ -34,8 +38,8 @@ class Setting:
     name : key
     type : "number", "integer", "string", "boolean", "section" (a table, see `Section`), "state"
         (the name of a state of the model), "parameter" (that of a parameter of the model or the
-        law, see `Varied`), "bracket" (its lowest and highest value, SI) or "question" (a table, see
-        `Question`)
+        law, see `Varied`), "bracket" (its lowest and highest value, SI), "question" (a table, see
+        `Question`) or "points" (on a disc: pairs of radius, m, and angle, rad)
     default : value when the key is left out; None: see `meaning`
     meaning : one line
     unit : unit of a number, for "30 s" strings

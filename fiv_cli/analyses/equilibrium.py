@@ -27,6 +27,7 @@ def run(
     """Equilibria, contact forces there and what is left of the equations (residual)."""
     from fiv_cli.analyses.equilibria import all_equilibria
     from fiv_cli.analyses.linearisation import sliding_system
+    from fiv_cli.analyses.surface import at_the_contact
 
     state = sliding_system(system, parameters, settings["system"])
     found = all_equilibria(state)
@@ -41,6 +42,8 @@ def run(
         return Outcome(status="failed", reason=found.reason, values=counts)
     forces = np.array([state.contact_forces(y) for y in solutions])
     m = len(system.coordinates)
+    if system.model.surface is not None:
+        counts["w"] = np.array([at_the_contact(system, parameters, y) for y in solutions])
     return Outcome(
         values=counts
         | {

@@ -35,6 +35,12 @@ SETTINGS = (
         minimum=0.0,
         exclusive=True,
     ),
+    Setting(
+        "points",
+        "points",
+        None,
+        "[radius (m), angle (rad)] on the disc, fixed in space, whose displacement w is given",
+    ),
 )
 
 
@@ -61,7 +67,8 @@ def run(
     from fiv_cli.analyses.recording import record
 
     assert start is not None
-    return record(system, parameters, start, sample_times(settings), solver)
+    places = settings.get("points") or ()
+    return record(system, parameters, start, sample_times(settings), solver, places)
 
 
 ANALYSIS = Analysis(

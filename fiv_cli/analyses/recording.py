@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from fiv_cli.analyses.common import (
     stopped,
     trust,
 )
+from fiv_cli.analyses.surface import Place, weights
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
@@ -31,8 +32,12 @@ def record(
     start: Start,
     times: Vector,
     solver: SolverSettings,
+    places: Sequence[Place] = (),
 ) -> Outcome:
-    """States, contact forces and energies at `times` (s, rising), and every event."""
+    """States, contact forces and energies at `times` (s, rising), and every event.
+
+    On discs also the displacement w at `places` (radius in m, angle in rad).
+    """
     motion = start_motion(system, parameters, start, solver, _equilibrium(system, parameters))
     if isinstance(motion, Outcome):
         return motion
@@ -42,6 +47,8 @@ def record(
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **_varying(system, times)}
+    if places:
+        outcome.values |= _surface(system, parameters, outcome.values, places)
     outcome.values |= trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger[:, 0],
@@ -91,6 +98,19 @@ def _curves(system: System, samples: Samples) -> dict[str, Any]:
     blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
     codes = np.where(taken[:, None], samples.codes, -1)
     return {**blanked, "contact_state": _contact_rows(codes)}
+
+
+def _surface(
+    system: System,
+    parameters: Mapping[str, float],
+    curves: Mapping[str, Any],
+    places: Sequence[Place],
+) -> dict[str, NDArray[np.float64]]:
+    """w over (place, time), and where the places are."""
+    coordinates = np.array([curves[name] for name in system.coordinates])
+    radius, angle = np.array(places, float).T
+    w = weights(system, parameters, places) @ coordinates
+    return {"w": w, "point_radius": radius, "point_angle": angle}
 
 
 def _varying(system: System, times: Vector) -> dict[str, Vector]:

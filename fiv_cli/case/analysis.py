@@ -127,6 +127,7 @@ class _Reader:
             "state": self.state,
             "parameter": self.parameter,
             "bracket": self.bracket,
+            "points": self.points,
             "question": self.question,
         }[setting.type]
         try:
@@ -228,6 +229,33 @@ class _Reader:
         if not ends[0] < ends[1]:
             raise ValueError(f"{ends[0]!r} is not below {ends[1]!r}")
         return ends
+
+    def points(
+        self, setting: Setting, value: object, place: Path
+    ) -> tuple[tuple[float, float], ...]:
+        if not isinstance(value, list) or not value:
+            raise ValueError(f"must be a list of points, not {describe(value)}")
+        found = []
+        for pair in value:
+            radius, angle = check_interval(pair)
+            found.append((convert(radius, "m"), convert(angle, "rad")))
+        if self.physics is not None:
+            self.check_points(found, self.physics, place)
+        return tuple(found)
+
+    def check_points(
+        self, points: Sequence[tuple[float, float]], physics: Physics, place: Path
+    ) -> None:
+        """Note points of a model without a disc, or off its disc where that is fixed."""
+        if physics.model.surface is None:
+            self.report.add(place, f"{physics.model.name} has no elastic disc to take points of")
+            return
+        a, b = (physics.fixed.get(name, physics.default(name)) for name in ("a", "b"))
+        varied = {"a", "b"} & {axis.name for axis in self.axes}
+        for index, (radius, _) in enumerate(points):
+            if not varied and not (a or 0.0) <= radius <= (b or 0.0):
+                message = f"the radius {radius!r} is off the disc"
+                self.report.add((*place, index), message, f"a = {a!r} to b = {b!r} m")
 
     def bracketed(self) -> Parameter | None:
         """The parameter that the bracket is of; None when there is none (noted elsewhere)."""
@@ -380,6 +408,7 @@ def _allowed(setting: Setting) -> str:
         "state": "the name of a state",
         "parameter": "the name of a parameter of the model or the law",
         "bracket": "[lowest, highest] value of the parameter",
+        "points": "[[radius, angle], ...]",
         "question": '{ variable = "attractor", expect = "periodic" }, or with expect = '
         '"not periodic" or { less_than = 0.1 }',
     }.get(setting.type, setting.type)

@@ -101,6 +101,7 @@ def _setting(setting: Setting) -> Schema:
         "state": {"type": "string"},
         "parameter": {"type": "string"},
         "bracket": INTERVAL_SCHEMA,
+        "points": {"type": "array", "items": INTERVAL_SCHEMA},
         "question": {"$ref": "#/$defs/QuestionTable"},
     }
     unit = "" if setting.unit == "1" else f" ({setting.unit})"

@@ -119,7 +119,8 @@ def _starts(model: Model) -> list[str]:
 
 def _analysis(model: Model, analysis: Analysis, varied: Parameter) -> list[str]:
     lines = ["[[analysis]]", f'kind = "{analysis.kind}"']
-    return lines + [_setting(model, setting, varied) for setting in analysis.settings]
+    suited = [s for s in analysis.settings if s.type != "points" or model.surface is not None]
+    return lines + [_setting(model, setting, varied) for setting in suited]
 
 
 def _setting(model: Model, setting: Setting, varied: Parameter) -> str:
@@ -139,6 +140,7 @@ def _value(model: Model, setting: Setting, varied: Parameter) -> str:
         "bracket": f"[{size / 2!r}, {2 * size!r}]",
         "state": f'"{model.states(model.default_options())[0].name}"',
         "section": '{ event = "slip->stick" }',
+        "points": "[[0.1, 0.0]]",
         "number": "30.0" if setting.required else "0.01",
         "question": '{ variable = "attractor", expect = "equilibrium" }',
         "integer": "1",

@@ -73,6 +73,8 @@ def variables_of(
     states = model.states(options)
     contact = ("contact",) if model.contacts > 1 else ()
     own = _BY_KIND[kind](states, contact, settings)
+    if kind == "equilibrium" and model.surface is not None:
+        own.append(Variable("w", "m", "displacement of the disc at the contact", ("solution",)))
     over_time = [Variable(p.name, p.unit, p.meaning, ("time",), symbol=p.symbol) for p in varying]
     return (STATUS, REASON, *own, *over_time)
 
@@ -139,7 +141,18 @@ def _history(
         Variable("event_to", "1", "contact after", (), "flag", "contact_state", ragged="event"),
         Variable("event_contact", "1", "contact, counted from 1", (), "int", ragged="event"),
         Variable("event_residual", "1", "switching function left at the event", ragged="event"),
+        *(_surface() if settings.get("points") else ()),
         *_solver_trust(),
+    ]
+
+
+def _surface() -> list[Variable]:
+    """The displacement of a disc at points that are fixed in space."""
+    point = ("point",)
+    return [
+        Variable("w", "m", "transverse displacement of the disc", ("point", "time"), symbol="w"),
+        Variable("point_radius", "m", "radius of the point", point, "coordinate", symbol="r"),
+        Variable("point_angle", "rad", "angle of the point", point, "coordinate", symbol=r"\theta"),
     ]
 
 

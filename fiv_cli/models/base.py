@@ -227,6 +227,8 @@ class Model:
     forcings : periodic excitations
     revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
     derived : numbers that are computed from the parameters, if any
+    surface : ``(parameters, options, radius, angle)`` -> coordinate -> its weight in the transverse
+        displacement of the disc there, in the space-fixed frame; None without an elastic disc
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     """
 
@@ -244,6 +246,9 @@ class Model:
     forcings: tuple[Forcing, ...] = ()
     revolution: Callable[[Mapping[str, float]], float] | None = None
     derived: Derived | None = None
+    surface: Callable[[Mapping[str, float], Options, float, float], Mapping[str, float]] | None = (
+        None
+    )
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

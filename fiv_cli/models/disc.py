@@ -22,13 +22,17 @@ that of the lowest mode. Each l >= 1 is a doublet: both C_kl and D_kl are there.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fiv_cli.models.base import Derived, Option, Options, Parameter, State
+
+if TYPE_CHECKING:
+    from fiv_cli.plate import AnnularPlate
 
 THESIS_MODES = "0,0 0,1 0,2 0,3"
 
@@ -129,7 +133,7 @@ def _names(options: Options) -> tuple[str, ...]:
 
 def _values(parameters: Mapping[str, float], options: Options) -> dict[str, float]:
     """omega_kl in rad/s and mobility_kl = R_kl(r0)^2/M_kl in 1/kg."""
-    plate = tuple(parameters[name] for name in ("a", "b", "h", "rho", "E", "nu"))
+    plate = plate_of(parameters)
     found = {}
     for k, n in modes(options):
         frequency, mobility = _mode(plate, parameters["r0"], k, n)
@@ -138,11 +142,45 @@ def _values(parameters: Mapping[str, float], options: Options) -> dict[str, floa
 
 
 @cache
-def _mode(plate: tuple[float, ...], radius: float, circles: int, diameters: int) -> Any:
-    from fiv_cli.plate import AnnularPlate, mode
+def _mode(plate: AnnularPlate, radius: float, circles: int, diameters: int) -> tuple[float, float]:
+    from fiv_cli.plate import mode
 
-    found = mode(AnnularPlate(*plate), circles, diameters)
+    found = mode(plate, circles, diameters)
     return found.frequency, found.inverse_modal_mass(radius)
+
+
+def plate_of(parameters: Mapping[str, float]) -> AnnularPlate:
+    """The plate that the parameters describe."""
+    from fiv_cli.plate import AnnularPlate
+
+    return AnnularPlate(*(parameters[name] for name in ("a", "b", "h", "rho", "E", "nu")))
+
+
+def surface(
+    parameters: Mapping[str, float], options: Options, radius: float, angle: float
+) -> dict[str, float]:
+    """Modal coordinate -> its weight in w(radius, angle): R(r)/R(r0) cos or sin of l theta.
+
+    NaN off the plate.
+    """
+    found = {}
+    for k, n in modes(options):
+        ratio = _ratio(plate_of(parameters), parameters["r0"], radius, k, n)
+        found[f"C_{k}_{n}"] = ratio * math.cos(n * angle)
+        if n:
+            found[f"D_{k}_{n}"] = ratio * math.sin(n * angle)
+    return found
+
+
+@cache
+def _ratio(plate: AnnularPlate, r0: float, radius: float, circles: int, diameters: int) -> float:
+    """R(radius)/R(r0)."""
+    from fiv_cli.plate import mode
+
+    if not plate.a <= radius <= plate.b:
+        return math.nan
+    shape = mode(plate, circles, diameters).shape
+    return float(shape(radius) / shape(r0))
 
 
 DERIVED = Derived(_names, _values, tuple(parameter.name for parameter in PLATE))

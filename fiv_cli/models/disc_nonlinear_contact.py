@@ -16,6 +16,7 @@ which is stick with mu_s = mu_k).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from fiv_cli.models import compliant_disc, disc
@@ -83,6 +84,15 @@ def equations(symbols: Any, options: Options) -> Equations:
     return compliant_disc.equations(symbols, options, plate, contact, 0, energy)
 
 
+def surface(
+    parameters: Mapping[str, float], options: Options, radius: float, angle: float
+) -> Mapping[str, float]:
+    """Weights of the modal coordinates; none on a rigid disc, where w = 0."""
+    if options["geometry"] == "linear":
+        return {}
+    return disc.surface(parameters, options, radius, angle)
+
+
 MODEL = Model(
     name="disc-nonlinear-contact",
     title="slider in nonlinear contact with a spinning elastic disc",
@@ -96,4 +106,5 @@ MODEL = Model(
     options=OPTIONS,
     revolution=lambda p: p["Omega"],
     derived=disc.DERIVED,
+    surface=surface,
 )

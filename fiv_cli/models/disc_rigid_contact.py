@@ -93,4 +93,5 @@ MODEL = Model(
     options=(disc.MODES, IMPACT, disc.SLOPE_FORCE, disc.DISC_DAMPING),
     revolution=lambda p: p["Omega"],
     derived=disc.DERIVED,
+    surface=disc.surface,
 )

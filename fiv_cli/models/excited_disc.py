@@ -88,4 +88,5 @@ MODEL = Model(
     forcings=(Forcing("A", lambda p: p["R"] * p["omega_cr"], "tangential harmonic force"),),
     revolution=lambda p: p["Omega"],
     derived=Derived(_names, _values, disc.DERIVED.sources),
+    surface=disc.surface,
 )

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.base import Points
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
@@ -26,7 +27,6 @@ from fiv_cli.case.report import dotted
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.variables import Variable
-from fiv_cli.dynamics.schedule import Points
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model

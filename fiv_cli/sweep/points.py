@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import SolverSettings, Start, friction_rises
+from fiv_cli.analyses.base import STEADY, Schedule, SolverSettings, Start, friction_rises
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
-from fiv_cli.dynamics.schedule import STEADY, Schedule
 
 Values = tuple[Any, ...]
 
