@@ -233,6 +233,26 @@ def crossings():
     )
 
 
+def boundaries():
+    """Stick-slip ends in an equilibrium; at the last point in something undecided."""
+    preload = np.array([20.0, 30.0, 40.0])
+    dims, below = ("N0", "crossing"), np.full((3, 1), "periodic", dtype=object)
+    above = np.array([["equilibrium"], ["equilibrium"], ["undecided"]], dtype=object)
+    named = {"units": "rad s-1", "long_name": "Omega at which the answer changes"}
+    width = np.array([[0.5], [0.5], [2.0]])
+    return xr.Dataset(
+        {
+            "status": (("N0",), codes(STATUS, ["ok"] * 3), status_flag()),
+            "boundary": (dims, np.array([[4.0], [7.0], [10.0]]), named),
+            "boundary_width": (dims, width, {"units": "rad s-1", "long_name": "width"}),
+            "class_below": (dims, codes(ATTRACTORS, below), flag(ATTRACTORS)),
+            "class_above": (dims, codes(ATTRACTORS, above), flag(ATTRACTORS)),
+        },
+        {"N0": axis("N0", preload, "N_0", "N", "normal preload")},
+        attributes(title="Existence of stick-slip"),
+    )
+
+
 def eigenvalues():
     """Two modes that lock in at mu_k = 0.5; one point was not computed."""
     mu = np.linspace(0.0, 1.0, 41)

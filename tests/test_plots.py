@@ -142,6 +142,18 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     assert ax.get_legend() is None
 
 
+def test_a_curve_of_boundaries_says_what_lies_below_and_above_and_how_well_it_is_known():
+    dataset = data.boundaries()
+    (ax,) = draw(dataset, figure("curve")).axes
+    assert legend_texts(ax) == ["periodic to equilibrium", "periodic to undecided"]
+    np.testing.assert_array_equal(
+        marks(ax, "periodic to equilibrium"), [[20, 4], [30, 7], [40, np.nan]]
+    )
+    pieces = [np.array(piece) for bar in ax.collections for piece in bar.get_segments()]
+    heights = [np.ptp(piece[:, 1]) for piece in pieces if len(piece)]
+    assert sorted(h for h in heights if np.isfinite(h)) == pytest.approx([0.5, 0.5, 2.0])
+
+
 def test_a_curve_runs_along_the_longest_axis_unless_the_figure_says_otherwise():
     dataset = data.stability_map(nx=3, ny=50)
     drawn = draw(dataset, figure("curve", variable="L_s"))

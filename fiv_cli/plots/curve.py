@@ -21,11 +21,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # What a curve shows unless the figure says otherwise: the first of these that is there.
-PREFERRED = ("L_s", "growth_rate", "critical_value", "n_solutions", "attractor")
+PREFERRED = (
+    "L_s",
+    "growth_rate",
+    "critical_value",
+    "boundary",
+    "cycle_highest",
+    "cycle_period",
+    "n_solutions",
+    "attractor",
+)
 
 CLASS_SHIFT = 0.06
 
-SORTS = ("crossing_kind", "crossing_direction")
+# The pairs of classes that tell crossings apart, and how they are put into words.
+SORTS = {
+    ("crossing_kind", "crossing_direction"): "{} {}",
+    ("class_below", "class_above"): "{} to {}",
+}
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -47,6 +60,8 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
         y = curve.y + classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
         mark = "." if classes or entry.scattered else ".-"
         ax.plot(curve.x, y, mark, ms=3, color=entry.colour, label=entry.label)
+        if curve.width is not None:
+            ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
     _dress(ax, layers, names, settings)
     return figure
 
@@ -68,12 +83,13 @@ def variables_of(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
 
 @dataclass(frozen=True)
 class _Curve:
-    """One line: the words for its variable, those for its place, and its points."""
+    """One line: the words for its variable, those for its place, its points and their width."""
 
     name: str
     label: str
     x: np.ndarray
     y: np.ndarray
+    width: np.ndarray | None = None
 
 
 def _curves(layer: points.Layer, name: str, settings: Mapping[str, Any]) -> list[_Curve]:
@@ -88,7 +104,7 @@ def _curves(layer: points.Layer, name: str, settings: Mapping[str, Any]) -> list
             f"it varies along: {', '.join(map(str, array.dims)) or 'nothing'}"
         )
     x, words = points.positions(axis), labels.axis_label(dataset[name])
-    if "crossing" in array.dims and all(sort in dataset for sort in SORTS):
+    if "crossing" in array.dims and _sorting(dataset):
         return _by_sort(layer, array, x, dim)
     return [
         _Curve(words, points.joined(layer.label, line.label), x, array.isel(line.index).values)
@@ -108,20 +124,41 @@ def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) 
     for line in points.lines(dataset, [dim], along):
         for sort, mask in sorts.items():
             values = array.where(mask).isel(line.index).transpose("crossing", dim).values
+            widths = _widths(dataset, array).isel(line.index).transpose("crossing", dim).values
             label = points.joined(layer.label, line.label, sort if len(sorts) > 1 else "")
-            curves += [_Curve(words, label, x, y) for y in values if np.any(np.isfinite(y))]
+            curves += [
+                _Curve(words, label, x, y, width)
+                for y, width in zip(values, widths, strict=True)
+                if np.any(np.isfinite(y))
+            ]
     return curves
+
+
+def _widths(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
+    """How well each crossing is known; 0 for a variable that does not say."""
+    named = {"critical_value": "critical_width", "boundary": "boundary_width"}
+    name = named.get(str(array.name), "")
+    return numbers(dataset[name]) if name in dataset else array * 0.0
+
+
+def _sorting(dataset: xr.Dataset) -> tuple[str, str] | None:
+    """The pair of classes that tells the crossings of a dataset apart, if it has one."""
+    return next((pair for pair in SORTS if all(name in dataset for name in pair)), None)
 
 
 def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """What crossings there are (``jump to stable``) -> which ones are of that kind."""
-    tables = [flag_names(dataset[name].attrs) for name in SORTS]
+    pair = _sorting(dataset)
+    if pair is None:
+        return {}
+    first, second = (dataset[name] for name in pair)
+    tables = [flag_names(first.attrs), flag_names(second.attrs)]
     found = {}
     for kind, direction in product(*tables):
-        mask = (dataset[SORTS[0]] == kind) & (dataset[SORTS[1]] == direction)
+        mask = (first == kind) & (second == direction)
         if bool(mask.any()) and NOT_COMPUTED not in (tables[0][kind], tables[1][direction]):
-            words = f"{tables[0][kind]} {tables[1][direction]}".replace("_", " ")
-            found[words] = mask
+            words = SORTS[pair].format(tables[0][kind], tables[1][direction])
+            found[words.replace("_", " ")] = mask
     return found
 
 
