@@ -10,7 +10,10 @@ import pytest
 from motions import analyse, defaults, system
 
 from fiv_cli.analyses.equilibria import all_equilibria, equilibria, sliding
+from fiv_cli.codegen.reduce import derive_statics
 from fiv_cli.data.flags import reason_code
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
 from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter, State
 
 # Thesis 6.4.2.1: mu_k, then x1, y1, x2, y2, phi. At 1.4 the thesis prints x1 with a minus sign,
@@ -30,7 +33,8 @@ EIGENVALUES = (
 
 def found_at(model: str | Model, options: dict[str, str] | None = None, **changes: float) -> Any:
     """The equilibria under Coulomb friction, and the sliding system."""
-    state = sliding(system(model, options=options), defaults(model, "coulomb", **changes))
+    built = system(model, options=options, rtol=1e-9)
+    state = sliding(built, defaults(model, "coulomb", **changes))
     return all_equilibria(state), state
 
 
@@ -115,6 +119,59 @@ def test_a_stiff_contact_leaves_one_equilibrium(slope_force: str, mu_k: float) -
     assert np.max(np.abs(state.rates(found.states[0]))) < 1e-12 * 1000.0
 
 
+# --- discs ----------------------------------------------------------------------------------------
+def yielding(state: Any) -> float:
+    """What the disc yields under the contact, m/N: the sum of R^2/(M (omega^2 - l^2 Omega^2))."""
+    names = state.system.generated.parameter_names
+    known = dict(zip(names, state.parameters, strict=True))
+    modes = [name.split("_")[1:] for name in names if name.startswith("mobility_")]
+    return float(
+        sum(
+            known[f"mobility_{k}_{n}"]
+            / (known[f"omega_{k}_{n}"] ** 2 - int(n) ** 2 * known["Omega"] ** 2)
+            for k, n in modes
+        )
+    )
+
+
+def test_a_rigid_contact_on_a_disc_in_closed_form() -> None:
+    """N = N0 / (1 + k_z S), whatever the friction does to the angle."""
+    found, state = found_at("disc-rigid-contact", {"modes": "0,1"}, mu_k=0.4, mu_s=0.8)
+    assert len(found.states) == 1 and found.certified
+    normal, tangential, _ = state.contact_forces(found.states[0])[0]
+    assert normal == pytest.approx(500.0 / (1.0 + 3e4 * yielding(state)), rel=1e-12)
+    assert tangential == pytest.approx(0.4 * normal, rel=1e-13)
+    assert np.max(np.abs(state.rates(found.states[0]))) < 1e-11 * 500.0
+
+
+@pytest.mark.parametrize("model", ["disc-rigid-contact", "excited-disc", "disc-nonlinear-contact"])
+@pytest.mark.parametrize("slope_force", ["omit", "include"])
+def test_modes_of_a_disc_leave_a_polynomial(model: str, slope_force: str) -> None:
+    """The two parts of a doublet combine, in the slope at the contact too."""
+    table, law = get_model(model), get_law("exponential")
+    options = table.default_options() | {"modes": "0,1 0,2", "slope_force": slope_force}
+    first = derive_statics(table, law, options, {}).reductions[0]
+    assert first.scalar == "F_N.0"
+    assert first.eliminated == ("C_0_1", "D_0_1", "C_0_2", "D_0_2")
+
+
+@pytest.mark.parametrize(("F", "k_nl"), [(1000.0, 1e6), (1e4, 1e8), (1e4, 0.0)])
+def test_a_compliant_contact_on_a_disc_is_a_cubic(F: float, k_nl: float) -> None:
+    """r0 phi = ((1 + mu) N - F) / k1, u = r0 phi - 2 (F - N) / k3, d = -S N - u and
+    N = k2 d + k_nl d^3."""
+    modes = {"modes": "0,1"}
+    found, state = found_at("disc-nonlinear-contact", modes, F=F, k_nl=k_nl, mu_k=0.3)
+    k1, k2, k3 = 1e5, 5e4, 6e4
+    slope = -yielding(state) - 1.3 / k1 - 2.0 / k3
+    d = np.polynomial.Polynomial([F / k1 + 2.0 * F / k3, slope])
+    roots = (k_nl * d**3 + k2 * d - np.polynomial.Polynomial([0.0, 1.0])).roots()
+    (normal,) = roots[np.abs(roots.imag) < 1e-6 * np.abs(roots)].real
+    (solution,) = found.states
+    assert state.contact_forces(solution)[0, 0] == pytest.approx(normal, rel=1e-11)
+    assert solution[0] == pytest.approx((1.3 * normal - F) / k1 / 0.1, rel=1e-11)
+    assert found.certified and found.n_complex == (2 if k_nl else 0)
+
+
 # --- why there is none ----------------------------------------------------------------------------
 def test_a_contact_that_would_have_to_pull_keeps_a_solution_out() -> None:
     """An upward preload is held by a bilateral contact only."""
@@ -145,7 +202,7 @@ def test_at_divergence_the_stiffness_is_singular_and_beyond_it_the_contact_would
     found = {}
     for name, mu in {"below": 0.99 * critical, "at": critical, "above": 1.01 * critical}.items():
         found[name], _ = found_at("flutter-2dof", {"states": states}, alpha1=2.4, mu_k=mu, mu_s=mu)
-    assert found["at"].reason == "singular_equilibrium" and not found["at"].certified
+    assert found["at"].reason == "singular_equilibrium"
     assert (len(found["below"].states), found["below"].reason) == (1, "")
     beyond = "" if states == "slip" else "contact_would_pull"
     assert (found["above"].reason, found["above"].certified) == (beyond, True)

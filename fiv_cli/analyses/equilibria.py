@@ -17,7 +17,13 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.statics import Reduction, Statics, generate_statics, load_reduction
+from fiv_cli.codegen.statics import (
+    Loaded,
+    Reduction,
+    Statics,
+    generate_statics,
+    load_reduction,
+)
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import BOUND, call
 from fiv_cli.dynamics.system import System, Vector
@@ -198,7 +204,7 @@ def _is_held(state: Sliding, y: Vector) -> bool:
 
 # --- by one polynomial ----------------------------------------------------------------------------
 @cache
-def _loaded(reduction: Reduction) -> tuple[object, int]:
+def _loaded(reduction: Reduction) -> Loaded:
     return load_reduction(reduction)
 
 
@@ -210,14 +216,14 @@ def _reduced(state: Sliding, reduction: Reduction) -> Equilibria | None:
     values = np.zeros(reduction.n_slots)
     known = dict(zip(state.system.generated.parameter_names, state.parameters, strict=True))
     arguments = np.array([known[name] for name in reduction.parameters])
-    call(_loaded(reduction)[1], values, 0.0, arguments, values)
-    if not np.any(values[list(reduction.denominator)]):
+    call(_loaded(reduction).statics, values, 0.0, arguments, values)
+    if not np.any(values[list(reduction.denominator)]) or not np.all(np.isfinite(values)):
         return None
     roots = _roots(values[list(reduction.closure)])
     nearly = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
     found: list[Vector] = []
     for scalar in np.sort(nearly):
-        _keep(found, _newton(state, _inserted(state, reduction, values, float(scalar))))
+        _keep(found, _newton(state, _inserted(state, reduction, values, arguments, float(scalar))))
     missing = len(roots) - len(found)
     certified = missing % 2 == 0 and not _undetermined(reduction, values)
     n_complex = missing if certified else None
@@ -235,18 +241,23 @@ def _why_none(state: Sliding) -> str:
 
 
 def _roots(coefficients: Vector) -> NDArray[np.complex128]:
-    """Roots of a polynomial given from s^0 upwards; none where it is not finite."""
-    if not np.all(np.isfinite(coefficients)):
-        return np.zeros(0, complex)
+    """Roots of a polynomial given from s^0 upwards."""
     return np.roots(coefficients[::-1]).astype(complex)
 
 
-def _inserted(state: Sliding, reduction: Reduction, values: Vector, scalar: float) -> Vector:
+def _inserted(
+    state: Sliding, reduction: Reduction, values: Vector, arguments: Vector, scalar: float
+) -> Vector:
     """State vector of the solution with this value of the scalar."""
     denominator = np.polyval(values[list(reduction.denominator)][::-1], scalar)
     known = {reduction.scalar: scalar}
     for name, slots in zip(reduction.unknowns, reduction.numerators, strict=True):
         known[name] = float(np.polyval(values[list(slots)][::-1], scalar) / denominator)
+    taken_out = np.zeros(len(reduction.eliminated))
+    if len(taken_out):
+        solved = np.concatenate([arguments, list(known.values())])
+        call(_loaded(reduction).eliminated, taken_out, 0.0, solved, taken_out)
+    known |= dict(zip(reduction.eliminated, map(float, taken_out), strict=True))
     return state.system.state_vector(known)
 
 

@@ -11,9 +11,10 @@ import sympy
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
+from fiv_cli.codegen.eliminate import without_modes
 from fiv_cli.codegen.emit import constants
 from fiv_cli.codegen.graph import Graph, Node
-from fiv_cli.codegen.statics import FUNCTION, Reduction, Slots, Statics
+from fiv_cli.codegen.statics import ELIMINATED, FUNCTION, Reduction, Slots, Statics
 from fiv_cli.codegen.symbols import Symbols
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Model
@@ -29,10 +30,15 @@ def derive_statics(
     contacts = model.equations(symbols, options).contacts
     rest = _at_rest(model, law, options, symbols)
     return Statics(
-        bilateral=tuple(contact.sliding_only for contact in contacts),
+        bilateral=tuple(map(_is_bilateral, contacts)),
         determined=tuple(c.gap_coordinate for c in contacts if c.gap_coordinate is not None),
         reductions=() if rest is None else tuple(islice(_reductions(rest), MOST_REDUCTIONS)),
     )
+
+
+def _is_bilateral(contact: Contact) -> bool:
+    ends = contact.gap is not None or contact.ends_at_zero_normal_force
+    return contact.sliding_only and not ends
 
 
 @dataclass
@@ -43,6 +49,7 @@ class _Rest:
     ----------
     unknowns : normal forces, then coordinates
     equations : expressions that vanish: of each contact, then of each coordinate
+    eliminated : coordinates that are none of the unknowns any more -> their values
     parameters : symbol of each parameter -> its name
     names : of the parameters, in order
     atoms : functions of parameters alone -> the symbol that stands for each
@@ -50,6 +57,7 @@ class _Rest:
 
     unknowns: list[Any]
     equations: list[Any]
+    eliminated: dict[Any, Any]
     parameters: dict[Any, str]
     names: tuple[str, ...]
     atoms: dict[Any, Any] = field(default_factory=dict)
@@ -75,6 +83,7 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     own = {parameter.name for parameter in model.parameters}
     listed = [p.name for p in model.parameters]
     listed += [p.name for p in law.parameters if p.name not in own]
+    listed += model.derived.names(options) if model.derived else ()
     listed += () if model.derived is None else model.derived.names(options)
     parameters = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
     parameters |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
@@ -93,9 +102,21 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     }
     vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
     vanishing += [equations.accelerations[name] for name in names]
-    rest = _Rest(unknowns, [], parameters, tuple(parameters.values()))
-    for expression in vanishing:
-        numerator = _numerator(rest, sympy.sympify(expression).subs(forces).subs(still))
+    exact = [sympy.sympify(e).subs(forces).subs(still) for e in vanishing]
+    return _polynomial(dict(zip(unknowns, exact, strict=True)), unknowns[count:], parameters)
+
+
+def _polynomial(
+    vanishing: Mapping[Any, Any], coordinates: Sequence[Any], parameters: dict[Any, str]
+) -> _Rest | None:
+    """What vanishes, as polynomials; None where that is impossible."""
+    left = without_modes(vanishing, coordinates)
+    if left is None:
+        return None
+    unknowns = list(left.expressions)
+    rest = _Rest(unknowns, [], left.values, parameters, tuple(parameters.values()))
+    for expression in left.expressions.values():
+        numerator = _numerator(rest, expression)
         if not numerator.is_polynomial(*unknowns):
             return None
         rest.equations.append(numerator)
@@ -148,8 +169,15 @@ def _candidates(rest: _Rest) -> Iterator[tuple[Any, int]]:
 
 
 def _degree(expression: Any, unknowns: Sequence[Any]) -> int:
-    """Total degree in `unknowns`."""
-    return int(sympy.Poly(expression, *unknowns).total_degree()) if unknowns else 0
+    """Total degree in `unknowns` as the expression is written (not multiplied out)."""
+    if expression in unknowns:
+        return 1
+    if not expression.free_symbols & set(unknowns):
+        return 0
+    if expression.is_Pow:
+        return int(expression.exp) * _degree(expression.base, unknowns)
+    degrees = [_degree(argument, unknowns) for argument in expression.args]
+    return max(degrees) if expression.is_Add else sum(degrees)
 
 
 def _solve(equations: Sequence[Any], unknowns: Sequence[Any], scalar: Any) -> list[Any] | None:
@@ -188,7 +216,8 @@ def _written(
         denominator=denominator,
         closure=writer.slots(inserted.value(closure).above),
         n_slots=len(writer.nodes),
-        text=writer.text(),
+        eliminated=tuple(map(_name, rest.eliminated)),
+        text=writer.text([scalar, *others]),
     )
 
 
@@ -221,9 +250,15 @@ class _Writer:
         self.nodes += polynomial
         return tuple(range(first, len(self.nodes)))
 
-    def text(self) -> str:
-        """The function, of parameters alone."""
-        return "\n".join(constants(FUNCTION, self.nodes, self.rest.names)) + "\n"
+    def text(self, solved: Sequence[Any]) -> str:
+        """The function of parameters alone, and that of what is `solved` beside them."""
+        lines = constants(FUNCTION, self.nodes, self.rest.names)
+        inner = {symbol: self.graph.parameter(_name(symbol)) for symbol in solved}
+        values = self.rest.eliminated.values()
+        nodes = [self.graph.build(value, self.leaves | inner) for value in values]
+        if nodes:
+            lines += constants(ELIMINATED, nodes, (*self.rest.names, *map(_name, solved)))
+        return "\n".join(lines) + "\n"
 
 
 @dataclass(frozen=True)

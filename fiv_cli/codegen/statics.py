@@ -5,8 +5,9 @@ them, the *scalar* s, is fixed: the coordinates of a belt under a given normal f
 So ``A(s) u = b(s)`` gives ``u = numerator(s) / denominator(s)``, and the equation that is left,
 the *closure*, becomes a polynomial in s alone, whose real roots are all the equilibria there are.
 
-Generated is one function from the parameters to the coefficients of these polynomials. Models
-that cannot be reduced so (a coordinate inside a sine) have no reduction.
+Generated is one function from the parameters to the coefficients of these polynomials. The modes
+of a disc, which turn with the slider's angle, are taken out before (see ``eliminate.py``); a second
+function gives them back. Models that cannot be reduced so have no reduction.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model
 
-FUNCTION = "statics"
+FUNCTION, ELIMINATED = "statics", "eliminated"
 ORDER = 0  # no Taylor series: what stands for the order in the key
 
 Slots = tuple[int, ...]
@@ -42,7 +43,9 @@ class Reduction:
     denominator : of all of them
     closure : the polynomial whose roots are the equilibria
     n_slots : how many values the function writes
-    text : the function, ``statics(c, t, parameters, slots)``
+    eliminated : coordinates that were taken out before
+    text : ``statics(c, t, parameters, slots)`` and, where something was taken out before,
+        ``eliminated(c, t, y, values)`` with y the parameters, the scalar and the unknowns
     """
 
     parameters: tuple[str, ...]
@@ -52,6 +55,7 @@ class Reduction:
     denominator: Slots
     closure: Slots
     n_slots: int
+    eliminated: tuple[str, ...]
     text: str
 
 
@@ -86,10 +90,21 @@ def generate_statics(
     return _from_json(json.loads(stored))
 
 
-def load_reduction(reduction: Reduction) -> tuple[Any, int]:
-    """Engine (keep it alive) and address of the function of `reduction`."""
+@dataclass(frozen=True)
+class Loaded:
+    """Addresses of the functions of a reduction (0: none); `engine` keeps their code alive."""
+
+    engine: Any
+    statics: int
+    eliminated: int
+
+
+def load_reduction(reduction: Reduction) -> Loaded:
+    """The functions of `reduction`, compiled unless the cache has them."""
     engine = load_text(reduction.text)
-    return engine, int(engine.get_function_address(FUNCTION))
+    names = (FUNCTION, ELIMINATED if reduction.eliminated else "")
+    addresses = (int(engine.get_function_address(name)) if name else 0 for name in names)
+    return Loaded(engine, *addresses)
 
 
 def _from_json(content: dict[str, Any]) -> Statics:
@@ -109,5 +124,6 @@ def _reduction(found: dict[str, Any]) -> Reduction:
         denominator=tuple(found["denominator"]),
         closure=tuple(found["closure"]),
         n_slots=found["n_slots"],
+        eliminated=tuple(found["eliminated"]),
         text=found["text"],
     )
