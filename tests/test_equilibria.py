@@ -149,10 +149,10 @@ def test_a_rigid_contact_on_a_disc_in_closed_form() -> None:
 def test_modes_of_a_disc_leave_a_polynomial(model: str, slope_force: str) -> None:
     """The two parts of a doublet combine, in the slope at the contact too."""
     table, law = get_model(model), get_law("exponential")
-    options = table.default_options() | {"modes": "0,1 0,2", "slope_force": slope_force}
+    options = table.default_options() | {"modes": "0,1", "slope_force": slope_force}
     first = derive_statics(table, law, options, {}).reductions[0]
     assert first.scalar == "F_N.0"
-    assert first.eliminated == ("C_0_1", "D_0_1", "C_0_2", "D_0_2")
+    assert first.eliminated == ("C_0_1", "D_0_1")
 
 
 @pytest.mark.parametrize(("F", "k_nl"), [(1000.0, 1e6), (1e4, 1e8), (1e4, 0.0)])
