@@ -266,6 +266,23 @@ def test_flutter_in_a_narrow_window_is_not_missed(width: float) -> None:
     assert kinds(found) == [("root", "to_unstable"), ("root", "to_stable")]
 
 
+@pytest.mark.parametrize("coupling", [0.3, 0.03, 0.003, 3e-5])
+def test_weakly_coupled_modes_that_pass_flutter_in_between(coupling: float) -> None:
+    """Far from where they pass nothing tells that two damped modes are coupled at all."""
+    centre, damping = 0.4871, coupling / 2.0
+
+    def probe(at: float) -> Sample:
+        rates = np.diag([2.0 + 4.0 * at, 2.0 + 4.0 * centre]) * 1j - damping * np.eye(2)
+        values, shapes = np.linalg.eig(rates + coupling * np.array([[0.0, 1.0], [1.0, 0.0]]))
+        order = np.argsort(values.imag)
+        return Sample(at, values[order], shapes.T[order])
+
+    found = find_crossings(probe, 0.0, 1.0)
+    reach = sqrt(coupling**2 - damping**2) / 2.0
+    np.testing.assert_allclose([c.value for c in found], [centre - reach, centre + reach])
+    assert kinds(found) == [("root", "to_unstable"), ("root", "to_stable")]
+
+
 def test_modes_that_pass_each_other_keep_their_numbers() -> None:
     """The third mode begins above the others, passes them and crosses last."""
     found = find_crossings(

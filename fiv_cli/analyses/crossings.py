@@ -32,7 +32,7 @@ NARROWEST = 2.0**-20  # share of the bracket at which a piece is not divided any
 MOST_SAMPLES = 20_000
 BENT = 0.25  # largest departure from a straight line, over the change of a real part with a root
 MARGIN = 2.0  # by which departures from a straight line must be smaller than what they could hide
-MEET = 1e-7  # departures below this share of the largest eigenvalue do not let two modes meet
+MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
 JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
 HALVINGS = 64
 ULP = float(np.finfo(float).eps)
@@ -251,12 +251,13 @@ class _Scan:
         def eigenvalue(at: float) -> complex:
             return complex(self.between(left, right, at).values[mode])
 
-        def growth(at: float) -> float:
-            return eigenvalue(at).real
+        def rising(at: float) -> float:
+            growth = eigenvalue(at).real
+            return growth if right.growing[mode] else -growth
 
         resolution = 4.0 * ULP * max(abs(left.at), abs(right.at))
-        value = float(brentq(growth, left.at, right.at, xtol=resolution, rtol=4.0 * ULP))
-        low, high = _straddled(growth, value, resolution, left.at, right.at)
+        value = float(brentq(rising, left.at, right.at, xtol=resolution, rtol=4.0 * ULP))
+        low, high = _straddled(rising, value, resolution, left.at, right.at)
         return Crossing(
             value=value,
             width=high - low,
@@ -304,23 +305,22 @@ def _is_resolved(left: Sample, middle: Sample, right: Sample) -> bool:
         return False
     if not left.exists:
         return True
-    bend = middle.values - (left.values + right.values) / 2.0
     samples = np.array([left.values, middle.values, right.values])
     scale = float(np.abs(samples).max())
-    signs_told = _signs_are_told(samples.real, np.abs(bend.real), NEUTRAL * scale)
-    return bool(np.all(signs_told) and _cannot_meet(samples, np.abs(bend), scale))
+    signs_told = _signs_are_told(samples.real, NEUTRAL * scale)
+    return bool(np.all(signs_told) and _cannot_meet(samples, scale))
 
 
-def _signs_are_told(growth: Real, bend: Real, rounding: float) -> NDArray[np.bool_]:
+def _signs_are_told(growth: Real, rounding: float) -> NDArray[np.bool_]:
     """For each mode, whether its real part has no zero in a piece, or just one, or is zero.
 
     Parameters
     ----------
     growth : real parts at the left end, in the middle and at the right end, (3, modes)
-    bend : distance of the middle one from the straight line, (modes,)
     rounding : what a vanishing real part may be
     """
     left, middle, right = growth
+    bend = np.abs(middle - (left + right) / 2.0)
     zero = np.abs(growth) <= rounding
     one_sided = np.all(growth > rounding, axis=0) | np.all(growth < -rounding, axis=0)
     away = one_sided & (np.abs(growth).min(axis=0) > MARGIN * bend)
@@ -333,12 +333,20 @@ def _signs_are_told(growth: Real, bend: Real, rounding: float) -> NDArray[np.boo
     return result
 
 
-def _cannot_meet(samples: Complex, bend: Real, scale: float) -> bool:
-    """Whether no two modes come so near that they could merge unseen inside the piece."""
-    gaps = np.abs(samples[:, :, None] - samples[:, None, :]).min(axis=0)
-    hidden = bend[:, None] + bend[None, :]
-    apart = (gaps > MARGIN * hidden) | (hidden <= MEET * scale)
-    return bool(np.all(apart | np.eye(len(bend), dtype=bool)))
+def _cannot_meet(samples: Complex, scale: float) -> bool:
+    """Whether no two modes come so near that they could merge unseen inside the piece.
+
+    Their difference must not turn by more than its own size: else they may pass each other, and
+    modes that pass interact.
+
+    Parameters
+    ----------
+    samples : eigenvalues at the left end, in the middle and at the right end, (3, modes)
+    """
+    apart = samples[:, :, None] - samples[:, None, :]
+    change = np.abs(np.diff(apart, axis=0)).sum(axis=0)
+    told = change <= np.abs(apart).min(axis=0)
+    return bool(np.all(told | (change <= MEET * scale)))
 
 
 def _count(sample: Sample) -> int:
@@ -355,12 +363,15 @@ def _same_count(left: Sample, right: Sample) -> Callable[[Sample], bool]:
 
 
 def _straddled(
-    growth: Callable[[float], float], value: float, step: float, lowest: float, highest: float
+    rising: Callable[[float], float], value: float, step: float, lowest: float, highest: float
 ) -> tuple[float, float]:
-    """The narrowest interval about a root, doubled from `step`, at whose ends the signs differ."""
+    """The narrowest interval about a root, doubled from `step`, across which `rising` rises.
+
+    At a distance of rounding it may do anything.
+    """
     for _ in range(HALVINGS):
         low, high = max(value - step, lowest), min(value + step, highest)
-        if growth(low) * growth(high) < 0.0:
+        if rising(low) < 0.0 < rising(high):
             return low, high
         step *= 2.0
     return lowest, highest
