@@ -82,7 +82,7 @@ def steady_spectrum(
     if found.carry is None:
         return outcome
     if kept["attractor"] == "equilibrium":
-        outcome.values |= _at_rest(found, settings)
+        outcome.values |= _at_rest(found.values[f"{_observed(system, settings)}_min"], settings)
         return outcome
     return _with_lines(outcome, system, parameters, settings, solver)
 
@@ -91,11 +91,8 @@ def _observed(system: System, settings: Mapping[str, Any]) -> str:
     return str(settings["observe"] or system.state_names[0])
 
 
-def _at_rest(found: Outcome, settings: Mapping[str, Any]) -> dict[str, Any]:
+def _at_rest(mean: float, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Nothing moves: no amplitude anywhere."""
-    name = settings["observe"]
-    least = [key for key in found.values if key.endswith("_min")]
-    mean = found.values[f"{name}_min" if name else least[0]]
     return {"amplitude": np.zeros(len(frequencies(settings))), "mean": mean, "variance_shown": 1.0}
 
 
