@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from small_models import BALL, BOUNCER, TWO_BOUNCERS
 
 from fiv_cli.analyses.base import Section, Start
+from fiv_cli.analyses.steady_state import _Exponent
 from fiv_cli.codegen.generate import FLOW, TANGENT
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion
@@ -81,6 +82,20 @@ def test_exponent_and_multipliers_of_an_impacting_response() -> None:
     expected = np.sort(np.abs(multipliers_of_ball(phase)))[::-1]
     np.testing.assert_allclose(found.values["floquet_multiplier"], expected, rtol=1e-6)
     assert found.values["lyapunov"] == pytest.approx(log(expected[0]) / PERIOD, rel=1e-5)
+
+
+def test_a_tangent_grows_through_impacts_by_the_largest_multiplier() -> None:
+    """What an exponent is made of, on the unstable bounce, before rounding leaves it."""
+    phase = impact_phases()[1]
+    start, begun = flying(phase)
+    ball = motion(BALL, start=start, time=begun)
+    growth = _Exponent(ball, autonomous=False)
+    for period in range(1, 19):
+        ball.run(begun + period * PERIOD)
+        growth.update()
+    largest = np.max(np.abs(multipliers_of_ball(phase)))
+    assert growth.growths[-1] == pytest.approx(log(largest), rel=1e-6)
+    assert ball.counters[kernel.IMPACTS] == 18
 
 
 # --- neighbours of the motion --------------------------------------------------------------------
