@@ -27,7 +27,17 @@ ATTRACTORS = (
 )
 TRENDS = ("increasing", "decreasing")
 
-_OWN_DIMS = ("mode", "solution", "state", "contact", "multiplier", "frequency", "crossing", "range", "scan")
+_OWN_DIMS = (
+    "mode",
+    "solution",
+    "state",
+    "contact",
+    "multiplier",
+    "frequency",
+    "crossing",
+    "range",
+    "scan",
+)
 _BOUND = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _CONDITION = re.compile(
     rf"\s*(?:(?P<low>{_BOUND})\s*(?P<above><=?)\s*)?\.(?:\s*(?P<below><=?|>=?)\s*(?P<high>{_BOUND}))?\s*"
