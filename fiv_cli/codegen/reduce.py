@@ -17,7 +17,7 @@ from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.statics import ELIMINATED, FUNCTION, Reduction, Slots, Statics
 from fiv_cli.codegen.symbols import Symbols
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Contact, Model
+from fiv_cli.models.base import Contact, Equations, Model
 
 MOST_REDUCTIONS = 3
 
@@ -75,35 +75,36 @@ class _Rest:
 
 def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbols) -> _Rest | None:
     """The equations at rest; None where they are not polynomial in the unknowns."""
-    equations = model.equations(symbols, options)
     if law.states:
         return None
+    equations = model.equations(symbols, options)
     names = [state.name for state in model.states(options)]
     count = len(equations.contacts)
-    own = {parameter.name for parameter in model.parameters}
-    listed = [p.name for p in model.parameters]
-    listed += [p.name for p in law.parameters if p.name not in own]
-    listed += model.derived.names(options) if model.derived else ()
-    listed += () if model.derived is None else model.derived.names(options)
-    parameters = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
-    parameters |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
-    parameters[symbols.zone] = "zone"
     unknowns = [symbols.normal_force(i) for i in range(count)]
     unknowns += [symbols.coordinate(name) for name in names]
     still = {symbols.velocity(name): 0 for name in names} | {symbols.time: 0}
     still |= {symbols.closed(i): 1 for i in range(count)}
-    laws = {
-        p.name: equations.law_parameters.get(p.name, symbols.parameter(p.name))
-        for p in law.parameters
-    }
     forces = {
-        symbols.tangential_force(i): _friction(symbols, law, laws, contact, i).subs(still)
-        for i, contact in enumerate(equations.contacts)
+        symbol: force.subs(still) for symbol, force in _friction(symbols, law, equations).items()
     }
     vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
     vanishing += [equations.accelerations[name] for name in names]
     exact = [sympy.sympify(e).subs(forces).subs(still) for e in vanishing]
+    parameters = _parameters(model, law, options, symbols, count)
     return _polynomial(dict(zip(unknowns, exact, strict=True)), unknowns[count:], parameters)
+
+
+def _parameters(
+    model: Model, law: Law, options: Mapping[str, str], symbols: Symbols, count: int
+) -> dict[Any, str]:
+    """Symbol -> name of every parameter, derived number, sign of slip, and of the zone."""
+    own = {parameter.name for parameter in model.parameters}
+    listed = [p.name for p in model.parameters]
+    listed += [p.name for p in law.parameters if p.name not in own]
+    listed += model.derived.names(options) if model.derived else ()
+    found = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
+    found |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
+    return found | {symbols.zone: "zone"}
 
 
 def _polynomial(
@@ -123,11 +124,16 @@ def _polynomial(
     return rest
 
 
-def _friction(
-    symbols: Symbols, law: Law, parameters: Mapping[str, Any], contact: Contact, index: int
-) -> Any:
-    sign, v = symbols.sign(index), contact.slip_velocity
-    return law.force(Slip(v, sign, sign * v, symbols.normal_force(index)), parameters)
+def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Any, Any]:
+    """Symbol of each friction force -> what the law makes of it."""
+    given = {p.name: symbols.parameter(p.name) for p in law.parameters}
+    given |= {name: e for name, e in equations.law_parameters.items() if name in given}
+    found = {}
+    for i, contact in enumerate(equations.contacts):
+        sign, v = symbols.sign(i), contact.slip_velocity
+        slip = Slip(v, sign, sign * v, symbols.normal_force(i))
+        found[symbols.tangential_force(i)] = sympy.sympify(law.force(slip, given))
+    return found
 
 
 def _contact(symbols: Symbols, contact: Contact, index: int) -> Any:
