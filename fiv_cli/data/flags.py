@@ -204,6 +204,7 @@ CYCLE_END = FlagTable(
         "bracket": 7,
         "budget": 8,
         "other": 9,
+        "mu_k_above_mu_s": 10,
     },
     fill=NOT_COMPUTED,
 )
