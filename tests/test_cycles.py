@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import asin, atan, cos, exp, log, pi, sin, sqrt
 from typing import Any
 
@@ -13,8 +14,9 @@ from scipy.optimize import brentq
 from small_models import BALL
 
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
+from fiv_cli.analyses.branch import Continuation, _kind_of_change, first_point
 from fiv_cli.analyses.first_guess import Returns, near_returns
-from fiv_cli.analyses.periodic import Problem, newton
+from fiv_cli.analyses.periodic import Anchor, Problem, close, newton
 from fiv_cli.case.load import parse_case
 from fiv_cli.dynamics.motion import Stop
 from fiv_cli.errors import CaseError
@@ -39,6 +41,13 @@ def cycle(
     if branch is not None:
         settings |= {"parameter": Varied(branch[0]), "bracket": branch[1:]}
     return analyse(model, law, "cycle", start or {}, settings, **changes)
+
+
+def coulomb_belt() -> Problem:
+    """The belt with its defaults, for the parts of the analysis."""
+    solver = SolverSettings(rtol=1e-12)
+    parameters = defaults("belt-1dof", "coulomb")
+    return Problem(system("belt-1dof"), parameters, solver, Section("event"))
 
 
 def ends(found: Outcome) -> list[tuple[str, float]]:
@@ -207,6 +216,38 @@ def test_a_branch_turns_at_a_grazing_and_shrinks_to_the_equilibrium(
     assert found.values["cycle_highest"] == corner
 
 
+def test_a_branch_goes_no_further_than_friction_makes_sense() -> None:
+    """Coulomb belt: the time in stick, 2 (mu_s - mu_k) N / (k v), is gone at mu_k = mu_s."""
+    found = cycle(branch=("mu_k", 0.1, 0.9))
+    assert found.values["cycle_highest_kind"] == "mu_k_above_mu_s"
+    assert found.values["cycle_highest"] == pytest.approx(0.4, abs=1e-6)
+    mu_k = found.ragged["branch_value"]
+    slip = pi + 2 * np.arctan(1 / (10 * (0.4 - mu_k)))
+    np.testing.assert_allclose(found.ragged["branch_period"], slip + 20 * (0.4 - mu_k), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "kind"),
+    [
+        (-0.99, -1.01, "flip"),
+        (0.99, 1.01, "branching"),
+        (0.99 * np.exp(1.1j), 1.01 * np.exp(1.1j), "torus"),
+    ],
+)
+def test_what_a_multiplier_does_at_the_unit_circle(before: Any, after: Any, kind: str) -> None:
+    line = Continuation(coulomb_belt(), Varied("v"), (0.5, 2.0), 1e-6)
+    anchor = Anchor(np.array([2.3, -1.97]), (False,))
+    found = close(line.problem, anchor, 7.6, np.ones(2))
+    assert found is not None
+    point = first_point(line, found, 1.0, True)
+    assert point is not None
+    here, there = (
+        replace(point, cycle=replace(found, multipliers=np.array([1.0, m, np.conj(m), 0.1])))
+        for m in (before, after)
+    )
+    assert _kind_of_change(here, there) == kind
+
+
 def test_the_pin_s_stick_slip_exists_beyond_what_starts_reach() -> None:
     """N0 = 30 N: followed from 5 rad/s the stable cycle lives to 14.83 rad/s, and ends grazing."""
     found = cycle(
@@ -290,14 +331,12 @@ def test_newton_finds_a_root_or_says_so() -> None:
 
 def test_near_returns_are_ranked_by_their_distance() -> None:
     """A spiral out of an unstable period two: its own returns come first, early ones."""
-    problem = Problem(system("belt-1dof"), defaults("belt-1dof", "coulomb"), SolverSettings(),
-                      Section("event"))  # fmt: skip
     times = np.arange(20.0)
     side = np.where(np.arange(20) % 2 == 0, 1.0, -1.0)
     points = (side * (1.0 + 1e-3 * 1.5 ** np.arange(20)))[:, None]
-    found = near_returns(problem, Returns(times, points, Stop.REACHED), None)
+    found = near_returns(coulomb_belt(), Returns(times, points, Stop.REACHED), None)
     assert found[0] == (0.0, 2.0)
-    assert near_returns(problem, Returns(times, points, Stop.REACHED), 3)[0][1] >= 3.0
+    assert near_returns(coulomb_belt(), Returns(times, points, Stop.REACHED), 3)[0][1] >= 3.0
 
 
 CASE = """

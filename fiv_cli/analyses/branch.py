@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fiv_cli.analyses.base import Varied
+from fiv_cli.analyses.base import Varied, friction_rises
 from fiv_cli.analyses.periodic import (
     Anchor,
     Cycle,
@@ -55,7 +55,7 @@ ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a
 
 FLIP, TORUS, FOLD, BRANCHING = "flip", "torus", "fold", "branching"
 GRAZING, CONTACT_LOST, AT_REST, AT_EDGE = "grazing", "contact_lost", "equilibrium", "bracket"
-BUDGET, OTHER = "budget", "other"
+BUDGET, OTHER, RISES = "budget", "other", "mu_k_above_mu_s"
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,9 @@ class Continuation:
         return self.bracket[1] - self.bracket[0]
 
     def holds(self, value: float) -> bool:
-        """Whether `value` lies inside the bracket: outside, parameters may make no sense."""
-        return self.bracket[0] <= value <= self.bracket[1]
+        """Whether `value` lies inside the bracket and makes sense: outside it may not."""
+        inside = self.bracket[0] <= value <= self.bracket[1]
+        return inside and not friction_rises(self.at(value).parameters)
 
     def at(self, value: float) -> Problem:
         """The problem at another value of the parameter."""
@@ -439,6 +440,8 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
     for distance in BEYOND:
         unknowns = here.unknowns + distance * here.tangent
         value = min(max(float(unknowns[-1] * line.span), line.bracket[0]), line.bracket[1])
+        if friction_rises(line.at(value).parameters):
+            return RISES
         anchor = here.frame.anchor_of(unknowns[:-1])
         beyond = passage(line.at(value), anchor, here.cycle.period, tangents=False)
         if beyond.stop == Stop.CONTACT_LOST:

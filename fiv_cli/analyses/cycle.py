@@ -55,8 +55,8 @@ SETTINGS = (
     Setting(
         "width",
         "number",
-        None,
-        "how closely its ends are bracketed; 1e-6 of the bracket when left out",
+        1e-6,
+        "width to which its ends are bracketed, as a share of the bracket",
         minimum=0.0,
         exclusive=True,
     ),

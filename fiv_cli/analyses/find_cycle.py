@@ -20,7 +20,6 @@ from fiv_cli.dynamics.system import System
 NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of a cycle
 STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
 BRIDGES = 5  # halvings of the way between neighbours
-RELATIVE_WIDTH = 1e-6  # of the bracket, to which ends are bracketed unless the case says
 
 
 def find_cycle(
@@ -164,7 +163,7 @@ def _add_branch(
     if not bracket[0] <= value <= bracket[1]:
         outcome.reason = "outside_bracket"
         return
-    width = settings["width"] or RELATIVE_WIDTH * (bracket[1] - bracket[0])
+    width = settings["width"] * (bracket[1] - bracket[0])
     line = Continuation(problem, varied, bracket, width)
     points, ends = _both_ways(line, cycle, value)
     outcome.ragged |= _branch_arrays(points, observed) | _end_arrays(ends)

@@ -32,6 +32,7 @@ MARKS = {
     "equilibrium": "*",
     "budget": "v",
     "other": "h",
+    "mu_k_above_mu_s": "|",
 }
 
 
