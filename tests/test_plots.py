@@ -422,6 +422,17 @@ def test_a_single_spectrum_is_a_line_with_growing_modes_upright(unit, factor):
 # --- eigenvalues, laws -------------------------------------------------------------------------
 
 
+def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
+    full = data.eigenvalues()
+    fewer = full.copy(deep=True)
+    for name in ("eigenvalue_real", "eigenvalue_imag", "mode_frequency"):
+        fewer[name][:, 2:] = np.nan
+    dataset = xr.concat([full, fewer], xr.Variable("geometry", ["nonlinear", "linear"]))
+    top, _ = draw(dataset, figure("eigenvalues")).axes
+    assert "mode 2, nonlinear" in legend_texts(top)
+    assert "mode 2, linear" not in legend_texts(top)
+
+
 def test_a_line_stands_where_modes_merge():
     dataset = data.eigenvalues()
     points = np.where(dataset["mu_k"].values[:, None] == 0.5, 0.5, np.nan) * np.ones(4)

@@ -10,8 +10,8 @@ Order = NDArray[np.intp]
 
 SHAPE = 0.1  # what a wholly different shape weighs against a change by the largest eigenvalue
 TURNED = 1.0  # what a change of the sign of the imaginary part weighs
-# Of two modes that merge the one with the lower number takes the larger growth rate: nothing else
-# distinguishes them, and rounding must not decide.
+# Of two modes that merge, and that all but nothing distinguishes, the one with the lower number
+# takes the larger growth rate: rounding must not decide.
 TIE = 1e-3
 
 

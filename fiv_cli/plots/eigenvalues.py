@@ -60,6 +60,8 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
         part = dataset.isel(line.index)
         for (mode, label_of_mode), colour in zip(modes.items(), colours, strict=False):
             y = part[name].isel(mode=mode).values
+            if not np.any(np.isfinite(y)):
+                continue  # under other options the model has more modes
             dash = DASHES[number % len(DASHES)]
             label = points.joined(f"mode {label_of_mode}", line.label)
             ax.plot(x, y, dash, color=colour, label=label)
