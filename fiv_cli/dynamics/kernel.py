@@ -81,6 +81,7 @@ GRAZING = 1e-5  # a switching function that falls slower than this share of its 
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 BISECTIONS = 80
+NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
 ROUNDING = 1e-16  # a residual, relative to the scale, that no further step improves
 
@@ -184,7 +185,7 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
         first = i * (order + 1)
         scale = max(abs(series[first]), abs(series[first + 1]) * last)
         scale = max(scale, abs(series[first + 2]) * last * last)
-        if scale > 0.0:
+        if scale > NEGLIGIBLE:
             worst = max(worst, abs(series[first + order]) / scale)
             worst_before = max(worst_before, abs(series[first + order - 1]) / scale)
     step = ENDLESS
