@@ -291,6 +291,25 @@ def test_what_is_refused(change: tuple[str, str], message: str) -> None:
     assert message in str(caught.value)
 
 
+def test_a_default_outside_the_bracket_does_not_matter() -> None:
+    """mu_k = 0.23 is above mu_s = 0.2, but no run of this case has it."""
+    text = (
+        PIN.split("[[analysis]]")[0]
+        + """
+[friction]
+mu_s = 0.2
+[[analysis]]
+kind = "boundary"
+parameter = "mu_k"
+bracket = [LOW, 0.3]
+of = { expect = "periodic" }
+"""
+    )
+    assert parse_case(text.replace("LOW", "0.1"), "pin.toml", ()).analyses
+    with pytest.raises(CaseError, match=r"mu_k = 0.25 is above mu_s = 0.2"):
+        parse_case(text.replace("LOW", "0.25"), "pin.toml", ())
+
+
 def test_a_start_that_continues_along_the_grid_is_refused() -> None:
     text = PIN.replace("[[initial]]", "[grid]\nN0 = [20, 30]\n[[initial]]", 1).replace(
         "[[analysis]]",

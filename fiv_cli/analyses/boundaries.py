@@ -27,6 +27,7 @@ from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"
 SUMMED = ("n_steps", "n_events")
+LARGEST = 2**31 - 1  # what an integer variable of a dataset can hold
 WORST = ("energy_residual", "event_residual")
 
 
@@ -67,7 +68,8 @@ class _Runs:
         if outcome.status != "ok":
             self.failed.append(outcome)
         for name in SUMMED:
-            self.totals[name] = self.totals.get(name, 0) + outcome.values.get(name, 0)
+            total = self.totals.get(name, 0) + outcome.values.get(name, 0)
+            self.totals[name] = min(total, LARGEST)
         for name in WORST:
             worst = np.fmax(self.totals.get(name, np.nan), outcome.values.get(name, np.nan))
             self.totals[name] = float(worst)

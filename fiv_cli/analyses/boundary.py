@@ -33,8 +33,7 @@ SETTINGS = (
         "follow",
         "string",
         "none",
-        "none: every run begins at the start; up, down: at the end of the run before, along the "
-        "bracket; both: up, then down again",
+        "where a run begins: at the start (none), or where the one before ended",
         choices=("none", "up", "down", "both"),
     ),
     *response.SETTINGS,

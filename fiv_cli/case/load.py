@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.base import friction_rises
 from fiv_cli.case.analysis import read_analyses
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.grid import MOST_POINTS, Grid, count_points, read_grid, refuse_fixed_axes
@@ -246,7 +247,7 @@ def _refuse_rising_friction(
     if all(get_analysis(analysis.kind).linear for analysis in case.analyses):
         return
     for law in physics.laws:
-        values = case.parameters_at(law.name, {})
+        values = _values_in_time(case, law)
         for name in [name for name in values if name.startswith("mu_k")]:
             static = name.replace("mu_k", "mu_s", 1)
             above = [pair for pair in _pairs(case, values, name, static) if pair[0] > pair[1]]
@@ -257,6 +258,17 @@ def _refuse_rising_friction(
                     f"{name} <= {static} in an analysis in time",
                     f"give {static} as well" if static not in physics.fixed else "",
                 )
+
+
+def _values_in_time(case: Case, law: Law) -> dict[str, float]:
+    """The fixed parameters in an analysis in time; one that it varies itself, where it may be."""
+    values = case.parameters_at(law.name, {})
+    for spec in case.analyses:
+        varied, bracket = spec.settings.get("parameter"), spec.settings.get("bracket")
+        if varied is not None and bracket is not None and not get_analysis(spec.kind).linear:
+            ends = [varied.at(values, end) for end in bracket]
+            values = next((end for end in ends if not friction_rises(end)), ends[0])
+    return values
 
 
 def _pairs(

@@ -12,6 +12,7 @@ from fiv_cli.models.base import Model, Parameter
 # Parameters worth a first sweep, the best first.
 _SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
 _COMMENT_COLUMN = 34
+_CLASSES = {"response": "attractor", "eigenvalues": "stable"}
 _FIGURES = {
     "history": "history",
     "response": "bifurcation",
@@ -36,6 +37,7 @@ def case_template(model: Model, analysis: Analysis) -> str:
         _model(model, axis),
         _friction(model, law, axis),
         _grid(axis),
+        [] if axis is None else _sweep(analysis),
         _starts(model) if analysis.uses_starts else [],
         _analysis(model, analysis, first),
         _figure(analysis, axis),
@@ -96,6 +98,18 @@ def _grid(axis: Parameter | None) -> list[str]:
     return [
         _with_comment("[grid]", "ordered; ends included; a list, or step = instead of num ="),
         _with_comment(line, f"{axis.meaning}{_unit(axis.unit)}"),
+    ]
+
+
+def _sweep(analysis: Analysis) -> list[str]:
+    """How a grid is refined, where the analysis has a class whose borders can be followed."""
+    of = _CLASSES.get(analysis.kind)
+    if of is None:
+        return []
+    line = f'# refine = {{ levels = 5, of = "{of}" }}'
+    return [
+        "# [sweep]",
+        _with_comment(line, "halve the grid so often, along borders of classes only"),
     ]
 
 
