@@ -281,7 +281,7 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
     unknowns = np.append(frame.start, value / line.span)
     found = _jacobian(line, frame, unknowns)
-    if found is None:
+    if found is None or not np.all(np.isfinite(found[1])):
         return None
     n = len(frame.scales)
     scaled = np.concatenate(

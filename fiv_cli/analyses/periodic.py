@@ -267,6 +267,8 @@ def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
         if found is None:
             return None
         values, jacobian = found
+        if not np.all(np.isfinite(jacobian)):
+            return None
         step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
         if np.max(np.abs(step)) <= CONVERGED:
             return unknowns if np.max(np.abs(values)) <= CLOSED else None
@@ -370,8 +372,13 @@ def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cy
 
 
 def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
-    """Multipliers, events, section points and extremes of a closed motion."""
+    """Multipliers, events, section points and extremes of a closed motion.
+
+    None where the motion does not last, or rests.
+    """
     around = passage(problem, anchor, period)
+    if around.stop != Stop.REACHED or not np.all(np.isfinite(around.monodromy)):
+        return None
     points, extremes = _watched(problem, anchor, period)
     if is_at_rest(extremes, len(problem.system.coordinates)):
         return None
