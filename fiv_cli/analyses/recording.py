@@ -46,7 +46,7 @@ def record(
     motion.start_measuring(np.zeros(len(system.coordinates)))
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
-    outcome.values |= {"time": times, **_curves(system, samples), **_varying(system, times)}
+    outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if places:
         outcome.values |= _surface(system, parameters, outcome.values, places)
     outcome.values |= trust(motion) | _works(balance(motion, energy_before))
@@ -113,7 +113,7 @@ def _surface(
     return {"w": w, "point_radius": radius, "point_angle": angle}
 
 
-def _varying(system: System, times: Vector) -> dict[str, Vector]:
+def varying_at(system: System, times: Vector) -> dict[str, Vector]:
     """Each parameter that varies in time, at `times`."""
     return {
         name: np.interp(times, [t for t, _ in points], [value for _, value in points])

@@ -1,6 +1,7 @@
 """The amplitude spectrum of the steady state, beside the unstable eigenfrequencies.
 
-Thesis 6.4.2.2, Figure 6.18. What is computed is told in ``amplitudes.py``.
+Thesis 6.4.2.2, Figure 6.18. What is computed is told in ``amplitudes.py``. Where parameters vary in
+time there is no steady state: the answer is a spectrogram (thesis 4.3.2), see ``spectrogram.py``.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 DEFAULT_BINS = 256
 WINDOW_BINS = 16  # least spectral lines of the window in one bin
+SLICE_BINS = 4  # of a window of a spectrogram: the lobe of a sinusoid is as wide as a bin
+HOPS = 4  # windows of a spectrogram that begin within the length of one
 
 OBSERVED = "state whose amplitudes are shown; the first state when left out"
 
@@ -36,7 +39,18 @@ SETTINGS = (
     Setting(
         "window", "number", None,
         "time over which a motion that is not periodic is transformed (under a Hann window); "
-        "16 / resolution when left out", "s", minimum=0.0, exclusive=True,
+        "16 / resolution when left out; of a spectrogram 4 / resolution", "s", minimum=0.0,
+        exclusive=True,
+    ),
+    Setting(
+        "hop", "number", None,
+        "spectrogram: time from window to window; a quarter of a window when left out", "s",
+        minimum=0.0, exclusive=True,
+    ),
+    Setting(
+        "t_end", "number", None,
+        "spectrogram: end of the motion; the last kink of the schedule when left out", "s",
+        minimum=0.0, exclusive=True,
     ),
 )  # fmt: skip
 
@@ -49,6 +63,16 @@ def bin_width(settings: Mapping[str, Any]) -> float:
 def window_length(settings: Mapping[str, Any]) -> float:
     """Length of the window of a motion that is not periodic, s."""
     return float(settings["window"] or WINDOW_BINS / bin_width(settings))
+
+
+def slice_length(settings: Mapping[str, Any]) -> float:
+    """Length of a window of a spectrogram, s."""
+    return float(settings["window"] or SLICE_BINS / bin_width(settings))
+
+
+def hop(settings: Mapping[str, Any]) -> float:
+    """Time from one window of a spectrogram to the next, s."""
+    return float(settings["hop"] or slice_length(settings) / HOPS)
 
 
 def frequencies(settings: Mapping[str, Any]) -> NDArray[np.float64]:
@@ -66,10 +90,13 @@ def run(
     settings: Mapping[str, Any],
     solver: SolverSettings,
 ) -> Outcome:
-    """The spectrum of the steady state that `start` leads to."""
+    """The spectrum of the steady state that `start` leads to, or the spectrogram of a motion."""
     from fiv_cli.analyses.amplitudes import steady_spectrum
+    from fiv_cli.analyses.spectrogram import spectrogram
 
     assert start is not None
+    if system.schedule.curves:
+        return spectrogram(system, parameters, start, settings, solver)
     return steady_spectrum(system, parameters, start, settings, solver)
 
 
@@ -79,5 +106,6 @@ ANALYSIS = Analysis(
     SETTINGS,
     True,
     run,
+    varying=True,
     sizes=lambda settings: {"frequency": frequencies(settings)},
 )

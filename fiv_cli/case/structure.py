@@ -235,7 +235,16 @@ class QuestionTable(Table):
 
 
 FigureKind = Literal[
-    "curve", "bifurcation", "map", "history", "phase", "spectrum", "eigenvalues", "branch"
+    "curve",
+    "bifurcation",
+    "map",
+    "history",
+    "phase",
+    "spectrum",
+    "spectrogram",
+    "eigenvalues",
+    "branch",
+    "mode-shape",
 ]
 
 
@@ -263,6 +272,9 @@ class FigureTable(Table):
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Interval | None = Field(default=None, description="range of y")
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit of frequencies")
+    resolution: Quantity | None = Field(
+        default=None, description="spectrogram of a history: what it tells apart, Hz"
+    )
 
 
 class ClaimTable(Table):

@@ -161,6 +161,11 @@ REASONS: tuple[Reason, ...] = (
         "no_section_points",
         "the motion never met the section: choose another, as { zero = STATE } where nothing sticks",
     ),
+    Reason(
+        "window_too_long",
+        "a window of the spectrogram is longer than the motion: raise t_end, or shorten window "
+        "(or raise resolution)",
+    ),
 )
 
 STATUS = FlagTable(

@@ -72,7 +72,8 @@ def variables_of(
     """
     states = model.states(options)
     contact = ("contact",) if model.contacts > 1 else ()
-    own = _BY_KIND[kind](states, contact, settings)
+    by_kind = _VARYING_BY_KIND if varying and kind in _VARYING_BY_KIND else _BY_KIND
+    own = by_kind[kind](states, contact, settings)
     if kind == "equilibrium" and model.surface is not None:
         own.append(Variable("w", "m", "displacement of the disc at the contact", ("solution",)))
     over_time = [Variable(p.name, p.unit, p.meaning, ("time",), symbol=p.symbol) for p in varying]
@@ -368,6 +369,25 @@ def _spectrum(
     ]
 
 
+def _spectrogram(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    units = {name: unit for name, unit, _, _ in motions(states)}
+    observed = settings.get("observe") or states[0].name
+    comment = "peak of a sinusoid; root of the sum of squares over the bin, mean left out; Hann"
+    along = ("time", "frequency")
+    return [
+        Variable("time", "s", "middle of the window", ("time",), "coordinate", symbol="t"),
+        Variable("frequency", "Hz", "middle of the bin", ("frequency",), "coordinate", symbol="f"),
+        Variable(
+            "spectrogram", units[observed], f"amplitude of {observed}", along, comment=comment
+        ),
+        Variable("mean", units[observed], f"mean of {observed} in the window", ("time",)),
+        *_solver_trust(),
+        Variable("event_residual", "1", "largest switching function left at an event"),
+    ]
+
+
 def _cycle(
     states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
 ) -> list[Variable]:
@@ -453,6 +473,9 @@ def _extremes(
         for short, long in kinds
     ]
 
+
+_VARYING_BY_KIND = {"spectrum": _spectrogram}
+"""Where parameters vary in time, analyses that have other variables then."""
 
 _BY_KIND = {
     "history": _history,

@@ -21,6 +21,7 @@ from fiv_cli.plots import (
     history,
     phase,
     points,
+    spectrogram,
     spectrum,
     style,
 )
@@ -59,6 +60,7 @@ KINDS: dict[str, Kind] = {
     "history": Kind(history.suits, history.draw),
     "phase": Kind(phase.suits, phase.draw),
     "spectrum": Kind(spectrum.suits, spectrum.draw),
+    "spectrogram": Kind(spectrogram.suits, spectrogram.draw),
     "branch": Kind(branch.suits, branch.draw, overlays=True),
 }
 
@@ -68,6 +70,7 @@ SAID_BY = {
     "curve": {"map", "eigenvalues"},
     "eigenvalues": {"map"},
     "spectrum": {"history"},
+    "spectrogram": {"history"},
 }
 
 

@@ -42,19 +42,13 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: Mapping[str, Any])
         ax.axvspan(begin, end, color=style.CLASSES[state], alpha=SHADE, lw=0)
     values = motion.of_contact(one.data[name], settings)
     if "point" in one.data[name].dims:
-        for curve, label in zip(values, _places(one), strict=True):
+        for curve, label in zip(values, motion.places(one), strict=True):
             ax.plot(one.time, curve, lw=0.9, rasterized=many, label=label)
         ax.legend(loc="upper right")
     else:
         ax.plot(one.time, values, color=style.BLACK, lw=0.9, rasterized=many)
     ax.margins(x=0)
     points.scale(ax, settings)
-
-
-def _places(one: motion.Motion) -> list[str]:
-    """Where the points of the disc are."""
-    radii, angles = one.data["point_radius"].values, one.data["point_angle"].values
-    return [rf"$r$ = {r:g} m, $\theta$ = {a:.4g} rad" for r, a in zip(radii, angles, strict=True)]
 
 
 def _legend(figure: Figure, states: Sequence[str]) -> None:

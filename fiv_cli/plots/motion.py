@@ -130,6 +130,12 @@ def of_contact(array: xr.DataArray, settings: Mapping[str, Any]) -> np.ndarray:
     return array.isel(contact=number - 1).values
 
 
+def places(motion: Motion) -> list[str]:
+    """Where the points of the disc are that the motion is given at."""
+    radii, angles = motion.data["point_radius"].values, motion.data["point_angle"].values
+    return [rf"$r$ = {r:g} m, $\theta$ = {a:.4g} rad" for r, a in zip(radii, angles, strict=True)]
+
+
 def contact_runs(motion: Motion, settings: Mapping[str, Any]) -> Iterator[tuple[str, int, int]]:
     """(contact state, first sample, last sample + 1) of each stretch without a transition."""
     states = motion.data["contact_state"]

@@ -59,14 +59,14 @@ def _draw_along(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
     columns = min(len(panels), map_.MOST_COLUMNS)
     rows = -(-len(panels) // columns)
     figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
-    norm = _norm(array.values)
+    norm = norm_of(array.values)
     for number, ax in enumerate(axes):
         if number >= len(panels):
             ax.set_axis_off()
             continue
         _paint(ax, dataset, panels[number], axis, norm, settings)
         points.dress_axis(ax, axis, "x")
-        ax.set_ylabel(_frequency_label(settings) if number % columns == 0 else "")
+        ax.set_ylabel(frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
     image = next(ax.collections[0] for ax in axes if ax.collections)
     figure.colorbar(image, ax=axes, label=labels.axis_label(dataset[STEADY]), extend="min")
@@ -74,7 +74,8 @@ def _draw_along(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _norm(values: np.ndarray) -> LogNorm:
+def norm_of(values: np.ndarray) -> LogNorm:
+    """Colours over the `DECADES` below the largest amplitude."""
     known = values[np.isfinite(values) & (values > 0.0)]
     top = float(known.max()) if known.size else 1.0
     return LogNorm(top / 10.0**DECADES, top, clip=True)
@@ -94,13 +95,13 @@ def _paint(
     plane = part[STEADY].transpose("frequency", dim).values
     lowest = float(norm.vmin or 0.0)
     shown = np.where(np.isfinite(plane), np.maximum(plane, lowest), np.nan)
-    x, height = points.positions(axis), dataset["frequency"].values * _factor(settings)
+    x, height = points.positions(axis), dataset["frequency"].values * factor_of(settings)
     ax.pcolormesh(x, height, shown, shading="nearest", cmap="YlOrRd", norm=norm, rasterized=True)
     map_.hatch(ax, np.isnan(shown))
     ax.grid(False)
     ax.set_title(panel.label)
     if GROWING in part:
-        modes = part[GROWING].transpose(dim, "mode").values * _factor(settings)
+        modes = part[GROWING].transpose(dim, "mode").values * factor_of(settings)
         size = style.dot_size(x.size)
         ax.plot(x, modes, "o", ms=size, mew=0, color=style.BLACK, zorder=4)
         ax.set_ylim(0.0, height[-1])
@@ -131,14 +132,14 @@ def _draw_steady(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     array = numbers(dataset[STEADY])
     lines = points.lines(dataset, ["frequency"], [str(dim) for dim in array.dims])
-    x = dataset["frequency"].values * _factor(settings)
+    x = dataset["frequency"].values * factor_of(settings)
     for line, colour in zip(lines, style.line_colours(len(lines)), strict=True):
         ax.plot(x, array.isel(line.index).values, color=colour, label=line.label, lw=0.9)
     growing = np.unique(dataset[GROWING].values) if GROWING in dataset else np.zeros(0)
-    for number, frequency in enumerate(growing[np.isfinite(growing)] * _factor(settings)):
+    for number, frequency in enumerate(growing[np.isfinite(growing)] * factor_of(settings)):
         label = None if number else "unstable eigenfrequency"
         ax.axvline(frequency, ls="--", lw=0.9, color=style.BLACK, label=label, zorder=1)
-    ax.set_xlabel(_frequency_label(settings))
+    ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))
     ax.set_xlim(0.0, x[-1])
     points.scale(ax, settings)
@@ -146,12 +147,13 @@ def _draw_steady(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _factor(settings: Mapping[str, Any]) -> float:
+def factor_of(settings: Mapping[str, Any]) -> float:
     """From Hz to the unit of the figure."""
     return 2.0 * np.pi if settings.get("unit") == "rad/s" else 1.0
 
 
-def _frequency_label(settings: Mapping[str, Any]) -> str:
+def frequency_label(settings: Mapping[str, Any]) -> str:
+    """What stands at an axis of frequencies."""
     return r"$\omega$ (rad/s)" if settings.get("unit") == "rad/s" else "$f$ (Hz)"
 
 
@@ -165,8 +167,8 @@ def _draw_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
         values = motion.of_contact(one.data[name], settings)
         frequency, height = amplitude_spectrum(one.time, values)
         label = points.joined(one.label, labels.short_label(dataset[name]))
-        ax.plot(frequency * _factor(settings), height, color=colour, label=label, lw=0.9)
-    ax.set_xlabel(_frequency_label(settings))
+        ax.plot(frequency * factor_of(settings), height, color=colour, label=label, lw=0.9)
+    ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(
         "amplitude" + (f" of {labels.short_label(dataset[names[0]])}" * (len(names) == 1))
     )
@@ -195,14 +197,14 @@ def amplitude_spectrum(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray
     """
     from scipy import fft, signal
 
-    time, values = _uniform(time, values)
+    time, values = uniform(time, values)
     window = signal.get_window(WINDOW, values.size)
     spectrum = fft.rfft((values - values.mean()) * window)
     interval = (time[-1] - time[0]) / (time.size - 1)
     return fft.rfftfreq(values.size, interval), 2.0 * np.abs(spectrum) / window.sum()
 
 
-def _uniform(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def uniform(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The samples at equal intervals: the end of a motion may lie off the raster."""
     steps = np.diff(time)
     if time.size >= FEWEST_SAMPLES and abs(steps[-1] - steps[0]) > UNIFORM * steps[0]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -212,10 +212,19 @@ def _settings(case: Case, given: Mapping[str, float]) -> dict[str, Any]:
     for spec in case.analyses:
         if spec.kind == "history":
             settings |= dict(spec.settings)
-    longest = [s.settings["t_max"] for s in case.analyses if "t_max" in s.settings]
-    if settings["t_end"] is None and longest:
-        settings["t_end"] = longest[0]
+    if settings["t_end"] is None:
+        settings["t_end"] = next(_ends(case), None)
     return {**settings, **given}
+
+
+def _ends(case: Case) -> Iterator[float]:
+    """How long the motions of a case last, s."""
+    for spec in case.analyses:
+        if spec.settings.get("t_end") is not None:
+            yield spec.settings["t_end"]
+    if case.schedule.curves:
+        yield case.schedule.kinks[-1]
+    yield from (s.settings["t_max"] for s in case.analyses if "t_max" in s.settings)
 
 
 def _as_history(request: Request, settings: Mapping[str, Any]) -> Request:

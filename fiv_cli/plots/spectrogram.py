@@ -1,0 +1,138 @@
+"""Amplitudes over time and frequency: of a spectrogram, or of the samples of a history.
+
+Of a history it is a short-time Fourier transform under Hann windows; ``resolution`` (Hz) in the
+figure sets their length, 2 / resolution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.data.reading import numbers
+from fiv_cli.errors import UsageError
+from fiv_cli.fourier import short_time
+from fiv_cli.plots import labels, motion, points, spectrum, style
+from fiv_cli.plots import map as map_
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+VARIABLE = "spectrogram"
+WINDOWS = 24.0  # of a history, where the figure gives no resolution
+HOPS = 8  # windows that begin within the length of one
+LINES = 2.0  # half the width of the lobe of a sinusoid under Hann's window, in its lines
+
+
+@dataclass(frozen=True)
+class Panel:
+    """What one panel shows: `amplitude` has the shape (time, frequency)."""
+
+    label: str
+    time: np.ndarray
+    frequency: np.ndarray
+    amplitude: np.ndarray
+
+
+def suits(dataset: xr.Dataset) -> bool:
+    """Whether the dataset holds spectrograms, or motions in time."""
+    return VARIABLE in dataset or motion.suits(dataset)
+
+
+def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+    """A panel for each start and each point, or for each variable of each motion."""
+    dataset = layers[0].dataset
+    panels, what = _stored(dataset) if VARIABLE in dataset else _of_motions(dataset, settings)
+    columns = min(len(panels), map_.MOST_COLUMNS)
+    rows = -(-len(panels) // columns)
+    figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
+    norm = spectrum.norm_of(np.concatenate([panel.amplitude.ravel() for panel in panels]))
+    for number, ax in enumerate(axes):
+        if number >= len(panels):
+            ax.set_axis_off()
+            continue
+        _paint(ax, panels[number], norm, settings)
+        ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
+        ax.set_ylabel(spectrum.frequency_label(settings) if number % columns == 0 else "")
+        points.scale(ax, settings)
+    image = next(ax.collections[0] for ax in axes if ax.collections)
+    figure.colorbar(image, ax=list(axes), label=what, extend="min")
+    return figure
+
+
+def _paint(ax: Axes, panel: Panel, norm: Any, settings: Mapping[str, Any]) -> None:
+    lowest = float(norm.vmin or 0.0)
+    known = np.isfinite(panel.amplitude)
+    shown = np.where(known, np.maximum(panel.amplitude, lowest), np.nan).T
+    height = panel.frequency * spectrum.factor_of(settings)
+    ax.pcolormesh(
+        panel.time, height, shown, shading="nearest", cmap="YlOrRd", norm=norm, rasterized=True
+    )
+    map_.hatch(ax, ~known)
+    ax.grid(False)
+    ax.set_title(panel.label)
+
+
+def _stored(dataset: xr.Dataset) -> tuple[list[Panel], str]:
+    """The spectrograms of a dataset."""
+    array = numbers(dataset[VARIABLE])
+    spread = ["time", "frequency"]
+    found = points.lines(dataset, spread, [str(dim) for dim in array.dims])
+    map_.refuse_many(found, array, spread)
+    time, frequency = dataset["time"].values, dataset["frequency"].values
+    panels = [
+        Panel(line.label, time, frequency, array.isel(line.index).transpose(*spread).values)
+        for line in found
+    ]
+    return panels, labels.axis_label(dataset[VARIABLE])
+
+
+def _of_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[list[Panel], str]:
+    """Spectrograms of the samples of histories."""
+    name = points.one_variable(settings, motion.displacements(dataset)[0])
+    motion.known_variable(dataset, name)
+    panels = [
+        _transformed(one, name, curve, label, settings)
+        for one in motion.motions(dataset, settings)
+        for label, curve in _curves(one, name, settings)
+    ]
+    if len(panels) > map_.MOST_PANELS:
+        raise UsageError(
+            f"{len(panels)} panels in one figure are too many\n"
+            "choose a motion with `select` in the figure, or give the history fewer points"
+        )
+    return panels, f"amplitude of {labels.short_label(dataset[name])}"
+
+
+def _curves(
+    one: motion.Motion, name: str, settings: Mapping[str, Any]
+) -> list[tuple[str, np.ndarray]]:
+    """The curves of a variable: one, or one for each point of the disc."""
+    values = motion.of_contact(one.data[name], settings)
+    if "point" not in one.data[name].dims:
+        return [("", values)]
+    return list(zip(motion.places(one), values, strict=True))
+
+
+def _transformed(
+    one: motion.Motion, name: str, curve: np.ndarray, label: str, settings: Mapping[str, Any]
+) -> Panel:
+    time, values = spectrum.uniform(one.time, curve)
+    length = time[-1] - time[0]
+    window = length / WINDOWS
+    if "resolution" in settings:
+        window = LINES / points.in_si(settings["resolution"])
+    try:
+        found = short_time(values, length / (time.size - 1), window, window / HOPS)
+    except ValueError as error:
+        raise UsageError(
+            f"{name}: {error}\nrun the history with a smaller `sample`, or give the figure another "
+            "`resolution` (Hz)"
+        ) from error
+    words = points.joined(one.label, label)
+    return Panel(words, time[0] + found.time, found.frequency, found.amplitude)
