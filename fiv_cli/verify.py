@@ -370,6 +370,79 @@ def excited_belt(bench: _Bench) -> Iterator[Check]:
     yield Check(f"{label}exponent (1/s)", source, _value(torus, "lyapunov"), 0.0, 6e-4)
 
 
+# --- two masses, five degrees of freedom ---------------------------------------------------------
+def two_masses(bench: _Bench) -> Iterator[Check]:
+    """Two masses on one belt that stick and slip independently and together."""
+    source = "thesis 3.13-3.21, Figure 3.9; separate computation"
+    found = bench.run("belt-2mass", "stribeck", "cycle", {}, {"t_max": 1000.0}, D=0.3)
+    yield Check("D=0.3: period (s)", source, _value(found, "cycle_period"), 19.25064477, 5e-9)
+    found = bench.run("belt-2mass", "stribeck", "cycle", {}, {"t_max": 1000.0}, D=0.2)
+    yield Check("D=0.2: second multiplier", source, _second_multiplier(found), -0.987, 5e-4)
+    for damping, attractor in ((0.3, "periodic"), (0.1, "chaotic")):
+        settings = {"t_max": 20000.0}
+        found = bench.run("belt-2mass", "stribeck", "response", {}, settings, D=damping)
+        yield Check(f"D={damping}: {attractor} (1 yes)", source, _is(found, attractor), 1.0, 0.0)
+
+
+def _second_multiplier(found: Outcome) -> float:
+    """The multiplier that decides stability, the 1 of the flow left out."""
+    others = [float(m) for m in found.values.get("floquet_multiplier_real", (nan, nan))][1:]
+    return max(others, key=abs)
+
+
+def five_degrees_at_rest(bench: _Bench) -> Iterator[Check]:
+    """Sliding equilibria and the eigenvalues of the coupled modes, to their printed digits."""
+    source = "thesis 6.4.2.1, as printed (x1 at mu_k = 1.4 with its sign corrected)"
+    for friction, printed, modes in FIVE_DEGREES:
+        found = bench.run("belt-5dof", "coulomb", "equilibrium", mu_k=friction)
+        worst = _largest_difference(found.values["equilibrium"][0], printed)
+        yield Check(f"mu_k={friction}: equilibrium (m, rad)", source, worst, 0.0, 5e-5)
+        linear = bench.run("belt-5dof", "coulomb", "eigenvalues", mu_k=friction)
+        pairs = list(
+            zip(linear.values["eigenvalue_real"], linear.values["eigenvalue_imag"], strict=True)
+        )
+        for growth, frequency, digit in modes:
+            real, imaginary = min(
+                pairs, key=lambda pair: hypot(pair[0] - growth, pair[1] - frequency)
+            )
+            name = f"mu_k={friction}: eigenvalue near {growth} + {frequency}i"
+            yield Check(f"{name}, real (1/s)", source, float(real), growth, digit)
+            yield Check(f"{name}, imaginary (rad/s)", source, float(imaginary), frequency, 0.05)
+
+
+# Friction; x1, y1, x2, y2, phi; growth, frequency and half the last digit of the growth.
+FIVE_DEGREES = (
+    (0.3, (-0.0042, -0.0304, -0.0036, -0.0061, -0.0001),
+     ((-0.05, 100.0, 0.005), (-0.04, 89.4, 0.005))),
+    (1.4, (0.0053, -0.0263, -0.0147, -0.0053, 0.0026),
+     ((-0.05, 98.7, 0.005), (-0.048, 93.7, 0.0005))),
+    (2.5, (0.0124, -0.0233, -0.0232, -0.0046, 0.0041),
+     ((11.98, 102.6, 0.005), (-12.08, 102.6, 0.005))),
+)  # fmt: skip
+
+
+def five_degrees_in_motion(bench: _Bench) -> Iterator[Check]:
+    """The fiftieth event of the slider from rest: slip, stick, reversal, separation, landing."""
+    source = "thesis 6.1-6.17; separate computation (DOP853, every event polished)"
+    cases = (
+        (0.5, "plastic", 1.0356742081226),
+        (1.4, "plastic", 1.0826872173375),
+        (2.5, "plastic", 1.0853510460312),
+        (1.4, "thesis", 0.0923560661710),
+    )
+    for friction, impact, expected in cases:
+        options = {"impact": impact}
+        moved = bench.run(
+            "belt-5dof", "coulomb", "history", {}, {"t_end": 1.2}, options, mu_k=friction
+        )
+        found = moved.ragged["event_time"]
+        time = float(found[49]) if len(found) > 49 else nan
+        name = f"mu_k={friction}, impact {impact}: "
+        yield Check(f"{name}time of event 50 (s)", source, time, expected, 1e-10)
+        rest = _value(moved, "energy_residual")
+        yield Check(f"{name}energy", "energy balance: relative residual", rest, 0.0, CLOSED)
+
+
 # --- pin on a disc -----------------------------------------------------------------------------
 def pin_equilibrium(bench: _Bench) -> Iterator[Check]:
     """Sliding equilibrium and eigenvalues at N0 = 30 N."""
@@ -425,6 +498,9 @@ PROBLEMS: tuple[Problem, ...] = (
     belt_with_five_degrees,
     hyperbolic_belt,
     excited_belt,
+    two_masses,
+    five_degrees_at_rest,
+    five_degrees_in_motion,
     pin_equilibrium,
     pin_stick_slip,
     energy,
