@@ -80,6 +80,8 @@ QUICK = {
     "ch7/fig_7_03": {},
     "ch7/fig_7_04": {},
     "ch7/fig_7_05": {},
+    "ch7/fig_7_12": {3: CONTRADICTED},
+    "ch7/fig_7_14": {},
     "ch7/equilibrium": {},
 }
 
@@ -96,6 +98,8 @@ def test_a_quick_case_runs_and_its_claims_and_figures_come_out(name, tmp_path):
         assert draw(analyses, figure).axes
 
 
+BRIEFLY = ("analysis.0.t_max=50.0",)
+ONE_PLACE = ("grid.N0=[30.0]", 'grid.psi_a=["0 deg"]', *BRIEFLY)
 COARSE_DAMPING = ("grid.c1=[0.0, 0.1, 0.2]", "grid.c2=[0.0, 0.1, 0.2]")
 
 # Cases of many points on a few of them: those that the named claims speak of.
@@ -121,6 +125,41 @@ REDUCED = [
     ("ch7/fig_7_09b", ("grid.N0=[15.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch7/fig_7_10a", ("grid.Omega=[0.5, 1.5]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch7/fig_7_10b", ("grid.N0=[25.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    (
+        "ch7/fig_7_13",
+        ("grid.Omega=[2.0, 4.0]", *ONE_PLACE),
+        {5: CONTRADICTED, 7: CONTRADICTED},
+    ),
+    (
+        "ch7/fig_7_15",
+        ('grid.beta=["0 deg", "5 deg", "15 deg"]', "grid.Omega=[2.0, 8.0]", *ONE_PLACE),
+        {2: CONFIRMED, 5: CONFIRMED},
+    ),
+    (
+        "ch7/fig_7_16",
+        ("grid.Omega=[1.5, 2.5]", *ONE_PLACE),
+        {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED},
+    ),
+    (
+        "ch7/fig_7_17",
+        (
+            "grid.mu_s=[0.23, 0.3, 0.35, 0.4]",
+            "grid.mu_k=[0.2, 0.23, 0.35]",
+            "grid.Omega=[1.0, 4.0, 8.0]",
+            "grid.N0=[30.0]",
+        ),
+        {0: CONFIRMED, 1: CONFIRMED, 4: CONFIRMED},
+    ),
+    (
+        "ch7/sector_equal",
+        ("grid.Omega=[4.0]", *ONE_PLACE),
+        {0: CONTRADICTED},
+    ),
+    (
+        "ch7/sector_survival",
+        ("grid.Omega=[1.0, 2.0, 4.0]", 'grid.psi_a=["0 deg"]', "initial.3.count=1", *BRIEFLY),
+        {0: CONTRADICTED, 1: CONTRADICTED, 2: CONTRADICTED, 3: CONFIRMED, 4: CONFIRMED},
+    ),
     ("ch7/normal_force", ("grid.Omega=[0.2, 0.6]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED}),
     ("ch7/equal_coefficients", ("grid.N0=[30.0]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch3/fig_3_05", (), dict.fromkeys(range(7), CONFIRMED)),
