@@ -132,7 +132,7 @@ REDUCED = [
     ),
     (
         "ch7/fig_7_15",
-        ('grid.beta=["0 deg", "5 deg", "15 deg"]', "grid.Omega=[2.0, 8.0]", *ONE_PLACE),
+        ('grid.beta=["0 deg", "15 deg"]', "grid.Omega=[2.0, 4.0, 8.0]", *ONE_PLACE),
         {2: CONFIRMED, 5: CONFIRMED},
     ),
     (
