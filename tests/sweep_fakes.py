@@ -203,6 +203,9 @@ state = { x_dot = "v" }
 kind = "response"
 """
 
+FINEST = REFINED.replace("num = 5", "num = 9").replace("levels = 3", "levels = 7")
+"""A lattice of 1025 x 1025 points."""
+
 MILLION = """
 schema = 1
 [model]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ from fiv_cli.sweep.worker import ChainState
 Positions = NDArray[np.int64]
 
 PENDING = STATUS.codes["pending"]
+_CODES = ("status", "reason")
 _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
 
 
@@ -92,20 +93,59 @@ class Journal:
         numbers = [int(path.stem) for path in paths if path.stem.isdigit()]
         self._next = max(numbers, default=-1) + 1
         finders: dict[str, _Finder] = {}
+        refined: dict[int, list[_Stored]] = {}
         for path in paths:
             try:
-                self._take(path, *read_shard(path), finders)
+                self._take(path, *read_shard(path), finders, refined)
             except UnreadableShard as error:
                 self.ignored.append((path, str(error)))
+        for index, stored in refined.items():
+            self._place(index, stored)
 
-    def _take(self, path: Path, block: Block, name: str, finders: dict[str, _Finder]) -> None:
+    def _take(
+        self,
+        path: Path,
+        block: Block,
+        name: str,
+        finders: dict[str, _Finder],
+        refined: dict[int, list[_Stored]],
+    ) -> None:
+        """Register a block, or keep it until it is known which points are wanted."""
         names = [analysis.layout.name for analysis in self.plan.analyses]
         if name not in names:
             raise UnreadableShard(f"it belongs to an analysis {name!r} that the case has not")
         index = names.index(name)
+        if self.plan.analyses[index].maps is not None:
+            classes = self._classes(index, block)
+            stored = _Stored(path, block.keys, block.status, block.reason, classes)
+            refined.setdefault(index, []).append(stored)
+            return
         if name not in finders:
             finders[name] = _Finder(self.plan.analyses[index].keys())
         self._register(index, path, finders[name].positions(block.keys), block)
+
+    def _place(self, index: int, stored: Sequence[_Stored]) -> None:
+        """Register what is stored of a refined analysis: stage by stage, what each stage wants.
+
+        Only points that are wanted need a key; the lattice may have many more.
+        """
+        record, analysis = self.records[index], self.plan.analyses[index]
+        assert record.classes is not None
+        finder = _Finder(np.concatenate([one.keys for one in stored]))
+        status, reason = (np.concatenate([getattr(s, n) for s in stored]) for n in _CODES)
+        classes = np.concatenate([one.classes for one in stored])
+        positions = np.full(len(status), -1, np.int64)
+        tried = np.zeros(analysis.size, bool)
+        while (new := np.flatnonzero(self.wanted(index) & ~tried)).size:
+            tried[new] = True
+            rows = finder.positions(analysis.keys_of(new))
+            new, rows = new[rows >= 0], rows[rows >= 0]
+            positions[rows] = new
+            record.status[new], record.reason[new] = status[rows], reason[rows]
+            record.classes[new] = classes[rows]
+        ends = np.cumsum([len(one.status) for one in stored])
+        parts = np.split(positions, ends[:-1])
+        record.shards += [(s.path, part) for s, part in zip(stored, parts, strict=True)]
 
     def write(self, index: int, positions: Positions, block: Block) -> None:
         """Store a finished block of the analysis with this index.
@@ -212,8 +252,19 @@ def _explained(code: int, message: str) -> str:
     return message.partition("\n")[0] or f"{reason.name}: {reason.advice}"
 
 
+@dataclass(frozen=True)
+class _Stored:
+    """A block of a refined analysis, as far as is needed to see which points are wanted."""
+
+    path: Path
+    keys: NDArray[np.uint8]
+    status: NDArray[np.int8]
+    reason: NDArray[np.int8]
+    classes: NDArray[Any]
+
+
 class _Finder:
-    """Positions of points by key."""
+    """Positions of points by key; of equal keys the last counts."""
 
     def __init__(self, keys: NDArray[np.uint8]) -> None:
         sortable = _as_bytes(keys)
@@ -221,9 +272,9 @@ class _Finder:
         self._sorted = sortable[self._order]
 
     def positions(self, keys: NDArray[np.uint8]) -> Positions:
-        """Position of each key; -1 where it is not a point of the plan."""
+        """Position of each key; -1 where there is none."""
         wanted = _as_bytes(keys)
-        places = np.minimum(np.searchsorted(self._sorted, wanted), len(self._sorted) - 1)
+        places = np.maximum(np.searchsorted(self._sorted, wanted, side="right") - 1, 0)
         known = self._sorted[places] == wanted
         return np.where(known, self._order[places], -1).astype(np.int64)
 
