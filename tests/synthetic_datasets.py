@@ -227,6 +227,7 @@ def crossings():
             "critical_value": (dims, value, named),
             "crossing_kind": (dims, codes(kinds, kind), flag(kinds)),
             "crossing_direction": (dims, codes(ways, direction), flag(ways)),
+            "crossing_mode": (dims, np.full((3, 3), 2, np.int32)),
         },
         {"R": axis("R", ratio, "R", "1", "frequency ratio")},
         attributes(title="Suppression", reference="Figure 5.6"),

@@ -137,18 +137,27 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     (ax,) = draw(dataset, figure("curve")).axes
     assert legend_texts(ax) == ["root to stable", "root to unstable", "jump to stable"]
     np.testing.assert_array_equal(marks(ax, "jump to stable"), [[5, 1.5], [10, 3], [20, 6]])
-    assert marks(ax, "root to stable")[:, 1] == pytest.approx([2.0, 4.0, np.nan], nan_ok=True)
-    (ax,) = draw(dataset.isel(R=[2]).isel(R=[0, 0]), figure("curve")).axes
+    np.testing.assert_array_equal(marks(ax, "root to stable"), [[5, 2], [10, 4]])
+    (ax,) = draw(dataset.isel(crossing=[0]), figure("curve")).axes
     assert ax.get_legend() is None
+
+
+def test_crossings_are_joined_in_order_or_by_their_mode():
+    """Another mode crosses too at the second point, and at the last the modes' numbers differ."""
+    dataset = data.crossings().isel(crossing=[1, 1], R=[0, 0, 0, 0])
+    dataset = dataset.assign_coords(R=[1.0, 2.0, 3.0, 4.0])
+    dataset["critical_value"][:] = [[1.0, np.nan], [0.2, 1.1], [1.2, np.nan], [1.3, np.nan]]
+    dataset["crossing_mode"][:] = [[2, 0], [0, 2], [2, 0], [4, 0]]
+    (ax,) = draw(dataset, figure("curve")).axes
+    drawn = sorted(line.get_xydata().tolist() for line in ax.lines)
+    assert drawn == [[[1.0, 1.0], [2.0, 1.1], [3.0, 1.2], [4.0, 1.3]], [[2.0, 0.2]]]
 
 
 def test_a_curve_of_boundaries_says_what_lies_below_and_above_and_how_well_it_is_known():
     dataset = data.boundaries()
     (ax,) = draw(dataset, figure("curve")).axes
     assert legend_texts(ax) == ["periodic to equilibrium", "periodic to undecided"]
-    np.testing.assert_array_equal(
-        marks(ax, "periodic to equilibrium"), [[20, 4], [30, 7], [40, np.nan]]
-    )
+    np.testing.assert_array_equal(marks(ax, "periodic to equilibrium"), [[20, 4], [30, 7]])
     pieces = [np.array(piece) for bar in ax.collections for piece in bar.get_segments()]
     heights = [np.ptp(piece[:, 1]) for piece in pieces if len(piece)]
     assert sorted(h for h in heights if np.isfinite(h)) == pytest.approx([0.5, 0.5, 2.0])

@@ -113,25 +113,52 @@ def _curves(layer: points.Layer, name: str, settings: Mapping[str, Any]) -> list
 
 
 def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) -> list[_Curve]:
-    """Lines of crossings: those of one rank are joined while they are of one kind and direction.
+    """Lines of crossings of one kind and direction.
 
-    The label says which, where there are several.
+    The label says the kind and the direction, where there are several.
     """
     dataset, words = layer.dataset, labels.axis_label(layer.dataset[str(array.name)])
-    sorts = _sorts(dataset)
+    sorts, widths, modes = _sorts(dataset), _widths(dataset, array), _modes(dataset, array)
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
     for line in points.lines(dataset, [dim], along):
         for sort, mask in sorts.items():
-            values = array.where(mask).isel(line.index).transpose("crossing", dim).values
-            widths = _widths(dataset, array).isel(line.index).transpose("crossing", dim).values
             label = points.joined(layer.label, line.label, sort if len(sorts) > 1 else "")
-            curves += [
-                _Curve(words, label, x, y, width)
-                for y, width in zip(values, widths, strict=True)
-                if np.any(np.isfinite(y))
-            ]
+            kept, known, mode = (
+                part.where(mask).isel(line.index).transpose(dim, "crossing").values
+                for part in (array, widths, modes)
+            )
+            for places in _joined(kept, mode):
+                at = tuple(np.array(places).T)
+                curves.append(_Curve(words, label, x[at[0]], kept[at], known[at]))
     return curves
+
+
+def _joined(values: np.ndarray, modes: np.ndarray) -> list[list[tuple[int, int]]]:
+    """Lines through crossings, (points, crossings), as places along them.
+
+    From one point to the next crossings are joined in order where they are equally many, else
+    those of the same mode.
+    """
+    lines: list[list[tuple[int, int]]] = []
+    open_lines: list[list[tuple[int, int]]] = []
+    for point, row in enumerate(values):
+        places = [(point, int(i)) for i in np.argsort(row)[: np.isfinite(row).sum()]]
+        if len(places) == len(open_lines):
+            pairs = dict(zip(places, open_lines, strict=True))
+        else:
+            of_mode = {modes[line[-1]]: line for line in reversed(open_lines)}
+            pairs = {p: of_mode.pop(modes[p]) for p in places if modes[p] in of_mode}
+        open_lines = [pairs.get(place, []) for place in places]
+        lines += [line for line in open_lines if not line]
+        for line, place in zip(open_lines, places, strict=True):
+            line.append(place)
+    return lines
+
+
+def _modes(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
+    """The mode of each crossing; one and the same where that means nothing."""
+    return dataset["crossing_mode"] if "crossing_mode" in dataset else array * 0.0
 
 
 def _widths(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
