@@ -89,7 +89,7 @@ def test_bilateral_sliding_on_a_belt_that_runs_the_other_way() -> None:
     ("model", "start", "changes"),
     [
         ("flutter-2dof", {"x": 0.1, "y": -0.9}, {"v": 9.0}),
-        ("flutter-2dof", {"y": -0.31}, {"mu_k": 4.6, "v": 30.0}),
+        ("flutter-2dof", {"y": -0.8}, {"mu_k": 4.6, "v": 30.0}),
         ("excited-2dof", {"y": -6.0}, {"v": 9.0}),
         ("excited-2dof", {"y": -6.0}, {"v": 9.0, "A_b": 3.0, "R": 5.0}),
     ],
