@@ -327,6 +327,52 @@ def test_the_spectrum_is_ordered_and_its_vectors_normalised() -> None:
     assert np.all(largest.real > 0.0)
 
 
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_eigenvalues_at_each_equilibrium(number: int) -> None:
+    """A buckled pin has three equilibria."""
+    changes = {"k1": 0.0, "mu_k": 0.0}
+    settings = {"at_equilibrium": number}
+    found = analyse("pin-on-disc", "coulomb", "eigenvalues", None, settings, **changes)
+    places = analyse("pin-on-disc", "coulomb", "equilibrium", **changes).values["equilibrium"]
+    if number > len(places):
+        assert (found.status, found.reason) == ("failed", "no_equilibrium")
+        return
+    state = sliding(system("pin-on-disc"), defaults("pin-on-disc", "coulomb", **changes))
+    jacobian = state.jacobian(np.array([*places[number - 1], 0.0, 0.0]))
+    expected = np.linalg.eigvals(jacobian)
+    values = found.values["eigenvalue_real"] + 1j * found.values["eigenvalue_imag"]
+    np.testing.assert_allclose(np.sort_complex(values), np.sort_complex(expected), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("friction", "expected"), [(4.2, "neutral"), (4.3, "unstable")])
+def test_undamped_modes_are_neutral_until_they_merge(friction: float, expected: str) -> None:
+    found = analyse("flutter-2dof", "coulomb", "eigenvalues", mu_k=friction).values
+    assert found["stable"] == expected
+    assert (found["growth_rate"] == 0.0) == (expected == "neutral")
+    assert (found["coupled_with"].max() >= 0) == (expected == "unstable")
+
+
+@pytest.mark.parametrize("damping", [1e-7, 1e-9, 1e-12])
+def test_growth_rates_keep_their_digits_under_weak_damping(damping: float) -> None:
+    """-(y.C x)/(2 y.x) with x, y the undamped mode and its dual, but for the damping squared."""
+    changes = {"mu_k": 3.0, "c1": damping, "c2": 2.0 * damping}
+    found = analyse("flutter-2dof", "coulomb", "eigenvalues", **changes).values
+    undamped = sliding(system("flutter-2dof"), defaults("flutter-2dof", "coulomb", mu_k=3.0))
+    stiffness = -undamped.jacobian(np.zeros(4))[2:, :2]
+    squares, shapes = np.linalg.eig(stiffness)
+    duals = np.linalg.inv(shapes)
+    rates = -np.diag(duals @ np.diag([damping, 2.0 * damping]) @ shapes) / 2.0
+    expected = rates[np.argsort(squares)].repeat(2)
+    np.testing.assert_allclose(found["eigenvalue_real"], expected, rtol=1e-12)
+    assert found["stable"] == "stable"
+
+
+def test_conjugate_pairs_are_conjugate_to_the_last_bit() -> None:
+    found = analyse("belt-5dof", "coulomb", "eigenvalues", mu_k=1.4).values
+    values = found["eigenvalue_real"] + 1j * found["eigenvalue_imag"]
+    assert set(values) == set(values.conj())
+
+
 def test_merged_modes_know_each_other() -> None:
     values = np.array([0.1 + 2j, 0.1 - 2j, -0.1 + 2j, -0.1 - 2j, -0.3 + 7j, -0.3 - 7j])
     partner = coupled_modes(values)
