@@ -167,6 +167,20 @@ def test_the_share_of_mislabelled_points_is_measured_and_reported(tmp_path: Path
     assert f"{wrong.sum()} mislabelled ({wrong.sum() / 2000:.1%})" in summary.lines()[-1]
 
 
+def test_by_default_a_tenth_of_what_is_filled_in_is_sampled_and_no_more_than_100(
+    tmp_path: Path,
+) -> None:
+    sweep(tmp_path / "a.nc")
+    text = sweep_fakes.REFINED.replace("levels = 3", "levels = 2")
+    sweep(tmp_path / "b.nc", text)
+    assert dataset(tmp_path / "a.nc").attrs["sample_size"] == 200
+    small = dataset(tmp_path / "b.nc")["computed"]
+    for label in ("near", "far"):
+        filled = int((small.sel(initial=label) != COMPUTED.codes["run"]).sum())
+        sampled = int((small.sel(initial=label) == COMPUTED.codes["sampled"]).sum())
+        assert sampled == filled // 10
+
+
 def test_without_a_sample_no_share_is_claimed(tmp_path: Path) -> None:
     text = sweep_fakes.REFINED.replace('of = "attractor"', 'of = "attractor", sample = 0')
     sweep(tmp_path / "a.nc", text)

@@ -42,14 +42,15 @@ class Refinement:
     levels : how often
     of : variable that holds the class
     axes : names of the axes that are halved; those of the case hold the finest lattice
-    sample : points of each map that are run although their class was filled in
+    sample : points of each map that are run although their class was filled in; None: a tenth of
+        them, but no more than 100
     seed : seed of the sample
     """
 
     levels: int
     of: str
     axes: tuple[str, ...]
-    sample: int
+    sample: int | None
     seed: int
 
 

@@ -47,14 +47,15 @@ def _axis_name(name: str) -> str:
     return ascii_name(name).removeprefix("friction.")
 
 
-def _sound(levels: int, sample: int, seed: int, report: Report) -> bool:
+def _sound(levels: int, sample: int | None, seed: int, report: Report) -> bool:
     """Whether the numbers are in their ranges; notes those that are not."""
     if not 1 <= levels <= MOST_LEVELS:
         report.add((*PLACE, "levels"), f"{levels} is out of range", f"1 to {MOST_LEVELS}")
-    for key, value in (("sample", sample), ("seed", seed)):
+    counts = {"sample": sample or 0, "seed": seed}
+    for key, value in counts.items():
         if value < 0:
             report.add((*PLACE, key), f"{value} is out of range", "0 or more")
-    return 1 <= levels <= MOST_LEVELS and sample >= 0 and seed >= 0
+    return 1 <= levels <= MOST_LEVELS and min(counts.values()) >= 0
 
 
 def _known(names: Sequence[str], alone: Sequence[str], report: Report) -> bool:

@@ -148,7 +148,10 @@ class RefineTable(Table):
     along: list[str] | None = Field(
         default=None, description="axes that are halved; default: all numeric ones, zips left out"
     )
-    sample: int = Field(default=100, description="filled points of each map that are run as well")
+    sample: int | None = Field(
+        default=None,
+        description="filled points of each map that are run as well; default: a tenth, at most 100",
+    )
     seed: int = Field(default=0, description="seed of the sample")
 
 

@@ -21,6 +21,9 @@ from fiv_cli.data.flags import COMPUTED
 from fiv_cli.data.layout import Layout
 from fiv_cli.sweep.borders import BLANK, Classes, Mask, draw, sample
 
+USUAL_SAMPLE = 100
+"""Points of a large map that are run although their class was filled in."""
+
 Numbers = NDArray[np.int64]
 
 
@@ -101,7 +104,10 @@ class Maps:
         return Stage(wanted, sampled, drawn, not (wanted & ~known).any(), reached)
 
     def _sample(self, filled: Mask) -> Mask:
-        return sample(filled, self.refinement.sample, self.refinement.seed)
+        count = self.refinement.sample
+        if count is None:
+            count = min(USUAL_SAMPLE, int(np.count_nonzero(filled)) // 10)
+        return sample(filled, count, self.refinement.seed)
 
 
 def maps_of(layout: Layout, refinement: Refinement) -> Maps | None:
