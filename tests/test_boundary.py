@@ -166,6 +166,18 @@ def test_a_branch_that_bears_no_step_is_left_at_the_width_reached() -> None:
     assert found.changes[0].decided
 
 
+def test_an_open_look_on_a_branch_that_goes_on_stays_open() -> None:
+    def look(value: float, origin: Look | None) -> Look:
+        if value == 0.5:
+            return Look(value, None, "", "x")
+        fell = origin is not None and abs(value - origin.value) > 0.3
+        return Look(value, not fell, "", "x")
+
+    found = followed([0.0, 0.25, 0.5, 1.0], look, 1e-3)
+    assert [one.answer for one in found.looks] == [True, True, None, True]
+    assert [change.decided for change in found.changes] == [False, False]
+
+
 def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
     def look(value: float, origin: Look | None) -> Look:
         return Look(value, True, "", None if value >= 0.5 else "x")

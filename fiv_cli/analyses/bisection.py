@@ -121,7 +121,6 @@ def followed(
                 found.append(end)
             else:
                 reached = end
-                del looks[place + 1 :]
         looks.append(reached)
     return Found(looks, in_order([*found, *open_steps(looks)]))
 
