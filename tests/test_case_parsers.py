@@ -18,7 +18,7 @@ from fiv_cli.case.lines import locate
 from fiv_cli.case.names import ascii_name, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.units import UNITS, convert, exact, parse_unit
-from fiv_cli.friction import all_laws
+from fiv_cli.friction import all_laws, get_law
 from fiv_cli.models import all_models
 
 DECIMALS = st.decimals(-10_000, 10_000, allow_nan=False, places=4)
@@ -307,9 +307,8 @@ class TestNames:
 
     def test_model_and_law_never_share_a_name(self) -> None:
         """A bare name means one parameter, so the two tables must not overlap."""
-        laws = all_laws()
         for model in all_models().values():
             own = {parameter.name for parameter in model.parameters}
             own |= {option.name for option in model.options}
             for law in model.laws:
-                assert not own & {parameter.name for parameter in laws[law].parameters}
+                assert not own & {parameter.name for parameter in get_law(law).parameters}

@@ -234,7 +234,7 @@ class TestModels:
             assert re.search(rf"^{parameter.name} +\S+ +{parameter.unit} ", out, re.MULTILINE)
         for state in model.states(model.default_options()):
             assert f"  {state.name}'' = " in out
-        assert "|F_T| <= " in out
+        assert ("|F_T| <= " in out) == bool(model.contacts)
 
     def test_equations_are_those_of_the_model(self, capsys: pytest.CaptureFixture[str]) -> None:
         run(["models", "belt-1dof"])
@@ -296,17 +296,23 @@ class TestCheck:
         assert "2 points" in fiv("check", str(case)).stdout
 
 
+SUITED = [
+    (name, kind)
+    for name, model in all_models().items()
+    for kind, analysis in all_analyses().items()
+    if not analysis.unsuited(model)
+]
+
+
 class TestNew:
-    @pytest.mark.parametrize("kind", list(all_analyses()))
-    @pytest.mark.parametrize("name", list(all_models()))
+    @pytest.mark.parametrize(("name", "kind"), SUITED)
     def test_valid_as_it_stands(self, name: str, kind: str) -> None:
         text = case_template(all_models()[name], all_analyses()[kind])
         case = parse_case(text, "new.toml")
         assert (case.model, case.analyses[0].kind) == (name, kind)
         assert not case.explicit
 
-    @pytest.mark.parametrize("kind", list(all_analyses()))
-    @pytest.mark.parametrize("name", list(all_models()))
+    @pytest.mark.parametrize(("name", "kind"), SUITED)
     def test_valid_with_every_default_spelt_out(self, name: str, kind: str) -> None:
         """Taking the # off the lines of defaults gives the same case."""
         text = case_template(all_models()[name], all_analyses()[kind])
@@ -323,13 +329,21 @@ class TestNew:
     @pytest.mark.parametrize("kind", list(all_analyses()))
     def test_every_setting_is_there(self, kind: str) -> None:
         analysis = all_analyses()[kind]
+        belt, disc = all_models()["belt-1dof"], all_models()["disc-rigid-contact"]
         on_discs = any(setting.type == "points" for setting in analysis.settings)
-        model = all_models()["disc-rigid-contact" if on_discs else "belt-1dof"]
+        model = disc if on_discs or analysis.unsuited(belt) else belt
         text = case_template(model, analysis)
         for setting in analysis.settings:
             text = text.replace(f"\n# {setting.name} = ", f"\n{setting.name} = ")
         given = parse_case(text, "new.toml").analyses[0].settings
         assert all(given[setting.name] is not None for setting in analysis.settings)
+
+    def test_what_does_not_suit_a_model(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert run(["new", "annular-plate"]) == 2
+        refused = capsys.readouterr().err
+        assert "does not move" in refused and "--analysis plate" in refused
+        assert run(["new", "belt-1dof", "--analysis", "plate"]) == 2
+        assert "has no elastic disc" in capsys.readouterr().err
 
     def test_stdout_is_the_file(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert run(["new", "pin-on-disc"]) == 0

@@ -9,6 +9,7 @@ from fiv_cli.analyses import (
     eigenvalues,
     equilibrium,
     history,
+    plate,
     response,
     spectrum,
 )
@@ -23,6 +24,7 @@ _ANALYSES: tuple[Analysis, ...] = (
     spectrum.ANALYSIS,
     boundary.ANALYSIS,
     cycle.ANALYSIS,
+    plate.ANALYSIS,
 )
 
 

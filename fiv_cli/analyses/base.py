@@ -9,10 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fiv_cli.dynamics.schedule import STEADY, Points, Schedule
 from fiv_cli.dynamics.settings import Section, SolverSettings
+
+if TYPE_CHECKING:
+    from fiv_cli.models.base import Model
 
 __all__ = [
     "STEADY",
@@ -99,6 +102,14 @@ class Question:
     counts: bool = False
 
 
+def off_the_plate(parameters: Mapping[str, float]) -> str:
+    """Reason why the slider is on no disc; empty where it is, or the model has no disc."""
+    if not parameters.keys() >= {"a", "b", "r0"}:
+        return ""
+    a, b, r0 = (parameters[name] for name in ("a", "b", "r0"))
+    return "" if a < b and a <= r0 <= b else "no_plate"
+
+
 FRICTION_PAIRS = (("mu_k", "mu_s"), ("mu_k_2", "mu_s_2"))
 """Kinetic and static coefficients that belong together."""
 
@@ -163,6 +174,12 @@ class Outcome:
     carry: dict[str, Any] | None = None
 
 
+def _without_contact(model: Model) -> str:
+    if model.contacts:
+        return ""
+    return f"{model.name} has no contact and does not move: only its modes can be computed"
+
+
 @dataclass(frozen=True)
 class Analysis:
     """An analysis: its settings and its function.
@@ -178,6 +195,8 @@ class Analysis:
         `Section`
     linear : True where mu_k > mu_s is harmless
     varying : whether parameters may vary in time
+    unsuited : model -> why it cannot be analysed so; empty where it can
+    generated : whether `run` takes a compiled system; otherwise `execute.Plain` is enough
     chains : whether a point may continue from its neighbour along an axis
     sizes : ``(settings) -> {dim: coordinate values}`` of own dims that settings fix (``time``)
     """
@@ -189,5 +208,7 @@ class Analysis:
     run: Callable[..., Outcome]
     linear: bool = False
     varying: bool = False
+    unsuited: Callable[[Model], str] = _without_contact
+    generated: bool = True
     chains: bool = True
     sizes: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda settings: {}

@@ -45,13 +45,20 @@ class Request:
     schedule: Schedule = STEADY
 
 
+@dataclass(frozen=True)
+class Plain:
+    """What an analysis that needs no generated code knows of the model: its options."""
+
+    options: Mapping[str, str]
+
+
 def execute(request: Request) -> Outcome:
     """Run one point; whatever goes wrong is an `Outcome`, never an exception."""
     from fiv_cli.analyses import get_analysis
 
     try:
         analysis = get_analysis(request.analysis)
-        system = _system(request)
+        system = _system(request) if analysis.generated else Plain(request.options)
         return analysis.run(
             system, request.parameters, request.start, request.settings, request.solver
         )
@@ -68,10 +75,13 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
 
     `announce` is called with a sentence when something must be generated or compiled.
     """
+    from fiv_cli.analyses import get_analysis
     from fiv_cli.dynamics.system import system_key
 
     seen = set()
     for request in requests:
+        if not get_analysis(request.analysis).generated:
+            continue
         key = system_key(
             request.model,
             request.law,

@@ -78,6 +78,11 @@ def _analysis(
         )
         return None
     analysis = analyses[table.kind]
+    unsuited = "" if physics is None else analysis.unsuited(physics.model)
+    if physics is not None and unsuited:
+        suited = [kind for kind, one in analyses.items() if not one.unsuited(physics.model)]
+        report.add((*place, "kind"), unsuited, listed(suited))
+        return None
     given = dict(table.model_extra or {})
     _refuse_unknown(analysis, given, place, report)
     reader = _Reader(physics, axes, given, report)

@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import friction_rises
+from fiv_cli.analyses.base import friction_rises, off_the_plate
 from fiv_cli.case.analysis import read_analyses
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.grid import MOST_POINTS, Grid, count_points, read_grid, refuse_fixed_axes
@@ -152,6 +152,7 @@ def _build(
         schedule=schedule,
     )
     _refuse_rising_friction(case, physics, raw, report)
+    _refuse_no_plate(case, raw, report)
     return case
 
 
@@ -258,6 +259,16 @@ def _refuse_rising_friction(
                     f"{name} <= {static} in an analysis in time",
                     f"give {static} as well" if static not in physics.fixed else "",
                 )
+
+
+def _refuse_no_plate(case: Case, raw: Mapping[str, Any], report: Report) -> None:
+    """Radii that make no disc with the slider on it; on an axis such points are left out."""
+    values = case.parameters_at(case.law, {})
+    if off_the_plate(values):
+        given = [name for name in ("r0", "a", "b") if name in case.explicit] or ["r0"]
+        shown = ", ".join(f"{name} = {values[name]!r}" for name in ("a", "r0", "b"))
+        message = f"{shown} m: the slider is not on the disc"
+        report.add(_place_of(given[0], raw), message, "a < b and a <= r0 <= b")
 
 
 def _values_in_time(case: Case, law: Law) -> dict[str, float]:

@@ -12,7 +12,7 @@ from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import FrictionTable, ModelTable, check_quantity
 from fiv_cli.case.tables import read_table
 from fiv_cli.case.units import convert
-from fiv_cli.friction import TANH_OF, all_laws
+from fiv_cli.friction import TANH_OF, get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
@@ -187,8 +187,7 @@ def _laws(
 ) -> tuple[Law, ...]:
     """The laws in use; the model's default where none that it knows is named."""
     names = [*_laws_of_axis(model, raw), *_law_of_table(model, friction, report)]
-    laws = all_laws()
-    return tuple(laws[name] for name in dict.fromkeys(names or [model.laws[0]]))
+    return tuple(get_law(name) for name in dict.fromkeys(names or [model.laws[0]]))
 
 
 def _laws_of_axis(model: Model, raw: Mapping[str, Any]) -> list[str]:

@@ -37,6 +37,9 @@ _OWN_DIMS = (
     "crossing",
     "range",
     "scan",
+    "k",
+    "l",
+    "point",
 )
 _BOUND = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _CONDITION = re.compile(

@@ -19,6 +19,7 @@ _FIGURES = {
     "eigenvalues": "eigenvalues",
     "equilibrium": "curve",
     "spectrum": "spectrum",
+    "plate": "mode-shape",
 }
 
 
@@ -31,12 +32,13 @@ def case_template(model: Model, analysis: Analysis) -> str:
     law = get_law(model.laws[0])
     first, second, *_ = _swept(model, law)
     varies = any(setting.type == "parameter" for setting in analysis.settings)
-    axis = None if analysis.kind == "history" else second if varies else first
+    single = analysis.kind in ("history", "plate")  # one motion, one plate
+    axis = None if single else second if varies else first
     blocks = [
         _header(model, analysis),
         _model(model, axis),
-        _friction(model, law, axis),
-        _grid(axis),
+        _friction(model, law, axis) if model.contacts else [],
+        _grid(axis, first),
         [] if axis is None else _sweep(analysis),
         _starts(model) if analysis.uses_starts else [],
         _analysis(model, analysis, first),
@@ -90,11 +92,12 @@ def _default(parameter: Parameter) -> str:
     return f"# the value of {parameter.default_from}" if value is None else repr(value)
 
 
-def _grid(axis: Parameter | None) -> list[str]:
+def _grid(axis: Parameter | None, example: Parameter) -> list[str]:
+    shown = axis or example
+    high = shown.default or 1.0
+    line = f"{shown.name} = {{ start = {high / 2!r}, stop = {high!r}, num = 5 }}"
     if axis is None:
-        return ["# [grid]", "#   mu_k = { start = 0.1, stop = 0.3, step = 0.05 }"]
-    high = axis.default or 1.0
-    line = f"{axis.name} = {{ start = {high / 2!r}, stop = {high!r}, num = 5 }}"
+        return ["# [grid]", f"#   {line}"]
     return [
         _with_comment("[grid]", "ordered; ends included; a list, or step = instead of num ="),
         _with_comment(line, f"{axis.meaning}{_unit(axis.unit)}"),

@@ -137,14 +137,21 @@ def _parameter_document(parameter: Parameter) -> dict[str, Any]:
 def _print_model(model: Model) -> None:
     click.echo(f"{model.name}: {model.title}\n{model.reference}\n")
     _print_parameters("Parameters, under [model.parameters]", model.parameters)
-    states = model.states(model.default_options())
-    rows = [(s.name, s.symbol, s.unit, s.meaning) for s in states]
-    click.echo()
-    print_table("States (the velocity of x is x_dot)", ("name", "symbol", "unit", "meaning"), rows)
+    _print_states(model)
     _print_options(model)
-    click.echo(f"\nFriction laws: {', '.join(model.laws)}")
-    _print_law_parameters(model)
-    _print_equations(model)
+    if model.contacts:
+        click.echo(f"\nFriction laws: {', '.join(model.laws)}")
+        _print_law_parameters(model)
+        _print_equations(model)
+
+
+def _print_states(model: Model) -> None:
+    states = model.states(model.default_options())
+    columns = ("name", "symbol", "unit", "meaning")
+    if states:
+        rows = [(s.name, s.symbol, s.unit, s.meaning) for s in states]
+        click.echo()
+        print_table("States (the velocity of x is x_dot)", columns, rows)
 
 
 def _print_options(model: Model) -> None:

@@ -15,7 +15,7 @@ from fiv_cli.errors import UsageError
     metavar="KIND",
     default="response",
     show_default=True,
-    help="What to compute: history, equilibrium, eigenvalues or response.",
+    help="What to compute: history, equilibrium, eigenvalues, response, ...",
 )
 def command(model: str, kind: str) -> None:
     """Write a commented case file of MODEL to stdout.
@@ -36,4 +36,8 @@ def command(model: str, kind: str) -> None:
         if name not in known:
             hint = suggest(name, known.keys()) or f"there are: {listed(known)}"
             raise UsageError(f"there is no {what} {name!r}; {hint}\nnext: fiv models")
+    unsuited = analyses[kind].unsuited(models[model])
+    if unsuited:
+        suited = [name for name, one in analyses.items() if not one.unsuited(models[model])]
+        raise UsageError(f"{unsuited}\nnext: fiv new {model} --analysis {suited[0]}")
     click.echo(case_template(models[model], analyses[kind]), nl=False)

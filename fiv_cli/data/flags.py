@@ -166,6 +166,12 @@ REASONS: tuple[Reason, ...] = (
         "a window of the spectrogram is longer than the motion: raise t_end, or shorten window "
         "(or raise resolution)",
     ),
+    Reason(
+        "node_at_r0",
+        "a mode has a node at r0 (the message names it): nothing that acts there moves it, and its "
+        "shape has no scale; move r0, or leave the mode out",
+    ),
+    Reason("no_plate", "the radii make no disc with the slider on it: a < b and a <= r0 <= b"),
 )
 
 STATUS = FlagTable(

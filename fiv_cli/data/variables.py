@@ -474,6 +474,21 @@ def _extremes(
     ]
 
 
+def _plate(
+    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
+) -> list[Variable]:
+    mode, along_r = ("k", "l"), ("k", "l", "r")
+    comment = "R(r0)^2/M: how a unit force at r0 accelerates the mode there; 0: a node"
+    return [
+        Variable("k", "1", "nodal circles", ("k",), "coordinate"),
+        Variable("l", "1", "nodal diameters", ("l",), "coordinate"),
+        Variable("radius", "m", "radius", ("r",), symbol="r"),
+        Variable("plate_frequency", "rad s-1", "natural frequency of the disc", mode),
+        Variable("inverse_modal_mass", "kg-1", "inverse modal mass at r0", mode, comment=comment),
+        Variable("shape", "1", "mode shape R(r)/R(r0)", along_r),
+    ]
+
+
 _VARYING_BY_KIND = {"spectrum": _spectrogram}
 """Where parameters vary in time, analyses that have other variables then."""
 
@@ -486,4 +501,5 @@ _BY_KIND = {
     "spectrum": _spectrum,
     "boundary": _boundary,
     "cycle": _cycle,
+    "plate": _plate,
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fiv_cli.friction import coulomb, exponential, hyperbolic, linear_slope, stribeck, tanh
+from fiv_cli.friction import coulomb, exponential, hyperbolic, linear_slope, none, stribeck, tanh
 from fiv_cli.friction.base import Law
 
 _LAWS: tuple[Law, ...] = (
@@ -23,5 +23,8 @@ def all_laws() -> dict[str, Law]:
 
 
 def get_law(name: str) -> Law:
-    """The law called `name` (``coulomb``, ``tanh of coulomb``); KeyError when there is none."""
-    return all_laws()[name]
+    """The law called `name` (``coulomb``, ``tanh of coulomb``); KeyError when there is none.
+
+    ``none`` is that of models without a contact; it is not listed.
+    """
+    return none.LAW if name == none.LAW.name else all_laws()[name]

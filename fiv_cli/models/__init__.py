@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fiv_cli.models import (
+    annular_plate,
     belt_1dof,
     belt_2mass,
     belt_5dof,
@@ -21,6 +22,7 @@ _MODELS: tuple[Model, ...] = (
     flutter_2dof.MODEL,
     excited_2dof.MODEL,
     belt_5dof.MODEL,
+    annular_plate.MODEL,
     disc_rigid_contact.MODEL,
     excited_disc.MODEL,
     disc_nonlinear_contact.MODEL,

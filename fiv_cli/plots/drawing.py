@@ -19,6 +19,7 @@ from fiv_cli.plots import (
     curve,
     eigenvalues,
     history,
+    mode_shape,
     phase,
     points,
     spectrogram,
@@ -61,6 +62,7 @@ KINDS: dict[str, Kind] = {
     "phase": Kind(phase.suits, phase.draw),
     "spectrum": Kind(spectrum.suits, spectrum.draw),
     "spectrogram": Kind(spectrogram.suits, spectrogram.draw),
+    "mode-shape": Kind(mode_shape.suits, mode_shape.draw),
     "branch": Kind(branch.suits, branch.draw, overlays=True),
 }
 

@@ -148,11 +148,9 @@ class AnalysisPlan:
         return point_key(self.template, values, self.entry(index), previous)
 
     def excluded(self) -> int:
-        """Number of points that will not be computed because mu_k > mu_s there."""
-        if self.template.linear:
-            return 0
+        """Number of points that will not be computed: mu_k > mu_s there, or no such disc."""
         axes = [axis for dim in self.layout.dims for axis in dim.axes]
-        steering = {"mu_k", "mu_s", "mu_k_2", "mu_s_2", "beta", "friction"}
+        steering = {"mu_k", "mu_s", "mu_k_2", "mu_s_2", "beta", "friction", "a", "b", "r0"}
         dims = [dim for dim in self.layout.dims if steering & {a.name for a in dim.axes}]
         others = self.size // max(1, int(np.prod([dim.size for dim in dims], dtype=np.int64)))
         first = {axis.name: axis.values[0] for axis in axes}
@@ -366,7 +364,9 @@ def _described(analysis: AnalysisPlan) -> list[str]:
         )
     excluded = analysis.excluded()
     if excluded:
-        lines.append(f"    {excluded} points with mu_k > mu_s will not be computed")
+        radii = {"a", "b", "r0"} & {axis.name for dim in layout.dims for axis in dim.axes}
+        why = "mu_k > mu_s, or off the disc," if radii else "mu_k > mu_s"
+        lines.append(f"    {excluded} points with {why} will not be computed")
     return lines
 
 

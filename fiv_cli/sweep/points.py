@@ -14,7 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import STEADY, Schedule, SolverSettings, Start, friction_rises
+from fiv_cli.analyses.base import (
+    STEADY,
+    Schedule,
+    SolverSettings,
+    Start,
+    friction_rises,
+    off_the_plate,
+)
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
 
@@ -105,8 +112,8 @@ def law_at(template: Template, values: Values) -> str:
 
 def exclusion(template: Template, parameters: Mapping[str, float]) -> str:
     """Reason why a point must not be computed; empty when it may be."""
-    if template.linear:
-        return ""
+    if off_the_plate(parameters) or template.linear:
+        return off_the_plate(parameters)
     varied = ({**parameters, **template.schedule.values(t)} for t in template.schedule.instants)
     return next(filter(None, map(friction_rises, varied)), "")
 
