@@ -22,7 +22,7 @@ TRUST = ("energy_residual", "event_residual", "residual", "transient_used", "n_s
 # Flags of which every class is counted.
 COUNTED = (
     *("status", "reason", "attractor", "stable", "crossing_kind", "crossing_direction"),
-    "computed",
+    *("class_below", "class_above", "computed"),
 )
 
 # Labels of an axis that are all listed; of more, the first and the last.
