@@ -384,3 +384,8 @@ def test_a_law_without_an_average_is_refused() -> None:
     flutter = CASE.replace("excited-2dof", "flutter-2dof").replace("R = [10.0, 20.0]", "")
     with pytest.raises(CaseError, match="no fast excitation"):
         parse_case(flutter + lines.replace("A_b", "F"), "case.toml")
+
+
+def test_a_plan_says_what_is_varied() -> None:
+    case = parse_case(CASE + 'parameter = "mu_k"\nbracket = [0, 1]', "case.toml")
+    assert "    mu_k is varied from 0.0 to 1.0, and with it mu_s" in make_plan(case).describe()

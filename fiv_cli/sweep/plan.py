@@ -7,7 +7,7 @@ point but numbers in arrays.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from math import prod
@@ -352,6 +352,7 @@ def _described(analysis: AnalysisPlan) -> list[str]:
     lines = [f"  {title}: {counted(layout.size)} ({grid})"]
     for dim in layout.dims:
         lines.extend(f"    {_axis_text(axis)}" for axis in dim.axes)
+    lines.extend(_varied(layout.settings))
     if analysis.maps is not None:
         lines.append(f"    {_refined_text(analysis.maps, layout)}")
     for chains in analysis.chain_sets():
@@ -368,6 +369,16 @@ def _described(analysis: AnalysisPlan) -> list[str]:
         why = "mu_k > mu_s, or off the disc," if radii else "mu_k > mu_s"
         lines.append(f"    {excluded} points with {why} will not be computed")
     return lines
+
+
+def _varied(settings: Mapping[str, Any]) -> list[str]:
+    """The bracket of a parameter that the analysis itself varies, if it does."""
+    varied, bracket = settings.get("parameter"), settings.get("bracket")
+    if varied is None or bracket is None:
+        return []
+    unit = "" if varied.unit == "1" else f" {varied.unit}"
+    followers = f", and with it {', '.join(varied.followers)}" if varied.followers else ""
+    return [f"    {varied.name} is varied from {bracket[0]!r} to {bracket[1]!r}{unit}{followers}"]
 
 
 def _refined_text(maps: Maps, layout: Layout) -> str:
