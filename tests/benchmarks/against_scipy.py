@@ -1,18 +1,19 @@
-"""The base-excited belt against SciPy's DOP853 with events: same runs, same error, one core.
+"""Two sweeps against SciPy's DOP853 with events: same runs, same error, one core.
 
 Error: largest difference of the states at slip->stick and of the final state from a reference at
-rtol 1e-14, over the scale of the displacement (4 m). Both sides run a ladder of tolerances; for
-each error goal each side's cheapest run that meets it is compared, in interleaved pairs.
+rtol 1e-14, over the scale of each state. Both sides run a ladder of tolerances; for each error
+goal each side's cheapest run that meets it is compared, in interleaved pairs.
 
 SciPy runs twice: as fast as it goes, which may step over a pair of events, and with steps of at
-most a thirtieth of an oscillation, which a user needs who wants none missed (fiv bounds the roots
-of its switching functions and misses none at any step).
+most a thirtieth of the fastest oscillation, which a user needs who wants none missed (fiv bounds
+the roots of its switching functions and misses none at any step).
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,62 +21,117 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import Section, SolverSettings
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, build_system
-from tests.benchmarks.scipy_belt import stick_points
+from fiv_cli.models import get_model
+from fiv_cli.verify import default_parameters
+from tests.benchmarks import scipy_belt, scipy_belt_5dof
 
-OMEGAS = np.linspace(0.82, 0.88, 7)
-T_END = 400.0
-SECTIONS = 200  # room for section points of a run
-SCALE = 4.0
-GOALS = (1e-6, 1e-9, 1e-12)
+SECTIONS = 300  # room for section points of a run
 PAIRS = 5
-GUARDED_STEP = 2.0 * np.pi / 30.0
-FIV_LADDER = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14)
-SCIPY_LADDER = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+FIV_SECONDS = 0.1  # fiv's runs are repeated for about this long
+FIV_LADDER = tuple(10.0**-k for k in range(3, 15))
 
 Points = NDArray[np.float64]
+ScipyRun = Callable[[float, float, float, float], tuple[Points, Points]]
 
 
-def parameters(omega: float) -> dict[str, float]:
-    """The belt of section 3.1.2.2 with u0 = 0.5."""
-    return {
-        "m": 1.0, "k": 1.0, "c": 0.0, "N": 10.0, "v": 1.0, "u0": 0.5, "omega": omega,
-        "mu_s": 0.4, "mu_k": 0.23,
-    }  # fmt: skip
+@dataclass(frozen=True)
+class Sweep:
+    """Runs from zero along one parameter.
+
+    Attributes
+    ----------
+    title : one line
+    model, fixed : the model and parameters that differ from its defaults
+    axis, values : the parameter of the sweep
+    t_end : length of a run, s
+    guarded_step : bound of SciPy's steps, s
+    goals : errors at which both sides are compared
+    scipy_ladder : SciPy's tolerances, coarsest first
+    scipy_run : (value, t_end, rtol, max_step) -> states at slip->stick, final state
+    """
+
+    title: str
+    model: str
+    fixed: Mapping[str, float]
+    axis: str
+    values: tuple[float, ...]
+    t_end: float
+    guarded_step: float
+    goals: tuple[float, ...]
+    scipy_ladder: tuple[float, ...]
+    scipy_run: ScipyRun
+
+    def parameters(self, value: float) -> dict[str, float]:
+        """Every parameter of one run."""
+        return {**default_parameters(self.model, "coulomb"), **self.fixed, self.axis: value}
+
+    def system(self, rtol: float) -> tuple[System, SolverSettings]:
+        """The compiled model at a tolerance."""
+        solver = SolverSettings(rtol=rtol)
+        parameters = self.parameters(self.values[0])
+        options = get_model(self.model).default_options()
+        return build_system(self.model, "coulomb", options, parameters, solver), solver
 
 
-def system_for(rtol: float) -> tuple[System, SolverSettings]:
-    """The compiled belt at a tolerance."""
-    solver = SolverSettings(rtol=rtol)
-    return build_system("belt-1dof", "coulomb", {}, parameters(1.0), solver), solver
+BELT = Sweep(
+    title="base-excited belt (belt-1dof, u0 = 0.5)",
+    model="belt-1dof",
+    fixed={"u0": 0.5},
+    axis="omega",
+    values=tuple(np.linspace(0.82, 0.88, 7)),
+    t_end=400.0,
+    guarded_step=2.0 * np.pi / 30.0,
+    goals=(1e-6, 1e-9, 1e-12),
+    scipy_ladder=tuple(10.0**-k for k in range(4, 14)),
+    scipy_run=scipy_belt.stick_points,
+)
+SLIDER = Sweep(
+    title="slider on an oscillating belt (belt-5dof, plastic impact)",
+    model="belt-5dof",
+    fixed={"k_nl": 1e4, "F": 200.0, "mu_s": 3.0},
+    axis="mu_k",
+    values=(0.9, 1.4, 2.0, 2.5),
+    t_end=20.0,
+    guarded_step=1.5e-3,
+    goals=(1e-6, 1e-9),
+    scipy_ladder=tuple(10.0**-k for k in range(5, 14)),
+    scipy_run=scipy_belt_5dof.stick_points,
+)
 
 
 def fiv_run(
-    system: System, solver: SolverSettings, belt: dict[str, float]
+    system: System, solver: SolverSettings, parameters: Mapping[str, float], t_end: float
 ) -> tuple[Motion, Points]:
     """One run with its section points."""
-    motion = Motion(system, belt, solver, {})
-    times, states = np.zeros(SECTIONS), np.zeros((SECTIONS, 2))
-    motion.run(T_END, Section("event"), (times, states))
+    motion = Motion(system, parameters, solver, {})
+    times, states = np.zeros(SECTIONS), np.zeros((SECTIONS, len(motion.y)))
+    motion.run(t_end, Section("event"), (times, states))
     return motion, states
 
 
-def fiv_points(system: System, solver: SolverSettings, omega: float) -> Points:
-    """States at slip->stick and, last, the final state."""
-    motion, states = fiv_run(system, solver, parameters(omega))
-    return np.vstack([states[: motion.n_sections], motion.y])
+def fiv_points(sweep: Sweep, rtol: float) -> list[Points]:
+    """States at slip->stick and, last, the final state, for the whole sweep."""
+    system, solver = sweep.system(rtol)
+    found = []
+    for value in sweep.values:
+        motion, states = fiv_run(system, solver, sweep.parameters(value), sweep.t_end)
+        found.append(np.vstack([states[: motion.n_sections], motion.y]))
+    return found
 
 
-def scipy_points(rtol: float, omega: float) -> Points:
+def scipy_points(sweep: Sweep, rtol: float) -> list[Points]:
     """The same by SciPy."""
-    points, final = stick_points(omega, T_END, rtol)
-    return np.vstack([points, final])
+    runs = [sweep.scipy_run(value, sweep.t_end, rtol, np.inf) for value in sweep.values]
+    return [np.vstack([points, final]) for points, final in runs]
 
 
 def error(points: list[Points], reference: list[Points]) -> float:
     """Largest scaled difference; infinite when an event is missing."""
     if any(a.shape != b.shape for a, b in zip(points, reference, strict=True)):
         return float("inf")
-    return max(float(np.max(np.abs(a - b))) / SCALE for a, b in zip(points, reference, strict=True))
+    scale = np.max(np.abs(np.vstack(reference)), axis=0)
+    pairs = zip(points, reference, strict=True)
+    return max(float(np.max(np.abs(a - b) / scale)) for a, b in pairs)
 
 
 def cheapest(
@@ -92,64 +148,60 @@ def cheapest(
     return None
 
 
-def fiv_sweep(rtol: float) -> list[Points]:
-    """The whole sweep by fiv."""
-    system, solver = system_for(rtol)
-    return [fiv_points(system, solver, omega) for omega in OMEGAS]
-
-
-def scipy_sweep(rtol: float) -> list[Points]:
-    """The whole sweep by SciPy."""
-    return [scipy_points(rtol, omega) for omega in OMEGAS]
-
-
-def seconds(action: Callable[[], object], repeats: int) -> float:
-    """Wall time of one call, over `repeats`."""
-    begun = time.perf_counter()
+def seconds(action: Callable[[], object], repeats: int = 1) -> float:
+    """Processor time of one call, over `repeats`."""
+    begun = time.process_time()
     for _ in range(repeats):
         action()
-    return (time.perf_counter() - begun) / repeats
+    return (time.process_time() - begun) / repeats
 
 
 def report() -> None:
-    """Print the ratio at each error goal."""
-    reference = fiv_sweep(1e-14)
-    print(f"base-excited belt, {len(OMEGAS)} runs of {T_END:g} time units, one core")
-    for goal in GOALS:
-        fiv = cheapest(FIV_LADDER, fiv_sweep, reference, goal)
-        scipy = cheapest(SCIPY_LADDER, scipy_sweep, reference, goal)
+    """Print the ratio at each error goal of each sweep."""
+    for sweep in (BELT, SLIDER):
+        _report(sweep)
+
+
+def _report(sweep: Sweep) -> None:
+    reference = fiv_points(sweep, 1e-14)
+    print(f"{sweep.title}, {len(sweep.values)} runs of {sweep.t_end:g} s, one core", flush=True)
+    for goal in sweep.goals:
+        fiv = cheapest(FIV_LADDER, lambda rtol: fiv_points(sweep, rtol), reference, goal)
+        scipy = cheapest(
+            sweep.scipy_ladder, lambda rtol: scipy_points(sweep, rtol), reference, goal
+        )
         if fiv is None or scipy is None:
             who = "fiv" if fiv is None else "SciPy"
-            print(f"  error {goal:g}: {who} does not reach it")
+            print(f"  error {goal:g}: {who} does not reach it", flush=True)
             continue
-        print(_compare(goal, fiv, scipy))
+        print(_compare(sweep, goal, fiv, scipy), flush=True)
 
 
-def _compare(goal: float, fiv: tuple[float, float], scipy: tuple[float, float]) -> str:
-    system, solver = system_for(fiv[0])
-    belts = [parameters(omega) for omega in OMEGAS]
+def _compare(
+    sweep: Sweep, goal: float, fiv: tuple[float, float], scipy: tuple[float, float]
+) -> str:
+    system, solver = sweep.system(fiv[0])
+    given = [sweep.parameters(value) for value in sweep.values]
 
     def fiv_runs() -> None:
-        for belt in belts:
-            fiv_run(system, solver, belt)
+        for parameters in given:
+            fiv_run(system, solver, parameters, sweep.t_end)
 
-    def scipy_runs(max_step: float) -> Callable[[], None]:
-        def run() -> None:
-            for omega in OMEGAS:
-                stick_points(omega, T_END, scipy[0], max_step)
+    def scipy_runs(max_step: float) -> None:
+        for value in sweep.values:
+            sweep.scipy_run(value, sweep.t_end, scipy[0], max_step)
 
-        return run
-
+    repeats = max(1, round(FIV_SECONDS / seconds(fiv_runs)))
     times = np.array(
         [
             [
-                seconds(fiv_runs, 50) / len(OMEGAS),
-                seconds(scipy_runs(np.inf), 1) / len(OMEGAS),
-                seconds(scipy_runs(GUARDED_STEP), 1) / len(OMEGAS),
+                seconds(fiv_runs, repeats),
+                seconds(lambda: scipy_runs(np.inf)),
+                seconds(lambda: scipy_runs(sweep.guarded_step)),
             ]
             for _ in range(PAIRS)
         ]
-    )
+    ) / len(sweep.values)
     ratio, guarded = np.median(times[:, 1:] / times[:, :1], axis=0)
     fiv_time, scipy_time, guarded_time = np.median(times, axis=0)
     return (
