@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions import analyse
+from motions import analyse, defaults, system
 
 from fiv_cli.analyses import crossings
 from fiv_cli.analyses.base import Outcome, Varied
 from fiv_cli.analyses.crossings import Crossing, Sample, ScanTooLong, find_crossings
+from fiv_cli.analyses.equilibria import equilibria, sliding
+from fiv_cli.analyses.linearisation import modes_at
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import CaseError
 from fiv_cli.sweep.plan import make_plan
@@ -152,6 +154,33 @@ def test_any_parameter_may_be_the_one() -> None:
     """The surface mu_c(F) met from its other side."""
     friction = only(critical("belt-5dof", "mu_k", (0.0, 3.0), F=300.0))
     assert only(critical("belt-5dof", "F", (50.0, 900.0), mu_k=friction)) == pytest.approx(300.0)
+
+
+# --- rigid contact with a disc (thesis chapter 4) -------------------------------------------------
+@pytest.mark.parametrize(
+    ("changes", "bracket", "number", "expected"),
+    [
+        ({"c_z": 11.0, "C_phi": 1.0, "alpha": 10.0}, (0.5, 10.0), -1, 2.699143),
+        ({"c_z": 1.0, "C_phi": 2.0, "alpha": 0.0}, (0.1, 3.0), 0, 1.171690),
+    ],
+    ids=["decelerating", "accelerating"],
+)
+def test_sliding_on_a_disc_loses_stability_at_a_speed(
+    changes: dict[str, float], bracket: tuple[float, float], number: int, expected: float
+) -> None:
+    found = critical("disc-rigid-contact", "Omega", bracket, law="exponential", **changes)
+    assert found.values["critical_value"][number] == pytest.approx(expected, abs=5e-7)
+
+
+def test_what_a_rigid_contact_determines_has_no_modes_of_its_own() -> None:
+    name, law = "disc-rigid-contact", "exponential"
+    state = sliding(system(name, law), defaults(name, law))
+    at = equilibria(state)[0]
+    values, vectors = modes_at(state, at)
+    jacobian = state.jacobian(at)
+    assert len(values) == len(at) - 2
+    scale = np.abs(jacobian @ vectors).max(axis=0)
+    np.testing.assert_allclose((jacobian @ vectors - vectors * values) / scale, 0.0, atol=1e-11)
 
 
 # --- no crossing, no equilibrium ------------------------------------------------------------------

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.averaging import LEAST_RATIO, frequency_ratio
 from fiv_cli.analyses.base import Outcome, Varied
 from fiv_cli.analyses.equilibria import equilibria, why_none
-from fiv_cli.analyses.linearisation import NEUTRAL, sliding_system, spectrum
+from fiv_cli.analyses.linearisation import NEUTRAL, free_jacobian, modes_at, sliding_system
 from fiv_cli.analyses.modes import matched
 from fiv_cli.dynamics.system import System
 
@@ -176,7 +176,7 @@ def _sample(system: System, parameters: Mapping[str, float], which: str, at: flo
     solutions = equilibria(state)
     if not solutions:
         return Sample(at, np.zeros(0, complex), np.zeros((0, 0), complex))
-    values, vectors = spectrum(state.jacobian(solutions[0]))
+    values, vectors = modes_at(state, solutions[0])
     return Sample(at, values, vectors.T)
 
 
@@ -186,7 +186,7 @@ def _ratio(system: System, parameters: Mapping[str, float]) -> float:
     solutions = equilibria(state)
     if not solutions:
         return float("nan")
-    return frequency_ratio(system, parameters, state.jacobian(solutions[0]))
+    return frequency_ratio(system, parameters, free_jacobian(state, solutions[0]))
 
 
 def _remembered(probe: Probe) -> Probe:

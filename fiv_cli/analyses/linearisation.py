@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.analyses.equilibria import Sliding, all_equilibria, sliding
-from fiv_cli.dynamics.system import System
+from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -36,11 +36,11 @@ def eigenvalues_at(
     found = all_equilibria(state)
     if len(found.states) < number:
         return Outcome(status="failed", reason=found.reason or "no_equilibrium")
-    jacobian = state.jacobian(found.states[number - 1])
-    values = _described(*spectrum(jacobian))
+    at = found.states[number - 1]
+    values = _described(*modes_at(state, at))
     if which == "original":
         return Outcome(values=values)
-    ratio = frequency_ratio(system, parameters, jacobian)
+    ratio = frequency_ratio(system, parameters, free_jacobian(state, at))
     reason = "" if ratio >= LEAST_RATIO else "averaging_invalid"
     return Outcome(reason=reason, values={**values, "averaging_ratio": ratio})
 
@@ -62,6 +62,39 @@ def _described(values: Complex, vectors: Complex) -> dict[str, Any]:
     }
 
 
+def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
+    """Eigenvalues and vectors (columns, over all states) of the system linearised at `y`.
+
+    What a closed rigid contact determines is no freedom of its own: it has no eigenvalues, and
+    follows in the vectors.
+    """
+    values, free_vectors = spectrum(free_jacobian(state, y))
+    free = free_states(state)
+    if len(free) == len(y):
+        return values, free_vectors
+    m = len(state.system.coordinates)
+    determined = np.setdiff1d(np.arange(m), free)
+    vectors = np.zeros((len(y), len(values)), complex)
+    vectors[free] = free_vectors
+    vectors[m + determined] = state.jacobian(y)[np.ix_(determined, free)] @ free_vectors
+    moving = values != 0.0
+    vectors[np.ix_(determined, moving)] = vectors[m + determined][:, moving] / values[moving]
+    return values, _normalised(vectors)
+
+
+def free_jacobian(state: Sliding, y: Vector) -> Real:
+    """Derivative of the rates of `free_states` by these; shape (free states, free states)."""
+    free = free_states(state)
+    return state.jacobian(y)[np.ix_(free, free)]
+
+
+def free_states(state: Sliding) -> NDArray[np.intp]:
+    """Places of the states that no rigid contact determines: coordinates, then velocities, ..."""
+    m, n = len(state.system.coordinates), len(state.system.state_names)
+    coordinates = np.array(state.free, dtype=np.intp)
+    return np.concatenate([coordinates, m + coordinates, np.arange(2 * m, n)])
+
+
 def spectrum(jacobian: Real) -> tuple[Complex, Complex]:
     """Eigenvalues by rising frequency (a pair: positive imaginary part first) and vectors.
 
@@ -71,9 +104,14 @@ def spectrum(jacobian: Real) -> tuple[Complex, Complex]:
     """
     values, vectors = _undamped(jacobian) if _is_undamped(jacobian) else _damped(jacobian)
     order = np.lexsort((-values.imag, values.real, np.round(np.abs(values.imag), 12)))
-    values, vectors = values[order], vectors[:, order]
-    largest = vectors[np.argmax(np.abs(vectors), axis=0), np.arange(len(values))]
-    return values, vectors * (np.abs(largest) / largest)
+    return values[order], _normalised(vectors[:, order])
+
+
+def _normalised(vectors: Complex) -> Complex:
+    """Columns of unit length whose largest entry is real and positive."""
+    largest = vectors[np.argmax(np.abs(vectors), axis=0), np.arange(vectors.shape[1])]
+    unit: Complex = vectors * (np.abs(largest) / largest) / np.linalg.norm(vectors, axis=0)
+    return unit
 
 
 def _is_mechanical(jacobian: Real) -> bool:
@@ -96,9 +134,7 @@ def _undamped(jacobian: Real) -> tuple[Complex, Complex]:
     values: Complex = np.concatenate([roots, -roots])
     values += 0.0  # no negative zeros
     vectors = np.tile(shapes.astype(complex), 2)
-    vectors = np.vstack([vectors, values * vectors])
-    unit: Complex = vectors / np.linalg.norm(vectors, axis=0)
-    return values, unit
+    return values, np.vstack([vectors, values * vectors])
 
 
 def _damped(jacobian: Real) -> tuple[Complex, Complex]:
