@@ -21,7 +21,7 @@ from fiv_cli.plots import map as maps
 from fiv_cli.plots import points
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
-from fiv_cli.sweep.progress import Lines, Silent
+from fiv_cli.sweep.progress import Bar, Lines, Silent
 from fiv_cli.sweep.run import Summary, run_case
 
 HERE = Policy(workers=1, executor="sweep_fakes:region", preparer="sweep_fakes:prepare")
@@ -229,6 +229,16 @@ def test_progress_grows_with_what_is_asked_for(tmp_path: Path) -> None:
     summary = run_case(sweep_fakes.case(sweep_fakes.REFINED), tmp_path / "a.nc", HERE, progress)
     assert lines[0] == "90 points, 0 already stored, 90 to run"
     assert lines[-1] == f"{summary.ran} of {summary.ran} points done, 0 failed"
+
+
+def test_the_bar_grows_with_it() -> None:
+    bar = Bar()
+    bar.begin(10, 2)
+    bar.more(20)
+    bar.advance(5, 1)
+    (task,) = bar._bar.tasks
+    assert (task.total, task.completed) == (30, 7)
+    bar.end()
 
 
 @pytest.mark.parametrize(
