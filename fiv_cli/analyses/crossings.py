@@ -246,6 +246,7 @@ class _Scan:
         return [self.root(left, right, int(mode)) for mode in np.flatnonzero(changed)]
 
     def root(self, left: Sample, right: Sample, mode: int) -> Crossing:
+        """Where the real part of one mode, of opposite signs at the ends, is zero."""
         from scipy.optimize import brentq
 
         def eigenvalue(at: float) -> complex:
