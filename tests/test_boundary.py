@@ -24,6 +24,7 @@ from fiv_cli.analyses.boundaries import answered, going_on
 from fiv_cli.case.load import parse_case
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError
+from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.run import run_case
@@ -301,6 +302,14 @@ def test_what_is_refused(change: tuple[str, str], message: str) -> None:
     with pytest.raises(CaseError) as caught:
         parse_case(text, "pin.toml", ())
     assert message in str(caught.value)
+
+
+def test_the_plan_says_what_is_looked_at() -> None:
+    lines = make_plan(parse_case(PIN, "pin.toml", ())).describe()
+    assert (
+        "    Omega from 4.0 to 10.0 rad s-1 by the analysis itself: 4 values, "
+        "each change bisected to 0.006 rad s-1"
+    ) in lines
 
 
 def test_a_default_outside_the_bracket_does_not_matter() -> None:
