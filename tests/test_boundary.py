@@ -307,7 +307,7 @@ def test_what_is_refused(change: tuple[str, str], message: str) -> None:
 def test_the_plan_says_what_is_looked_at() -> None:
     lines = make_plan(parse_case(PIN, "pin.toml", ())).describe()
     assert (
-        "    Omega from 4.0 to 10.0 rad s-1 by the analysis itself: 4 values, "
+        "    Omega is varied from 4.0 to 10.0 rad s-1: 4 values, "
         "each change bisected to 0.006 rad s-1"
     ) in lines
 

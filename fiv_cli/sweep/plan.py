@@ -378,7 +378,11 @@ def _varied(settings: Mapping[str, Any]) -> list[str]:
         return []
     unit = "" if varied.unit == "1" else f" {varied.unit}"
     followers = f", and with it {', '.join(varied.followers)}" if varied.followers else ""
-    return [f"    {varied.name} is varied from {bracket[0]!r} to {bracket[1]!r}{unit}{followers}"]
+    text = f"    {varied.name} is varied from {bracket[0]!r} to {bracket[1]!r}{unit}{followers}"
+    if "scan" not in settings:
+        return [text]
+    width = f"{settings['width'] * (bracket[1] - bracket[0]):g}{unit}"
+    return [f"{text}: {settings['scan']} values, each change bisected to {width}"]
 
 
 def _refined_text(maps: Maps, layout: Layout) -> str:
