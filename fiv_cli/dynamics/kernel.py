@@ -952,6 +952,8 @@ def advance(  # type: ignore[no-untyped-def]
                 tau += max(-value / fall, -tau)
                 for i in range(n):
                     out[i] = series_value(series, i * (order + 1), order, tau)
+            for i in range(n):
+                out[i] = field[i]  # entries that the contact determines: exactly
         # --- along the step --------------------------------------------------------------------
         if counters[SAMPLED] < len(sample_times):
             take_samples(
