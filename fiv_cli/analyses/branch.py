@@ -46,6 +46,7 @@ MOST_POINTS = 400
 BISECTIONS = 200
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
+NEARBY = 4.0  # steps within which what lies beyond a change must have been found
 AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value
 EDGE = 1e-12  # share of the bracket within which a value counts as its edge
@@ -81,9 +82,15 @@ class Continuation:
         return self.bracket[1] - self.bracket[0]
 
     def holds(self, value: float) -> bool:
-        """Whether `value` lies inside the bracket and makes sense: outside it may not."""
-        inside = self.bracket[0] <= value <= self.bracket[1]
-        return inside and not friction_rises(self.at(value).parameters)
+        """Whether `value` lies inside the bracket, makes sense and leaves the excitation on or off.
+
+        A cycle's period is free without an excitation and bound to its period with one.
+        """
+        if not self.bracket[0] <= value <= self.bracket[1]:
+            return False
+        there = self.at(value)
+        same = (there.excitation is None) == (self.problem.excitation is None)
+        return same and not friction_rises(there.parameters)
 
     def at(self, value: float) -> Problem:
         """The problem at another value of the parameter."""
@@ -176,13 +183,19 @@ def _by_parameter(
     return (after - before) / (high - low) * line.span
 
 
-def _direction(jacobian: Matrix, before: Vector) -> Vector:
-    """Unit vector along the branch that goes on the way that `before` went."""
+def _direction(jacobian: Matrix, before: Vector) -> Vector | None:
+    """Unit vector along the branch that goes on the way that `before` went.
+
+    None where the way is none, or the branch has no direction to rounding.
+    """
+    if not np.all(np.isfinite(jacobian)):
+        return None
     bordered = np.vstack([jacobian, before])
     wanted = np.zeros(len(bordered))
     wanted[-1] = 1.0
     along = np.linalg.lstsq(bordered, wanted, rcond=None)[0]
-    return np.asarray(along / np.linalg.norm(along), np.float64)
+    length = float(np.linalg.norm(along))
+    return np.asarray(along / length, np.float64) if 0.0 < length < np.inf else None
 
 
 def first_point(line: Continuation, cycle: Cycle, value: float, rising: bool) -> Point | None:
@@ -281,7 +294,7 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
     unknowns = np.append(frame.start, value / line.span)
     found = _jacobian(line, frame, unknowns)
-    if found is None or not np.all(np.isfinite(found[1])):
+    if found is None:
         return None
     n = len(frame.scales)
     scaled = np.concatenate(
@@ -289,7 +302,8 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     )
     if frame.normal is not None:  # the way along the flow is no way along the branch
         scaled[:n] -= (scaled[:n] @ frame.normal) * frame.normal
-    return Point(value, cycle, frame, unknowns, _direction(found[1], scaled))
+    tangent = _direction(found[1], scaled)
+    return None if tangent is None else Point(value, cycle, frame, unknowns, tangent)
 
 
 # --- along the branch ----------------------------------------------------------------------------
@@ -344,7 +358,11 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
     walk.in_a_row += 1
     if there.character != walk.here.character:
         end, there, walk.length = _first_change(line, walk.here, there, walk.length)
-        walk.ends.append(end)
+        walk.in_a_row = 0
+        if end is not None:
+            walk.ends.append(end)
+        if there is walk.here:
+            return None
     if walk.in_a_row >= PATIENCE:
         walk.length = min(LONGER * walk.length, LONGEST)
     walk.here = there
@@ -396,22 +414,46 @@ def _reach(line: Continuation, here: Point, length: float) -> float:
 
 def _first_change(
     line: Continuation, here: Point, there: Point, length: float
-) -> tuple[End, Point, float]:
-    """The first change of character between two points, the point after it, the next step."""
-    length *= 0.5
+) -> tuple[End | None, Point, float]:
+    """The first change of character between two points, the point after it, the next step.
+
+    Where what changes is not found on the way, `there` lies on another branch: no change, and the
+    last point before it.
+    """
+    away, length = length, 0.5 * length
     for _ in range(BISECTIONS):
         middle = step(line, here, length)
         if middle is not None and middle.character == here.character:
-            here = middle
+            here, away = middle, away - length
+            if away <= 0.0 or here.value in line.bracket:
+                return None, here, length
             continue
-        there = there if middle is None else middle
+        if middle is not None:
+            there, away = middle, length
         if _is_close(line, here, length):
             break
         length *= 0.5
+    next_length = max(length, FIRST * SHRUNK)
+    if away > NEARBY * length and not _begins_at(line, there, here):
+        return None, here, next_length
     reach = _reach(line, here, length)
     value = here.value + 0.5 * _way(here) * reach
-    end = End(value, 0.5 * reach, _kind_of_change(here, there), _way(here), True)
-    return end, there, max(length, FIRST * SHRUNK)
+    return (
+        End(value, 0.5 * reach, _kind_of_change(here, there), _way(here), True),
+        there,
+        next_length,
+    )
+
+
+def _begins_at(line: Continuation, there: Point, here: Point) -> bool:
+    """Whether a branch of other cycles, followed back from `there`, ends where `here` does."""
+    if there.cycle.signature == here.cycle.signature:
+        return False
+    back = replace(there, tangent=-there.tangent)
+    _, ends = follow(line, back, most=AROUND, round_corners=False)
+    if not ends or ends[0].kind != GRAZING:
+        return False
+    return abs(ends[0].value - here.value) <= MEETING * line.span
 
 
 def _kind_of_change(here: Point, there: Point) -> str:
@@ -440,8 +482,8 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
     for distance in BEYOND:
         unknowns = here.unknowns + distance * here.tangent
         value = min(max(float(unknowns[-1] * line.span), line.bracket[0]), line.bracket[1])
-        if friction_rises(line.at(value).parameters):
-            return RISES
+        if not line.holds(value):
+            return RISES if friction_rises(line.at(value).parameters) else OTHER
         anchor = here.frame.anchor_of(unknowns[:-1])
         beyond = passage(line.at(value), anchor, here.cycle.period, tangents=False)
         if beyond.stop == Stop.CONTACT_LOST:
@@ -477,9 +519,4 @@ def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | No
     if unknowns is None or np.linalg.norm(unknowns - here.unknowns) > LONGEST:
         return None
     found = _point(line, here, unknowns)
-    if found is None or found.cycle.signature == here.cycle.signature:
-        return None
-    back = replace(found, tangent=-found.tangent)
-    _, ends = follow(line, back, most=AROUND, round_corners=False)
-    met = bool(ends) and abs(ends[0].value - here.value) <= MEETING * line.span
-    return found if met and ends[0].kind == GRAZING else None
+    return found if found is not None and _begins_at(line, found, here) else None
