@@ -216,6 +216,21 @@ def test_a_branch_turns_at_a_grazing_and_shrinks_to_the_equilibrium(
     assert found.values["cycle_highest"] == corner
 
 
+def test_a_closed_branch_is_followed_once_round() -> None:
+    """Stribeck belt: as v_s rises the slope at slip passes through a maximum, and damping wins on
+    both sides of it; stick-slip and the unstable sliding cycle meet at two grazings."""
+    c, v = 0.5672859798991304, 1.2155511997619755
+    found = cycle(law="stribeck", branch=("v_s", 0.3, 2.5), c=c, v=v, t_max=150.0)
+    kinds = [kind for kind, _ in ends(found)]
+    assert kinds[-1] == "closed"
+    assert kinds.count("grazing") == 2
+    assert found.values["cycle_lowest"] < 0.6
+    assert found.values["cycle_highest"] > 1.3
+    value, stable = found.ragged["branch_value"], np.array(found.ragged["branch_stable"])
+    assert value[-2] < 1.0 <= value[-1]  # round to v_s = 1, from below as it set out
+    assert {"stable", "unstable"} <= set(stable)
+
+
 def test_a_branch_goes_no_further_than_friction_makes_sense() -> None:
     """Coulomb belt: the time in stick, 2 (mu_s - mu_k) N / (k v), is gone at mu_k = mu_s."""
     found = cycle(branch=("mu_k", 0.1, 0.9))

@@ -28,6 +28,7 @@ from fiv_cli.analyses.periodic import (
     Shooting,
     anchor_at,
     begin,
+    close,
     describe,
     newton,
     passage,
@@ -49,6 +50,7 @@ CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is
 NEARBY = 4.0  # steps within which what lies beyond a change must have been found
 AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value
+SAME = 1e-6  # share of period and extent within which two cycles are one
 EDGE = 1e-12  # share of the bracket within which a value counts as its edge
 UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
 SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to vanish
@@ -56,7 +58,7 @@ ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a
 
 FLIP, TORUS, FOLD, BRANCHING = "flip", "torus", "fold", "branching"
 GRAZING, CONTACT_LOST, AT_REST, AT_EDGE = "grazing", "contact_lost", "equilibrium", "bracket"
-BUDGET, OTHER, RISES = "budget", "other", "mu_k_above_mu_s"
+BUDGET, OTHER, RISES, CLOSED = "budget", "other", "mu_k_above_mu_s", "closed"
 
 
 @dataclass(frozen=True)
@@ -383,10 +385,12 @@ def _turn(line: Continuation, walk: _Walk) -> End | None:
 
 
 def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | None:
-    """The end that the last point has reached: an edge of the bracket, or rest."""
+    """The end that the last point has reached: an edge of the bracket, rest, or the first point."""
     here = points[-1]
     if here.value in line.bracket:
         return End(here.value, 0.0, AT_EDGE, _way(here), False)
+    if len(points) > 1 and _passes(line, first, points[-2], here):
+        return End(first.value, 0.0, CLOSED, _way(here), False)
     sizes = [float(np.max(p.cycle.scales / first.cycle.scales)) for p in points[-2:]]
     if sizes[-1] > SHRUNK or len(points) < 2 or sizes[1] >= sizes[0]:
         return None
@@ -396,6 +400,19 @@ def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | N
     if abs(rest) > line.width:
         return None
     return End(here.value + rest, abs(rest), AT_REST, _way(here), False)
+
+
+def _passes(line: Continuation, first: Point, before: Point, here: Point) -> bool:
+    """Whether the branch has come round to its first cycle, the way that it set out."""
+    low, high = sorted((before.value, here.value))
+    if not low <= first.value <= high or _way(here) != _way(first):
+        return False
+    problem, cycle = line.at(first.value), here.cycle
+    again = close(problem, cycle.anchor, cycle.period, cycle.scales)
+    if again is None or abs(again.period - first.cycle.period) > SAME * again.period:
+        return False
+    apart = np.abs(again.extremes - first.cycle.extremes) / again.scales
+    return bool(np.max(apart) <= SAME)
 
 
 def _is_close(line: Continuation, here: Point, length: float) -> bool:

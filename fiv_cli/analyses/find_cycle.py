@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
-from fiv_cli.analyses.branch import Continuation, End, Point, first_point, follow
+from fiv_cli.analyses.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
 from fiv_cli.analyses.first_guess import Guess, guesses, returns
 from fiv_cli.analyses.periodic import Anchor, Cycle, Problem, close, tightened
@@ -181,12 +181,17 @@ def _add_branch(
 
 
 def _both_ways(line: Continuation, cycle: Cycle, value: float) -> tuple[list[Point], list[End]]:
-    """The whole branch, from its end below to its end above, as it was followed."""
+    """The whole branch, from its end below to its end above, as it was followed.
+
+    A closed one from the first cycle up, round to it again.
+    """
     down, up = (first_point(line, cycle, value, rising) for rising in (False, True))
     if down is None or up is None:
         return [], []
-    below, ends_below = follow(line, down)
     above, ends_above = follow(line, up)
+    if ends_above[-1].kind == CLOSED:
+        return [up, *above], ends_above
+    below, ends_below = follow(line, down)
     return [*reversed(below), up, *above], [*reversed(ends_below), *ends_above]
 
 

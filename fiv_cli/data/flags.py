@@ -216,6 +216,7 @@ CYCLE_END = FlagTable(
         "budget": 8,
         "other": 9,
         "mu_k_above_mu_s": 10,
+        "closed": 11,
     },
     fill=NOT_COMPUTED,
 )

@@ -425,7 +425,8 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
     name, branch, end = varied.name, "branch", "cycle_end"
     kind = "fold, flip (a multiplier passes -1), torus (a pair passes 1 in modulus), branching (a "
     kind += "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
-    kind += "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s"
+    kind += "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
+    kind += "closed (round to its first cycle)"
     return [
         Variable("branch_value", varied.unit, f"{name} along the branch", ragged=branch),
         Variable("branch_period", "s", "period along the branch", ragged=branch),

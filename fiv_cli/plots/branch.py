@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 ALONG = "branch_value"
 EXTREMES = ("branch_min", "branch_max")
 DASHES = {"stable": "-", "unstable": "--", "neutral": ":"}
-# What is not marked: the edge of the bracket says nothing of the branch.
-UNMARKED = ("bracket", "not_computed")
+# What is not marked: an edge of the bracket, or where a closed branch began, says nothing of it.
+UNMARKED = ("bracket", "closed", "not_computed")
 MARKS = {
     "fold": "o",
     "flip": "s",
