@@ -32,6 +32,7 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.decay import Decay
+from fiv_cli.analyses.linearisation import free_jacobian
 from fiv_cli.analyses.settling import settled_period
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
@@ -94,7 +95,11 @@ class _Response:
         known = system.known(parameters)
         self.excitation = None if forcing is None else 2 * np.pi / forcing.frequency(known)
         jacobian = None if equilibrium is None else unexcited.jacobian(equilibrium)
-        self.eigenvalues = None if jacobian is None else np.linalg.eigvals(jacobian)
+        self.eigenvalues = (
+            None
+            if equilibrium is None
+            else np.linalg.eigvals(free_jacobian(unexcited, equilibrium))
+        )
         self.quiet = self._quiet_time(parameters)
         self.decay = (
             None
