@@ -76,6 +76,8 @@ def test_names_are_unique_for_they_name_datasets():
 QUICK = {
     "ch3/fig_3_03": {},
     "ch3/fig_3_13": {3: CONTRADICTED},
+    "ch5/fig_5_04": {},
+    "ch6/equilibria": {5: CONTRADICTED},
     "ch7/fig_7_02": {},
     "ch7/fig_7_03": {},
     "ch7/fig_7_04": {},
@@ -100,6 +102,7 @@ def test_a_quick_case_runs_and_its_claims_and_figures_come_out(name, tmp_path):
 
 BRIEFLY = ("analysis.0.t_max=50.0",)
 ONE_PLACE = ("grid.N0=[30.0]", 'grid.psi_a=["0 deg"]', *BRIEFLY)
+COARSE = ("analysis.0.scan=5", "analysis.0.width=0.02", "analysis.0.t_max=40.0")
 COARSE_DAMPING = ("grid.c1=[0.0, 0.1, 0.2]", "grid.c2=[0.0, 0.1, 0.2]")
 
 # Cases of many points on a few of them: those that the named claims speak of.
@@ -198,6 +201,44 @@ REDUCED = [
         ('grid."initial.x"=[1.0, 2.3, 3.6]', 'grid."initial.x_dot"=[-0.5, 0.5, 2.0]'),
         dict.fromkeys(range(3), CONFIRMED),
     ),
+    ("ch5/critical_friction", ("grid.v=[0.3]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch5/fig_5_03", ("grid.mu_k=[0.2, 0.365, 0.37, 0.6]",), {0: CONFIRMED, 1: CONFIRMED}),
+    (
+        "ch5/fig_5_05",
+        ('grid.friction=["coulomb"]', "grid.mu_k=[0.7]", "analysis.history.t_end=1.0"),
+        dict.fromkeys(range(3), CONFIRMED),
+    ),
+    ("ch5/fig_5_06", ("grid.mu_k=[0.7]", "grid.R=[20.0]"), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch5/fig_5_07", ("grid.R=[20.0]",), {0: CONFIRMED}),
+    (
+        "ch5/fig_5_06_simulated",
+        ("grid.mu_k=[0.7]", "grid.R=[20.0]", *COARSE),
+        {3: CONFIRMED},
+    ),
+    ("ch5/fig_5_07_simulated", ("grid.R=[20.0]", *COARSE), {1: CONFIRMED}),
+    ("ch6/critical_stiff", ("grid.F=[800.0]",), {0: CONFIRMED}),
+    ("ch6/fig_6_02", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch6/fig_6_03", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch6/fig_6_04", ("grid.k_nl=[1e4]", "grid.F=[200.0, 400.0]"), {1: CONFIRMED}),
+    ("ch6/fig_6_05", ("grid.F=[200.0]",), {0: CONFIRMED}),
+    ("ch6/fig_6_06", ("grid.mu_k=[1.8, 1.9]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch6/fig_6_06_critical", ("grid.F=[1000.0]",), dict.fromkeys(range(4), CONFIRMED)),
+    ("ch6/fig_6_07", ("analysis.history.t_end=1.0",), dict.fromkeys(range(4), CONFIRMED)),
+    (
+        "ch6/fig_6_07_thesis",
+        ("grid.mu_k=[0.3]", "analysis.history.t_end=1.0"),
+        {0: CONFIRMED},
+    ),
+    (
+        "ch6/fig_6_08",
+        ("analysis.history.t_end=1.0",),
+        {0: CONFIRMED, 1: CONTRADICTED, 2: CONTRADICTED},
+    ),
+    ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=10.0"), {4: CONFIRMED}),
+    ("ch6/fig_6_11", ("grid.mu_k=[0.55, 1.4]",), {5: CONFIRMED, 6: CONFIRMED, 7: CONFIRMED}),
+    ("ch6/fig_6_13", ("grid.mu_k=[0.38, 2.0]",), dict.fromkeys(range(3), CONFIRMED)),
+    ("ch6/fig_6_13_phase", ("analysis.history.t_end=1.0",), {0: CONFIRMED}),
+    ("ch6/fig_6_18c", ("grid.mu_k=[1.8, 2.7]",), {1: CONTRADICTED}),
 ]
 
 
@@ -205,16 +246,48 @@ REDUCED = [
     ("name", "overrides", "verdicts"), REDUCED, ids=[row[0] for row in REDUCED]
 )
 def test_claims_on_a_few_points_of_a_large_case(name, overrides, verdicts, tmp_path):
+    hold_claims(name, overrides, verdicts, tmp_path)
+
+
+def hold_claims(name, overrides, verdicts, folder):
+    """Run a case with overrides and compare the verdicts of the named claims."""
     path = ROOT / "configs" / f"{name}.toml"
-    analyses = runs(path, overrides, tmp_path)
+    analyses = runs(path, overrides, folder)
     claims = load_case(path).claims
     for number, expected in verdicts.items():
         verdict = evaluate(claims[number], analyses, lambda case: None)
         assert verdict.verdict == expected, (claims[number].text, verdict.found)
 
 
+# Cases whose points take long: a claim on a few of them.
+LONG = [
+    ("ch5/fig_5_06_smoothed", ("grid.mu_k=[0.4]", "grid.R=[20.0]"), {0: CONFIRMED}),
+    ("ch6/fig_6_09_cycles", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch6/fig_6_08_thesis", ("grid.mu_k=[1.4]",), {0: CONFIRMED, 1: CONTRADICTED}),
+    ("ch6/fig_6_09_thesis", ("grid.mu_k=[1.4, 2.4]",), {0: CONFIRMED, 3: CONFIRMED, 4: CONFIRMED}),
+    ("ch6/fig_6_09", ("grid.mu_k=[0.3, 1.4]",), {0: CONFIRMED, 3: CONFIRMED, 4: CONFIRMED}),
+    ("ch6/fig_6_10", ("grid.k_nl=[1e4]",), {3: CONFIRMED, 4: CONFIRMED, 5: CONTRADICTED}),
+    ("ch6/fig_6_11_thesis", ("grid.k_nl=[0.0]", "grid.mu_k=[0.95, 1.45]"), {0: CONFIRMED}),
+    ("ch6/fig_6_15", ("grid.F=[200.0, 400.0]",), {0: CONFIRMED}),
+    ("ch6/fig_6_15_thesis", ("grid.F=[100.0, 200.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch6/fig_6_16", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch6/fig_6_17", ("grid.mu_k=[0.1, 0.15]",), {1: CONFIRMED, 2: CONFIRMED}),
+    ("ch6/fig_6_17_thesis", ("grid.mu_k=[0.05]",), {2: CONFIRMED}),
+    ("ch6/fig_6_17_slip", ("grid.mu_k={start=1.1, stop=1.8, step=0.1}",), {0: CONFIRMED}),
+    ("ch6/fig_6_18a", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
+    ("ch6/fig_6_18b", ("grid.mu_k=[2.7]",), {1: CONFIRMED}),
+    ("ch6/fig_6_18d", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
+]
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(("name", "overrides", "verdicts"), LONG, ids=[row[0] for row in LONG])
+def test_claims_on_a_few_points_of_a_case_that_takes_long(name, overrides, verdicts, tmp_path):
+    hold_claims(name, overrides, verdicts, tmp_path)
+
+
 def test_every_case_is_run_by_one_of_these_tests():
-    run = {*QUICK, *(name for name, _, _ in REDUCED)}
+    run = {*QUICK, *(name for name, _, _ in [*REDUCED, *LONG])}
     assert run == {str(path.relative_to(ROOT / "configs").with_suffix("")) for path in CASES}
 
 
