@@ -103,6 +103,49 @@ def two_bouncers(draw: Draw) -> tuple[Any, ...]:
     return TWO_BOUNCERS, "coulomb", start, changes | draw.coulomb(), {}, 8.0, 2e-3
 
 
+def belt_2mass(draw: Draw, law: str) -> tuple[Any, ...]:
+    """Two masses in a row on one belt."""
+    changes = {
+        "m1": draw.scale(0.3, 3.0), "m2": draw.scale(0.3, 3.0), "k1": draw.scale(0.1, 10.0),
+        "k2": draw.scale(0.1, 10.0), "N": draw.scale(1.0, 20.0), "v": draw.between(-1.0, 1.0),
+        "D": draw.scale(0.01, 0.5), "c1_over_c2": draw.often(draw.scale(0.1, 3.0)),
+    }  # fmt: skip
+    start = {"x1": draw.between(-3.0, 3.0), "x2": draw.between(-3.0, 3.0)}
+    return "belt-2mass", law, start, changes | draw.coulomb(), {}, 40.0, 2e-3
+
+
+def inclined(draw: Draw, model: str) -> tuple[Any, ...]:
+    """A mass between inclined springs that may leave its belt."""
+    changes = {
+        "k3": draw.scale(0.3, 3.0), "c1": draw.often(draw.scale(1e-3, 0.3)),
+        "c2": draw.often(draw.scale(1e-3, 0.3)), "F": draw.scale(0.5, 3.0),
+        "v": draw.between(-1.0, 1.0), "alpha1": draw.between(0.2, 1.3),
+    }  # fmt: skip
+    if model == "excited-2dof":
+        changes |= {"A_b": draw.often(draw.between(0.0, 5.0)), "R": draw.scale(0.5, 20.0)}
+    start = {"x": draw.between(-2.0, 2.0), "y": draw.between(-3.0, 1.0)}
+    return model, "coulomb", start, changes | draw.coulomb(1.5), {"states": "all"}, 30.0, 1e-3
+
+
+def belt_5dof(draw: Draw, impact: str) -> tuple[Any, ...]:
+    """The slider on an oscillating belt, with every option but the impact's drawn."""
+    pick = draw.random.choice
+    options = {
+        "contact_stiffness": str(pick(["nonlinear", "linear"])),
+        "geometry": str(pick(["nonlinear", "linear"])),
+        "slope_force": str(pick(["omit", "include"])),
+        "impact": impact,
+    }
+    changes = {
+        "F": draw.scale(20.0, 1000.0), "k_nl": draw.scale(1e3, 1e7), "v": draw.between(-2.0, 2.0),
+        "k1": draw.scale(3e3, 3e4), "k4": draw.scale(3e3, 3e4), "l1": draw.between(0.1, 0.4),
+        "c4": draw.often(draw.scale(0.1, 10.0)),
+    }  # fmt: skip
+    start = {"x1": draw.between(-0.03, 0.03), "y1": draw.between(-0.08, 0.02)}
+    start["x2"] = draw.often(draw.between(-0.03, 0.03))
+    return "belt-5dof", "coulomb", start, changes | draw.coulomb(3.0), options, 0.5, 5e-5
+
+
 KINDS = {
     "Coulomb belt": lambda draw: belt(draw, "coulomb"),
     "Stribeck belt": lambda draw: belt(draw, "stribeck"),
@@ -113,6 +156,12 @@ KINDS = {
     "elastic bouncer": lambda draw: bouncer(draw, "elastic"),
     "two masses": two_masses,
     "two bouncers": two_bouncers,
+    "two masses in a row": lambda draw: belt_2mass(draw, "stribeck"),
+    "two masses in a row, Coulomb": lambda draw: belt_2mass(draw, "coulomb"),
+    "inclined springs": lambda draw: inclined(draw, "flutter-2dof"),
+    "inclined springs, excited": lambda draw: inclined(draw, "excited-2dof"),
+    "oscillating belt": lambda draw: belt_5dof(draw, "plastic"),
+    "oscillating belt, elastic": lambda draw: belt_5dof(draw, "none"),
 }
 
 

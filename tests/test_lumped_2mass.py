@@ -145,6 +145,22 @@ def test_the_border_of_sticking_together(beyond: float, sticks: bool) -> None:
         assert 0.0 < times(begun)[1] - times(begun)[0] < 1e-3
 
 
+@pytest.mark.parametrize("method", ["taylor", "rk4"])
+def test_a_mass_held_below_its_capacity_stays_when_the_other_goes(method: str) -> None:
+    """Strong stiction allows that mass 2 jumps off instead, which nothing demands."""
+    changes = {
+        "m1": 0.5, "m2": 0.4, "k1": 2.1, "k2": 2.3, "N": 16.0, "v": 0.5, "D": 0.4,
+        "c1_over_c2": 2.5, "mu_k": 0.02, "mu_s": 0.8,
+    }  # fmt: skip
+    solver = SolverSettings(method, TIGHT.rtol, 2e-3)
+    begun = masses({"x1": -2.9, "x2": -0.5}, "coulomb", solver, **changes)
+    begun.run(25.0)
+    words = transitions(begun)
+    released = words.index("stick->slip+ 0")
+    assert words[:released] == ["slip+->stick 0", "slip+->stick 1"]
+    assert "stick->slip- 1" not in words
+
+
 # --- invariances ---------------------------------------------------------------------------------
 @settings(max_examples=10)
 @given(

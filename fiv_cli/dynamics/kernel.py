@@ -387,8 +387,9 @@ def decide(  # type: ignore[no-untyped-def]
     """Choose the contact state that follows at (t, y); False when none is consistent.
 
     Selection rule where several are consistent (stiction is not unique at zero slip): sticking
-    before slipping, staying closed before separating, and all contacts jointly. `grazing` says
-    that the switching function that triggered may only touch zero, so staying is a candidate.
+    before slipping, staying closed before separating, and all contacts jointly; contacts that did
+    not trigger stay as they are if they can. `grazing` says that the switching function that
+    triggered may only touch zero, so staying is a candidate.
     """
     contacts = config[N_CONTACTS]
     first_sign = config[N_PARAMETERS] - 1 - contacts
@@ -426,7 +427,10 @@ def decide(  # type: ignore[no-untyped-def]
         combinations *= options[i, COUNT]
     for attempt in range(2 * combinations):
         rest = attempt % combinations
-        for i in range(contacts - 1, -1, -1):
+        for place in range(contacts, -1, -1):  # the contact that triggered first: others stay
+            i = trigger_contact if place == contacts else place
+            if i < 0 or (i == trigger_contact and place < contacts):
+                continue
             pick = rest % options[i, COUNT]
             rest //= options[i, COUNT]
             kinds[i] = options[i, OFFERS + 2 * pick]
