@@ -319,7 +319,7 @@ def follow(
     most : points after which it is given up (an end of kind "budget")
     round_corners : whether a branch of other cycles that begins at an end is gone on with
     """
-    walk = _Walk(first)
+    walk = _Walk(first, round_corners)
     if first.value == line.bracket[_way(first) > 0]:
         return [], [End(first.value, 0.0, AT_EDGE, _way(first), False)]
     while len(walk.points) < most:
@@ -327,7 +327,7 @@ def follow(
         if there is not None:
             last = _advance(line, first, walk, there)
         elif _is_close(line, walk.here, walk.length):
-            last = _turn(line, walk) if round_corners else _last_end(line, walk.here, walk.length)
+            last = _turn(line, walk)
         else:
             walk.length, walk.in_a_row = 0.5 * walk.length, 0
             continue
@@ -343,12 +343,14 @@ class _Walk:
     Attributes
     ----------
     here : the last point
+    round_corners : whether other branches are gone on with
     length : of the next step
     in_a_row : steps that went well since one that did not
     points, ends : what was passed
     """
 
     here: Point
+    round_corners: bool
     length: float = FIRST
     in_a_row: int = PATIENCE
     points: list[Point] = field(default_factory=list)
@@ -359,7 +361,7 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
     """Go to the next point, or to the first after a change before it; the end reached there."""
     walk.in_a_row += 1
     if there.character != walk.here.character:
-        end, there, walk.length = _first_change(line, walk.here, there, walk.length)
+        end, there, walk.length = _first_change(line, walk, there)
         walk.in_a_row = 0
         if end is not None:
             walk.ends.append(end)
@@ -375,7 +377,8 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
 def _turn(line: Continuation, walk: _Walk) -> End | None:
     """Go on with the branch that begins where this one ends; the end where there is none."""
     end = _last_end(line, walk.here, walk.length)
-    there = _round_corner(line, walk.here) if end.kind == GRAZING else None
+    corner = walk.round_corners and end.kind == GRAZING
+    there = _round_corner(line, walk.here) if corner else None
     if there is None:
         return end
     walk.ends.append(replace(end, goes_on=True))
@@ -429,15 +432,13 @@ def _reach(line: Continuation, here: Point, length: float) -> float:
     return length * abs(here.slope) * line.span
 
 
-def _first_change(
-    line: Continuation, here: Point, there: Point, length: float
-) -> tuple[End | None, Point, float]:
-    """The first change of character between two points, the point after it, the next step.
+def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | None, Point, float]:
+    """The first change of character on the way to a point, the point after it, the next step.
 
     Where what changes is not found on the way, `there` lies on another branch: no change, and the
     last point before it.
     """
-    away, length = length, 0.5 * length
+    here, away, length = walk.here, walk.length, 0.5 * walk.length
     for _ in range(BISECTIONS):
         middle = step(line, here, length)
         if middle is not None and middle.character == here.character:
@@ -451,7 +452,8 @@ def _first_change(
             break
         length *= 0.5
     next_length = max(length, FIRST * SHRUNK)
-    if away > NEARBY * length and not _begins_at(line, there, here):
+    found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
+    if not found:
         return None, here, next_length
     reach = _reach(line, here, length)
     value = here.value + 0.5 * _way(here) * reach
