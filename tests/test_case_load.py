@@ -419,7 +419,7 @@ class TestBadInput:
     @pytest.mark.parametrize(
         ("lines", "path", "fragment"),
         [
-            (["[schedule]", "v = 1"], "schedule", "unknown table"),
+            (["[shedule]", "v = 1"], "shedule", "unknown table"),
             (["[sweep]", "refine = { levels = 5 }"], "sweep.refine", "no numeric axis"),
             (["[solver]", "rtoll = 1e-9"], "solver.rtoll", "unknown key"),
             (["[solver]", "rtol = 1"], "solver.rtol", "out of range"),

@@ -222,3 +222,10 @@ def test_a_run_carries_what_varies(folder: Path) -> None:
             velocity = dataset["x_dot"].squeeze().values
             assert sticking.any()
             np.testing.assert_allclose(velocity[sticking], expected[sticking], atol=1e-12)
+
+
+def test_a_spectrogram_needs_something_that_varies() -> None:
+    steady = BELT.replace(f"[schedule]\n{V}\n", "").replace("history", "spectrum")
+    found = problem(steady.replace("t_end = 25.0", "f_max = 10.0\nhop = 1.0"))
+    assert found.path == "analysis.0.hop"
+    assert "without [schedule] there is none" in found.message

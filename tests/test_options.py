@@ -186,3 +186,12 @@ def test_points_are_on_the_disc(model: str, points: str, words: str) -> None:
     text = f'schema = 1\n[model]\nname = "{model}"\n[[analysis]]\nkind = "history"\nt_end = 1.0\n'
     with pytest.raises(CaseError, match=words):
         parse_case(text + f"points = {points}\n", "a.toml")
+
+
+def test_a_claim_finds_modes_in_any_order() -> None:
+    claim = '[[claim]]\nsource = "a"\ntext = "b"\nvariable = "F_N"\nexpect = "increasing"\n'
+    text = DISC.replace("OPTIONS", "").replace("GRID", "modes = [[[0, 0]], [[0, 0], [0, 1]]]")
+    found = parse_case(text + claim + 'at = { modes = "0,1 0,0" }\n', "a.toml")
+    assert found.claims[0].at == {"modes": "0,0 0,1"}
+    with pytest.raises(CaseError, match="is no mode|is no list of modes"):
+        parse_case(text + claim + 'at = { modes = "seven" }\n', "a.toml")

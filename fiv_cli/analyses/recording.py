@@ -38,7 +38,7 @@ def record(
 
     On discs also the displacement w at `places` (radius in m, angle in rad).
     """
-    motion = start_motion(system, parameters, start, solver, _equilibrium(system, parameters))
+    motion = begun(system, parameters, start, solver)
     if isinstance(motion, Outcome):
         return motion
     samples = samples_at(system, times)
@@ -60,9 +60,12 @@ def record(
     return outcome
 
 
-def _equilibrium(system: System, parameters: Mapping[str, float]) -> Vector | None:
-    solutions = equilibria(sliding(system, parameters))
-    return solutions[0] if solutions else None
+def begun(
+    system: System, parameters: Mapping[str, float], start: Start, solver: SolverSettings
+) -> Motion | Outcome:
+    """The motion that `start` describes; an equilibrium is looked for only where it needs one."""
+    solutions = [] if start.kind == "state" else equilibria(sliding(system, parameters))
+    return start_motion(system, parameters, start, solver, solutions[0] if solutions else None)
 
 
 def _run_with_ledger(

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
-from fiv_cli.analyses.common import balance, start_motion, stopped, trust
-from fiv_cli.analyses.equilibria import equilibria, sliding
-from fiv_cli.analyses.recording import varying_at
+from fiv_cli.analyses.common import balance, stopped, trust
+from fiv_cli.analyses.recording import begun, varying_at
 from fiv_cli.analyses.spectrum import bin_width, frequencies, hop, slice_length
 from fiv_cli.dynamics.motion import Motion, samples_at
 from fiv_cli.dynamics.system import System, Vector
@@ -37,8 +36,7 @@ def spectrogram(
     t_end = end_of(system, settings)
     if not slice_length(settings) < t_end:
         return Outcome(status="failed", reason="window_too_long")
-    solutions = equilibria(sliding(system, parameters))
-    motion = start_motion(system, parameters, start, solver, solutions[0] if solutions else None)
+    motion = begun(system, parameters, start, solver)
     if isinstance(motion, Outcome):
         return motion
     energy_before = motion.energy()

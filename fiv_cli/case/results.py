@@ -200,6 +200,8 @@ def _selected(name: str, kind: str, value: Any, answers: Answers) -> Any:
     if kind == "label":
         _check_label(value, answers)
         return value
+    if kind == "option" and answers.physics is not None:
+        return next(o for o in answers.physics.model.options if o.name == name).text(value)
     if kind in ("own", "option", "law") or not isinstance(value, str):
         return value
     if "." in value and _CONDITION.fullmatch(value) and any(sign in value for sign in "<>"):
