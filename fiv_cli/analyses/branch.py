@@ -519,15 +519,19 @@ def _round_corner(line: Continuation, here: Point) -> Point | None:
     back, ends at the same value of the parameter.
     """
     for distance in CORNERS:
+        tried = {here.cycle.signature}
         for way in np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))]):
             found = _beyond_corner(line, here, here.unknowns + distance * way)
-            if found is not None:
+            if found is None or found.cycle.signature in tried:
+                continue
+            if _begins_at(line, found, here):
                 return found
+            tried.add(found.cycle.signature)
     return None
 
 
 def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
-    """The nearest cycle to `guess`, if it lies on another branch from the end of this one."""
+    """The nearest cycle to `guess`, where the motion has other events; None without one."""
     value = float(guess[-1] * line.span)
     if not line.holds(value):
         return None
@@ -537,5 +541,4 @@ def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | No
     unknowns = newton(lambda trial: _jacobian(line, here.frame, trial), guess)
     if unknowns is None or np.linalg.norm(unknowns - here.unknowns) > LONGEST:
         return None
-    found = _point(line, here, unknowns)
-    return found if found is not None and _begins_at(line, found, here) else None
+    return _point(line, here, unknowns)
