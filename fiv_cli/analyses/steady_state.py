@@ -49,7 +49,7 @@ NEUTRAL = 1e-9  # growth rate below this share of the frequency: neither grows n
 REGULAR, CHAOTIC = 0.3, 0.7  # what the 0-1 test must say
 SIGNIFICANT = 3.0  # standard errors
 RESTING = 1e-3  # an exponent smaller than this per excitation or section period counts as zero
-GROWN = 5.0  # ... and so does one by which a distance grows by less than e^5 over the window
+GROWN = 5.0  # ... and so does one by which a distance changes by less than e^5 over the window
 STEADY = 0.9  # a section set whose spread falls below this share of itself is still settling
 
 
@@ -469,11 +469,13 @@ class _Response:
         if not (np.isfinite(exponent) and np.isfinite(regular)):
             return "undecided", "time_budget"
         window = self.times[self.count - 1] - self.times[0]
-        resting = min(RESTING * max(self.count - 1, 1), GROWN) / window
-        threshold = max(SIGNIFICANT * self.exponent_error, resting)
+        uncertain, most = SIGNIFICANT * self.exponent_error, RESTING * max(self.count - 1, 1)
+        # On a torus neighbours drift apart in proportion to time, and never approach.
+        drift = GROWN + np.log(self.count)
+        threshold = max(uncertain, min(most, drift) / window)
         if exponent > threshold and regular > CHAOTIC:
             return "chaotic", ""
-        if exponent < -threshold:  # neighbours still approach: it settles
+        if exponent < -max(uncertain, min(most, GROWN) / window):  # it settles
             return "undecided", "time_budget"
         if abs(exponent) > threshold or regular >= REGULAR:
             return "undecided", "tests_disagree"
