@@ -304,6 +304,12 @@ SUITED = [
 ]
 
 
+def with_schedule(template: str) -> str:
+    """A template with the # taken off its schedule."""
+    head, _, tail = template.partition("# [schedule]")
+    return f"{head}[schedule]{tail.replace('#   ', '', 1)}"
+
+
 class TestNew:
     @pytest.mark.parametrize(("name", "kind"), SUITED)
     def test_valid_as_it_stands(self, name: str, kind: str) -> None:
@@ -326,6 +332,13 @@ class TestNew:
         assert spelt.parameters == bare.parameters
         assert spelt.solver == bare.solver
 
+    @pytest.mark.parametrize(
+        ("name", "kind"), [(n, k) for n, k in SUITED if all_analyses()[k].varying]
+    )
+    def test_the_schedule_is_valid_when_its_lines_are_taken_in(self, name: str, kind: str) -> None:
+        text = with_schedule(case_template(all_models()[name], all_analyses()[kind]))
+        assert parse_case(text, "new.toml").schedule.names in (("v",), ("Omega",))
+
     @pytest.mark.parametrize("kind", list(all_analyses()))
     def test_every_setting_is_there(self, kind: str) -> None:
         analysis = all_analyses()[kind]
@@ -333,6 +346,7 @@ class TestNew:
         on_discs = any(setting.type == "points" for setting in analysis.settings)
         model = disc if on_discs or analysis.unsuited(belt) else belt
         text = case_template(model, analysis)
+        text = with_schedule(text) if analysis.varying else text
         for setting in analysis.settings:
             text = text.replace(f"\n# {setting.name} = ", f"\n{setting.name} = ")
         given = parse_case(text, "new.toml").analyses[0].settings

@@ -11,6 +11,7 @@ from fiv_cli.models.base import Model, Parameter
 
 # Parameters worth a first sweep, the best first.
 _SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
+_DRIVES = ("Omega", "v")
 _COMMENT_COLUMN = 34
 _CLASSES = {"response": "attractor", "eigenvalues": "stable"}
 _FIGURES = {
@@ -38,6 +39,7 @@ def case_template(model: Model, analysis: Analysis) -> str:
         _header(model, analysis),
         _model(model, axis),
         _friction(model, law, axis) if model.contacts else [],
+        _schedule(model, axis) if analysis.varying else [],
         _grid(axis, first),
         [] if axis is None else _sweep(analysis),
         _starts(model) if analysis.uses_starts else [],
@@ -113,6 +115,18 @@ def _sweep(analysis: Analysis) -> list[str]:
     return [
         "# [sweep]",
         _with_comment(line, "halve the grid so often, along borders of classes only"),
+    ]
+
+
+def _schedule(model: Model, axis: Parameter | None) -> list[str]:
+    """The drive slowing down, where the model has one that is no axis."""
+    drive = next((p for p in model.parameters if p.name in _DRIVES and p != axis), None)
+    if drive is None:
+        return []
+    start = drive.default or 1.0
+    return [
+        _with_comment("# [schedule]", "parameters that vary in time; points = [[t, value], ...]"),
+        f"#   {drive.name} = {{ start = {start!r}, stop = {start / 2!r}, over = 20.0 }}",
     ]
 
 
