@@ -44,6 +44,7 @@ PATIENCE = 3  # ... after so many that went well
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen
 DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
 MOST_POINTS = 400
+TRIES = 5  # steps tried, per point allowed
 BISECTIONS = 200
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
@@ -52,6 +53,7 @@ AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value
 SAME = 1e-6  # share of period and extent within which two cycles are one
 EDGE = 1e-12  # share of the bracket within which a value counts as its edge
+STEEP = 0.3  # a direction with more of the parameter in it than this is well off a fold
 UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
 SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to vanish
 ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a real one
@@ -253,7 +255,22 @@ def _point(line: Continuation, before: Point, unknowns: Vector) -> Point | None:
     motion = begin(problem, anchor)
     motion.run(motion.time + shift)
     moved = describe(problem, anchor_at(problem, motion), cycle.period)
-    return None if moved is None or way is None else _framed(line, moved, value, way)
+    if moved is None or way is None:
+        return None
+    point = _framed(line, moved, value, way)
+    gone = float(unknowns[-1] - before.unknowns[-1])
+    return None if point is None else _unreversed(before, point, gone)
+
+
+def _unreversed(before: Point, point: Point, gone: float) -> Point:
+    """`point` with its direction turned round where it contradicts where the parameter `gone`.
+
+    Between two cycles of the same events that both lie well off a fold there is none.
+    """
+    steep = min(abs(before.slope), abs(point.slope)) > STEEP
+    same = before.cycle.signature == point.cycle.signature
+    reversed_ = gone * before.slope > 0.0 > before.slope * point.slope
+    return replace(point, tangent=-point.tangent) if steep and same and reversed_ else point
 
 
 def _within(line: Continuation, value: float) -> float:
@@ -322,7 +339,9 @@ def follow(
     walk = _Walk(first, round_corners)
     if first.value == line.bracket[_way(first) > 0]:
         return [], [End(first.value, 0.0, AT_EDGE, _way(first), False)]
-    while len(walk.points) < most:
+    for _ in range(TRIES * most):
+        if len(walk.points) >= most:
+            break
         there = step(line, walk.here, walk.length)
         if there is not None:
             last = _advance(line, first, walk, there)
@@ -365,8 +384,8 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
         walk.in_a_row = 0
         if end is not None:
             walk.ends.append(end)
-        if there is walk.here:
-            return None
+        if there is walk.here:  # what was found lies on another branch: this one may end here
+            return _turn(line, walk) if _is_close(line, there, walk.length) else None
     if walk.in_a_row >= PATIENCE:
         walk.length = min(LONGER * walk.length, LONGEST)
     walk.here = there
@@ -451,16 +470,15 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
         if _is_close(line, here, length):
             break
         length *= 0.5
-    next_length = max(length, FIRST * SHRUNK)
     found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
     if not found:
-        return None, here, next_length
+        return None, here, length
     reach = _reach(line, here, length)
     value = here.value + 0.5 * _way(here) * reach
     return (
         End(value, 0.5 * reach, _kind_of_change(here, there), _way(here), True),
         there,
-        next_length,
+        max(length, FIRST * SHRUNK),
     )
 
 
