@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from motions import defaults
 from scipy.optimize import brentq
 
+from fiv_cli.analyses.execute import Request, execute
 from fiv_cli.analyses.plate_modes import plate_modes
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
@@ -69,6 +71,21 @@ def test_a_node_at_the_slider_is_said() -> None:
     assert np.isnan(found.values["shape"][1, 0]).all()
     assert np.isfinite(found.values["shape"][0, 0]).all()
     assert np.isfinite(found.values["plate_frequency"][1, 0])
+
+
+def test_a_slider_on_a_node_is_no_reason_for_nonsense() -> None:
+    shape = mode(AnnularPlate(0.044, 0.12, 0.002, 7200.0, 150e9, 0.211), 1, 0).shape
+    node = brentq(lambda r: float(shape(r)), 0.06, 0.119, xtol=1e-16)
+    model, law = get_model("excited-disc"), "exponential"
+    options = {**model.default_options(), "modes": "1,0"}
+    for r0, expected in ((node, "node_at_r0"), (node + 1e-3, "")):
+        parameters = defaults(model, law, r0=r0)
+        request = Request(
+            model.name, law, options, parameters, "equilibrium", {"system": "original"}
+        )
+        found = execute(request)
+        assert found.reason == expected
+        assert ("mode (1, 0)" in found.message) == bool(expected)
 
 
 @pytest.mark.parametrize("model", ["annular-plate", "excited-disc"])

@@ -55,10 +55,16 @@ class Plain:
 def execute(request: Request) -> Outcome:
     """Run one point; whatever goes wrong is an `Outcome`, never an exception."""
     from fiv_cli.analyses import get_analysis
+    from fiv_cli.analyses.surface import nodes_at_r0
+    from fiv_cli.dynamics.system import System
 
     try:
         analysis = get_analysis(request.analysis)
         system = _system(request) if analysis.generated else Plain(request.options)
+        nodes = nodes_at_r0(system, request.parameters) if isinstance(system, System) else []
+        if nodes:
+            said = f"mode {', '.join(nodes)} has a node at r0 = {request.parameters['r0']!r} m"
+            return Outcome(status="failed", reason="node_at_r0", message=said)
         return analysis.run(
             system, request.parameters, request.start, request.settings, request.solver
         )
