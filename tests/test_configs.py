@@ -239,6 +239,20 @@ REDUCED = [
     ("ch6/fig_6_13", ("grid.mu_k=[0.38, 2.0]",), dict.fromkeys(range(3), CONFIRMED)),
     ("ch6/fig_6_13_phase", ("analysis.history.t_end=1.0",), {0: CONFIRMED}),
     ("ch6/fig_6_18c", ("grid.mu_k=[1.8, 2.7]",), {1: CONTRADICTED}),
+    ("ch6/fig_6_20", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED}),
+    ("ch6/fig_6_20_damped", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED}),
+    (
+        "ch6/fig_6_20_modes",
+        ("grid.k_nl=[0.0]", "grid.F=[1e4]"),
+        {0: CONTRADICTED, 1: CONFIRMED, 2: CONFIRMED, 3: CONTRADICTED, 5: CONFIRMED, 6: CONFIRMED},
+    ),
+    ("ch6/fig_6_22", ("grid.mu_k=[1.01, 1.02]",), dict.fromkeys(range(4), CONFIRMED)),
+    ("ch6/fig_6_23", ("grid.k_nl=[1e8]", "grid.F=[1e3, 2e3]"), {3: CONFIRMED, 4: CONFIRMED}),
+    (
+        "ch6/fig_6_23_rigid",
+        ("grid.F=[1e3, 2e3, 3e3, 1e4]",),
+        dict.fromkeys(range(5), CONFIRMED),
+    ),
 ]
 
 
