@@ -33,6 +33,7 @@ _OWN_DIMS = (
     "state",
     "contact",
     "multiplier",
+    "time",
     "frequency",
     "crossing",
     "range",
