@@ -255,7 +255,7 @@ def legend(ax: Axes) -> None:
     handles, names = _thinned(*ax.get_legend_handles_labels())
     if len(names) > MOST_ENTRIES_INSIDE:
         columns = 1 + (len(names) - 1) // MOST_ENTRIES_IN_COLUMN
-        ax.figure.legend(handles, names, loc="outside right upper", ncols=columns, markerscale=2.0)
+        ax.figure.legend(handles, names, loc="outside right center", ncols=columns, markerscale=2.0)
     elif names:
         ax.legend(handles, names, markerscale=2.0)
 
