@@ -18,6 +18,9 @@ from llvmlite import ir
 DOUBLE = ir.DoubleType()
 POINTER = DOUBLE.as_pointer()
 SIGNATURE = ir.FunctionType(ir.VoidType(), (POINTER, DOUBLE, POINTER, POINTER))
+# Beyond so many characters registers are allocated the quick way: the good way takes time with the
+# square of the length. The numbers are the same, each step takes some 1.6 times as long.
+LARGE = 2_000_000
 LIBRARY = ("exp", "log", "sin", "cos", "tanh", "asin", "pow")  # called in the C library
 
 
@@ -27,13 +30,13 @@ def _initialise() -> None:
     llvm.initialize_native_asmprinter()
 
 
-def target_machine() -> Any:
+def target_machine(effort: int = 2) -> Any:
     """LLVM's description of this processor; an execution engine takes its own."""
     _initialise()
     return llvm.Target.from_default_triple().create_target_machine(
         cpu=llvm.get_host_cpu_name(),
         features=llvm.get_host_cpu_features().flatten(),
-        opt=2,
+        opt=effort,
         reloc="pic",
         codemodel="jitdefault",
         jit=True,
@@ -49,7 +52,7 @@ def machine_description() -> str:
 
 def compile_text(text: str) -> bytes:
     """Object code of every function in `text`."""
-    machine = target_machine()
+    machine = target_machine(effort=0 if len(text) > LARGE else 2)
     module = _optimised(str(_to_ir(text)), machine)
     return bytes(machine.emit_object(module))
 
