@@ -253,6 +253,22 @@ REDUCED = [
         ("grid.F=[1e3, 2e3, 3e3, 1e4]",),
         dict.fromkeys(range(5), CONFIRMED),
     ),
+    ("ch6/disc_modes", ('grid.modes=["0,0 0,1 0,2 0,3"]',), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch6/disc_slip", ("grid.mu_k=[2.9]",), {2: CONFIRMED}),
+    (
+        "ch6/fig_6_24",
+        ("grid.mu_k=[0.3]", "analysis.history.t_end=0.1", "analysis.response.t_max=20.0"),
+        {0: CONFIRMED},
+    ),
+    ("ch6/fig_6_26", ("grid.xi=[2e-4]", "grid.mu_k=[0.6]"), {8: CONFIRMED}),
+    ("ch6/fig_6_30", ("grid.k_nl=[1e8]", "grid.mu_k=[0.9, 1.2]"), {2: CONTRADICTED}),
+    (
+        "ch5/fig_5_08a",
+        ("grid.F=[100.0, 1000.0]",),
+        {0: CONFIRMED, 1: CONTRADICTED, 2: CONFIRMED, 3: CONFIRMED, 4: CONTRADICTED},
+    ),
+    ("ch5/fig_5_08b", ("grid.F=[20.0]",), dict.fromkeys(range(3), CONFIRMED)),
+    ("ch5/fig_5_08c", ("grid.Omega=[0.25, 20.25]",), {0: CONFIRMED}),
 ]
 
 
@@ -286,10 +302,10 @@ LONG = [
     ("ch6/fig_6_15_thesis", ("grid.F=[100.0, 200.0]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_16", (), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_17", ("grid.mu_k=[0.1, 0.15]",), {1: CONFIRMED, 2: CONFIRMED}),
-    ("ch6/fig_6_17_thesis", ("grid.mu_k=[0.05]",), {2: CONFIRMED}),
+    ("ch6/fig_6_17_thesis", ("grid.mu_k=[0.1]",), {1: CONFIRMED}),
     ("ch6/fig_6_17_slip", ("grid.mu_k={start=1.1, stop=1.8, step=0.1}",), {0: CONFIRMED}),
     ("ch6/fig_6_18a", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
-    ("ch6/fig_6_18b", ("grid.mu_k=[2.7]",), {1: CONFIRMED}),
+    ("ch6/fig_6_18b", ("grid.mu_k=[2.7]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_18d", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
 ]
 
