@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from disc_reference import ExcitedDisc, NonlinearContact, RigidContact, SliderOnDisc
 from lumped_reference import integrate
-from motions import TIGHT, defaults, motion, times, transitions
+from motions import TIGHT, analyse, defaults, motion, times, transitions
 
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
@@ -278,3 +278,32 @@ def test_a_plastic_impact_on_a_disc(slope_force: str, angle: float) -> None:
     rate = follows.get(landing.after, other.separation()).rate
     later = integrate(rate, landing.time, landing.state, landing.time + SOON, 1e-18)
     assert begun.y == pytest.approx(other.values(later), rel=1e-9, abs=1e-10)
+
+
+# --- vibration intensity --------------------------------------------------------------------------
+@pytest.mark.parametrize("model", PROGRAMS)
+def test_vibration_intensity_counts_the_slider_alone(model: str) -> None:
+    """Thesis 6.42: the modal coordinates of the disc are no part of L_s."""
+    setting = Setting(model, {"C_0_1": 1e-3, "phi_dot": 3.0}, 0.02)
+    begun, counted = setting.motion(), get_model(model).vibration
+    names = begun.system.coordinates
+    assert counted == names[:2]
+    reference = np.array([0.0 if name in counted else np.nan for name in names])
+    begun.start_measuring(reference)
+    begun.run(setting.t_end, measuring=True)
+    squares = begun.measures.extremes[2, : len(names)]
+    assert begun.measures.totals[kernel.M_SPREAD] == pytest.approx(squares[0] + squares[1])
+    assert squares[3] > 0.0
+
+
+def test_response_on_a_disc_measures_the_slider_from_its_equilibrium() -> None:
+    """A run too short to settle: L_s over the window is what the slider's motion gives."""
+    found = analyse(
+        "disc-rigid-contact", "exponential", "response", {}, {"t_max": 0.4, "transient": 0.1}
+    ).values
+    p, e = found, found["L_s_reference"]
+    spread = 0.0
+    for place, name in enumerate(("phi", "z")):
+        least, greatest = p[f"{name}_min"] - e[place], p[f"{name}_max"] - e[place]
+        spread += max(least**2, greatest**2)
+    assert 0.0 < found["L_s"] < spread

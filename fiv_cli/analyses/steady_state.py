@@ -6,10 +6,11 @@ When half of the time budget has not brought that, the other half is measured as
 the largest Lyapunov exponent carried along; beyond periodic, a class needs that exponent and the
 0-1 test of the section set to agree, and is ``undecided`` otherwise.
 
-Definitions: L_s is the mean of the sum of (X - X_e)^2 over all displacement states (thesis 6.20,
-6.42), integrated along whole periods, or along the window. Stick-slip has died when every
-contact has slipped without an event for the longest of 4 s, three revolutions of disc or
-excitation, and three periods of the slowest mode of the sliding equilibrium.
+Definitions: L_s is the mean of the sum of (X - X_e)^2 over the displacement states (thesis 6.20),
+on discs those of the slider (6.42), integrated along whole periods, or along the window.
+Stick-slip has died when every contact has slipped without an event for the longest of 4 s, three
+revolutions of disc or excitation, and three periods of the slowest mode of the sliding
+equilibrium.
 """
 
 from __future__ import annotations
@@ -353,7 +354,9 @@ class _Response:
     def _start_measuring(self) -> float:
         reference = np.zeros(len(self.system.coordinates))
         if self.equilibrium is not None:
-            reference = self.equilibrium[: len(reference)]
+            reference = self.equilibrium[: len(reference)].copy()
+        counted = self.system.model.vibration or self.system.coordinates
+        reference[[name not in counted for name in self.system.coordinates]] = np.nan
         self.motion.start_measuring(reference)
         return self.motion.time
 

@@ -269,7 +269,8 @@ def _response(
             _squared_unit(states),
             "vibration intensity: mean squared distance from the sliding equilibrium",
             symbol="L_s",
-            comment="thesis 6.20; over one period, or over L_s_window; 0 at the equilibrium",
+            comment="thesis 6.20, on discs 6.42 (of the slider alone); over one period, or over "
+            "L_s_window; 0 at the equilibrium",
         ),
         Variable(
             "L_s_reference",

@@ -593,8 +593,9 @@ def take_measures(  # type: ignore[no-untyped-def]
 ):
     """Integrate the measures along the step of length tau by Gauss quadrature.
 
-    extremes is (3, n): least and greatest value, integral of the square; shares is
-    (contacts, 3): time in slip, stick, separation.
+    Where the reference is NaN the coordinate does not count. extremes is (3, n): least and
+    greatest value, integral of the square; shares is (contacts, 3): time in slip, stick,
+    separation.
     """
     n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
     energies = contact_outputs(table, index, n) + PER_CONTACT * contacts
@@ -613,7 +614,7 @@ def take_measures(  # type: ignore[no-untyped-def]
             extremes[0, i] = min(extremes[0, i], value)
             extremes[1, i] = max(extremes[1, i], value)
             extremes[2, i] += weight * value * value
-            if i < config[N_COORDINATES]:
+            if i < config[N_COORDINATES] and reference[i] == reference[i]:
                 measures[M_SPREAD] += weight * (value - reference[i]) ** 2
             if config[METHOD] == METHOD_TAYLOR:
                 offset = i * (order + 1)

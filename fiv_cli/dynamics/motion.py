@@ -60,7 +60,8 @@ class Measures:
     totals : see the M_ constants of the kernel
     extremes : least value, greatest value, integral of the square; shape (3, n_states)
     shares : time in slip, stick, separation; shape (n_contacts, 3)
-    reference : the sliding equilibrium that L_s is measured from; shape (n_coordinates,)
+    reference : the sliding equilibrium that L_s is measured from, NaN for a coordinate that does
+        not count; shape (n_coordinates,)
     """
 
     totals: Vector

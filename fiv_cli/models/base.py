@@ -230,6 +230,7 @@ class Model:
     surface : ``(parameters, options, radius, angle)`` -> coordinate -> its weight in the transverse
         displacement of the disc there, in the space-fixed frame; None without an elastic disc
     equations : ``(Symbols, options) -> Equations``; imports SymPy
+    vibration : coordinates that L_s counts (thesis 6.20, 6.42); none named: all
     """
 
     name: str
@@ -249,6 +250,7 @@ class Model:
     surface: Callable[[Mapping[str, float], Options, float, float], Mapping[str, float]] | None = (
         None
     )
+    vibration: tuple[str, ...] = ()
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

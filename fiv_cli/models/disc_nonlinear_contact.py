@@ -107,4 +107,5 @@ MODEL = Model(
     revolution=lambda p: p["Omega"],
     derived=disc.DERIVED,
     surface=surface,
+    vibration=("phi", "u"),
 )

@@ -94,4 +94,5 @@ MODEL = Model(
     revolution=lambda p: p["Omega"],
     derived=disc.DERIVED,
     surface=disc.surface,
+    vibration=("phi", "z"),
 )

@@ -89,4 +89,5 @@ MODEL = Model(
     revolution=lambda p: p["Omega"],
     derived=Derived(_names, _values, disc.DERIVED.sources),
     surface=disc.surface,
+    vibration=("phi", "u"),
 )
