@@ -19,23 +19,26 @@ from fiv_cli.friction.base import Slip
 from fiv_cli.models import all_models
 
 MODEL = "excited-2dof"
+DISC = "excited-disc"
+# mu_k is not mu_0: else nothing falls with the speed.
+VALUES = {"mu_k": 0.4, "mu_s": 0.8, "mu_0": 0.7, "alpha": 1.3}
 AVERAGED_LAWS = [law.name for law in all_laws().values() if law.average is not None]
 
 
-def average_at(name: str, v: float, amplitude: float) -> tuple[float, float]:
+def average_at(name: str, v: float, amplitude: float, **changes: float) -> tuple[float, float]:
     """Averaged friction of a law with N = 1, and its slope, at one slip velocity."""
     law = averaged(get_law(name), amplitude > abs(v))
     symbol = sympy.Symbol("v", real=True)
     slip = Slip(v=symbol, sign=int(np.sign(v)), speed=int(np.sign(v)) * symbol, N=1)
-    values = {p.name: 0.4 for p in law.parameters} | {FAST_VELOCITY.name: amplitude}
+    values = VALUES | changes | {FAST_VELOCITY.name: amplitude}
     force = sympy.sympify(law.force(slip, values))
     return float(force.subs(symbol, v)), float(sympy.diff(force, symbol).subs(symbol, v))
 
 
-def integral_at(name: str, v: float, amplitude: float) -> float:
+def integral_at(name: str, v: float, amplitude: float, **changes: float) -> float:
     """The same average by adaptive quadrature, split where the fast slip reverses."""
     law = get_law(name)
-    values = {p.name: 0.4 for p in law.parameters}
+    values = VALUES | changes
 
     def force(phase: float) -> float:
         fast = v + amplitude * cos(phase)
@@ -43,7 +46,8 @@ def integral_at(name: str, v: float, amplitude: float) -> float:
         return float(law.force(Slip(v=fast, sign=sign, speed=abs(fast), N=1), values))
 
     corner = pi - np.arccos(min(1.0, v / amplitude)) if amplitude > abs(v) else pi / 2
-    return sum(quad(force, *ends)[0] for ends in ((0.0, corner), (corner, pi))) / pi
+    ends = ((0.0, corner), (corner, pi))
+    return sum(quad(force, *two, epsabs=1e-13, epsrel=1e-12, limit=500)[0] for two in ends) / pi
 
 
 @pytest.mark.parametrize("name", AVERAGED_LAWS)
@@ -51,10 +55,38 @@ def integral_at(name: str, v: float, amplitude: float) -> float:
 @pytest.mark.parametrize("v", [0.3, -0.3])
 def test_an_averaged_law_is_its_integral(name: str, amplitude: float, v: float) -> None:
     found, slope = average_at(name, v, amplitude)
-    assert found == pytest.approx(integral_at(name, v, amplitude), rel=1e-9)
+    assert found == pytest.approx(integral_at(name, v, amplitude), rel=1e-12, abs=1e-13)
     step = 1e-5
     rise = integral_at(name, v + step, amplitude) - integral_at(name, v - step, amplitude)
     assert slope == pytest.approx(rise / (2.0 * step), rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize("v", [0.0, 1e-3, -0.9, 0.9999, 1.0, 1.5])
+@pytest.mark.parametrize("alpha", [0.0, 1e-3, 10.0, 100.0])
+def test_the_averaged_exponential_law_by_any_fall(v: float, alpha: float) -> None:
+    found = average_at("exponential", v, 1.0, alpha=alpha)[0]
+    assert found == pytest.approx(integral_at("exponential", v, 1.0, alpha=alpha), abs=2e-13)
+
+
+@pytest.mark.parametrize("v", [0.0, -0.3, 0.999])
+def test_slope_of_the_averaged_exponential_law(v: float) -> None:
+    """2 mu_0/(pi sqrt(U^2 - V^2)) from the jump, and the mean slope of what is smooth."""
+    alpha = VALUES["alpha"]
+
+    def smooth(phase: float) -> float:
+        return -alpha * (VALUES["mu_0"] - VALUES["mu_k"]) * np.exp(-alpha * abs(v + cos(phase)))
+
+    corner = float(np.arccos(-v))
+    mean = sum(quad(smooth, *ends, epsabs=1e-13)[0] for ends in ((0.0, corner), (corner, pi))) / pi
+    jump = 2.0 * VALUES["mu_0"] / (pi * sqrt(1.0 - v**2))
+    assert average_at("exponential", v, 1.0)[1] == pytest.approx(jump + mean, rel=1e-12)
+
+
+def test_without_a_fall_the_averaged_exponential_law_is_coulombs() -> None:
+    for amplitude in (0.2, 0.5):
+        same = average_at("coulomb", 0.3, amplitude, mu_k=VALUES["mu_0"])
+        found = average_at("exponential", 0.3, amplitude, alpha=0.0)
+        assert found == pytest.approx(same, rel=1e-14)
 
 
 def test_limits_of_the_averaged_coulomb_law() -> None:
@@ -147,3 +179,58 @@ def test_the_averaged_motion_is_what_remains_of_the_excited_one() -> None:
     slow = slice(-1572, None)  # a hundred periods of the excitation
     assert np.mean(found["x"][slow]) == pytest.approx(averaged_x[0], abs=1e-3)
     assert np.mean(found["y"][slow]) == pytest.approx(averaged_x[1], abs=1e-3)
+
+
+# --- the slider on a disc -------------------------------------------------------------------------
+@pytest.mark.parametrize("amplitude", [0.0, 9e3, 2e4, 1e6])
+def test_the_averaged_equilibrium_on_a_disc_carries_the_averaged_friction(amplitude: float) -> None:
+    """U = A / (m R omega_cr), omega_cr being half the frequency of the mode (0, 2)."""
+    settings = {"system": "averaged"}
+    found = analyse(DISC, "exponential", "equilibrium", None, settings, A=amplitude).values
+    known = system(DISC, "exponential").known(defaults(DISC, "exponential"))
+    fast = amplitude / (22.0 * known["omega_0_2"] / 2.0)
+    law = {"mu_k": 1.2, "mu_0": 1.5, "mu_s": 1.5, "alpha": 1.0}
+    share = integral_at("exponential", 0.5, fast, **law) if fast else average_at_rest(0.5, **law)
+    assert found["F_T"][0] == pytest.approx(share * found["F_N"][0], rel=1e-10)
+    assert found["complete"] == "certified"
+    assert found["residual"][0] < 1e-10
+
+
+def average_at_rest(v: float, mu_0: float, mu_k: float, mu_s: float, alpha: float) -> float:
+    return mu_k + (mu_0 - mu_k) * float(np.exp(-alpha * v))
+
+
+def test_the_averaged_jacobian_on_a_disc_is_the_slope_of_its_rates() -> None:
+    """Central differences of the rates, friction falling with the speed and turned around."""
+    parameters = defaults(DISC, "exponential", A=2e4, xi=2e-4)
+    built = system(DISC, "exponential")
+    known = {**parameters, **built.known(parameters)}
+    state = sliding_system(built, known, "averaged")
+    at = equilibria(state)[0]
+    jacobian = state.jacobian(at)
+    for column in range(len(at)):
+        step = np.zeros(len(at))
+        step[column] = 1e-6 * (1e-3 if column < len(at) // 2 else 1.0)
+        difference = (state.rates(at + step) - state.rates(at - step)) / (2.0 * step[column])
+        scale = max(1.0, float(np.max(np.abs(jacobian[:, column]))))
+        np.testing.assert_allclose(jacobian[:, column] / scale, difference / scale, atol=1e-5)
+
+
+@pytest.mark.parametrize(("mu_s", "mu_k", "amplitude"), [(1.5, 1.2, 2e4), (2.25, 2.0, 5e4)])
+def test_the_excitation_of_figure_5_10_suppresses(
+    mu_s: float, mu_k: float, amplitude: float
+) -> None:
+    """Both cases of Figure 5.9 are unstable, and stable at the printed amplitudes."""
+    law = {"mu_s": mu_s, "mu_k": mu_k, "xi": 2e-4}
+    settings = {"system": "averaged"}
+    for force, expected in ((0.0, "unstable"), (amplitude, "stable")):
+        found = analyse(DISC, "exponential", "eigenvalues", None, settings, A=force, **law)
+        assert (found.values["stable"], found.reason) == (expected, "")
+
+
+@pytest.mark.parametrize(("ratio", "reason"), [(15.4, "averaging_invalid"), (15.5, "")])
+def test_fast_against_the_highest_mode_of_the_disc(ratio: float, reason: str) -> None:
+    """5 times 2774 rad/s (of the disc, stiffened by the contact) over 911.9 rad/s."""
+    settings = {"system": "averaged"}
+    found = analyse(DISC, "exponential", "eigenvalues", None, settings, R=ratio, A=2e4, xi=2e-4)
+    assert (found.status, found.reason) == ("ok", reason)

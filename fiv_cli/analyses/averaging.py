@@ -22,6 +22,8 @@ from fiv_cli.friction.averaged import FAST_VELOCITY, averaged
 # known to (1/5)^2 = 4 %.
 LEAST_RATIO = 5.0
 
+ORDER = 1  # of the series: an averaged system is linearised, never integrated
+
 _BUILT: dict[tuple[str, bool], System] = {}
 
 
@@ -61,8 +63,7 @@ def averaged_system(
     if key not in _BUILT:
         law = averaged(system.law, reversing)
         structural = {name: parameters[name] for name in law.structural}
-        order = system.generated.order
-        generated = generate(system.model, law, system.options, structural, order, announce)
+        generated = generate(system.model, law, system.options, structural, ORDER, announce)
         _BUILT[key] = System(system.model, law, system.options, generated)
     return _BUILT[key]
 

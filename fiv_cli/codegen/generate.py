@@ -133,8 +133,9 @@ def text_key(
     """Hash of everything that decides generated text: source files, options, order, SymPy."""
     package = Path(__file__).parent
     sources = sorted(package.glob("*.py"))
-    sources += [package.parent / floor / "base.py" for floor in ("models", "friction")]
-    files = [*sources, *_model_files(model), *sorted(map(_source_file, _law_modules()))]
+    sources += [package.parent / "models" / "base.py"]
+    laws = sorted((package.parent / "friction").glob("*.py"))  # they may be composed of one another
+    files = [*sources, *_model_files(model), *laws]
     written = [dict(sorted(table.items())) for table in (options, structural)]
     settings = [*written, order, list(scheduled)]
     return cache.content_key(
@@ -158,13 +159,6 @@ def _model_files(model: Model) -> list[Path]:
     shared = (Path(__file__).parent.parent / "models").glob("*.py")
     kept = [file for file in shared if f"fiv_cli.models.{file.stem}" not in others]
     return sorted({own, *kept})
-
-
-def _law_modules() -> set[str]:
-    """Every law's file: laws may be composed of one another."""
-    from fiv_cli.friction import all_laws
-
-    return {law.force.__module__ for law in all_laws().values()}
 
 
 def _source_file(module: str) -> Path:

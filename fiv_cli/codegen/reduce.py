@@ -84,14 +84,26 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     unknowns += [symbols.coordinate(name) for name in names]
     still = {symbols.velocity(name): 0 for name in names} | {symbols.time: 0}
     still |= {symbols.closed(i): 1 for i in range(count)}
+    friction = _friction(symbols, law, equations)
+    coefficients: dict[Any, Any] = {}
     forces = {
-        symbol: force.subs(still) for symbol, force in _friction(symbols, law, equations).items()
+        symbol: _shortened(force.subs(still), unknowns, coefficients)
+        for symbol, force in friction.items()
     }
     vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
     vanishing += [equations.accelerations[name] for name in names]
     exact = [sympy.sympify(e).subs(forces).subs(still) for e in vanishing]
     parameters = _parameters(model, law, options, symbols, count)
-    return _polynomial(dict(zip(unknowns, exact, strict=True)), unknowns[count:], parameters)
+    laid_out = dict(zip(unknowns, exact, strict=True))
+    return _polynomial(laid_out, unknowns[count:], parameters, coefficients)
+
+
+def _shortened(force: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> Any:
+    """A friction force with its coefficient, where it is a function of parameters, one symbol."""
+    coefficient, rest = force.as_independent(*unknowns, as_Add=False)
+    if not coefficient.has(sympy.Function, sympy.exp):
+        return force
+    return atoms.setdefault(coefficient, sympy.Dummy(real=True)) * rest
 
 
 def _parameters(
@@ -108,14 +120,17 @@ def _parameters(
 
 
 def _polynomial(
-    vanishing: Mapping[Any, Any], coordinates: Sequence[Any], parameters: dict[Any, str]
+    vanishing: Mapping[Any, Any],
+    coordinates: Sequence[Any],
+    parameters: dict[Any, str],
+    atoms: dict[Any, Any],
 ) -> _Rest | None:
     """What vanishes, as polynomials; None where that is impossible."""
     left = without_modes(vanishing, coordinates)
     if left is None:
         return None
     unknowns = list(left.expressions)
-    rest = _Rest(unknowns, [], left.values, parameters, tuple(parameters.values()))
+    rest = _Rest(unknowns, [], left.values, parameters, tuple(parameters.values()), atoms)
     for expression in left.expressions.values():
         numerator = _numerator(rest, expression)
         if not numerator.is_polynomial(*unknowns):
@@ -243,8 +258,9 @@ class _Writer:
         self.graph = Graph()
         self.nodes: list[Node] = []
         names = {symbol: self.graph.parameter(name) for symbol, name in rest.parameters.items()}
-        atoms = {symbol: self.graph.build(made, names) for made, symbol in rest.atoms.items()}
-        self.leaves = names | atoms
+        for made, symbol in rest.atoms.items():  # later ones may contain earlier ones
+            names[symbol] = self.graph.build(made, names)
+        self.leaves = names
 
     def polynomial(self, found: Any) -> Polynomial:
         """Nodes of the coefficients of a SymPy polynomial."""

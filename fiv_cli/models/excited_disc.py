@@ -74,6 +74,20 @@ def equations(symbols: Any, options: Options) -> Equations:
     return compliant_disc.equations(symbols, options, plate, contact, excitation, energy)
 
 
+def omega(parameters: Mapping[str, float]) -> float:
+    """Angular frequency of the tangential force, rad/s (5.32)."""
+    return parameters["R"] * parameters["omega_cr"]
+
+
+def fast_velocity(parameters: Mapping[str, float]) -> float:
+    """Amplitude of the fast slip velocity, m/s: omega_cr C_d of 5.45 and 5.51.
+
+    Zero without a critical speed, where the excitation has no frequency.
+    """
+    frequency = omega(parameters)
+    return parameters["A"] / (parameters["m"] * frequency) if frequency else 0.0
+
+
 MODEL = Model(
     name="excited-disc",
     title="slider on a spinning elastic disc with a tangential excitation",
@@ -85,7 +99,7 @@ MODEL = Model(
     laws=("exponential", "tanh of exponential"),
     law_defaults={"mu_s": 1.5, "mu_k": 1.2, "alpha": 1.0},
     options=(disc.MODES, STATES_OF_MOTION, disc.SLOPE_FORCE, disc.DISC_DAMPING),
-    forcings=(Forcing("A", lambda p: p["R"] * p["omega_cr"], "tangential harmonic force"),),
+    forcings=(Forcing("A", omega, "tangential harmonic force", fast_velocity),),
     revolution=lambda p: p["Omega"],
     derived=Derived(_names, _values, disc.DERIVED.sources),
     surface=disc.surface,
