@@ -443,6 +443,52 @@ def five_degrees_in_motion(bench: _Bench) -> Iterator[Check]:
         yield Check(f"{name}energy", "energy balance: relative residual", rest, 0.0, CLOSED)
 
 
+# --- discs ---------------------------------------------------------------------------------------
+def annular_plate(bench: _Bench) -> Iterator[Check]:
+    """Frequencies and modal masses of the disc of Table 4.1, and of a tabulated plate."""
+    from fiv_cli.plate import AnnularPlate, mode
+
+    source = "thesis 3.3, corrected; separate computation"
+    disc = AnnularPlate(a=0.044, b=0.12, h=0.002, rho=7200.0, E=150e9, nu=0.211)
+    expected = (
+        (1491.92691, 2.331299),
+        (1516.75732, 4.654327),
+        (1823.88110, 4.618520),
+        (2774.19385, 4.541565),
+    )
+    for diameters, (frequency, mobility) in enumerate(expected):
+        found, label = mode(disc, 0, diameters), f"mode (0, {diameters}): "
+        yield Check(f"{label}frequency (rad/s)", source, found.frequency, frequency, 6e-6)
+        inverse = found.inverse_modal_mass(0.1)
+        yield Check(f"{label}R(r0)^2/M (1/kg)", source, inverse, mobility, 6e-7)
+    half = AnnularPlate(a=0.5, b=1.0, h=0.01, rho=1.0, E=1.0, nu=0.3)
+    for diameters, squared in enumerate((13.024, 13.290, 14.704, 18.562)):
+        found, label = mode(half, 0, diameters), f"a/b = 0.5, nu = 0.3, mode (0, {diameters}): "
+        yield Check(f"{label}lambda^2", "tables of plates", found.beta**2, squared, 6e-4)
+
+
+# Model, law, start, changes, an event's number and its time (s). Up to it the motions slip, stick,
+# separate and land.
+RUNS = (
+    ("disc-rigid-contact", "exponential", {"z": 1e-3, "phi_dot": 10.0}, {"N0": 50.0},
+     30, 0.1400515870493637),
+    ("disc-nonlinear-contact", "coulomb", {"u": 1e-2, "phi_dot": 20.0},
+     {"mu_s": 0.8, "mu_k": 0.5}, 30, 0.2733972729113049),
+)  # fmt: skip
+
+
+def motion_on_a_disc(bench: _Bench) -> Iterator[Check]:
+    """Separation, landing, stick and reversal on elastic discs, by the event."""
+    source = "saddle-point equations; separate computation (DOP853, every event polished)"
+    for model, law, start, changes, number, expected in RUNS:
+        moved = bench.run(model, law, "history", start, {"t_end": 0.3}, {}, **changes)
+        found = moved.ragged["event_time"]
+        time = float(found[number - 1]) if len(found) >= number else nan
+        yield Check(f"{model}: time of event {number} (s)", source, time, expected, 1e-11)
+        rest = _value(moved, "energy_residual")
+        yield Check(f"{model}: energy", "energy balance: relative residual", rest, 0.0, CLOSED)
+
+
 # --- pin on a disc -----------------------------------------------------------------------------
 def pin_equilibrium(bench: _Bench) -> Iterator[Check]:
     """Sliding equilibrium and eigenvalues at N0 = 30 N."""
@@ -501,6 +547,8 @@ PROBLEMS: tuple[Problem, ...] = (
     two_masses,
     five_degrees_at_rest,
     five_degrees_in_motion,
+    annular_plate,
+    motion_on_a_disc,
     pin_equilibrium,
     pin_stick_slip,
     energy,
