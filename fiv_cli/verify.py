@@ -310,6 +310,44 @@ def belt_with_five_degrees(bench: _Bench) -> Iterator[Check]:
         yield Check(f"{name}: critical mu_k", source, _crossing(found, 0), expected, 5e-7)
 
 
+# --- sliders on elastic discs, linearised ---------------------------------------------------------
+def rigid_contact_on_a_disc(bench: _Bench) -> Iterator[Check]:
+    """Where sliding loses stability as a disc slows down, and as it gains speed."""
+    source = "thesis 4.3.1, Figures 4.4-4.7, at frozen speed; separate computation"
+    cases = (
+        ("slowing down, falling friction", (2.5, 10.0), 2.699143, (11.0, 1.0, 10.0)),
+        ("speeding up, moving load", (0.1, 2.0), 1.171690, (1.0, 2.0, 0.0)),
+    )
+    for name, bracket, expected, (c_z, moment, alpha) in cases:
+        settings = {"parameter": Varied("Omega"), "bracket": bracket, "system": "original"}
+        found = bench.run(
+            "disc-rigid-contact", "exponential", "critical", None, settings,
+            c_z=c_z, C_phi=moment, alpha=alpha,
+        )  # fmt: skip
+        yield Check(f"{name}: Omega (rad/s)", source, _crossing(found, 0), expected, 5e-7)
+
+
+def excited_disc_at_rest(bench: _Bench) -> Iterator[Check]:
+    """A moving load: the speed above which sliding on a disc is unstable."""
+    source = "thesis 5.4.2, Figure 5.8(a) with xi = 2e-4; separate computation"
+    settings = {"parameter": Varied("Omega"), "bracket": (1.0, 40.0), "system": "original"}
+    law = {"mu_s": 1.0, "mu_0": 1.0, "mu_k": 1.0, "alpha": 0.0}
+    found = bench.run(
+        "excited-disc", "exponential", "critical", None, settings, F=100.0, xi=2e-4, **law
+    )
+    yield Check("onset of instability, Omega (rad/s)", source, _crossing(found, 0), 10.525, 5e-4)
+
+
+def rigid_disc_with_a_stiffening_contact(bench: _Bench) -> Iterator[Check]:
+    """Mode coupling of a slider on a rigid disc: critical friction for three contacts."""
+    source = "thesis 6.5.1, Figure 6.20; separate computation"
+    for stiffening, expected in ((0.0, 1.01667), (1e6, 0.36353), (1e8, 2.13047)):
+        changes, rigid = {"F": 1e4, "k_nl": stiffening}, {"geometry": "linear"}
+        found = _critical(bench, "disc-nonlinear-contact", "mu_k", 3.0, changes, options=rigid)
+        name = f"rigid disc, k_nl = {stiffening:g}: critical mu_k"
+        yield Check(name, source, _crossing(found, 0), expected, 5e-6)
+
+
 def _critical(
     bench: _Bench,
     model: str,
@@ -542,6 +580,9 @@ PROBLEMS: tuple[Problem, ...] = (
     averaged_friction,
     suppression,
     belt_with_five_degrees,
+    rigid_contact_on_a_disc,
+    excited_disc_at_rest,
+    rigid_disc_with_a_stiffening_contact,
     hyperbolic_belt,
     excited_belt,
     two_masses,
