@@ -172,6 +172,38 @@ def test_a_compliant_contact_on_a_disc_is_a_cubic(F: float, k_nl: float) -> None
     assert found.certified and found.n_complex == (2 if k_nl else 0)
 
 
+DISCS = [
+    ("disc-rigid-contact", {}),
+    ("excited-disc", {"states": "all"}),
+    ("excited-disc", {"states": "slip"}),
+    ("disc-nonlinear-contact", {}),
+]
+
+
+@pytest.mark.parametrize(("model", "options"), DISCS)
+def test_a_disc_at_its_critical_speed_has_no_equilibrium_and_beyond_it_one_again(
+    model: str, options: dict[str, str]
+) -> None:
+    """At omega = l Omega the load meets no stiffness; just above it the disc comes towards the
+    slider by so much that a unilateral contact would have to pull."""
+    law = get_model(model).laws[0]
+    built = system(model, law, options)
+    critical = built.known(defaults(model, law))["omega_0_2"] / 2.0
+    found = {}
+    for speed in (0.9, 1.0, 1.001, 1.05):
+        changes = {"Omega": speed * critical}
+        found[speed] = analyse(model, law, "equilibrium", options=options, **changes)
+    assert (found[1.0].status, found[1.0].reason) == ("failed", "singular_equilibrium")
+    bilateral = options.get("states") == "slip"
+    assert found[1.001].reason == ("" if bilateral else "contact_would_pull")
+    for outcome in (found[0.9], found[1.05], *([found[1.001]] if bilateral else [])):
+        assert (outcome.status, outcome.reason) == ("ok", "")
+        assert outcome.values["complete"] == "certified"
+    assert all(found[speed].values["F_N"][0] > 0.0 for speed in (0.9, 1.05))
+    linear = analyse(model, law, "eigenvalues", options=options, Omega=critical)
+    assert (linear.status, linear.reason) == ("failed", "singular_equilibrium")
+
+
 # --- why there is none ----------------------------------------------------------------------------
 def test_a_contact_that_would_have_to_pull_keeps_a_solution_out() -> None:
     """An upward preload is held by a bilateral contact only."""
