@@ -76,6 +76,8 @@ def test_names_are_unique_for_they_name_datasets():
 QUICK = {
     "ch3/fig_3_03": {},
     "ch3/fig_3_13": {3: CONTRADICTED},
+    "ch4/plate": {},
+    "ch4/sliding_speeds": {},
     "ch5/fig_5_04": {},
     "ch6/equilibria": {5: CONTRADICTED},
     "ch7/fig_7_02": {},
@@ -291,6 +293,25 @@ def hold_claims(name, overrides, verdicts, folder):
 
 # Cases whose points take long: a claim on a few of them.
 LONG = [
+    (
+        "ch4/fig_4_03",
+        ("grid.Omega=[10.0]", "grid.alpha=[10.0]", "grid.c_z=[10.0, 11.0]"),
+        {0: CONFIRMED},
+    ),
+    ("ch4/fig_4_04", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_05", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_06", (), {0: CONFIRMED}),
+    ("ch4/fig_4_07", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_08", (), {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED, 3: CONFIRMED}),
+    ("ch4/fig_4_10", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_13", (), {0: CONTRADICTED, 1: CONFIRMED, 2: CONFIRMED}),
+    ("ch4/fig_4_15", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_18", (), {0: CONFIRMED}),
+    ("ch4/fig_4_20", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_22a", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_22b", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch4/fig_4_25", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/fig_7_06_cycles", (), {0: CONFIRMED}),
     ("ch5/fig_5_06_smoothed", ("grid.mu_k=[0.4]", "grid.R=[20.0]"), {0: CONFIRMED}),
     ("ch6/fig_6_09_cycles", (), {0: CONFIRMED, 1: CONTRADICTED}),
     ("ch6/fig_6_08_thesis", ("grid.mu_k=[1.4]",), {0: CONFIRMED, 1: CONTRADICTED}),
