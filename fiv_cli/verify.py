@@ -333,7 +333,7 @@ def excited_disc_at_rest(bench: _Bench) -> Iterator[Check]:
     settings = {"parameter": Varied("Omega"), "bracket": (1.0, 40.0), "system": "original"}
     law = {"mu_s": 1.0, "mu_0": 1.0, "mu_k": 1.0, "alpha": 0.0}
     found = bench.run(
-        "excited-disc", "exponential", "critical", None, settings, F=100.0, xi=2e-4, **law
+        "excited-disc", "exponential", "critical", None, settings, None, F=100.0, xi=2e-4, **law
     )
     yield Check("onset of instability, Omega (rad/s)", source, _crossing(found, 0), 10.525, 5e-4)
 
