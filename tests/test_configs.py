@@ -271,6 +271,11 @@ REDUCED = [
     ),
     ("ch5/fig_5_08b", ("grid.F=[20.0]",), dict.fromkeys(range(3), CONFIRMED)),
     ("ch5/fig_5_08c", ("grid.Omega=[0.25, 20.25]",), {0: CONFIRMED}),
+    (
+        "ch6/fig_6_28",
+        ("grid.k_nl=[1e8]", "grid.mu_k=[0.4]"),
+        {3: CONFIRMED},
+    ),
 ]
 
 
