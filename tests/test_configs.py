@@ -273,6 +273,8 @@ REDUCED = [
     ("ch5/fig_5_08c", ("grid.Omega=[0.25, 20.25]",), {0: CONFIRMED}),
     ("ch6/fig_6_32", ("grid.mu_k=[0.3]",), {1: CONFIRMED}),
     ("ch6/fig_6_34", ("grid.mu_k=[0.3]",), {1: CONFIRMED}),
+    ("ch5/fig_5_09a", (), {0: CONFIRMED}),
+    ("ch5/fig_5_09b", (), {0: CONFIRMED}),
     ("ch5/fig_5_11a", ("grid.R=[22.0]",), dict.fromkeys(range(3), CONFIRMED)),
     ("ch5/fig_5_11b", ("grid.R=[22.0]",), dict.fromkeys(range(3), CONFIRMED)),
     ("ch5/fig_5_12a", ("grid.Omega=[5.25, 20.25]",), {0: CONFIRMED, 1: CONFIRMED}),
