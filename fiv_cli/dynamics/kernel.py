@@ -604,6 +604,9 @@ def take_measures(  # type: ignore[no-untyped-def]
     measures[M_TIME] += tau
     for i in range(contacts):
         shares[i, kinds[i]] += tau
+    for i in range(n):  # an impact may have left a velocity at its extreme
+        extremes[0, i] = min(extremes[0, i], y[i])
+        extremes[1, i] = max(extremes[1, i], y[i])
     for node in range(quadrature.shape[0] + 1):
         at_end = node == quadrature.shape[0]
         x = tau if at_end else quadrature[node, 0] * tau
