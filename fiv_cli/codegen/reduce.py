@@ -20,6 +20,7 @@ from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations, Model
 
 MOST_REDUCTIONS = 3
+LONG_SUM = 4  # terms; sums over the thesis' seven modes, four frequencies, are not longer
 
 
 def derive_statics(
@@ -37,8 +38,8 @@ def derive_statics(
 
 
 def _is_bilateral(contact: Contact) -> bool:
-    ends = contact.gap is not None or contact.ends_at_zero_normal_force
-    return contact.sliding_only and not ends
+    """Whether nothing happens to the contact where its normal force changes sign."""
+    return contact.gap is None and not contact.ends_at_zero_normal_force
 
 
 @dataclass
@@ -132,11 +133,35 @@ def _polynomial(
     unknowns = list(left.expressions)
     rest = _Rest(unknowns, [], left.values, parameters, tuple(parameters.values()), atoms)
     for expression in left.expressions.values():
-        numerator = _numerator(rest, expression)
+        numerator = _numerator(rest, _lumped(expression, unknowns, atoms))
         if not numerator.is_polynomial(*unknowns):
             return None
         rest.equations.append(numerator)
     return rest
+
+
+def _lumped(expression: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> Any:
+    """`expression` with one symbol for each long sum that multiplies the same unknowns.
+
+    Sums over many modes would have a common denominator of as many factors.
+    """
+    if not expression.args or not expression.has(*unknowns):
+        return expression
+    inner = expression.func(*(_lumped(one, unknowns, atoms) for one in expression.args))
+    if not inner.is_Add:
+        return inner
+    groups: dict[Any, list[Any]] = {}
+    for term in inner.args:
+        factor, monomial = term.as_independent(*unknowns, as_Add=False)
+        groups.setdefault(monomial, []).append(factor)
+    terms = []
+    for monomial, factors in groups.items():
+        total = sympy.Add(*factors)
+        if len(factors) > LONG_SUM:
+            total = atoms.setdefault(total, sympy.Dummy(real=True))
+            factors = [total]
+        terms += [factor * monomial for factor in factors]
+    return sympy.Add(*terms)
 
 
 def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Any, Any]:

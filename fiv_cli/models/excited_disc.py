@@ -39,7 +39,7 @@ STATES_OF_MOTION = Option(
     "states",
     ("slip", "all"),
     "slip",
-    "bilateral contact as in the thesis' simulations, or stick and separation too",
+    "bilateral contact as in the thesis (friction reverses with slip), or separation too",
 )
 
 
@@ -67,7 +67,6 @@ def equations(symbols: Any, options: Options) -> Equations:
         slip_coordinate="phi",
         normal_force=p("k2") * compression,
         gap=None if bilateral else -compression,
-        sliding_only=bilateral,
     )
     excitation = p("A") * sympy.sin(p("R") * p("omega_cr") * symbols.time)
     energy = p("k2") * compression**2 / 2
