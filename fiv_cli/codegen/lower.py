@@ -20,7 +20,7 @@ POINTER = DOUBLE.as_pointer()
 SIGNATURE = ir.FunctionType(ir.VoidType(), (POINTER, DOUBLE, POINTER, POINTER))
 # Beyond so many characters registers are allocated the quick way: the good way takes time with the
 # square of the length. The numbers are the same, each step takes some 1.6 times as long.
-LARGE = 2_000_000
+LARGE = 1_500_000
 LIBRARY = ("exp", "log", "sin", "cos", "tanh", "asin", "pow")  # called in the C library
 
 

@@ -97,7 +97,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("class_changed", "the branch that was followed ended before this point"),
     Reason(
         "jammed",
-        "the algebraic normal force has no finite value (friction too high for the geometry)",
+        "friction is too high for the slope of the contact: the algebraic normal force has no "
+        "finite value, or would pull; lower mu, or move the start",
     ),
     Reason("not_converged", "the iteration did not settle: try another start or a smaller step"),
     Reason(

@@ -339,7 +339,7 @@ class Motion:
         phase_interval : period of the excitation, s, for a stroboscopic section
         """
         if not self.started:
-            return Stop.CONTACT_LOST if self._is_out_of_contact() else Stop.NO_STATE
+            return Stop.CONTACT_LOST if self._is_out_of_contact() else self._stuck(Stop.NO_STATE)
         times, states = sections or (np.zeros(1), np.zeros((1, len(self.y))))
         samples = samples or no_samples(self.system)
         self.clock[kernel.FIRST_STEP] = 0.0  # another motion may have used the scratch arrays
@@ -354,11 +354,31 @@ class Motion:
         while self.kink < t_stop:
             stop = go_on(self.kink)
             if stop != Stop.REACHED:
-                return stop
+                return self._stuck(stop)
             self._pass_kink()
             if not self.started:
-                return Stop.NO_STATE
-        return go_on(t_stop)
+                return self._stuck(Stop.NO_STATE)
+        return self._stuck(go_on(t_stop))
+
+    def _stuck(self, stop: Stop) -> Stop:
+        """`stop`, or that it is jamming which leaves no contact state."""
+        return Stop.JAMMED if stop == Stop.NO_STATE and self._is_jammed() else stop
+
+    def _is_jammed(self) -> bool:
+        """Whether the determinant of an algebraic normal force has lost its sign in sliding."""
+        index = kernel.state_index(np.zeros_like(self.kinds), len(self.kinds))
+        kinds = self.tables.guards[index, : self.tables.table[index, kernel.N_GUARDS], 0]
+        first, places = 2 * len(self.y), np.flatnonzero(kinds == kernel.JAMMING)
+        out, coefficients = np.zeros(self.stages.shape[1]), self.coefficients.copy()
+        parameters = self.parameters.copy()
+        for sign in (1.0, -1.0):
+            parameters[-1 - len(self.kinds) : -1] = sign
+            call(self.config[kernel.COEFFICIENTS], coefficients, 0.0, parameters, coefficients)
+            field = self.tables.table[index, kernel.FIELD]
+            call(field, coefficients, self.time, self.y, out)
+            if np.any(out[first + places] <= 0.0):
+                return True
+        return False
 
     def _advance(
         self,
