@@ -160,7 +160,7 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_section_points",
-        "the motion never met the section: choose another, as { zero = STATE } where nothing sticks",
+        "the motion never met the section: choose another, { zero = STATE } where nothing sticks",
     ),
     Reason(
         "window_too_long",
