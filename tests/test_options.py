@@ -193,5 +193,5 @@ def test_a_claim_finds_modes_in_any_order() -> None:
     text = DISC.replace("OPTIONS", "").replace("GRID", "modes = [[[0, 0]], [[0, 0], [0, 1]]]")
     found = parse_case(text + claim + 'at = { modes = "0,1 0,0" }\n', "a.toml")
     assert found.claims[0].at == {"modes": "0,0 0,1"}
-    with pytest.raises(CaseError, match="is no mode|is no list of modes"):
+    with pytest.raises(CaseError, match=r"is no mode|is no list of modes"):
         parse_case(text + claim + 'at = { modes = "seven" }\n', "a.toml")
