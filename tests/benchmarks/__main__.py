@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from tests.benchmarks import against_scipy, processes
+from tests.benchmarks import against_scipy, discs, processes
 
 BENCHMARKS: dict[str, Callable[[], None]] = {
     "scipy": against_scipy.report,
+    "discs": discs.report,
     "cold": processes.report_cold,
     "warm": processes.report_warm,
     "workers": processes.report_workers,
