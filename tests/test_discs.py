@@ -18,7 +18,7 @@ from fiv_cli.dynamics.system import build_system
 from fiv_cli.models import get_model
 
 FIRST = 30  # events compared one by one
-FEWER = 12  # the same for options that change little
+FEWER = 10  # the same for options that change little
 GOOD = 1e-11  # s, to which event times are certified
 SOON = 1e-7  # s after a landing
 Points = Sequence[tuple[float, float]]
@@ -106,7 +106,7 @@ def rigid(options: Mapping[str, str] | None = None, turn: Points = (), t_end: fl
         pytest.param(rigid({"impact": "none"}), id="impact=none"),
         pytest.param(rigid({"slope_force": "include"}), id="slope_force=include"),
         pytest.param(rigid({"disc_damping": "stiffness"}, xi=1e-3), id="disc_damping=stiffness"),
-        pytest.param(rigid(xi=1e-3), id="disc_damping=constant"),
+        pytest.param(rigid(xi=1e-3), id="lightly-pressed"),
         pytest.param(
             rigid(start={"z": 1e-3, "phi_dot": -10.0, "C_0_1": 1e-3}, Omega=50.0, c_z=0.0),
             id="figure-4.25",
@@ -114,7 +114,7 @@ def rigid(options: Mapping[str, str] | None = None, turn: Points = (), t_end: fl
     ],
 )  # fmt: skip
 def test_a_rigid_contact_against_the_saddle_point(setting: Setting) -> None:
-    found = agrees(setting, FEWER if setting.options else FIRST)
+    found = agrees(setting, FIRST if setting.changes["N0"] > 100.0 else FEWER)
     assert len(found) >= 6
     assert any(word.startswith("separation") for word in found)
     assert "slip+->stick" in found or "slip-->stick" in found or setting.changes.get("Omega")
@@ -159,7 +159,7 @@ def sprung(options: Mapping[str, str] | None = None, t_end: float = 0.28,
 )
 def test_a_contact_spring_against_the_independent_program(options: dict[str, str]) -> None:
     setting = sprung(options, 0.1 if options.get("states") == "slip" else 0.28)
-    found = agrees(setting, FEWER if options else FIRST)
+    found = agrees(setting, FEWER if options else 20)
     if options.get("states") == "slip":
         assert not found
     else:
