@@ -307,6 +307,8 @@ def hold_claims(name, overrides, verdicts, folder):
 
 # Cases whose points take long: a claim on a few of them.
 LONG = [
+    ("ch5/fig_5_10a", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch5/fig_5_10b", (), {0: CONFIRMED, 1: CONFIRMED}),
     (
         "ch4/fig_4_03",
         ("grid.Omega=[10.0]", "grid.alpha=[10.0]", "grid.c_z=[10.0, 11.0]"),
