@@ -32,10 +32,10 @@ demo: $(INSTALLED)  ## the main job: the (Omega, N0) map of Figure 7.6 and its f
 	@echo "dataset: runs/fig_7_06_reached.nc    figure: runs/fig_7_06_reached.png"
 
 test: $(INSTALLED)  ## the tests, about five minutes on two cores
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-all: $(INSTALLED)  ## the tests and the long campaigns
-	$(BIN)/python -m pytest -m "campaign or not campaign"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "campaign or not campaign"
 
 lint: $(INSTALLED)  ## ruff (lint, format) and mypy
 	$(BIN)/ruff check .
