@@ -17,7 +17,7 @@ import sympy
 
 from fiv_cli.codegen.generate import rate_of
 from fiv_cli.codegen.graph import Graph, Node
-from fiv_cli.codegen.symbols import Symbols
+from fiv_cli.codegen.symbols import Symbols, parameter_names
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations, Model
 
@@ -143,10 +143,7 @@ class _Deriver:
             for i in range(len(self.contacts))
             for name in law.states
         ]
-        own = {parameter.name for parameter in model.parameters}
-        self.parameters = [p.name for p in model.parameters]
-        self.parameters += [p.name for p in law.parameters if p.name not in own]
-        self.parameters += model.derived.names(options) if model.derived else ()
+        self.parameters = parameter_names(model, law, options)
         self.parameters += [rate_of(name) for name in scheduled]
         self.law_forces = [self._law_force(i) for i in range(len(self.contacts))]
 

@@ -19,6 +19,8 @@ from fiv_cli.codegen import NUMERICS_VERSION, cache
 
 if TYPE_CHECKING:
     from fiv_cli.codegen.derive import ContactState, Derivation
+    from fiv_cli.codegen.emit import TaylorStep
+    from fiv_cli.codegen.graph import Graph, Node
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model
 
@@ -240,8 +242,8 @@ def _flow_text(
     outputs = [*state.values, *state.rates, *switching, *angle, *contacts, *state.energies]
     name = f"{state.name}_field"
     lines += pointwise(graph, name, f"{state.name}: rates and forces", outputs, coefficients)
-    for contact, after in state.impacts.items():
-        values = [after.get(i, node) for i, node in enumerate(state.values)]
+    for contact in state.impacts:
+        values = _after_impact(state, contact)
         name = f"{state.name}_impact_{contact}"
         lines += pointwise(graph, name, "state after a plastic impact", values, coefficients)
     return lines
@@ -250,19 +252,9 @@ def _flow_text(
 def _tangent_text(
     derivation: Derivation, state: ContactState, order: int, coefficients: Any
 ) -> list[str]:
-    from fiv_cli.codegen.emit import TaylorStep
-
-    graph = derivation.graph
     switching = [guard.node for guard in state.guards]
     switching += [] if state.angle is None else [state.angle]
-    step = TaylorStep(
-        graph,
-        [*state.values, *map(graph.tangent, state.values)],
-        [*state.rates, *map(graph.tangent, state.rates)],
-        [*switching, *map(graph.tangent, switching)],
-        order,
-        coefficients,
-    )
+    step = _step_with_tangents(derivation.graph, state, switching, order, coefficients)
     lines = step.text(f"{state.name}_tangent", f"series with a tangent vector, {state.name}")
     for contact in sorted(state.impacts):
         lines += _impact_tangent_text(derivation, state, contact, coefficients)
@@ -273,20 +265,31 @@ def _impact_tangent_text(
     derivation: Derivation, state: ContactState, contact: int, coefficients: Any
 ) -> list[str]:
     """State after an impact and its tangent, each with its rate along the flow before it."""
+    after = _after_impact(state, contact)
+    step = _step_with_tangents(derivation.graph, state, after, IMPACT_ORDER, coefficients)
+    name = f"{state.name}_impact_tangent_{contact}"
+    return step.text(name, "state after a plastic impact, with a tangent vector")
+
+
+def _after_impact(state: ContactState, contact: int) -> list[Node]:
+    """Every entry of the state after an impact on a contact."""
+    return [state.impacts[contact].get(i, node) for i, node in enumerate(state.values)]
+
+
+def _step_with_tangents(
+    graph: Graph, state: ContactState, watched: list[Node], order: int, coefficients: Any
+) -> TaylorStep:
+    """A Taylor step of the state, what is watched along it, and a tangent of both."""
     from fiv_cli.codegen.emit import TaylorStep
 
-    graph = derivation.graph
-    after = [state.impacts[contact].get(i, node) for i, node in enumerate(state.values)]
-    step = TaylorStep(
+    return TaylorStep(
         graph,
         [*state.values, *map(graph.tangent, state.values)],
         [*state.rates, *map(graph.tangent, state.rates)],
-        [*after, *map(graph.tangent, after)],
-        IMPACT_ORDER,
+        [*watched, *map(graph.tangent, watched)],
+        order,
         coefficients,
     )
-    name = f"{state.name}_impact_tangent_{contact}"
-    return step.text(name, "state after a plastic impact, with a tangent vector")
 
 
 def _from_json(key: str, content: dict[str, Any]) -> Generated:

@@ -15,7 +15,7 @@ from fiv_cli.codegen.eliminate import without_modes
 from fiv_cli.codegen.emit import constants
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.statics import ELIMINATED, FUNCTION, Reduction, Slots, Statics
-from fiv_cli.codegen.symbols import Symbols
+from fiv_cli.codegen.symbols import Symbols, parameter_names
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations, Model
 
@@ -111,10 +111,7 @@ def _parameters(
     model: Model, law: Law, options: Mapping[str, str], symbols: Symbols, count: int
 ) -> dict[Any, str]:
     """Symbol -> name of every parameter, derived number, sign of slip, and of the zone."""
-    own = {parameter.name for parameter in model.parameters}
-    listed = [p.name for p in model.parameters]
-    listed += [p.name for p in law.parameters if p.name not in own]
-    listed += model.derived.names(options) if model.derived else ()
+    listed = parameter_names(model, law, options)
     found = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
     found |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
     return found | {symbols.zone: "zone"}

@@ -8,6 +8,8 @@ from typing import Any
 import sympy
 
 from fiv_cli.codegen.generate import rate_of
+from fiv_cli.friction.base import Law
+from fiv_cli.models.base import Model
 
 
 class Symbols:
@@ -66,3 +68,10 @@ class Symbols:
     def in_zone(self, outside: Any, inside: Any) -> Any:
         """`outside` off the sector and `inside` on it, both exactly."""
         return outside * (1 - self.zone) + inside * self.zone
+
+
+def parameter_names(model: Model, law: Law, options: Mapping[str, str]) -> list[str]:
+    """What equations may name: parameters of the model, then of the law, then derived numbers."""
+    own = [p.name for p in model.parameters]
+    theirs = [p.name for p in law.parameters if p.name not in own]
+    return [*own, *theirs, *(model.derived.names(options) if model.derived else ())]
