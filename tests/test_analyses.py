@@ -15,6 +15,8 @@ from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.history import sample_times
 from fiv_cli.analyses.linearisation import coupled_modes, spectrum
+from fiv_cli.codegen.generate import TANGENT
+from fiv_cli.dynamics import system as systems
 
 FORCED = {"u0": 0.5, "omega": 1.2}
 RELEASE = Section("event", "stick->slip")
@@ -458,6 +460,23 @@ def test_a_request_gives_what_the_analysis_gives() -> None:
     found = execute.execute(request)
     assert found.values["L_s"] == respond().values["L_s"]
     assert execute.execute(request).values["period"] == found.values["period"]
+
+
+@pytest.mark.parametrize(
+    ("analysis", "kind", "compiled"),
+    [("history", "state", False), ("history", "equilibrium", True), ("response", "state", True)],
+)
+def test_tangents_are_compiled_only_where_they_are_carried(
+    analysis: str, kind: str, compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(systems, "_BUILT", {})
+    parameters = defaults("belt-1dof", "coulomb")
+    request = execute.Request(
+        "belt-1dof", "coulomb", {}, parameters, analysis, {"t_end": 1.0}, start=Start("a", kind)
+    )
+    execute.prepare([request], lambda sentence: None)
+    (built,) = systems._BUILT.values()
+    assert (TANGENT in built.generated._engines) == compiled
 
 
 def test_pin_friction_curve_of_the_equilibrium() -> None:

@@ -215,6 +215,13 @@ def test_a_million_points_are_planned_without_listing_them() -> None:
     assert len(list(plan.systems())) == 1
 
 
+def test_a_plan_says_whether_every_start_is_a_given_state() -> None:
+    given = sweep_fakes.CHAIN.split('[[initial]]\nlabel = "up"')[0] + RESPONSE
+    start = next(plan_of(given).systems()).start
+    assert start is not None and (start.kind, start.values) == ("state", {"x": 1.0})
+    assert next(plan_of(sweep_fakes.CHAIN).systems()).start is None
+
+
 def test_the_description_names_points_chains_and_what_is_left_out() -> None:
     text = sweep_fakes.CHAIN.replace("v = [0.5, 1.0]", "mu_k = [0.1, 0.9]")
     lines = make_plan(sweep_fakes.case(text)).describe()

@@ -198,6 +198,8 @@ class Analysis:
     unsuited : model -> why it cannot be analysed so; empty where it can
     generated : whether `run` takes a compiled system; otherwise `execute.Plain` is enough
     chains : whether a point may continue from its neighbour along an axis
+    recorded : ``(schedule) -> bool``: whether `run` follows a motion and no more, so that from a
+        given state neither equilibria nor tangents are needed
     sizes : ``(settings) -> {dim: coordinate values}`` of own dims that settings fix (``time``)
     """
 
@@ -211,4 +213,5 @@ class Analysis:
     unsuited: Callable[[Model], str] = _without_contact
     generated: bool = True
     chains: bool = True
+    recorded: Callable[[Schedule], bool] = lambda schedule: False
     sizes: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda settings: {}

@@ -79,7 +79,8 @@ def execute(request: Request) -> Outcome:
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:
     """Generate, compile and load all that `requests` need, once, before workers start.
 
-    `announce` is called with a sentence when something must be generated or compiled.
+    A request without a start stands for any start. `announce` is called with a sentence when
+    something must be generated or compiled.
     """
     from fiv_cli.analyses import get_analysis
     from fiv_cli.dynamics.system import system_key
@@ -96,10 +97,19 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
             request.solver,
             request.schedule,
         )
-        if key not in seen:
-            seen.add(key)
+        only_moves = _only_moves(request)
+        if (key, only_moves) not in seen:
+            seen.add((key, only_moves))
             for system in _systems(request, announce):
-                _load(system, request.parameters)
+                _load(system, request.parameters, only_moves)
+
+
+def _only_moves(request: Request) -> bool:
+    """Whether a request follows a motion from a given state and needs nothing else."""
+    from fiv_cli.analyses import get_analysis
+
+    recorded = get_analysis(request.analysis).recorded(request.schedule)
+    return recorded and request.start is not None and request.start.kind == "state"
 
 
 def _systems(request: Request, announce: Callable[[str], None]) -> list[System]:
@@ -113,13 +123,19 @@ def _systems(request: Request, announce: Callable[[str], None]) -> list[System]:
     return [own, *averages]
 
 
-def _load(system: System, parameters: Mapping[str, float]) -> None:
-    """Bring machine code into memory, so that no point's time contains it."""
+def _load(system: System, parameters: Mapping[str, float], only_moves: bool) -> None:
+    """Bring machine code into memory, so that no point's time contains it.
+
+    Of a system that only moves, the tangents (half of what there is to compile) and the statics
+    are left out.
+    """
     from fiv_cli.analyses import recording, steady_state  # noqa: F401
     from fiv_cli.analyses.equilibria import statics_of
 
-    _ = system.tables, system.tangent_table
-    statics_of(system, parameters)
+    _ = system.tables
+    if not only_moves:
+        _ = system.tangent_table
+        statics_of(system, parameters)
 
 
 def _system(request: Request, announce: Callable[[str], None] = lambda sentence: None) -> System:

@@ -78,5 +78,6 @@ ANALYSIS = Analysis(
     True,
     run,
     varying=True,
+    recorded=lambda schedule: True,
     sizes=lambda settings: {"time": sample_times(settings)},
 )

@@ -107,5 +107,6 @@ ANALYSIS = Analysis(
     True,
     run,
     varying=True,
+    recorded=lambda schedule: bool(schedule.curves),
     sizes=lambda settings: {"frequency": frequencies(settings)},
 )

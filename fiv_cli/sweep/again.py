@@ -87,9 +87,10 @@ def run_again(
     analysis = point.analysis
     values, index = analysis.point(point.position)
     full = _settings(point.case, settings)
-    prepare([_as_history(request_at(analysis.template, values, None), full)], announce)
-    start = _start(analysis, point.position, values, analysis.entry(index))
-    outcome = execute(_as_history(request_at(analysis.template, values, start), full))
+    start = _start(analysis, point.position, values, analysis.entry(index), announce)
+    request = _as_history(request_at(analysis.template, values, start), full)
+    prepare([request], announce)
+    outcome = execute(request)
     return _dataset(analysis, point.position, full, outcome), outcome
 
 
@@ -232,12 +233,17 @@ def _as_history(request: Request, settings: Mapping[str, Any]) -> Request:
 
 
 def _start(
-    analysis: AnalysisPlan, position: int, values: Values, entry: StartEntry | None
+    analysis: AnalysisPlan,
+    position: int,
+    values: Values,
+    entry: StartEntry | None,
+    announce: Callable[[str], None],
 ) -> Start | None:
     if entry is None:
         return None
     if entry.spec.kind != "continue":
         return resolve_start(analysis.template, values, entry)
+    prepare([request_at(analysis.template, values, None)], announce)
     return _start_on_branch(analysis, position, values, entry)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Points
+from fiv_cli.analyses.base import Points, Start
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
@@ -40,6 +40,7 @@ from fiv_cli.sweep.points import (
     parameters_at,
     point_key,
     request_at,
+    resolve_start,
 )
 from fiv_cli.sweep.refine import Maps, maps_of
 
@@ -169,9 +170,14 @@ class AnalysisPlan:
         first = {axis.name: axis.values[0] for axis in axes}
         for choice in _choices(dims):
             by_name = {**first, **choice}
-            yield request_at(
-                self.template, tuple(by_name[name] for name, _ in self.template.axes), None
-            )
+            values = tuple(by_name[name] for name, _ in self.template.axes)
+            yield request_at(self.template, values, self._any_start(values))
+
+    def _any_start(self, values: Values) -> Start | None:
+        """One start where all are given states; None where one needs more than its numbers."""
+        entries = [entry for entry in self.template.entries if entry is not None]
+        given = entries and all(entry.spec.kind in ("state", "random") for entry in entries)
+        return resolve_start(self.template, values, entries[0]) if given else None
 
     def _structural(self, axes: list[Axis]) -> set[str]:
         names = {axis.name for axis in axes if axis.kind in ("option", "law")}
