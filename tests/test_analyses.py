@@ -462,6 +462,18 @@ def test_a_request_gives_what_the_analysis_gives() -> None:
     assert execute.execute(request).values["period"] == found.values["period"]
 
 
+def test_a_pin_that_starts_off_its_disc_is_an_answer_without_energies() -> None:
+    """No contact state holds: there are no equations to call."""
+    begun = motion("pin-on-disc", start={"theta": 10.0})
+    assert not begun.started
+    assert np.isnan(begun.energy())
+    assert np.all(np.isnan(begun.rates()))
+    found = analyse("pin-on-disc", "coulomb", "history", {"theta": 10.0}, {"t_end": 1.0})
+    assert (found.status, found.reason) == ("ok", "contact_lost")
+    assert np.isnan(found.values["energy_residual"])
+    assert len(found.ragged["event_time"]) == 0
+
+
 @pytest.mark.parametrize(
     ("analysis", "kind", "compiled"),
     [("history", "state", False), ("history", "equilibrium", True), ("response", "state", True)],

@@ -105,7 +105,7 @@ class Balance:
         )
         largest = max(abs(term) for term in terms)
         rest = change - self.other - self.friction + self.impact
-        return abs(rest) / largest if largest > 0.0 else 0.0
+        return abs(rest) / largest if largest != 0.0 else 0.0  # NaN stays
 
 
 def balance(motion: Motion, energy_before: float) -> Balance:

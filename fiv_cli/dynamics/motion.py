@@ -428,13 +428,22 @@ class Motion:
         return vector
 
     def rates(self) -> Vector:
-        """Time derivative of the state; shape (n_states,)."""
+        """Time derivative of the state; shape (n_states,). NaN where no contact state holds."""
         n = len(self.y)
+        if not self._has_equations():
+            return np.full(n, np.nan)
         return self._field(self.kinds)[1][n : 2 * n]
+
+    def _has_equations(self) -> bool:
+        """Whether the contact state is one of the model's: one that was never found is not."""
+        index = kernel.state_index(self.kinds, len(self.kinds))
+        return bool(self.tables.table[index, kernel.FIELD] != 0)
 
     # --- energy ---------------------------------------------------------------------------------
     def energy(self) -> float:
-        """Kinetic and potential energy, J."""
+        """Kinetic and potential energy, J; NaN where no contact state holds."""
+        if not self._has_equations():
+            return float("nan")
         index, out = self._field(self.kinds)
         first = kernel.contact_outputs(self.tables.table, index, len(self.y))
         first += kernel.PER_CONTACT * self.system.n_contacts
