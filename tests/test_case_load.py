@@ -451,6 +451,9 @@ class TestBadInput:
             (["[[figure]]", 'kind = "pie"'], "figure.0.kind", "not allowed"),
             (["[[figure]]", 'kind = "curve"', 'x = "mu"'], "figure.0.x", "no x 'mu'"),
             (["[[figure]]", 'kind = "curve"', 'colour = "red"'], "figure.0.colour", "unknown key"),
+            (["[[figure]]", 'kind = "map"', "overlay = true"], "figure.0.overlay", "no level says"),
+            (["[[figure]]", 'kind = "map"', "level = []"], "figure.0.level", "an empty list"),
+            (["[[figure]]", 'kind = "map"', "level = [1, true]"], "figure.0.level", "a number"),
             (["figure = 3"], "analysis.0.figure", "no setting"),
         ],
     )

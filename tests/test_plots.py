@@ -6,6 +6,7 @@ import synthetic_datasets as data
 import xarray as xr
 from click.testing import CliRunner
 from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.colors import to_hex
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
@@ -246,6 +247,55 @@ def test_the_axes_of_a_map_can_be_exchanged():
 def test_too_many_maps_ask_for_a_selection():
     with pytest.raises(UsageError, match="select"):
         draw(data.stability_map(initial=[f"s{n}" for n in range(7)]), figure("map"))
+
+
+def corners(ax, colour):
+    """Corners (x, y) of every line drawn in a colour, shape (n, 2)."""
+    drawn = [c for c in ax.collections if to_hex(c.get_edgecolor()[0]) == colour.lower()]
+    return np.concatenate([path.vertices for c in drawn for path in c.get_paths()])
+
+
+def test_lines_at_levels_of_several_maps_lie_in_one_panel():
+    """L_s is 1e-5 Omega N0 where there is stick-slip: the line at a level is that hyperbola."""
+    dataset = data.stability_map(nx=96, ny=97)
+    (ax,) = draw(dataset, figure("map", variable="L_s", level=[1e-3, 2e-4], overlay=True)).axes
+    assert len(ax.collections) == 4  # two starts, two levels
+    for colour in line_colours(2):
+        x, y = corners(ax, colour).T
+        products = (x * y)[x < 0.09 * y]  # away from where stick-slip ends
+        far, near = products[products > 60.0], products[products < 60.0]
+        assert min(len(far), len(near)) > 20
+        assert far == pytest.approx(np.full(len(far), 100.0), rel=0.02)
+        assert near == pytest.approx(np.full(len(near), 20.0), rel=0.02)
+    words = ["reached", "exists", "$L_s$ = 0.0002 rad$^{2}$", "$L_s$ = 0.001 rad$^{2}$"]
+    assert legend_texts(ax.figure) == words
+    assert (ax.get_xlim(), ax.get_ylim()) == ((0.5, 10.0), (2.0, 50.0))
+    assert ax.get_ylabel() == "normal preload $N_0$ (N)"
+
+
+def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
+    dataset = data.stability_map()
+    dataset["L_s"][:, :, 0] = 1.0
+    dataset["L_s"][:, :, 1] = 0.0
+    drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
+    assert legend_texts(drawn)[:2] == ["reached, above everywhere", "exists, below everywhere"]
+    assert not drawn.axes[0].collections
+    dataset["L_s"][:] = np.nan
+    drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
+    assert legend_texts(drawn)[0] == "reached, not known"
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"variable": "L_s"}, "no `level`"),
+        ({"variable": "attractor", "level": 0.5}, "classes have no level"),
+        ({"variable": "L_s", "level": [1, 2, 3, 4, 5]}, "5 levels"),
+    ],
+)
+def test_lines_that_cannot_be_drawn_are_refused(settings, message):
+    with pytest.raises(UsageError, match=message):
+        draw(data.stability_map(), figure("map", overlay=True, **settings))
 
 
 def test_a_map_needs_two_axes():

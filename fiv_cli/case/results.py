@@ -128,6 +128,9 @@ def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report
             report.add((*place, key), message, listed(known), suggest(value, known))
     if table.kind == "map" and answers.physics is not None and len(answers.axes) < 2:
         report.add(place, "a map needs a grid of two axes")
+    if table.kind == "map" and table.overlay and table.level is None:
+        message = "maps are overlaid as lines, and no level says which"
+        report.add((*place, "overlay"), message, "level = NUMBER or [NUMBER, ...]")
 
 
 def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:

@@ -22,6 +22,13 @@ QUANTITY_SCHEMA = {
 
 INTERVAL_SCHEMA = {"type": "array", "items": QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}
 
+LEVELS_SCHEMA = {
+    "anyOf": [
+        {"type": "number"},
+        {"type": "array", "items": {"type": "number"}, "minItems": 1},
+    ]
+}
+
 
 def describe(value: object) -> str:
     """A value and its type in TOML's words, for messages."""
@@ -68,6 +75,13 @@ def check_interval(value: object) -> tuple[Any, Any]:
     return check_quantity(value[0]), check_quantity(value[1])
 
 
+def check_levels(value: object) -> list[float]:
+    """One number, or a list of numbers, as a list; ValueError for anything else."""
+    if isinstance(value, list) and not value:
+        raise ValueError("must be a number or a list of numbers, not an empty list")
+    return [check_number(level) for level in (value if isinstance(value, list) else [value])]
+
+
 def _check_version(value: object) -> int:
     if type(value) is not int or value != SCHEMA_VERSION:
         raise ValueError(f"must be {SCHEMA_VERSION}, not {describe(value)}")
@@ -84,6 +98,9 @@ Interval = Annotated[
     PlainValidator(check_interval),
     WithJsonSchema(INTERVAL_SCHEMA),
 ]
+
+
+Levels = Annotated[Any, PlainValidator(check_levels), WithJsonSchema(LEVELS_SCHEMA)]
 
 
 class Table(BaseModel):
@@ -267,10 +284,15 @@ class FigureTable(Table):
     share: ShareTable | None = Field(
         default=None, description="draw the share of points at which the variable is so"
     )
-    level: Number | None = Field(default=None, description="map of numbers: a line at this value")
+    level: Levels | None = Field(
+        default=None, description="map of numbers: a line at this value, or at each of these"
+    )
     contact: int | None = Field(default=None, description="contact to draw, from 1")
     window: Interval | None = Field(default=None, description="stretch of time to draw, s")
-    overlay: bool = Field(default=False, description="phase: all motions in one panel")
+    overlay: bool = Field(
+        default=False,
+        description="phase: all motions in one panel; map: the lines at `level` alone, all in one",
+    )
     log: bool | Literal["x", "y", "xy"] = Field(default=False, description="logarithmic axes")
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Interval | None = Field(default=None, description="range of y")

@@ -14,7 +14,7 @@ from fiv_cli.data import select
 from fiv_cli.data.known import filled_in, is_class
 from fiv_cli.data.reading import flag_names, numbers
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import labels, levels, points, style
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,37 +34,55 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
-    """A panel for each start and each value of the other axes."""
+    """A panel for each start and each value of the other axes, or the lines of all in one."""
     dataset = layers[0].dataset
     x, y = _axes(dataset, settings)
     array = dataset[_variable(dataset, settings)]
     panels = _panels(dataset, array, x, y)
+    if settings.get("overlay"):
+        return _overlaid(dataset, array, (x, y), panels, settings)
+    refuse_many(panels, array, [str(x.dims[0]), str(y.dims[0])])
     columns = min(len(panels), MOST_COLUMNS)
     rows = -(-len(panels) // columns)
     words = "\n".join(part for part in (points.title(dataset), _how_run(dataset)) if part)
     figure, axes = style.new_panels(rows, columns, words, sharex=True, sharey=True)
     paint = _paint_classes if flag_names(array.attrs) else _paint_numbers
     paint(figure, axes, array, dataset, (x, y), panels)
-    if "level" in settings:
-        _draw_level(axes, array, (x, y), panels, float(settings["level"]))
+    lines = levels.levels_of(array, settings)
+    for ax, panel in zip(axes, panels, strict=False):
+        levels.draw(ax, *_placed(dataset, array, (x, y), panel), lines, style.VERMILLION)
     for number, ax in enumerate(axes):
         _dress(ax, number, columns, panels, (x, y), settings)
     return figure
 
 
-def _draw_level(
-    axes: Sequence[Axes],
+def _overlaid(
+    dataset: xr.Dataset,
     array: xr.DataArray,
     plane_axes: tuple[xr.DataArray, xr.DataArray],
     panels: Sequence[points.Line],
-    level: float,
-) -> None:
-    """The line along which the variable has one value, where the plane reaches it."""
+    settings: Mapping[str, Any],
+) -> Figure:
+    """The lines at the levels, of every start and each value of the other axes, in one panel."""
+    figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
+    planes = [(panel.label, _placed(dataset, array, plane_axes, panel)[1]) for panel in panels]
+    places = (points.positions(plane_axes[0]), points.positions(plane_axes[1]))
+    levels.overlay(ax, array, planes, places, levels.levels_of(array, settings))
+    for axis, which in zip(plane_axes, "xy", strict=True):
+        points.dress_axis(ax, axis, which)
+    points.scale(ax, settings)
+    return figure
+
+
+def _placed(
+    dataset: xr.Dataset,
+    array: xr.DataArray,
+    plane_axes: tuple[xr.DataArray, xr.DataArray],
+    panel: points.Line,
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """Where the points of one panel lie, and their numbers; NaN where there is no answer."""
     x, y = (points.positions(axis) for axis in plane_axes)
-    for ax, line in zip(axes, panels, strict=False):
-        plane = numbers(array).pipe(_plane, line, plane_axes)
-        if np.nanmin(plane) < level < np.nanmax(plane):
-            ax.contour(x, y, plane, levels=[level], colors=[style.VERMILLION], linewidths=1.5)
+    return (x, y), _plane(numbers(array).where(_computed(dataset)), panel, plane_axes)
 
 
 def _how_run(dataset: xr.Dataset) -> str:
@@ -110,9 +128,7 @@ def _panels(
     missing = [dim for dim in spread if dim not in array.dims]
     if missing or select.row_sizes(dataset, str(array.name)) is not None:
         raise UsageError(f"{array.name}: not one value per point over {x.name} and {y.name}")
-    panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
-    refuse_many(panels, array, spread)
-    return panels
+    return points.lines(dataset, spread, [str(dim) for dim in array.dims])
 
 
 def refuse_many(panels: Sequence[points.Line], array: xr.DataArray, spread: Sequence[str]) -> None:

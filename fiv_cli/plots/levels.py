@@ -1,0 +1,109 @@
+"""Lines along which a variable over two parameters has a stated value: borders of regions.
+
+Between the points of the grid the variable is taken to be linear. On a share of starts, say, the
+line at 0.5 is the border of the region in which half of them or more do it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from fiv_cli.data.reading import flag_names
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import labels, points, style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+STYLES = ("solid", "dashed", "dotted", "dashdot")
+
+
+def levels_of(array: xr.DataArray, settings: Mapping[str, Any]) -> list[float]:
+    """The levels that a figure asks for, from low to high; none where it asks for none.
+
+    Raises
+    ------
+    UsageError : levels of a class, or more than can be told apart
+    """
+    named = settings.get("level", [])
+    found = sorted(float(level) for level in (named if isinstance(named, list) else [named]))
+    if found and flag_names(array.attrs):
+        raise UsageError(f"{array.name}: classes have no level\ndraw the level of a number")
+    if len(found) > len(STYLES):
+        raise UsageError(f"{len(found)} levels in one figure are too many\nask for {len(STYLES)}")
+    return found
+
+
+def draw(
+    ax: Axes,
+    places: tuple[np.ndarray, np.ndarray],
+    plane: np.ndarray,
+    levels: Sequence[float],
+    colour: str,
+) -> None:
+    """Lines of one plane, shape (points along y, points along x), where it reaches the levels."""
+    for level, dashes in zip(levels, STYLES, strict=False):
+        if not _beside(plane, level):
+            ax.contour(
+                *places, plane, levels=[level], colors=[colour], linestyles=dashes, linewidths=1.5
+            )
+
+
+def _beside(plane: np.ndarray, level: float) -> str:
+    """On which side of the level the whole plane lies; nothing where the level runs through it."""
+    known = plane[np.isfinite(plane)]
+    if known.size == 0:
+        return "not known"
+    if known.max() <= level:
+        return "below"
+    return "" if known.min() < level else "above"
+
+
+def overlay(
+    ax: Axes,
+    array: xr.DataArray,
+    planes: Sequence[tuple[str, np.ndarray]],
+    places: tuple[np.ndarray, np.ndarray],
+    levels: Sequence[float],
+) -> None:
+    """The lines of several planes (label, values) in one panel: a colour for each plane, a kind of
+    line for each level."""
+    if not levels:
+        raise UsageError("maps are overlaid as lines, and no `level` says which")
+    colours = style.line_colours(len(planes))
+    for (_, plane), colour in zip(planes, colours, strict=True):
+        draw(ax, places, plane, levels, colour)
+    handles = [
+        Line2D([], [], color=colour, label=_entry(label, plane, levels))
+        for (label, plane), colour in zip(planes, colours, strict=True)
+    ]
+    handles += [
+        Line2D([], [], color=style.BLACK, ls=dashes, label=_words(array, level))
+        for level, dashes in zip(levels, STYLES, strict=False)
+    ]
+    # an axis without points of its own would be as large as the lines alone
+    ax.set(xlim=_range(places[0]), ylim=_range(places[1]))
+    ax.figure.legend(handles=handles, loc="outside lower center", ncols=2)
+
+
+def _entry(label: str, plane: np.ndarray, levels: Sequence[float]) -> str:
+    """The label of a plane; of one without a line it says on which side of the levels it lies."""
+    sides = {_beside(plane, level) for level in levels}
+    side = next(iter(sides)) if len(sides) == 1 else ""
+    return points.joined(label, side and f"{side} everywhere" if side != "not known" else side)
+
+
+def _words(array: xr.DataArray, level: float) -> str:
+    name = str(array.name)
+    stem = f"${labels.symbol(array, name)}$" if labels.has_symbol(array, name) else name
+    unit = labels.unit_text(str(array.attrs.get("units", "1")))
+    return f"{stem.replace('_', ' ') if stem == name else stem} = {level:g} {unit}".rstrip()
+
+
+def _range(places: np.ndarray) -> tuple[float, float]:
+    return float(places.min()), float(places.max())
