@@ -229,3 +229,23 @@ def test_a_spectrogram_needs_something_that_varies() -> None:
     found = problem(steady.replace("t_end = 25.0", "f_max = 10.0\nhop = 1.0"))
     assert found.path == "analysis.0.hop"
     assert "without [schedule] there is none" in found.message
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["t_max = 100.0", 'section = { zero = "x_dot" }', "transient = 1.0", 'lyapunov = "never"'],
+)
+def test_a_spectrogram_has_no_settings_of_a_steady_state(line: str) -> None:
+    found = problem(
+        BELT.replace("history", "spectrum").replace("t_end = 25.0", f"f_max = 10.0\n{line}")
+    )
+    assert found.path == f"analysis.0.{line.split()[0]}"
+    assert "steady state" in found.message
+
+
+def test_a_spectrogram_does_not_ask_for_a_section() -> None:
+    """The law never sticks, so a steady state would need one."""
+    law = '[friction]\nlaw = "tanh"\n[schedule]'
+    text = BELT.replace("history", "spectrum").replace("t_end = 25.0", "f_max = 10.0")
+    case = parse(text.replace("[schedule]", law))
+    assert case.analyses[0].settings["t_end"] is None

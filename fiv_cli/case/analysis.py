@@ -31,6 +31,10 @@ from fiv_cli.models.base import Parameter
 NUMBERS = ("L_s", "period", "multiplicity", "period_ratio", "response_frequency", "lyapunov")
 EXTREMES = ("min", "max", "rms")
 
+# Settings of `spectrum` that only a motion has, and that only a steady state has.
+_OF_SPECTROGRAMS = ("hop", "t_end")
+_OF_STEADY_STATES = ("section", "t_max", "transient", "lyapunov")
+
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
 
@@ -43,8 +47,9 @@ def read_analyses(
         kinds = listed(all_analyses())
         report.add(("analysis",), "a case has one [[analysis]] at least", f"kind = {kinds}")
     specs = []
+    scheduled = bool(raw.get("schedule"))
     for place, _, table in tables:
-        spec = _analysis(table, place, physics, axes, report)
+        spec = _analysis(table, place, physics, axes, scheduled, report)
         if spec is not None:
             specs.append(spec)
             _check_name(spec, specs[:-1], place, report)
@@ -65,6 +70,7 @@ def _analysis(
     place: Path,
     physics: Physics | None,
     axes: Sequence[Axis],
+    scheduled: bool,
     report: Report,
 ) -> AnalysisSpec | None:
     analyses = all_analyses()
@@ -83,9 +89,11 @@ def _analysis(
         suited = [kind for kind, one in analyses.items() if not one.unsuited(physics.model)]
         report.add((*place, "kind"), unsuited, listed(suited))
         return None
-    given = dict(table.model_extra or {})
-    _refuse_unknown(analysis, given, place, report)
-    reader = _Reader(physics, axes, given, report)
+    written = dict(table.model_extra or {})
+    _refuse_unknown(analysis, written, place, report)
+    idle = _refuse_idle(analysis, written, scheduled, place, report)
+    given = {key: value for key, value in written.items() if key not in idle}
+    reader = _Reader(physics, axes, given, idle, report)
     settings = {s.name: reader.setting(s, place) for s in analysis.settings}
     for one, other in (("parameter", "bracket"), ("bracket", "parameter")):
         if one in given and settings.get(other, 0) is None and other not in given:
@@ -104,6 +112,31 @@ def _refuse_unknown(
             report.add((*place, key), message, listed(known), suggest(key, known))
 
 
+def _refuse_idle(
+    analysis: Analysis, given: Mapping[str, Any], scheduled: bool, place: Path, report: Report
+) -> tuple[str, ...]:
+    """The settings that have no effect, each noted where it is given.
+
+    `spectrum` is of a steady state, and with ``[schedule]`` of a motion: a spectrogram.
+    """
+    if analysis.kind != "spectrum":
+        return ()
+    for name in [name for name in _OF_SPECTROGRAMS if name in given and not scheduled]:
+        report.add(
+            (*place, name),
+            f"{name!r} belongs to a spectrogram, and without [schedule] there is none",
+            suggestion='a [[figure]] of kind "spectrogram" transforms a history window by window',
+        )
+    for name in [name for name in _OF_STEADY_STATES if name in given and scheduled]:
+        report.add(
+            (*place, name),
+            f"{name!r} belongs to a steady state, and with [schedule] there is none: a spectrogram",
+            "observe, f_max, resolution, window, hop and t_end",
+            f"remove {name}; t_end says where the motion ends",
+        )
+    return _OF_STEADY_STATES if scheduled else _OF_SPECTROGRAMS
+
+
 class _Reader:
     """Reads settings by their type; what cannot be read is noted and keeps its default."""
 
@@ -112,11 +145,13 @@ class _Reader:
         physics: Physics | None,
         axes: Sequence[Axis],
         given: Mapping[str, Any],
+        idle: Sequence[str],
         report: Report,
     ) -> None:
         self.physics = physics
         self.axes = axes
         self.given = given
+        self.idle = idle
         self.report = report
 
     def setting(self, setting: Setting, table: Path) -> Any:
@@ -144,7 +179,7 @@ class _Reader:
     def left_out(self, setting: Setting, place: Path) -> Any:
         if setting.required:
             self.report.add(place, "is missing", _allowed(setting))
-        if isinstance(setting.default, Section):
+        if isinstance(setting.default, Section) and setting.name not in self.idle:
             self.check_section(setting.default, place)
         return setting.default
 

@@ -19,7 +19,6 @@ from fiv_cli.case.units import convert
 from fiv_cli.dynamics.schedule import STEADY, Points, Schedule, make_schedule
 from fiv_cli.models.base import Forcing, Parameter
 
-_OF_SPECTROGRAMS = ("hop", "t_end")  # settings of `spectrum`
 _FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
 
 
@@ -53,10 +52,7 @@ def at_the_start(physics: Physics, schedule: Schedule) -> Physics:
 def refuse_constant_analyses(
     schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
 ) -> None:
-    """Steady states, equilibria and eigenvalues belong to constant parameters.
-
-    A spectrogram belongs to parameters that vary.
-    """
+    """Steady states, equilibria and eigenvalues belong to constant parameters."""
     able = [kind for kind, analysis in all_analyses().items() if analysis.varying]
     names = listed(schedule.names) if schedule.curves else ""
     for index, analysis in enumerate(analyses):
@@ -67,14 +63,6 @@ def refuse_constant_analyses(
                 f"analyses of kind {listed(able)}",
                 f"give it a case of its own without [schedule], with {names} fixed or an axis",
             )
-        for name in _OF_SPECTROGRAMS if analysis.kind == "spectrum" and not names else ():
-            if analysis.settings[name] is not None:
-                report.add(
-                    ("analysis", index, name),
-                    f"{name!r} belongs to a spectrogram, and without [schedule] there is none",
-                    suggestion='a [[figure]] of kind "spectrogram" transforms a history window by '
-                    "window",
-                )
 
 
 def _entries(table: object, report: Report) -> Iterable[tuple[str, Path, Any]]:
