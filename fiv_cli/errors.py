@@ -62,6 +62,21 @@ class Problem:
     column: int | None = None
 
 
+def _alike(problems: Sequence[Problem]) -> list[list[Problem]]:
+    """The problems, those that are the same mistake in several places together."""
+    groups: dict[tuple[str, ...], list[Problem]] = {}
+    for problem in problems:
+        key = problem.path.split(".")[-1]
+        same = (key, problem.message, problem.allowed, problem.suggestion)
+        groups.setdefault(same, []).append(problem)
+    return list(groups.values())
+
+
+def _place(problem: Problem) -> str:
+    """Where a problem is, in a list of places."""
+    return problem.path if problem.line is None else f"{problem.path} (line {problem.line})"
+
+
 class CaseError(InputError):
     """A case file is invalid; holds every problem found, not only the first."""
 
@@ -71,11 +86,14 @@ class CaseError(InputError):
         super().__init__("\n".join(self._lines()))
 
     def _lines(self) -> list[str]:
-        count = len(self.problems)
+        alike = _alike(self.problems)
+        count = len(alike)
         noun = "problem" if count == 1 else "problems"
         lines = [f"{self.source}: {count} {noun}; nothing was computed"]
-        for problem in self.problems:
+        for problem, *others in alike:
             lines.extend(self._describe(problem))
+            if others:
+                lines.append(f"      likewise: {', '.join(map(_place, others))}")
         lines.append(f"next: correct the file, then `fiv check {self.source}`")
         return lines
 

@@ -24,10 +24,22 @@ WINDOW_BINS = 16  # least spectral lines of the window in one bin
 SLICE_BINS = 4  # of a window of a spectrogram: the lobe of a sinusoid is as wide as a bin
 HOPS = 4  # windows of a spectrogram that begin within the length of one
 
+# Settings that count without [schedule] only, and with it only.
+OF_STEADY_STATES = tuple(s.name for s in response.SETTINGS if s.name != "observe")
+OF_SPECTROGRAMS = ("hop", "t_end")
+
 OBSERVED = "state whose amplitudes are shown; the first state when left out"
 
+
+def _of_response(setting: Setting) -> Setting:
+    """A setting of `response` with what it means here."""
+    if setting.name == "observe":
+        return replace(setting, meaning=OBSERVED)
+    return replace(setting, meaning=f"without [schedule]: {setting.meaning}")
+
+
 SETTINGS = (
-    *(replace(s, meaning=OBSERVED) if s.name == "observe" else s for s in response.SETTINGS),
+    *map(_of_response, response.SETTINGS),
     Setting(
         "f_max", "number", None, "highest frequency", "Hz", minimum=0.0, exclusive=True,
         required=True,

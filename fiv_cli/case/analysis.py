@@ -9,9 +9,10 @@ from typing import Any
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis, Question, Section, Setting, Varied
 from fiv_cli.analyses.linear import SYSTEM
+from fiv_cli.analyses.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
 from fiv_cli.case.case import AnalysisSpec, Axis
-from fiv_cli.case.names import ascii_name, listed, suggest
-from fiv_cli.case.physics import Physics, allowed, quantity
+from fiv_cli.case.names import ascii_name, listed, nearest, suggest
+from fiv_cli.case.physics import Physics, allowed, note_no_state, quantity
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import ATTRACTORS
 from fiv_cli.case.structure import (
@@ -31,10 +32,6 @@ from fiv_cli.models.base import Parameter
 NUMBERS = ("L_s", "period", "multiplicity", "period_ratio", "response_frequency", "lyapunov")
 EXTREMES = ("min", "max", "rms")
 
-# Settings of `spectrum` that only a motion has, and that only a steady state has.
-_OF_SPECTROGRAMS = ("hop", "t_end")
-_OF_STEADY_STATES = ("section", "t_max", "transient", "lyapunov")
-
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
 
@@ -53,6 +50,8 @@ def read_analyses(
         if spec is not None:
             specs.append(spec)
             _check_name(spec, specs[:-1], place, report)
+        else:
+            report.unsure_of("analyses")
     return tuple(specs)
 
 
@@ -74,16 +73,9 @@ def _analysis(
     report: Report,
 ) -> AnalysisSpec | None:
     analyses = all_analyses()
-    if table.kind not in analyses:
-        titles = {kind: analysis.title for kind, analysis in analyses.items()}
-        report.add(
-            (*place, "kind"),
-            f"there is no analysis {table.kind!r}",
-            listed(titles),
-            suggest(table.kind, titles),
-        )
+    analysis = _named(table.kind, (*place, "kind"), report)
+    if analysis is None:
         return None
-    analysis = analyses[table.kind]
     unsuited = "" if physics is None else analysis.unsuited(physics.model)
     if physics is not None and unsuited:
         suited = [kind for kind, one in analyses.items() if not one.unsuited(physics.model)]
@@ -98,7 +90,17 @@ def _analysis(
     for one, other in (("parameter", "bracket"), ("bracket", "parameter")):
         if one in given and settings.get(other, 0) is None and other not in given:
             report.add((*place, other), f"is missing: it belongs to {one}")
-    return AnalysisSpec(table.name or table.kind, table.kind, settings)
+    return AnalysisSpec(table.name or analysis.kind, analysis.kind, settings)
+
+
+def _named(kind: str, place: Path, report: Report) -> Analysis | None:
+    """The analysis of a kind; where that is misspelt the one it resembles, so as to check more."""
+    titles = {name: analysis.title for name, analysis in all_analyses().items()}
+    if kind not in titles:
+        message = f"there is no analysis {kind!r}"
+        report.add(place, message, listed(titles), suggest(kind, titles))
+        report.unsure_of("analyses")
+    return all_analyses().get(kind if kind in titles else nearest(kind, titles) or "")
 
 
 def _refuse_unknown(
@@ -121,20 +123,20 @@ def _refuse_idle(
     """
     if analysis.kind != "spectrum":
         return ()
-    for name in [name for name in _OF_SPECTROGRAMS if name in given and not scheduled]:
+    for name in [name for name in OF_SPECTROGRAMS if name in given and not scheduled]:
         report.add(
             (*place, name),
             f"{name!r} belongs to a spectrogram, and without [schedule] there is none",
             suggestion='a [[figure]] of kind "spectrogram" transforms a history window by window',
         )
-    for name in [name for name in _OF_STEADY_STATES if name in given and scheduled]:
+    for name in [name for name in OF_STEADY_STATES if name in given and scheduled]:
         report.add(
             (*place, name),
             f"{name!r} belongs to a steady state, and with [schedule] there is none: a spectrogram",
             "observe, f_max, resolution, window, hop and t_end",
             f"remove {name}; t_end says where the motion ends",
         )
-    return _OF_STEADY_STATES if scheduled else _OF_SPECTROGRAMS
+    return OF_STEADY_STATES if scheduled else OF_SPECTROGRAMS
 
 
 class _Reader:
@@ -214,7 +216,8 @@ class _Reader:
         if self.physics.model.averaged_forcing() is None:
             message = f"{self.physics.model.name} has no fast excitation to average over"
             self.report.add(place, message, suggestion='write system = "original"')
-        for law in [law for law in self.physics.laws if law.average is None]:
+        uncertain = not self.report.is_sure_of("law")
+        for law in [law for law in self.physics.laws if law.average is None and not uncertain]:
             known = [name for name, law in all_laws().items() if law.average is not None]
             self.report.add(place, f"the law {law.name!r} has no average", listed(known))
 
@@ -228,10 +231,7 @@ class _Reader:
             raise ValueError(f"must be the name of a state, not {describe(value)}")
         name = ascii_name(value)
         if self.physics is not None and name not in self.physics.units_of_states():
-            units = self.physics.units_of_states()
-            self.report.add(
-                place, f"there is no state {name!r}", listed(units), suggest(name, units)
-            )
+            note_no_state(name, place, self.physics.units_of_states(), self.report)
         return name
 
     def parameter(self, setting: Setting, value: object, place: Path) -> Varied:
@@ -293,9 +293,13 @@ class _Reader:
         a, b = (physics.fixed.get(name, physics.default(name)) for name in ("a", "b"))
         varied = {"a", "b"} & {axis.name for axis in self.axes}
         for index, (radius, _) in enumerate(points):
-            if not varied and not (a or 0.0) <= radius <= (b or 0.0):
+            if not varied and self.is_placed() and not (a or 0.0) <= radius <= (b or 0.0):
                 message = f"the radius {radius!r} is off the disc"
                 self.report.add((*place, index), message, f"a = {a!r} to b = {b!r} m")
+
+    def is_placed(self) -> bool:
+        """Whether what the case gives for its parameters was understood."""
+        return self.report.is_sure_of("parameters", "axes")
 
     def bracketed(self) -> Parameter | None:
         """The parameter that the bracket is of; None when there is none (noted elsewhere)."""
@@ -376,7 +380,7 @@ class _Reader:
                 f"1 to {physics.model.contacts}",
             )
         creeping = [law.name for law in physics.laws if law.capacity is None]
-        if creeping:
+        if creeping and self.report.is_sure_of("law"):
             velocity = next(iter(name for name in _velocities(physics)))
             self.report.add(
                 place,
@@ -387,19 +391,16 @@ class _Reader:
     def check_velocity(self, name: str, physics: Physics, place: Path) -> None:
         velocities = _velocities(physics)
         if name not in velocities:
-            self.report.add(
-                (*place, "zero"),
-                f"{name!r} is no velocity",
-                listed(velocities),
-                suggest(name, velocities),
-            )
+            units = dict.fromkeys(velocities, "")
+            message = f"{name!r} is no velocity"
+            note_no_state(name, (*place, "zero"), units, self.report, message)
 
     def check_forcing(self, physics: Physics, place: Path) -> None:
         """A phase needs an excitation that is on somewhere."""
         amplitudes = [forcing.amplitude for forcing in physics.model.forcings]
         if not amplitudes:
             self.report.add(place, f"{physics.model.name} has no excitation to take the phase of")
-        elif not any(self.switched_on(name, physics) for name in amplitudes):
+        elif self.is_placed() and not any(self.switched_on(name, physics) for name in amplitudes):
             self.report.add(
                 place,
                 f"the excitation is off ({listed(amplitudes)} = 0), so it has no phase",

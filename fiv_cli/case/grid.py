@@ -10,8 +10,16 @@ from typing import Any, NamedTuple
 
 from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Span, span_by_count, span_by_step
 from fiv_cli.case.case import Axis, Refinement
-from fiv_cli.case.names import ascii_name, listed, suggest
-from fiv_cli.case.physics import Physics, allowed, check_range, law_names, resolve_law
+from fiv_cli.case.names import ascii_name, listed, nearest, suggest
+from fiv_cli.case.physics import (
+    Physics,
+    allowed,
+    check_range,
+    law_names,
+    note_no_axis,
+    note_no_state,
+    resolve_law,
+)
 from fiv_cli.case.refinement import halved, read_refinement
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import RangeTable, SweepTable, check_quantity, describe
@@ -47,8 +55,8 @@ def read_grid(raw: Mapping[str, Any], physics: Physics, report: Report) -> Grid:
     """The grid; axes that are refined hold their finest lattice."""
     counted = _candidates(raw.get("grid", {}), physics, report)
     table = read_table(SweepTable, raw.get("sweep", {}), ("sweep",), report)
-    zips = _zips(table, [candidate.name for candidate, _ in counted], report)
-    refinement = read_refinement(table, counted, zips, report)
+    zips = _zips(table, [candidate.name for candidate, _ in counted], physics, report)
+    refinement = read_refinement(table, counted, zips, physics, report)
     if refinement is not None:
         counted = halved(counted, refinement, report)
     if not _few_enough(counted, zips, report):
@@ -66,16 +74,30 @@ def _candidates(
     """Every axis that has a known name; an unsound form is noted and becomes an empty list."""
     if not isinstance(grid, dict):
         report.add(("grid",), f"must be a table, not {describe(grid)}")
+        report.unsure_of("axes")
         return []
     found: dict[str, tuple[Candidate, Span | list[Any]]] = {}
     for key, place, value in _flattened(grid):
         candidate = _candidate(key, place, physics, report)
+        if candidate is None:
+            candidate = _meant(key, place, grid, physics, report)
         if candidate is None:
             continue
         if candidate.name in found:
             report.add(place, f"the axis {candidate.name!r} is given twice")
         found.setdefault(candidate.name, (candidate, _form(candidate, value, report) or []))
     return list(found.values())
+
+
+def _meant(
+    key: str, place: Path, grid: Mapping[str, Any], physics: Physics, report: Report
+) -> Candidate | None:
+    """The axis that a misspelt one resembles, so that its values are checked all the same."""
+    report.unsure_of("axes")
+    name = nearest(ascii_name(key), physics.what_varies())
+    if name is None or name in {_axis_name(other) for other, _, _ in _flattened(grid)}:
+        return None
+    return _candidate(name, place, physics, report)
 
 
 def _flattened(grid: Mapping[str, Any]) -> Iterable[tuple[str, Path, Any]]:
@@ -106,7 +128,7 @@ def _start_axis(name: str, place: Path, physics: Physics, report: Report) -> Can
     units = physics.units_of_states()
     state = name.removeprefix("initial.")
     if state not in units:
-        report.add(place, f"there is no state {state!r}", listed(units), suggest(state, units))
+        note_no_state(state, place, units, report)
         return None
     return Candidate(name, "start", place, _finite, units[state], f"numbers in {units[state]}")
 
@@ -129,9 +151,11 @@ def _law_axis(place: Path, physics: Physics) -> Candidate:
 def _parameter_axis(name: str, place: Path, physics: Physics, report: Report) -> Candidate | None:
     table = physics.table()
     if name not in table:
-        known = _what_varies(physics)
-        message = f"there is nothing called {name!r} to vary"
-        report.add(place, message, listed(known), suggest(name, known))
+        if report.is_sure_of("law") or not physics.of_another_law(name):
+            known = physics.what_varies()
+            message = f"there is nothing called {name!r} to vary"
+            report.misread[name] = message, listed(known), suggest(name, known)
+            report.add(place, *report.misread[name])
         return None
     return Candidate(
         name,
@@ -140,16 +164,6 @@ def _parameter_axis(name: str, place: Path, physics: Physics, report: Report) ->
         lambda value: _in_range(table[name], value),
         table[name].unit,
         allowed(table[name]),
-    )
-
-
-def _what_varies(physics: Physics) -> dict[str, str]:
-    """Everything that may be an axis -> its meaning."""
-    return (
-        {parameter.name: parameter.meaning for parameter in physics.table().values()}
-        | {option.name: option.meaning for option in physics.model.options}
-        | {"friction": "the friction law"}
-        | {f"initial.{name}": "component of the start" for name in physics.units_of_states()}
     )
 
 
@@ -281,7 +295,7 @@ def _refuse_repeats(candidate: Candidate, values: Sequence[Any], report: Report)
 
 
 def _zips(
-    table: SweepTable | None, names: Sequence[str], report: Report
+    table: SweepTable | None, names: Sequence[str], physics: Physics, report: Report
 ) -> tuple[tuple[str, ...], ...]:
     """The groups of ``[sweep] zip`` that are sound."""
     groups = [] if table is None else table.zip
@@ -290,7 +304,7 @@ def _zips(
     for index, group in enumerate(groups):
         place: Path = ("sweep", "zip", index)
         members = tuple(_axis_name(name) for name in group)
-        if _sound_group(members, names, taken, place, report):
+        if _sound_group(members, names, taken, place, physics, report):
             sound.append(members)
             taken.update(members)
     return tuple(sound)
@@ -301,11 +315,16 @@ def _axis_name(name: str) -> str:
 
 
 def _sound_group(
-    members: Sequence[str], names: Sequence[str], taken: set[str], place: Path, report: Report
+    members: Sequence[str],
+    names: Sequence[str],
+    taken: set[str],
+    place: Path,
+    physics: Physics,
+    report: Report,
 ) -> bool:
     unknown = [name for name in members if name not in names]
     for name in unknown:
-        report.add(place, f"{name!r} is no axis of the grid", listed(names), suggest(name, names))
+        note_no_axis(name, f"{name!r} is no axis of the grid", place, names, physics, report)
     twice = len(set(members)) < len(members) or bool(taken & set(members))
     if twice:
         report.add(place, "an axis is zipped twice")
@@ -326,7 +345,7 @@ def _check_zip_lengths(axes: Sequence[Axis], zips: Sequence[Sequence[str]], repo
 def refuse_fixed_axes(raw: Mapping[str, Any], axes: Iterable[Axis], report: Report) -> None:
     """Note every axis whose name the case also fixes."""
     written = {_axis_name(key): place for key, place, _ in _flattened(_table(raw, "grid"))}
-    for axis in axes:
+    for axis in [axis for axis in axes if axis.name in written]:
         for place in fixed_places(raw, axis.name):
             shown = ".".join(map(str, place))
             report.add(

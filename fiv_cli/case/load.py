@@ -14,7 +14,7 @@ from fiv_cli.case.analysis import read_analyses
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.grid import MOST_POINTS, Grid, count_points, read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
-from fiv_cli.case.names import listed, suggest
+from fiv_cli.case.names import listed, nearest, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.physics import Physics, read_physics
 from fiv_cli.case.refinement import refuse_chains
@@ -109,6 +109,7 @@ def _build(
     raw: Mapping[str, Any], report: Report, source: str, text: str, overrides: tuple[str, ...]
 ) -> Case | None:
     """The case, as far as it can be understood; every problem goes to `report`."""
+    raw = _meant(raw, report)
     header = _header(raw, report)
     physics = read_physics(raw, report)
     grid = Grid() if physics is None else read_grid(raw, physics, report)
@@ -156,12 +157,21 @@ def _build(
     return case
 
 
-def _header(raw: Mapping[str, Any], report: Report) -> HeaderTable | None:
-    """The keys above the first table; unknown tables and keys are noted."""
+def _meant(raw: Mapping[str, Any], report: Report) -> dict[str, Any]:
+    """The tables and keys under their names; a misspelt one is noted, and read as what it meant."""
     known = keys_of(CaseTable)
-    for key in raw:
-        if key not in known:
-            report.add((key,), f"unknown table or key {key!r}", listed(known), suggest(key, known))
+    found: dict[str, Any] = {key: value for key, value in raw.items() if key in known}
+    for key in [key for key in raw if key not in known]:
+        report.add((key,), f"unknown table or key {key!r}", listed(known), suggest(key, known))
+        meant = nearest(key, known)
+        if meant is not None and meant not in found:
+            found[meant] = raw[key]
+            report.rename(key, meant)
+    return found
+
+
+def _header(raw: Mapping[str, Any], report: Report) -> HeaderTable | None:
+    """The keys above the first table."""
     if "model" not in raw:
         report.add(("model",), "is missing", "the table [model] with its name")
     own = {key: raw[key] for key in keys_of(HeaderTable) if key in raw}
@@ -202,7 +212,8 @@ def _values(physics: Physics, prefix: str, table: Sequence[Parameter]) -> dict[s
 def _refuse_unused_start_axes(
     axes: Sequence[Axis], analyses: Sequence[AnalysisSpec], report: Report
 ) -> None:
-    if any(get_analysis(analysis.kind).uses_starts for analysis in analyses):
+    used = any(get_analysis(analysis.kind).uses_starts for analysis in analyses)
+    if used or not report.is_sure_of("analyses"):
         return
     for axis in axes:
         if axis.kind == "start":
@@ -245,7 +256,8 @@ def _refuse_rising_friction(
 
     On an axis such points are left to the plan, which counts them.
     """
-    if all(get_analysis(analysis.kind).linear for analysis in case.analyses):
+    linear = all(get_analysis(analysis.kind).linear for analysis in case.analyses)
+    if linear or not report.is_sure_of("law", "parameters", "axes"):
         return
     for law in physics.laws:
         values = _values_in_time(case, law)
@@ -264,7 +276,7 @@ def _refuse_rising_friction(
 def _refuse_no_plate(case: Case, raw: Mapping[str, Any], report: Report) -> None:
     """Radii that make no disc with the slider on it; on an axis such points are left out."""
     values = case.parameters_at(case.law, {})
-    if off_the_plate(values):
+    if off_the_plate(values) and report.is_sure_of("parameters", "axes"):
         given = [name for name in ("r0", "a", "b") if name in case.explicit] or ["r0"]
         shown = ", ".join(f"{name} = {values[name]!r}" for name in ("a", "r0", "b"))
         message = f"{shown} m: the slider is not on the disc"

@@ -48,15 +48,24 @@ def suggest(name: str, known: Collection[str]) -> str:
     Names that differ from `name` in case only come first and are all listed, because ``Omega``
     and ``omega`` are different parameters. A mapping's values are printed as explanations.
     """
-    candidates = _same_but_for_case(name, known) or _similar(name, known)
+    candidates = _candidates(name, known)
     if not candidates:
         return ""
     return f"did you mean {' or '.join(_explained(one, known) for one in candidates)}?"
 
 
+def nearest(name: str, known: Collection[str]) -> str | None:
+    """The name that `suggest` would put first; None when nothing known resembles it."""
+    return next(iter(_candidates(name, known)), None)
+
+
 def listed(names: Collection[str]) -> str:
     """The names in one line, for "allowed: ..."."""
     return ", ".join(names) if names else "none"
+
+
+def _candidates(name: str, known: Collection[str]) -> list[str]:
+    return _same_but_for_case(name, known) or _similar(name, known)
 
 
 def _same_but_for_case(name: str, known: Collection[str]) -> list[str]:

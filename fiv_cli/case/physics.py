@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.names import ascii_name, listed, nearest, suggest
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import FrictionTable, ModelTable, check_quantity
 from fiv_cli.case.tables import read_table
@@ -46,6 +46,20 @@ class Physics:
         """Every state and velocity -> its unit."""
         return state_units(self.model, self.options)
 
+    def what_varies(self) -> dict[str, str]:
+        """Everything that may be an axis of the grid -> its meaning."""
+        return (
+            {parameter.name: parameter.meaning for parameter in self.table().values()}
+            | {option.name: option.meaning for option in self.model.options}
+            | {"friction": "the friction law"}
+            | {f"initial.{name}": "component of the start" for name in self.units_of_states()}
+        )
+
+    def of_another_law(self, name: str) -> bool:
+        """Whether some law of the model, in use or not, has this parameter."""
+        laws = (get_law(law) for law in self.model.laws)
+        return any(p.name == name for law in laws for p in law.parameters)
+
     def default(self, name: str) -> float | None:
         """The default of a parameter on this model; None when it follows another parameter."""
         return self.table()[name].default
@@ -70,6 +84,9 @@ def read_physics(raw: Mapping[str, Any], report: Report) -> Physics | None:
     model = _model(table, report)
     if model is None or table is None or friction is None:
         return None
+    written = raw["model"].get("parameters", {})
+    if not isinstance(written, dict) or written.keys() != table.parameters.keys():
+        report.unsure_of("parameters")  # what has no sound form was noted and left out
     options = {**model.default_options(), **_options(model, table, report)}
     options |= _options_of_axes(model, options, raw)
     laws = _laws(model, raw, friction, report)
@@ -78,6 +95,27 @@ def read_physics(raw: Mapping[str, Any], report: Report) -> Physics | None:
         physics, friction, raw.get("friction", {}), report
     )
     return Physics(model, options, laws, fixed)
+
+
+def note_no_axis(
+    name: str, message: str, place: Path, axes: Collection[str], physics: Physics, report: Report
+) -> None:
+    """Note that `name` is no axis of the case; not where one was misread that may be this one."""
+    if name in report.misread:
+        report.add(place, *report.misread[name])
+        return
+    possible = name in physics.what_varies() or physics.of_another_law(name)
+    if report.is_sure_of("axes") or not possible:
+        report.add(place, message, listed(axes), suggest(name, axes))
+
+
+def note_no_state(
+    name: str, place: Path, units: Mapping[str, str], report: Report, message: str = ""
+) -> None:
+    """Note that the model has no state `name`; not where a misread option decides which it has."""
+    if report.is_sure_of("options"):
+        text = message or f"there is no state {name!r}"
+        report.add(place, text, listed(units), suggest(name, units))
 
 
 def quantity(parameter: Parameter, value: object) -> float:
@@ -125,18 +163,19 @@ def resolve_law(model: Model, name: str, of: str | None = None) -> str:
 
 
 def _model(table: ModelTable | None, report: Report) -> Model | None:
+    """The model; where its name is misspelt the one it resembles, so that the rest is checked."""
     models = all_models()
     if table is None:
         return None
+    titles = {name: model.title for name, model in models.items()}
     if table.name not in models:
-        titles = {name: model.title for name, model in models.items()}
         report.add(
             ("model", "name"),
             f"there is no model {table.name!r}",
             listed(titles),
             suggest(table.name, titles),
         )
-    return models.get(table.name)
+    return models.get(table.name) or models.get(nearest(table.name, titles) or "")
 
 
 def _options(model: Model, table: ModelTable, report: Report) -> dict[str, str]:
@@ -146,12 +185,14 @@ def _options(model: Model, table: ModelTable, report: Report) -> dict[str, str]:
         place: Path = ("model", "options", name)
         if name not in known:
             report.add(place, f"unknown option {name!r}", listed(known), suggest(name, known))
+            report.unsure_of("options")
             continue
         try:
             chosen[name] = known[name].text(value)
         except ValueError as error:
             option = known[name]
             report.add(place, str(error), option.allowed, suggest(str(value), option.choices))
+            report.unsure_of("options")
     return chosen
 
 
@@ -185,13 +226,13 @@ def _known_texts(option: Option, values: object) -> list[str]:
 def _laws(
     model: Model, raw: Mapping[str, Any], friction: FrictionTable, report: Report
 ) -> tuple[Law, ...]:
-    """The laws in use; the model's default where none that it knows is named."""
-    names = [*_laws_of_axis(model, raw), *_law_of_table(model, friction, report)]
+    """The laws in use; the model's default where none that it knows, or resembles it, is named."""
+    names = [*_laws_of_axis(model, raw, report), *_law_of_table(model, friction, report)]
     return tuple(get_law(name) for name in dict.fromkeys(names or [model.laws[0]]))
 
 
-def _laws_of_axis(model: Model, raw: Mapping[str, Any]) -> list[str]:
-    """The known laws of the axis ``friction``; the grid notes the unknown ones."""
+def _laws_of_axis(model: Model, raw: Mapping[str, Any], report: Report) -> list[str]:
+    """The laws of the axis ``friction`` as far as they are known; the grid notes the others."""
     grid = raw.get("grid")
     values = grid.get("friction") if isinstance(grid, dict) else None
     names = values if isinstance(values, list) else []
@@ -200,7 +241,7 @@ def _laws_of_axis(model: Model, raw: Mapping[str, Any]) -> list[str]:
         try:
             found.append(resolve_law(model, name))
         except (ValueError, TypeError):
-            continue
+            report.unsure_of("law")
     return found
 
 
@@ -218,14 +259,16 @@ def _law_of_table(model: Model, friction: FrictionTable, report: Report) -> list
         value = friction.of if key == "of" else friction.law
         names = law_names(model)
         report.add(("friction", key), str(error), listed(names), suggest(str(value), names))
-        return []
+        report.unsure_of("law")
+        meant = nearest(str(value), names)
+        return [] if meant is None else [resolve_law(model, meant)]
 
 
 def _model_parameters(physics: Physics, table: ModelTable, report: Report) -> dict[str, float]:
     known = {p.name: p for p in physics.model.parameters}
     base: Path = ("model", "parameters")
     elsewhere = {p.name: "friction" for law in physics.laws for p in law.parameters}
-    return _read_parameters(table.parameters.items(), known, elsewhere, base, report)
+    return _read_parameters(physics, table.parameters.items(), known, elsewhere, base, report)
 
 
 def _friction_parameters(
@@ -237,7 +280,7 @@ def _friction_parameters(
     plain = [(name, value) for name, value in extra.items() if name not in own_tables]
     known = {p.name: p for law in reversed(physics.laws) for p in law.parameters}
     elsewhere = {p.name: "model.parameters" for p in physics.model.parameters}
-    found = _read_parameters(plain, known, elsewhere, ("friction",), report)
+    found = _read_parameters(physics, plain, known, elsewhere, ("friction",), report)
     _refuse_ambiguous(physics.laws, found, report)
     for name, values in own_tables.items():
         found |= _law_table(physics, name, values, report)
@@ -261,6 +304,8 @@ def _law_table(
     """``[friction.NAME]``: the parameters of one of the laws in use."""
     laws = {law.name: law for law in physics.laws}
     matching = [law for law in laws if law == name or (name == "tanh" and law.startswith(TANH_OF))]
+    if not matching and not report.is_sure_of("law"):
+        return {}
     if not matching:
         known = [*laws, *(p.name for law in physics.laws for p in law.parameters)]
         report.add(
@@ -271,13 +316,14 @@ def _law_table(
         )
         return {}
     parameters = {p.name: p for p in laws[matching[0]].parameters}
-    found = _read_parameters(values.items(), parameters, {}, ("friction", name), report)
+    found = _read_parameters(physics, values.items(), parameters, {}, ("friction", name), report)
     if len(laws) == 1:
         return found
     return {f"{law}.{key}": value for law in matching for key, value in found.items()}
 
 
 def _read_parameters(
+    physics: Physics,
     items: Iterable[tuple[str, object]],
     known: Mapping[str, Parameter],
     elsewhere: Mapping[str, str],
@@ -288,8 +334,11 @@ def _read_parameters(
     found: dict[str, float] = {}
     for key, value in items:
         name, place = ascii_name(key), (*base, key)
+        if name not in known and physics.of_another_law(name) and not report.is_sure_of("law"):
+            continue
         if name not in known:
             _note_unknown(name, known, elsewhere, place, report)
+            report.unsure_of("parameters")
         elif name in found:
             report.add(place, f"{name} is given twice")
         else:
@@ -304,6 +353,7 @@ def _read_parameter(
         found[parameter.name] = quantity(parameter, value)
     except ValueError as error:
         report.add(place, str(error), allowed(parameter))
+        report.unsure_of("parameters")
 
 
 def _note_unknown(

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.axes import AxisError, Span, span_of_list
 from fiv_cli.case.case import Refinement, StartSpec
-from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.names import ascii_name
+from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import SweepTable, check_quantity
 from fiv_cli.case.units import exact
@@ -27,6 +28,7 @@ def read_refinement(
     table: SweepTable | None,
     counted: Sequence[tuple[Candidate, Form]],
     zips: Sequence[Sequence[str]],
+    physics: Physics,
     report: Report,
 ) -> Refinement | None:
     """What ``refine`` asks for; None where nothing is refined, or not soundly."""
@@ -37,7 +39,7 @@ def read_refinement(
     alone = [name for name in numeric if not any(name in group for group in zips)]
     named = None if refine.along is None else [_axis_name(name) for name in refine.along]
     sound = _sound(refine.levels, refine.sample, refine.seed, report)
-    if not _known(alone if named is None else named, alone, report) or not sound:
+    if not _known(alone if named is None else named, alone, physics, report) or not sound:
         return None
     axes = tuple(alone if named is None else named)
     return Refinement(refine.levels, ascii_name(refine.of), axes, refine.sample, refine.seed)
@@ -58,18 +60,14 @@ def _sound(levels: int, sample: int | None, seed: int, report: Report) -> bool:
     return 1 <= levels <= MOST_LEVELS and min(counts.values()) >= 0
 
 
-def _known(names: Sequence[str], alone: Sequence[str], report: Report) -> bool:
+def _known(names: Sequence[str], alone: Sequence[str], physics: Physics, report: Report) -> bool:
     """Whether there are axes to halve, and each is a number that stands alone."""
-    if not names:
+    if not names and report.is_sure_of("axes"):
         report.add(PLACE, "there is no numeric axis to halve", "an axis of numbers under [grid]")
     unknown = [name for name in names if name not in alone]
     for name in unknown:
-        report.add(
-            (*PLACE, "along"),
-            f"{name!r} is no numeric axis that stands alone",
-            listed(alone),
-            suggest(name, alone),
-        )
+        message = f"{name!r} is no numeric axis that stands alone"
+        note_no_axis(name, message, (*PLACE, "along"), alone, physics, report)
     return bool(names) and not unknown
 
 

@@ -30,6 +30,10 @@ class Report:
     source : the file, as given
     lines : path -> line of the file (see `lines.locate`)
     overrides : path -> the ``--set`` argument that put a value there
+
+    Attributes
+    ----------
+    misread : misspelt axis -> what was noted of it
     """
 
     def __init__(
@@ -39,6 +43,26 @@ class Report:
         self.problems: list[Problem] = []
         self._lines = lines
         self._overrides = overrides
+        self._unsure: set[str] = set()
+        self.misread: dict[str, tuple[str, str, str]] = {}
+
+    def unsure_of(self, what: str) -> None:
+        """Note that a name of a kind (`what`: "axes", "law", ...) was misread.
+
+        What would only follow from that is not noted: a mistake is told once.
+        """
+        self._unsure.add(what)
+
+    def is_sure_of(self, *kinds: str) -> bool:
+        """Whether all names of these kinds were understood."""
+        return self._unsure.isdisjoint(kinds)
+
+    def rename(self, written: str, meant: str) -> None:
+        """Find the lines of the table `written` under the name `meant` from here on."""
+        self._lines = {
+            (meant, *path[1:]) if path[0] == written else path: line
+            for path, line in self._lines.items()
+        }
 
     def add(self, path: Path, message: str, allowed: str = "", suggestion: str = "") -> None:
         """Note that `message` is wrong with the value at `path`."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
 from fiv_cli.case.names import ascii_name, listed, suggest
-from fiv_cli.case.physics import Physics
+from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, ShareTable, check_number, describe
 from fiv_cli.case.tables import read_tables
@@ -111,7 +111,7 @@ def _free(name: str, taken: Sequence[str]) -> str:
 
 def _check_analysis(name: str | None, answers: Answers, place: Path, report: Report) -> None:
     known = [analysis.name for analysis in answers.analyses]
-    if name is not None and name not in known:
+    if name is not None and name not in known and report.is_sure_of("analyses"):
         report.add(
             (*place, "analysis"),
             f"there is no analysis named {name!r}",
@@ -125,8 +125,9 @@ def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report
         value = getattr(table, key)
         if value is not None and answers.physics is not None and ascii_name(value) not in known:
             message = f"a figure of kind {table.kind!r} has no {key} {value!r}"
-            report.add((*place, key), message, listed(known), suggest(value, known))
-    if table.kind == "map" and answers.physics is not None and len(answers.axes) < 2:
+            note_no_axis(ascii_name(value), message, (*place, key), known, answers.physics, report)
+    missing = table.kind == "map" and answers.physics is not None and len(answers.axes) < 2
+    if missing and report.is_sure_of("axes"):
         report.add(place, "a map needs a grid of two axes")
     if table.kind == "map" and table.overlay and table.level is None:
         message = "maps are overlaid as lines, and no level says which"
@@ -167,7 +168,7 @@ def _share(table: ShareTable, answers: Answers, place: Path, report: Report) -> 
     for name in over:
         if answers.physics is not None and name not in known:
             message = f"{name!r} is no axis of this case"
-            report.add((*place, "over"), message, listed(known), suggest(name, known))
+            note_no_axis(name, message, (*place, "over"), known, answers.physics, report)
     _note_error(lambda: _check_share_of(table.of), (*place, "of"), report)
     reference = _selection(table.relative_to, answers, (*place, "relative_to"), report)
     return {"of": table.of, "over": over, "relative_to": reference}
@@ -191,12 +192,13 @@ def _selection(
             if answers.physics is not None:
                 known = [*answers.axis_names(), "initial"]
                 message = f"{name!r} is no axis of this case"
-                report.add((*place, key), message, listed(known), suggest(name, known))
+                note_no_axis(name, message, (*place, key), known, answers.physics, report)
             continue
         try:
             found[name] = _selected(name, kinds[name], value, answers)
         except ValueError as error:
-            report.add((*place, key), str(error))
+            if kinds[name] != "label" or report.is_sure_of("starts"):
+                report.add((*place, key), str(error))
     return found
 
 

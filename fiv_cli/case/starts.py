@@ -8,7 +8,7 @@ from typing import Any
 
 from fiv_cli.case.case import Axis, StartSpec
 from fiv_cli.case.names import ascii_name, listed, suggest
-from fiv_cli.case.physics import Physics
+from fiv_cli.case.physics import Physics, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import InitialTable
 from fiv_cli.case.tables import read_tables
@@ -33,10 +33,12 @@ def read_starts(
     tables = read_tables(InitialTable, raw.get("initial", []), ("initial",), report)
     starts = [_start(table, element, place, physics, report) for place, element, table in tables]
     places = [place for place, _, _ in tables]
+    if not all(isinstance(element.get("label", ""), str) for _, element, _ in tables):
+        report.unsure_of("starts")
     _check_labels(starts, places, report)
     for start, place in zip(starts, places, strict=True):
         if start.kind == "continue":
-            _check_continued(start, place, starts, axes, report)
+            _check_continued(start, place, starts, axes, physics, report)
     return tuple(starts) or (AT_REST,)
 
 
@@ -80,9 +82,7 @@ def _known_states(
         if name in units:
             yield name, (*place, key), value
         else:
-            report.add(
-                (*place, key), f"there is no state {name!r}", listed(units), suggest(name, units)
-            )
+            note_no_state(name, (*place, key), units, report)
 
 
 def _numbers(
@@ -160,15 +160,20 @@ def _check_labels(starts: Sequence[StartSpec], places: Sequence[Path], report: R
 
 
 def _check_continued(
-    start: StartSpec, place: Path, starts: Sequence[StartSpec], axes: Sequence[Axis], report: Report
+    start: StartSpec,
+    place: Path,
+    starts: Sequence[StartSpec],
+    axes: Sequence[Axis],
+    physics: Physics,
+    report: Report,
 ) -> None:
     """A continued start follows a numeric axis and begins where another start does."""
     followable = [axis.name for axis in axes if axis.kind == "parameter"]
     if start.along not in followable:
         message = f"{start.along!r} is no numeric axis of the grid" if start.along else "is missing"
-        report.add((*place, "along"), message, listed(followable), suggest(start.along, followable))
+        note_no_axis(start.along, message, (*place, "along"), followable, physics, report)
     beginnings = [other.label for other in starts if other.kind in ("equilibrium", "state")]
-    if start.from_label not in beginnings:
+    if start.from_label not in beginnings and report.is_sure_of("starts"):
         message = f"no start is labelled {start.from_label!r}" if start.from_label else "is missing"
         report.add(
             (*place, "from"),
