@@ -255,6 +255,17 @@ def corners(ax, colour):
     return np.concatenate([path.vertices for c in drawn for path in c.get_paths()])
 
 
+def test_angles_given_in_degrees_are_named_in_degrees():
+    def beta(*values):
+        return xr.DataArray(np.array(values), attrs={"units": "rad"}, name="beta")
+
+    sectors = beta(0.0, np.radians(5.0), np.radians(15.0))
+    words_of = [words.value_label(sectors, value) for value in sectors.values]
+    assert words_of == [rf"$\beta$ = {angle} deg" for angle in (0, 5, 15)]
+    for values, word in (((0.0, 0.1), "0.1 rad"), ((0.0,), "0 rad")):
+        assert words.value_label(beta(*values), values[-1]) == rf"$\beta$ = {word}"
+
+
 def test_lines_at_levels_of_several_maps_lie_in_one_panel():
     """L_s is 1e-5 Omega N0 where there is stick-slip: the line at a level is that hyperbola."""
     dataset = data.stability_map(nx=96, ny=97)

@@ -7,6 +7,8 @@ import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -102,11 +104,19 @@ def _power(base: str, power: int) -> str:
 
 
 def value_label(axis: xr.DataArray, value: Any) -> str:
-    r"""One value of an axis: ``$N_0$ = 30 N``, or the label itself."""
+    r"""One value of an axis: ``$N_0$ = 30 N``, ``$\beta$ = 15 deg``, or the label itself."""
     if axis.dtype.kind not in "fiu":
         return str(value)
-    unit = unit_text(str(axis.attrs.get("units", "1")))
-    return f"${symbol(axis, str(axis.name))}$ = {float(value):.6g} {unit}".rstrip()
+    number, unit = float(value), unit_text(str(axis.attrs.get("units", "1")))
+    if unit == "rad" and _whole_degrees(axis.values):
+        number, unit = round(np.degrees(number)), "deg"
+    return f"${symbol(axis, str(axis.name))}$ = {number:.6g} {unit}".rstrip()
+
+
+def _whole_degrees(angles: np.ndarray) -> bool:
+    """Whether angles (rad) were most likely given in degrees: each is a whole number of them."""
+    degrees = np.degrees(angles)
+    return bool(np.any(degrees != 0.0) and np.all(np.abs(degrees - np.round(degrees)) < 1e-9))
 
 
 def title_of(attributes: Mapping[str, Any]) -> str:
