@@ -85,7 +85,7 @@ class _Bench:
         model: str,
         law: str,
         analysis: str,
-        start: Mapping[str, float] | None = None,
+        start: Mapping[str, float] | Start | None = None,
         settings: Mapping[str, Any] | None = None,
         options: Mapping[str, str] | None = None,
         **changes: float,
@@ -101,7 +101,8 @@ class _Bench:
         system = build_system(model, law, chosen, parameters, solver, self.announce)
         kind = get_analysis(analysis)
         filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
-        begin = None if start is None else Start("start", "state", start)
+        given = start is None or isinstance(start, Start)
+        begin = start if given else Start("start", "state", start)
         return kind.run(system, parameters, begin, filled, solver)
 
 
@@ -527,6 +528,43 @@ def motion_on_a_disc(bench: _Bench) -> Iterator[Check]:
         yield Check(f"{model}: energy", "energy balance: relative residual", rest, 0.0, CLOSED)
 
 
+def main_frequencies_on_a_disc(bench: _Bench) -> Iterator[Check]:
+    """The lines of stick-slip on the undamped disc at constant speed, from the spectrum of 8 s.
+
+    The motion settles for minutes (its second line grows), its frequencies are there at once: 180.940
+    Hz from 4 to 12 s, 180.924 Hz half a minute later.
+    """
+    source = "thesis 4.3.2, Figures 4.8, 4.9, 4.13; separate computation"
+    start = Start("near", "equilibrium", {"phi": 1e-4})
+    settings = {
+        "observe": "phi", "f_max": 400.0, "resolution": BIN, "window": 1.0 / BIN, "t_max": 8.0,
+        "lyapunov": "never",
+    }  # fmt: skip
+    for c_z, C_phi, main, line in SPECTRA:
+        found = bench.run(
+            "disc-rigid-contact", "exponential", "spectrum", start, settings,
+            c_z=c_z, C_phi=C_phi, alpha=1.0, Omega=2.0 * pi,
+        )  # fmt: skip
+        label = f"slider on the disc, c_z = {c_z:g}: "
+        frequency = _value(found, "response_frequency")
+        yield Check(f"{label}main frequency (Hz)", source, frequency, main, 0.05)
+        if line is not None:
+            second = _line_between(found, 280.0, 300.0)
+            yield Check(f"{label}second line (Hz)", source, second, line, BIN)
+
+
+# Damping of the contact and of the slider, main and second frequency (Hz) as far as they are known.
+SPECTRA = ((0.1, 0.1, 180.9, 290.4), (2.0, 0.5, 205.7, None))
+BIN = 0.125  # Hz
+
+
+def _line_between(found: Outcome, low: float, high: float) -> float:
+    """Frequency of the highest bin between two frequencies, Hz; NaN without a spectrum."""
+    pairs = zip(found.values.get("frequency", ()), found.values.get("amplitude", ()), strict=False)
+    inside = [(amplitude, f) for f, amplitude in pairs if low < f < high]
+    return float(max(inside)[1]) if inside else nan
+
+
 # --- pin on a disc -----------------------------------------------------------------------------
 def pin_equilibrium(bench: _Bench) -> Iterator[Check]:
     """Sliding equilibrium and eigenvalues at N0 = 30 N."""
@@ -590,6 +628,7 @@ PROBLEMS: tuple[Problem, ...] = (
     five_degrees_in_motion,
     annular_plate,
     motion_on_a_disc,
+    main_frequencies_on_a_disc,
     pin_equilibrium,
     pin_stick_slip,
     energy,
