@@ -16,9 +16,10 @@ from small_models import BALL
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
 from fiv_cli.analyses.branch import Continuation, _kind_of_change, first_point
 from fiv_cli.analyses.first_guess import Returns, near_returns
-from fiv_cli.analyses.periodic import Anchor, Problem, close, newton
+from fiv_cli.analyses.periodic import Anchor, Problem, _closed, begin, close, newton, passage
 from fiv_cli.case.load import parse_case
-from fiv_cli.dynamics.motion import Stop
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Stop
 from fiv_cli.errors import CaseError
 
 TURNING = Section("zero", state="x_dot", direction="down")
@@ -164,6 +165,94 @@ def test_a_branch_of_impacting_cycles_folds_and_flips_where_it_must() -> None:
     assert found.values["cycle_lowest_kind"] == "fold"
     turn = kinds.index("fold")
     assert found.ragged["cycle_end_goes_on"][turn] == "yes"
+
+
+# --- rigid contact with a disc: two states are determined by the others ---------------------------
+def on_the_disc(t_max: float = 2.0, **changes: float) -> tuple[Outcome, Problem]:
+    """A stick-slip cycle in rigid contact with a disc of one doublet, and its problem."""
+    model, options = "disc-rigid-contact", {"modes": "0,1"}
+    given = {"c_z": 2.0, "xi": 0.03, "mu_s": 0.8, "mu_k": 0.5, **changes}
+    start, settings = {"phi": 0.02}, {"section": Section("event"), "t_max": t_max}
+    found = analyse(model, "coulomb", "cycle", start, settings, options=options, **given)
+    built = system(model, "coulomb", options, SolverSettings().rtol)
+    solver = SolverSettings(rtol=1e-12)
+    return found, Problem(built, defaults(model, "coulomb", **given), solver, Section("event"))
+
+
+def differences(problem: Problem, anchor: Anchor, span: float, scales: Any) -> Any:
+    """Central differences of the state after `span` by the state at `anchor`."""
+    columns = []
+    for shift in np.diag(1e-6 * scales):
+        ends = [
+            passage(problem, replace(anchor, state=anchor.state + moved), span, tangents=False)
+            for moved in (shift, -shift)
+        ]
+        columns.append((ends[0].state - ends[1].state) / (2 * np.max(shift)))
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize(("Omega", "sticks"), [(5.0, False), (0.5, True)], ids=["slip", "stick"])
+def test_multipliers_on_a_disc_are_those_of_the_return_map(Omega: float, sticks: bool) -> None:
+    """Two are zero for z, which contact determines, one because the contact sticks."""
+    found, problem = on_the_disc(Omega=Omega)
+    carried = found.carry
+    anchor = Anchor(np.array(carried["state"]), (sticks,), 0.0, (True,))
+    assert (carried["sticking"], carried["closed"]) == ([int(sticks)], [1])
+    around = differences(problem, anchor, carried["period"], np.array(carried["scales"]))
+    expected = np.sort(np.abs(np.linalg.eigvals(around)))[::-1]
+    multipliers = found.values["floquet_multiplier"]
+    np.testing.assert_allclose(multipliers, expected, atol=1e-5)
+    assert multipliers[0] == pytest.approx(1.0, abs=1e-9)
+    np.testing.assert_allclose(multipliers[-3:], 0.0, atol=1e-12)
+    assert 0.3 < multipliers[1] < 0.9
+    assert found.values["stable"] == "stable"
+    assert found.values["n_events"] == 2
+    assert found.values["residual"] < 1e-9
+
+
+def test_a_response_on_a_disc_has_the_multipliers_of_its_cycle() -> None:
+    changes = {"Omega": 5.0, "c_z": 2.0, "xi": 0.03, "mu_s": 0.8, "mu_k": 0.5}
+    settings = {"section": Section("event"), "t_max": 4.0}
+    found = analyse(
+        "disc-rigid-contact", "coulomb", "response", {"phi": 0.02}, settings,
+        options={"modes": "0,1"}, **changes,
+    ).values  # fmt: skip
+    assert found["attractor"] == "periodic"
+    expected = on_the_disc(Omega=5.0)[0].values["floquet_multiplier"]
+    np.testing.assert_allclose(found["floquet_multiplier"], expected, atol=1e-6)
+    assert found["lyapunov"] == pytest.approx(log(expected[1]) / found["period"], rel=1e-5)
+
+
+@pytest.mark.parametrize(("Omega", "kind"), [(5.0, kernel.SLIP), (0.5, kernel.STICK)])
+def test_a_closed_rigid_contact_stays_closed_where_a_motion_is_taken_up_again(
+    Omega: float, kind: int
+) -> None:
+    """Its gap is zero to rounding: on either side of it the motion goes on in contact."""
+    found, problem = on_the_disc(Omega=Omega)
+    anchor = Anchor(np.array(found.carry["state"]), (kind == kernel.STICK,), 0.0, (True,))
+    lifted = begin(problem, anchor).y + problem.system.state_vector({"z": 1e-15})
+    opened = Motion(problem.system, problem.parameters, problem.solver, lifted)
+    assert opened.kinds[0] == kernel.SEPARATION
+    closed = _closed(problem, anchor, opened)
+    assert closed.kinds[0] == kind
+    np.testing.assert_allclose(closed.y, begin(problem, anchor).y, rtol=1e-12)
+    apart = replace(anchor, state=lifted, sticking=(False,), closed=(False,))
+    assert begin(problem, apart).kinds[0] == kernel.SEPARATION
+
+
+def test_tangents_on_a_disc_through_flights_and_landings() -> None:
+    """Against neighbours of the motion, through impacts, stick and reversals of friction."""
+    _, problem = on_the_disc(Omega=5.0, N0=50.0)
+    start = {"phi": 1e-3, "z": 1.5e-3, "phi_dot": 10.0, "C_0_1": -1e-3, "C_0_1_dot": 1.0}
+    anchor, span = Anchor(problem.system.state_vector(start), (False,), 0.0, (False,)), 0.02
+    found = passage(problem, anchor, span)
+    words = [CODE_NAMES[before] for before, _, _ in found.events]
+    assert words.count("separation") == 3
+    assert {"slip+", "slip-", "stick"} < set(words)
+    scales = np.array([1e-2, 1e-3, 1e-3, 1e-3, 10.0, 1.0, 1.0, 1.0])
+    tangents = found.monodromy * scales / scales[:, None]
+    expected = differences(problem, anchor, span, scales) * scales / scales[:, None]
+    np.testing.assert_allclose(tangents, expected, atol=1e-6 * np.max(np.abs(expected)))
 
 
 # --- ends of branches ----------------------------------------------------------------------------

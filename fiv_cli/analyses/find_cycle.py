@@ -103,8 +103,9 @@ def _bridged(
 
 def _carried_guess(carried: Mapping[str, Any]) -> Guess:
     """The neighbour's cycle."""
-    sticking = tuple(bool(s) for s in carried["sticking"])
-    anchor = Anchor(np.array(carried["state"], dtype=float), sticking, float(carried["phase"]))
+    sticking, closed = (tuple(bool(s) for s in carried[name]) for name in ("sticking", "closed"))
+    state, phase = np.array(carried["state"], dtype=float), float(carried["phase"])
+    anchor = Anchor(state, sticking, phase, closed)
     return Guess(anchor, float(carried["period"]), np.array(carried["scales"], dtype=float))
 
 
@@ -114,6 +115,7 @@ def _carry(problem: Problem, cycle: Cycle) -> dict[str, Any]:
         "attractor": "periodic",
         "state": cycle.anchor.state.tolist(),
         "sticking": [int(sticks) for sticks in cycle.anchor.sticking],
+        "closed": [int(closed) for closed in cycle.anchor.closed],
         "phase": cycle.anchor.phase,
         "period": cycle.period,
         "scales": cycle.scales.tolist(),

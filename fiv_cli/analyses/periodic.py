@@ -7,7 +7,8 @@ period of a system without excitation, the rate of the state. The point lies ins
 state, not on the section: so the map is smooth there, whatever events the section is made of.
 
 Directions in which the map does not move (a sticking contact; the multipliers {1, 0} of a
-stick-slip cycle of one degree of freedom) are dealt with by least squares.
+stick-slip cycle of one degree of freedom; the transverse motion of a slider in rigid contact,
+which follows the disc) are dealt with by least squares.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
+from fiv_cli.analyses.equilibria import statics_of
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop, call
 from fiv_cli.dynamics.system import System, Vector
@@ -37,6 +39,7 @@ AT_REST = 1e-7  # a motion of this extent, relative to its distance from zero, i
 SAME_POINT = 1e-6  # section points of one cycle lie further apart than this share of its extent
 MOST_POINTS = 256  # section points per period
 MOST_EVENTS = 4096  # events per period that are told apart
+PRESSED = 1e-3  # m, taken up at once
 
 
 @dataclass(frozen=True)
@@ -83,20 +86,45 @@ class Anchor:
     state : shape (n_states,)
     sticking : contacts that stick there
     phase : phase of the excitation, rad; 0 without one
+    closed : contacts that are not open there; the gap of a rigid one is zero to rounding, and
+        does not tell
     """
 
     state: Vector
     sticking: tuple[bool, ...]
     phase: float = 0.0
+    closed: tuple[bool, ...] = ()
 
 
 def begin(problem: Problem, anchor: Anchor) -> Motion:
     """The motion through `anchor`."""
     time = anchor.phase / (2 * np.pi) * (problem.excitation or 0.0)
-    return Motion(
+    motion = Motion(
         problem.system, problem.parameters, problem.solver, anchor.state.copy(), time,
         anchor.sticking,
     )  # fmt: skip
+    return _closed(problem, anchor, motion) if _parted(anchor, motion) else motion
+
+
+def _parted(anchor: Anchor, motion: Motion) -> int:
+    """Number of contacts that are open in `motion` and closed at `anchor`."""
+    pairs = zip(anchor.closed, motion.kinds, strict=False)
+    return sum(closed and kind == kernel.SEPARATION for closed, kind in pairs)
+
+
+def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
+    """`motion` with the contacts closed that rounding has opened.
+
+    Begun an instant before it lands, a motion would be right, but not its derivatives. A closed
+    rigid contact takes up its gap, so it does not matter how far it is pressed in, nor is what
+    sticks asked for again: `motion` has the velocity of the drive there.
+    """
+    names = problem.system.state_names
+    for name in statics_of(problem.system, problem.parameters).determined:
+        pressed = motion.y - PRESSED * np.array([state == name for state in names])
+        trial = Motion(problem.system, problem.parameters, problem.solver, pressed, motion.time)
+        motion = trial if _parted(anchor, trial) < _parted(anchor, motion) else motion
+    return motion
 
 
 @dataclass(frozen=True)
@@ -462,4 +490,5 @@ def anchor_at(problem: Problem, motion: Motion) -> Anchor:
     phase = 0.0
     if problem.excitation is not None:
         phase = 2 * np.pi * (motion.time / problem.excitation % 1.0)
-    return Anchor(motion.y.copy(), sticking, phase)
+    closed = tuple(bool(kind != kernel.SEPARATION) for kind in motion.kinds)
+    return Anchor(motion.y.copy(), sticking, phase, closed)

@@ -50,6 +50,11 @@ class Variable:
         return f"{self.ragged}_obs"
 
 
+_NO_WAY = (
+    "zero for what contact determines: a slip velocity that sticks, and the transverse position "
+    "and velocity of a slider in rigid contact"
+)
+
 STATUS = Variable("status", "1", "whether the point was computed", kind="flag", flags="status")
 REASON = Variable("reason", "1", "why there is no better answer", kind="flag", flags="reason")
 
@@ -290,7 +295,13 @@ def _response(
         Variable("separation_fraction", "1", "share of time in separation", contact),
         *_extremes(states),
         Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
-        Variable("floquet_multiplier", "1", "modulus of the multiplier", ("multiplier",)),
+        Variable(
+            "floquet_multiplier",
+            "1",
+            "modulus of the multiplier",
+            ("multiplier",),
+            comment=_NO_WAY,
+        ),
         Variable("floquet_multiplier_real", "1", "real part of the multiplier", ("multiplier",)),
         Variable("floquet_multiplier_imag", "1", "imaginary part", ("multiplier",)),
         *_solver_trust(),
@@ -407,7 +418,13 @@ def _cycle(
             comment="each state in its own unit (state_units)",
         ),
         Variable("section_value", units[observed], f"{observed} at the section", ragged="section"),
-        Variable("floquet_multiplier", "1", "modulus of the multiplier", ("multiplier",)),
+        Variable(
+            "floquet_multiplier",
+            "1",
+            "modulus of the multiplier",
+            ("multiplier",),
+            comment=_NO_WAY,
+        ),
         Variable("floquet_multiplier_real", "1", "real part of the multiplier", ("multiplier",)),
         Variable("floquet_multiplier_imag", "1", "imaginary part", ("multiplier",)),
         *_extremes(states, _LEAST_AND_GREATEST),
