@@ -101,8 +101,7 @@ class _Bench:
         system = build_system(model, law, chosen, parameters, solver, self.announce)
         kind = get_analysis(analysis)
         filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
-        given = start is None or isinstance(start, Start)
-        begin = start if given else Start("start", "state", start)
+        begin = Start("start", "state", start) if isinstance(start, Mapping) else start
         return kind.run(system, parameters, begin, filled, solver)
 
 
@@ -531,8 +530,8 @@ def motion_on_a_disc(bench: _Bench) -> Iterator[Check]:
 def main_frequencies_on_a_disc(bench: _Bench) -> Iterator[Check]:
     """The lines of stick-slip on the undamped disc at constant speed, from the spectrum of 8 s.
 
-    The motion settles for minutes (its second line grows), its frequencies are there at once: 180.940
-    Hz from 4 to 12 s, 180.924 Hz half a minute later.
+    The motion settles for minutes (its second line grows); its frequencies are there at once:
+    180.940 Hz from 4 to 12 s, 180.924 Hz half a minute later.
     """
     source = "thesis 4.3.2, Figures 4.8, 4.9, 4.13; separate computation"
     start = Start("near", "equilibrium", {"phi": 1e-4})
