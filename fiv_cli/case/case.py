@@ -112,6 +112,7 @@ class ClaimSpec:
     note: str = ""
     analysis: str = ""
     share: Mapping[str, Any] = field(default_factory=dict)
+    reduce: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

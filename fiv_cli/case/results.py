@@ -11,7 +11,14 @@ from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSp
 from fiv_cli.case.names import ascii_name, listed, suggest
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import ClaimTable, FigureTable, ShareTable, check_number, describe
+from fiv_cli.case.structure import (
+    ClaimTable,
+    FigureTable,
+    ReduceTable,
+    ShareTable,
+    check_number,
+    describe,
+)
 from fiv_cli.case.tables import read_tables
 from fiv_cli.case.units import convert
 
@@ -174,6 +181,25 @@ def _share(table: ShareTable, answers: Answers, place: Path, report: Report) -> 
     return {"of": table.of, "over": over, "relative_to": reference}
 
 
+def _reduce(table: ReduceTable, place: Path, report: Report) -> dict[str, Any]:
+    """A reduction, its axis by its contract name."""
+    over = ascii_name(table.over)
+    if over not in _OWN_DIMS:
+        message = f"{over!r} is no axis that a variable has of its own"
+        report.add((*place, "over"), message, listed(_OWN_DIMS), suggest(over, _OWN_DIMS))
+    _note_error(lambda: _check_reduced(table), (*place, "of"), report)
+    return {"over": over, "take": table.take} | ({"of": table.of} if table.of else {})
+
+
+def _check_reduced(table: ReduceTable) -> None:
+    """ValueError unless there is something to count where it is counted, and only there."""
+    counts = table.take in ("share", "entries")
+    if counts:
+        _check_share_of(table.of or "")
+    elif table.of is not None:
+        raise ValueError(f"is for share and entries; {table.take} is taken of all values")
+
+
 def _check_share_of(text: str) -> None:
     """ValueError unless `text` is a condition or a class."""
     if not _CLASS.fullmatch(text) and not (_CONDITION.fullmatch(text) and text.strip() != "."):
@@ -252,6 +278,7 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         note=table.note,
         analysis=table.analysis or "",
         share=_share(table.share, answers, (*place, "share"), report) if table.share else {},
+        reduce=_reduce(table.reduce, (*place, "reduce"), report) if table.reduce else {},
     )
 
 

@@ -238,6 +238,22 @@ class ShareTable(Table):
     )
 
 
+class ReduceTable(Table):
+    """One number for all that a variable holds along an axis of its own, such as time."""
+
+    placeholders: ClassVar[Mapping[str, Any]] = {"over": "time", "take": "greatest"}
+
+    over: str = Field(description="axis that is none of the grid: time, frequency, mode, ...")
+    take: Literal["least", "greatest", "range", "mean", "peak", "share", "entries"] = Field(
+        description="what is taken along it; range: greatest less least; peak: where on the axis "
+        "the greatest lies; share: of the samples at which `of` holds; entries: how often `of` "
+        "comes to hold, from sample to sample"
+    )
+    of: str | None = Field(
+        default=None, description='share, entries: condition (". > 0"), a class, or "not CLASS"'
+    )
+
+
 class QuestionTable(Table):
     """A question that a run answers with yes or no."""
 
@@ -328,6 +344,9 @@ class ClaimTable(Table):
     ] = Field(default="all", description="all, any, or the share of points that must agree")
     share: ShareTable | None = Field(
         default=None, description="the claim is about the share of points at which it is so"
+    )
+    reduce: ReduceTable | None = Field(
+        default=None, description="the claim is about one number along an axis, such as time"
     )
     note: str = Field(default="", description="what is known about a difference")
     analysis: str | None = Field(default=None, description="name of the analysis that decides")

@@ -20,6 +20,7 @@ import numpy as np
 from fiv_cli.data import select
 from fiv_cli.data.known import unknown_points
 from fiv_cli.data.reading import flag_names, numbers
+from fiv_cli.data.reductions import reduced
 from fiv_cli.data.shares import SHARE, with_share
 
 if TYPE_CHECKING:
@@ -113,6 +114,7 @@ def evaluate(
         if claim.share:
             dataset, claim = _counted(dataset, claim)
         part = select.subset(dataset, claim.at, nearest=False)
+        part = reduced(part, claim.variable, claim.reduce) if claim.reduce else part
         trial = _try(claim, part, other)
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))

@@ -44,14 +44,14 @@ def with_share(dataset: xr.Dataset, variable: str, share: Mapping[str, Any]) -> 
         raise select.SelectionError(f"{variable}: no variable of the dataset")
     dims = [str(select.axis_of(dataset, name).dims[0]) for name in share["over"]]
     missing = unknown_points(dataset, variable, "undecided" in share["of"])
-    counted = _hits(dataset[variable], share["of"]).where(~missing).mean(dims, skipna=False)
+    counted = hits(dataset[variable], share["of"]).where(~missing).mean(dims, skipna=False)
     found = xr.Dataset({SHARE: counted, "status": _status(dataset["status"], missing, dims)})
     found[SHARE].attrs = {"units": "1", "long_name": _words(variable, share["of"])}
     reference = share.get("relative_to", {})
     return _relative(found, reference).assign_attrs(dataset.attrs)
 
 
-def _hits(array: xr.DataArray, of: str) -> xr.DataArray:
+def hits(array: xr.DataArray, of: str) -> xr.DataArray:
     """1 where the condition holds, else 0; a value that does not apply (NaN) does not hold."""
     if flag_names(array.attrs):
         name = of.removeprefix("not ").strip()
