@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from numba import njit
 from numpy.typing import NDArray
 
 from fiv_cli.dynamics import roots
@@ -15,11 +16,18 @@ DOUBLE = 1e-7  # a double root is known to the root of rounding only
 ROOT = st.floats(0.02, 0.98)
 
 
+@njit
+def located(degree, work, total, end):  # type: ignore[no-untyped-def]
+    """`roots.first_root` is compiled into its callers: this is one."""
+    return roots.first_root(degree, work, total, end)
+
+
 def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
     """`roots.first_root` of a polynomial in rising powers."""
     work = roots.scratch()
     work[roots.POLYNOMIAL : roots.POLYNOMIAL + len(coefficients)] = coefficients
-    return float(roots.first_root(len(coefficients) - 1, work))
+    total, end = float(np.sum(np.abs(coefficients))), float(np.sum(coefficients))
+    return float(located(len(coefficients) - 1, work, total, end))
 
 
 def with_roots(*places: float, beyond: tuple[float, ...] = ()) -> NDArray[np.float64]:

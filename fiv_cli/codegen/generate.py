@@ -180,7 +180,7 @@ def _make(
     scheduled: tuple[str, ...],
 ) -> bytes:
     from fiv_cli.codegen.derive import derive
-    from fiv_cli.codegen.emit import Coefficients, constants
+    from fiv_cli.codegen.emit import Coefficients, constants, sums
 
     derivation = derive(model, law, options, structural, scheduled)
     coefficients = Coefficients()
@@ -190,6 +190,7 @@ def _make(
     for state in derivation.states.values():
         flow += _flow_text(derivation, state, order, coefficients)
         tangent += _tangent_text(derivation, state, order, coefficients)
+    flow += sums("state", len(derivation.state_names), order)
     flow += constants("coefficients", coefficients.nodes, derivation.parameter_names)
     content = {
         "order": order,

@@ -86,8 +86,12 @@ def _to_ir(text: str) -> ir.Module:
 
 
 def _declare(module: ir.Module, name: str) -> ir.Function:
+    """A function of the C library; it only computes, so sine and cosine become one call."""
     count = 2 if name == "pow" else 1
-    return ir.Function(module, ir.FunctionType(DOUBLE, (DOUBLE,) * count), name)
+    function = ir.Function(module, ir.FunctionType(DOUBLE, (DOUBLE,) * count), name)
+    for attribute in ("readnone", "nounwind"):
+        function.attributes.add(attribute)
+    return function
 
 
 class _Lowering:

@@ -1,4 +1,4 @@
-"""Calling generated machine code by address from compiled code.
+"""What compiled code needs below the level of Python: calls by address, plain reads.
 
 All generated functions share one signature ``(c, t, y, out)``. The driver is compiled once and
 takes addresses as plain integers, so it knows nothing of models and is never compiled again.
@@ -34,5 +34,21 @@ def call_generated(  # type: ignore[no-untyped-def]
         }
         builder.call(function, (data[1], arguments[2], data[3], data[4]))
         return context.get_dummy_value()
+
+    return signature, build
+
+
+@intrinsic
+def at(typing_context, array, index):  # type: ignore[no-untyped-def]
+    """``array[index]`` of a flat array where the index is known not to be negative.
+
+    Indexing by a signed number asks each time whether it counts from the end: half the work of
+    summing a series.
+    """
+    signature = array.dtype(array, types.int64)
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        view = cgutils.create_struct_proxy(signature.args[0])(context, builder, value=arguments[0])
+        return builder.load(builder.gep(view.data, [arguments[1]]))
 
     return signature, build

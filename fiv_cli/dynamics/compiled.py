@@ -31,9 +31,6 @@ INNER = {**CACHE, "cache": False, "no_cpython_wrapper": True}
 # The hot path: passing a function a dozen arrays costs more than most of them do.
 INLINE = {**INNER, "forceinline": True}
 
-# ... and what of it is also called from Python.
-INLINE_PUBLIC = {**CACHE, "forceinline": True}
-
 
 def kernel_key() -> str:
     """Hash of the kernels and of numba itself."""

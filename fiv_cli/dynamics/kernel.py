@@ -18,8 +18,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fiv_cli.dynamics.call import call_generated
-from fiv_cli.dynamics.compiled import CACHE, INLINE, INLINE_PUBLIC, INNER
+from fiv_cli.dynamics.call import at, call_generated
+from fiv_cli.dynamics.compiled import CACHE, INLINE, INNER
 from fiv_cli.dynamics.roots import NO_ROOT, POLYNOMIAL, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
@@ -34,9 +34,9 @@ TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS = 0, 1, 2, 3, 4, 5
 TABLE_WIDTH = 6
 
 # config[...]
-N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, METHOD = range(7)
-ZONE_START, ZONE_WIDTH, ZONE_CONTACT = 7, 8, 9  # parameter slots of the sector; -1: none
-CONFIG_WIDTH = 10
+N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, STATE, METHOD = range(8)
+ZONE_START, ZONE_WIDTH, ZONE_CONTACT = 8, 9, 10  # parameter slots of the sector; -1: none
+CONFIG_WIDTH = 11
 METHOD_TAYLOR, METHOD_RK4 = 0, 1
 
 # clock[...]
@@ -92,7 +92,7 @@ KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(5)
 N_ENERGIES = 5
 
 
-@njit("int64(int64[::1], int64)", **CACHE)
+@njit(**INNER)
 def state_index(kinds, contacts):  # type: ignore[no-untyped-def]
     """Index of a combination of kinds: base 3, contact 0 first."""
     index = 0
@@ -101,7 +101,7 @@ def state_index(kinds, contacts):  # type: ignore[no-untyped-def]
     return index
 
 
-@njit("int64(int64, float64)", **CACHE)
+@njit(**INNER)
 def code_of(kind, sign):  # type: ignore[no-untyped-def]
     """Code of a contact's state in ledgers."""
     if kind == SLIP:
@@ -109,25 +109,25 @@ def code_of(kind, sign):  # type: ignore[no-untyped-def]
     return CODE_STICK if kind == STICK else CODE_SEPARATION
 
 
-@njit("int64(int64)", **CACHE)
+@njit(**INNER)
 def kind_of(code):  # type: ignore[no-untyped-def]
     """Kind of a contact's state from its code."""
     return SLIP if code <= CODE_SLIP_MINUS else code - 1
 
 
-@njit(**INLINE)
+@njit(**INNER)
 def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
     """Value of the series that begins at `offset`.
 
     Even and odd powers are summed apart: two short chains of operations instead of a long one.
     """
     square = x * x
-    even = series[offset + order - order % 2]
+    even = at(series, offset + order - order % 2)
     for k in range(order - order % 2 - 2, -1, -2):
-        even = even * square + series[offset + k]
-    odd = series[offset + order - 1 + order % 2]
+        even = even * square + at(series, offset + k)
+    odd = at(series, offset + order - 1 + order % 2)
     for k in range(order - 3 + order % 2, 0, -2):
-        odd = odd * square + series[offset + k]
+        odd = odd * square + at(series, offset + k)
     return even + x * odd
 
 
@@ -136,8 +136,22 @@ def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
     """Derivative of the series that begins at `offset`."""
     value = 0.0
     for k in range(order, 0, -1):
-        value = value * x + k * series[offset + k]
+        value = value * x + k * at(series, offset + k)
     return value
+
+
+@njit(**INNER)
+def scale_and_slope(series, offset, order, step, x):  # type: ignore[no-untyped-def]
+    """`series_scale` over a step and the derivative a time x into it."""
+    scale, slope = abs(at(series, offset)), 0.0
+    reach, power, number = 1.0, 1.0, 0.0
+    for k in range(1, order + 1):
+        number += 1.0
+        reach *= step
+        scale += abs(at(series, offset + k)) * reach
+        slope += number * at(series, offset + k) * power
+        power *= x
+    return scale, slope
 
 
 @njit(**INNER)
@@ -146,7 +160,7 @@ def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
     scale = 0.0
     power = 1.0
     for k in range(order + 1):
-        scale += abs(series[offset + k]) * power
+        scale += abs(at(series, offset + k)) * power
         power *= step
     return scale
 
@@ -158,9 +172,9 @@ def time_scale(series, n, order):  # type: ignore[no-untyped-def]
     for i in range(n):
         first = i * (order + 1)
         for top in range(order - 1, order + 1):
-            high = abs(series[first + top])
+            high = abs(at(series, first + top))
             for k in range(3):
-                low = abs(series[first + k])
+                low = abs(at(series, first + k))
                 ratio = low / high if high > 0.0 else 0.0
                 if ratio > 0.0:  # a value so small that its share is lost sets no scale
                     shortest = min(shortest, ratio ** (1.0 / (top - k)))
@@ -183,18 +197,16 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     worst_before = 0.0
     for i in range(n):
         first = i * (order + 1)
-        scale = max(abs(series[first]), abs(series[first + 1]) * last)
-        scale = max(scale, abs(series[first + 2]) * last * last)
+        scale = max(abs(at(series, first)), abs(at(series, first + 1)) * last)
+        scale = max(scale, abs(at(series, first + 2)) * last * last)
         if scale > NEGLIGIBLE:
-            worst = max(worst, abs(series[first + order]) / scale)
-            worst_before = max(worst_before, abs(series[first + order - 1]) / scale)
-    step = ENDLESS
-    if worst > 0.0:
-        step = (rtol / worst) ** (1.0 / order)
-    # The term before the last decides only if it is the larger one over that step.
-    if worst_before > 0.0 and worst_before > worst * step:
-        step = (rtol / worst_before) ** (1.0 / (order - 1))
-    return step
+            worst = max(worst, abs(at(series, first + order)) / scale)
+            worst_before = max(worst_before, abs(at(series, first + order - 1)) / scale)
+    # The term before the last decides if it is the larger one over the step that the last allows.
+    before_decides = worst == 0.0 or (worst_before / worst) ** order > rtol / worst
+    if worst_before > 0.0 and before_decides:
+        return (rtol / worst_before) ** (1.0 / (order - 1))
+    return (rtol / worst) ** (1.0 / order) if worst > 0.0 else ENDLESS
 
 
 @njit(**INNER)
@@ -204,7 +216,7 @@ def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
     Far from zero they are constant to rounding, and the known terms of their series tell nothing
     of the layer about zero: without a limit a step would jump over it.
     """
-    allowed = max(LAYER, PLATEAU * abs(series[offset]))
+    allowed = max(LAYER, PLATEAU * abs(at(series, offset)))
     while series_scale(series, offset + 1, order - 1, step) * step > allowed:
         step *= 0.75
     return step
@@ -238,7 +250,7 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
         step, scale = 1.0, 0.0
     power = 1.0
     for k in range(order):
-        term = series[offset + k] * power
+        term = at(series, offset + k) * power
         tolerance = (ZERO if k == 0 else VANISHING) * scale
         if k >= known_zeros and abs(term) > tolerance:
             return k + 1 if term > 0.0 else -k - 1
@@ -327,19 +339,15 @@ def consistent(  # type: ignore[no-untyped-def]
     return True
 
 
-@njit("int64(int64[:, ::1], int64, int64)", **CACHE)
+@njit(**INNER)
 def contact_outputs(table, index, n):  # type: ignore[no-untyped-def]
     """Where the contact outputs begin in the field output."""
     return 2 * n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
 
 
-@njit(
-    "float64(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], int64)",
-    **CACHE,
-)
+@njit(**INNER)
 def slip_velocity(  # type: ignore[no-untyped-def]
-    table, guards, config, clock, kinds, coefficients, y, field, contact
+    table, config, clock, kinds, coefficients, y, field, contact
 ):
     """v_rel of a contact; zero when it is zero to rounding."""
     n, contacts = config[N_STATES], config[N_CONTACTS]
@@ -360,12 +368,7 @@ def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
     options[contact, COUNT] += 1
 
 
-@njit(
-    "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64,"
-    "int64, boolean, int64[:, ::1])",
-    **INLINE_PUBLIC,
-)
+@njit(**INLINE)
 def decide(  # type: ignore[no-untyped-def]
     table,
     guards,
@@ -404,7 +407,7 @@ def decide(  # type: ignore[no-untyped-def]
         if kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
             options[i, AT_REST] = 1
         else:  # re-contact, or a slip that ends at the same instant
-            v = slip_velocity(table, guards, config, clock, kinds, coefficients, y, field, i)
+            v = slip_velocity(table, config, clock, kinds, coefficients, y, field, i)
             options[i, AT_REST] = 1 if v == 0.0 else 0
             if kinds[i] == SEPARATION and v != 0.0 and options[i, ONE_WAY] == 0:
                 sign = 1 if v > 0.0 else -1
@@ -461,10 +464,9 @@ def state_after(  # type: ignore[no-untyped-def]
     table, config, index, coefficients, t, y, series, x, stages, out
 ):
     """State a time x into the step that begins at (t, y)."""
-    n, order = config[N_STATES], config[ORDER]
+    n = config[N_STATES]
     if config[METHOD] == METHOD_TAYLOR:
-        for i in range(n):
-            out[i] = series_value(series, i * (order + 1), order, x)
+        call_generated(config[STATE], coefficients, x, series, out)
         return
     field, inner = stages[0], stages[1]
     call_generated(table[index, FIELD], coefficients, t, y, field)
@@ -520,17 +522,18 @@ def bisected(  # type: ignore[no-untyped-def]
 def located(series, offset, order, step, strip, factor, shift, roots):  # type: ignore[no-untyped-def]
     """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
     power = factor
-    if strip == 0:
-        roots[POLYNOMIAL] = factor * series[offset] + shift
-        for k in range(1, order + 1):
-            power *= step
-            roots[POLYNOMIAL + k] = series[offset + k] * power
-    else:  # the first coefficients are known zeros
-        for k in range(1, order + 1):
-            power *= step
-            if k >= strip:
-                roots[POLYNOMIAL + k - strip] = series[offset + k] * power
-    return first_root(order - strip, roots)
+    for _ in range(strip):  # the first coefficients are known zeros
+        power *= step
+    start = power * at(series, offset + strip) + (shift if strip == 0 else 0.0)
+    roots[POLYNOMIAL] = start
+    total, end = abs(start), start
+    for k in range(1, order + 1 - strip):
+        power *= step
+        coefficient = at(series, offset + strip + k) * power
+        roots[POLYNOMIAL + k] = coefficient
+        total += abs(coefficient)
+        end += coefficient
+    return first_root(order - strip, roots, total, end)
 
 
 @njit(**INNER)
@@ -708,7 +711,7 @@ def saltate(config, series, rates, tangents, delays):  # type: ignore[no-untyped
             tangents[row, i] += (rates[i] - after) * delays[row]
 
 
-@njit("void(int64[::1], float64[::1], float64[::1], float64)", **CACHE)
+@njit(**INNER)
 def enter_zone(config, clock, parameters, angle):  # type: ignore[no-untyped-def]
     """Set the sector that `angle` lies in and its borders."""
     clock[ZONE_LOW], clock[ZONE_HIGH] = -np.inf, np.inf
@@ -730,6 +733,127 @@ def enter_zone(config, clock, parameters, angle):  # type: ignore[no-untyped-def
         clock[ZONE_LOW], clock[ZONE_HIGH] = base, base + width
     else:
         clock[ZONE_LOW], clock[ZONE_HIGH] = base + width, base + turn
+
+
+@njit(**INNER)
+def starts_open(table, guards, config, clock, coefficients, y, series, contact):  # type: ignore[no-untyped-def]
+    """Whether a contact begins open: a gap, or none but one that is about to be."""
+    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
+    apart = 3**contacts - 1  # the state in which every contact is open
+    if table[apart, TAYLOR] == 0:
+        return False
+    call_generated(table[apart, TAYLOR], coefficients, clock[TIME], y, series)
+    for g in range(table[apart, N_GUARDS]):
+        if guards[apart, g, 0] == GAP and guards[apart, g, 1] == contact:
+            offset = (n + g) * (order + 1)
+            gap, rate = series[offset], series[offset + 1]
+            return gap > 0.0 or (gap == 0.0 and rate > 0.0)
+    return False
+
+
+@njit(**INNER)
+def set_out(  # type: ignore[no-untyped-def]
+    table, guards, config, clock, kinds, parameters, coefficients, y, series, stages, options
+):
+    """Slip signs, contacts at rest and open ones, and the sector, of the initial state.
+
+    A contact whose kind is STICK takes on the drive's velocity.
+    """
+    n, contacts = config[N_STATES], config[N_CONTACTS]
+    first_sign = config[N_PARAMETERS] - 1 - contacts
+    field, rest, velocities = stages[0], stages[4], stages[5]
+    for i in range(contacts):
+        if kinds[i] == STICK:
+            index = state_index(kinds, contacts)
+            call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+            for k in range(n):
+                y[k] = field[k]
+            break
+    for i in range(contacts):
+        is_open = starts_open(table, guards, config, clock, coefficients, y, series, i)
+        kinds[i] = SEPARATION if is_open else SLIP
+    index = state_index(kinds, contacts)
+    call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+    for k in range(n):
+        y[k] = field[k]  # a rigid contact takes up its gap
+        rest[k] = 0.0
+    for i in range(contacts):
+        velocities[i] = slip_velocity(table, config, clock, kinds, coefficients, y, field, i)
+    for i in range(contacts):
+        if kinds[i] == SLIP:
+            smooth, direction = options[i, ONE_WAY] == 1, velocities[i]
+            if smooth:  # the way it slides when the system is at rest
+                direction = slip_velocity(table, config, clock, kinds, coefficients, rest, field, i)
+            parameters[first_sign + i] = -1.0 if direction < 0.0 else 1.0
+            if velocities[i] == 0.0 and not smooth:
+                kinds[i] = STICK
+    angle = 0.0
+    if table[0, HAS_ANGLE] == 1:
+        call_generated(table[0, FIELD], coefficients, clock[TIME], y, field)
+        angle = field[2 * n + table[0, N_GUARDS]]
+    enter_zone(config, clock, parameters, angle)
+
+
+@njit(
+    "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
+    "float64[::1], float64[::1], float64[::1], int64[::1], float64[::1], float64[:, ::1],"
+    "int64[:, ::1], boolean)",
+    **CACHE,
+)
+def enter(  # type: ignore[no-untyped-def]
+    table,
+    guards,
+    config,
+    clock,
+    kinds,
+    parameters,
+    coefficients,
+    y,
+    tolerances,
+    strips,
+    series,
+    stages,
+    options,
+    at_start,
+):
+    """Decide the contact state at (t, y), at the start or on the way; False when none is."""
+    fill(config, clock, parameters, coefficients)
+    if at_start:
+        set_out(
+            table,
+            guards,
+            config,
+            clock,
+            kinds,
+            parameters,
+            coefficients,
+            y,
+            series,
+            stages,
+            options,
+        )
+    found = decide(
+        table,
+        guards,
+        config,
+        clock,
+        kinds,
+        parameters,
+        coefficients,
+        y,
+        series,
+        stages[0],
+        tolerances,
+        strips,
+        -1,
+        -1,
+        True,
+        options,
+    )
+    if found:
+        for i in range(config[N_STATES]):
+            y[i] = series[i * (config[ORDER] + 1)]
+    return found
 
 
 @njit(**INNER)
@@ -940,16 +1064,14 @@ def advance(  # type: ignore[no-untyped-def]
         tau = step if hit < 0 else fraction * step
         residual, grazing = 0.0, True
         if taylor:
-            for i in range(n):
-                out[i] = series_value(series, i * (order + 1), order, tau)
+            call_generated(config[STATE], coefficients, tau, series, out)
         else:
             state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
         if taylor and 0 <= hit < n_guards:
             # The root is that of the switching function's series; Newton steps on the function
             # itself, along the state's series, take it to rounding.
             offset = (n + hit) * (order + 1)
-            scale = series_scale(series, offset, order, step)
-            fall = series_slope(series, offset, order, tau)
+            scale, fall = scale_and_slope(series, offset, order, step, tau)
             grazing = scale == 0.0 or fall * step > -GRAZING * scale
             for polish in range(POLISHES):
                 call_generated(table[index, FIELD], coefficients, t + tau, out, field)
@@ -958,8 +1080,7 @@ def advance(  # type: ignore[no-untyped-def]
                 if grazing or residual <= ROUNDING or polish == POLISHES - 1:
                     break
                 tau += max(-value / fall, -tau)
-                for i in range(n):
-                    out[i] = series_value(series, i * (order + 1), order, tau)
+                call_generated(config[STATE], coefficients, tau, series, out)
             for i in range(n):
                 out[i] = field[i]  # entries that the contact determines: exactly
         # --- along the step --------------------------------------------------------------------

@@ -16,6 +16,10 @@ from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
 
+# Small enough to run as they stand.
+state_index, code_of = kernel.state_index.py_func, kernel.code_of.py_func
+contact_outputs = kernel.contact_outputs.py_func
+
 SCRATCH_ROWS = 7
 # A state (m, rad, and those per s) beyond this has diverged. Growth in a nonlinear contact ends in
 # ever shorter steps, so a bound far above anything mechanical would only cost time.
@@ -74,6 +78,22 @@ class Measures:
         """Measured time, s."""
         return float(self.totals[kernel.M_TIME])
 
+    def afresh(self) -> Measures:
+        """For a motion that measures nothing: totals of its own, the rest is never written."""
+        return Measures(np.zeros(kernel.MEASURES_WIDTH), self.extremes, self.shares, self.reference)
+
+
+def no_measures(system: System) -> Measures:
+    """Measures before the first step."""
+    extremes = np.zeros((3, len(system.state_names)))
+    extremes[0], extremes[1] = np.inf, -np.inf
+    return Measures(
+        np.zeros(kernel.MEASURES_WIDTH),
+        extremes,
+        np.zeros((system.n_contacts, 3)),
+        np.zeros(len(system.coordinates)),
+    )
+
 
 @dataclass
 class Samples:
@@ -123,43 +143,33 @@ class Motion:
         self._allocate(system, solver)
         self.parameters = system.parameter_vector(parameters)
         self.kink = self._take_up_schedule(time)
-        self.y[:] = state if isinstance(state, np.ndarray) else system.state_vector(state)
+        vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
+        self.y[:] = vector
         self.clock[kernel.TIME] = time
-        self.started = self._enter(sticking)
+        for contact, sticks in enumerate(sticking):
+            self.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
+        self.started = self._enter(at_start=True)
 
     def _allocate(self, system: System, solver: SolverSettings) -> None:
+        scratch = scratch_of(system)
         n, contacts = len(system.state_names), system.n_contacts
-        order = system.generated.order
-        guards = self.tables.guards.shape[1]
-        self.config = self.tables.config.copy()
-        rk4 = solver.method == "rk4"
-        self.config[kernel.METHOD] = kernel.METHOD_RK4 if rk4 else kernel.METHOD_TAYLOR
+        self.config = self.tables.config
+        if solver.method == "rk4":
+            self.config = self.config.copy()
+            self.config[kernel.METHOD] = kernel.METHOD_RK4
         self.clock = np.zeros(kernel.CLOCK_WIDTH)
         self.kinds = np.zeros(contacts, np.int64)
         self.coefficients = np.zeros(max(system.generated.n_coefficients, 1))
         self.y = np.zeros(n)
         self.tolerances = np.array([solver.rtol, solver.step, BOUND])
-        self.strips = np.zeros(guards + 3, np.int64)
+        self.strips = np.zeros(self.tables.guards.shape[1] + 3, np.int64)
         self.counters = np.zeros(kernel.COUNTERS_WIDTH, np.int64)
         self.limits = np.array([solver.max_steps, solver.max_events, 0], np.int64)
-        scratch = scratch_of(system)
         self.series, self.work, self.stages = scratch.series, scratch.work, scratch.stages
         self.roots, self.options = scratch.roots, scratch.options
-        self.quadrature = gauss_nodes(order // 2 + 3)
-        self.measures = self._no_measures()
-        self.ledger = np.zeros((0, 5))
-        self.tangents = np.zeros((0, n))
-
-    def _no_measures(self) -> Measures:
-        n, contacts = len(self.system.state_names), self.system.n_contacts
-        extremes = np.zeros((3, n))
-        extremes[0], extremes[1] = np.inf, -np.inf
-        return Measures(
-            np.zeros(kernel.MEASURES_WIDTH),
-            extremes,
-            np.zeros((contacts, 3)),
-            np.zeros(len(self.system.coordinates)),
-        )
+        self.quadrature = scratch.quadrature
+        self.measures = scratch.unmeasured.afresh()
+        self.ledger, self.tangents = scratch.no_ledger, scratch.no_tangents
 
     # --- parameters that vary in time -----------------------------------------------------------
     def _take_up_schedule(self, time: float) -> float:
@@ -176,100 +186,33 @@ class Motion:
     def _pass_kink(self) -> None:
         """Go on with the next piece: forces jump, so the contact states are decided anew."""
         self.kink = self._take_up_schedule(self.kink)
-        self._fill_coefficients()
-        self.started = self._decide()
+        self.started = self._enter(at_start=False)
 
     # --- start ----------------------------------------------------------------------------------
-    def _enter(self, sticking: tuple[bool, ...]) -> bool:
-        """Find the contact state of the initial state; False when none is consistent."""
-        self._fill_coefficients()
-        if any(sticking):
-            kinds = np.array([kernel.STICK if s else kernel.SLIP for s in sticking], np.int64)
-            self.y[:] = self._field(kinds)[1][: len(self.y)]
-        for i in range(self.system.n_contacts):
-            self.kinds[i] = kernel.SEPARATION if self._is_open(i) else kernel.SLIP
-        self.y[:] = self._field(self.kinds)[1][: len(self.y)]  # a rigid contact takes up its gap
-        first = len(self.parameters) - 1 - self.system.n_contacts
-        for i, v in enumerate(self._slip_velocities()):
-            smooth = self.system.generated.smooth[i]
-            if self.kinds[i] == kernel.SLIP:
-                direction = self._drive_velocity(i) if smooth else v
-                self.parameters[first + i] = -1.0 if direction < 0.0 else 1.0
-                self.kinds[i] = kernel.STICK if v == 0.0 and not smooth else kernel.SLIP
-        self._enter_zone()
-        return self._decide()
-
-    def _fill_coefficients(self) -> None:
-        call(self.config[kernel.COEFFICIENTS], self.coefficients, 0.0, self.parameters,
-             self.coefficients)  # fmt: skip
+    def _enter(self, at_start: bool) -> bool:
+        """Find the contact state at hand; False when none is consistent."""
+        return bool(
+            kernel.enter(
+                self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
+                self.parameters, self.coefficients, self.y, self.tolerances, self.strips,
+                self.series, self.stages, self.options, at_start,
+            )
+        )  # fmt: skip
 
     def _field(self, kinds: NDArray[np.int64]) -> tuple[int, Vector]:
-        index = kernel.state_index(kinds, len(kinds))
+        index = state_index(kinds, len(kinds))
         out = np.zeros(self.stages.shape[1])
         address = self.tables.table[index, kernel.FIELD]
         call(address, self.coefficients, self.time, self.y, out)
         return index, out
 
-    def _is_open(self, contact: int) -> bool:
-        if not self.tables.separable[contact]:
-            return False
-        kinds = np.full(self.system.n_contacts, kernel.SEPARATION, np.int64)
-        index = kernel.state_index(kinds, len(kinds))
-        place = [tuple(g) for g in self.tables.guards[index]].index((kernel.GAP, contact))
-        series = np.zeros_like(self.series)
-        call(self.tables.table[index, kernel.TAYLOR], self.coefficients, self.time, self.y, series)
-        gap, rate = series[(len(self.y) + place) * (self.system.generated.order + 1) :][:2]
-        return bool(gap > 0.0 or (gap == 0.0 and rate > 0.0))
-
     def _is_out_of_contact(self) -> bool:
         """Whether a contact that cannot open would have to pull."""
         count = self.system.n_contacts
         index, out = self._field(np.full(count, kernel.SLIP, np.int64))
-        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
+        first = contact_outputs(self.tables.table, index, len(self.y))
         normal_forces = out[first : first + kernel.PER_CONTACT * count : kernel.PER_CONTACT]
         return bool(np.any((self.tables.ends == 1) & (normal_forces < 0.0)))
-
-    def _slip_velocities(self) -> list[float]:
-        field = np.zeros(self.stages.shape[1])
-        return [
-            kernel.slip_velocity(
-                self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
-                self.coefficients, self.y, field, i,
-            )
-            for i in range(self.system.n_contacts)
-        ]  # fmt: skip
-
-    def _drive_velocity(self, contact: int) -> float:
-        """Slip velocity of a contact of the system at rest, m/s: the way a smooth one slides."""
-        index = kernel.state_index(self.kinds, len(self.kinds))
-        out = np.zeros(self.stages.shape[1])
-        address = self.tables.table[index, kernel.FIELD]
-        call(address, self.coefficients, self.time, np.zeros_like(self.y), out)
-        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
-        return float(out[first + kernel.PER_CONTACT * contact + 2])
-
-    def _enter_zone(self) -> None:
-        if self.system.generated.zone is None:
-            self.clock[kernel.ZONE_LOW], self.clock[kernel.ZONE_HIGH] = -np.inf, np.inf
-            return
-        zone_state = np.zeros(self.system.n_contacts, np.int64)
-        index, out = self._field(zone_state)
-        has_angle = self.tables.table[index, kernel.HAS_ANGLE] == 1
-        place = 2 * len(self.y) + self.tables.table[index, kernel.N_GUARDS]
-        angle = float(out[place]) if has_angle else 0.0
-        kernel.enter_zone(self.config, self.clock, self.parameters, angle)
-        self._fill_coefficients()
-
-    def _decide(self) -> bool:
-        found = kernel.decide(
-            self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
-            self.parameters, self.coefficients, self.y, self.series, self.stages[0],
-            self.tolerances, self.strips, -1, -1, True, self.options,
-        )  # fmt: skip
-        if found:
-            order = self.system.generated.order
-            self.y[:] = self.series[: len(self.y) * (order + 1) : order + 1]
-        return bool(found)
 
     # --- going on -------------------------------------------------------------------------------
     @property
@@ -291,10 +234,7 @@ class Motion:
     def codes(self) -> list[int]:
         """Contact states, see `CODE_NAMES`."""
         first = len(self.parameters) - 1 - self.system.n_contacts
-        return [
-            int(kernel.code_of(kind, self.parameters[first + i]))
-            for i, kind in enumerate(self.kinds)
-        ]
+        return [int(code_of(kind, self.parameters[first + i])) for i, kind in enumerate(self.kinds)]
 
     def keep_ledger(self, rows: int) -> None:
         """Record up to `rows` further events."""
@@ -304,7 +244,7 @@ class Motion:
     def start_measuring(self, reference: Vector) -> None:
         """Forget what was measured and measure from here on, L_s about `reference`."""
         residual = self.measures.totals[kernel.M_RESIDUAL]
-        self.measures = self._no_measures()
+        self.measures = no_measures(self.system)
         self.measures.totals[kernel.M_RESIDUAL] = residual
         self.measures.reference[:] = reference
 
@@ -366,7 +306,7 @@ class Motion:
 
     def _is_jammed(self) -> bool:
         """Whether the determinant of an algebraic normal force has lost its sign in sliding."""
-        index = kernel.state_index(np.zeros_like(self.kinds), len(self.kinds))
+        index = state_index(np.zeros_like(self.kinds), len(self.kinds))
         kinds = self.tables.guards[index, : self.tables.table[index, kernel.N_GUARDS], 0]
         first, places = 2 * len(self.y), np.flatnonzero(kinds == kernel.JAMMING)
         out, coefficients = np.zeros(self.stages.shape[1]), self.coefficients.copy()
@@ -445,20 +385,24 @@ class Motion:
         if not self._has_equations():
             return float("nan")
         index, out = self._field(self.kinds)
-        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
+        first = contact_outputs(self.tables.table, index, len(self.y))
         first += kernel.PER_CONTACT * self.system.n_contacts
         return float(out[first + kernel.KINETIC] + out[first + kernel.POTENTIAL])
 
 
 @dataclass(frozen=True)
 class Scratch:
-    """Arrays that the kernel writes before it reads; the motions of a system share them."""
+    """What the motions of a system share: arrays written before they are read, or never."""
 
     series: Vector
     work: Vector
     stages: NDArray[np.float64]
     roots: Vector
     options: NDArray[np.int64]
+    quadrature: NDArray[np.float64]
+    unmeasured: Measures
+    no_ledger: NDArray[np.float64]
+    no_tangents: NDArray[np.float64]
 
 
 @cache
@@ -476,6 +420,10 @@ def scratch_of(system: System) -> Scratch:
         stages=np.zeros((SCRATCH_ROWS, width)),
         roots=roots.scratch(),
         options=options,
+        quadrature=gauss_nodes(order // 2 + 3),
+        unmeasured=no_measures(system),
+        no_ledger=np.zeros((0, 5)),
+        no_tangents=np.zeros((0, n)),
     )
 
 

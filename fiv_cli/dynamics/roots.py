@@ -18,7 +18,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fiv_cli.dynamics.compiled import INLINE_PUBLIC, INNER
+from fiv_cli.dynamics.call import at
+from fiv_cli.dynamics.compiled import INLINE, INNER
 
 NO_ROOT = 2.0
 HIGHEST_ORDER = 24
@@ -31,11 +32,14 @@ ROW = HIGHEST_ORDER + 3  # coefficients of a piece, then the two ends of its int
 LOW, HIGH = HIGHEST_ORDER + 1, HIGHEST_ORDER + 2
 POLYNOMIAL = MAX_DEPTH * ROW  # where the polynomial stands
 
-# TO_BERNSTEIN[n, i, j]: share of the coefficient of x^i in Bernstein coefficient j of degree n.
+# Share of the coefficient of x^i in Bernstein coefficient j of degree n: at (n SQUARE + j ROW + i).
+SQUARE = ROW * ROW
 TO_BERNSTEIN = np.array(
     [
-        [[comb(j, i) / comb(n, i) if i <= j <= n else 0.0 for j in range(ROW)] for i in range(ROW)]
+        comb(j, i) / comb(n, i) if i <= j <= n else 0.0
         for n in range(HIGHEST_ORDER + 1)
+        for j in range(ROW)
+        for i in range(ROW)
     ]
 )
 
@@ -43,9 +47,9 @@ TO_BERNSTEIN = np.array(
 @njit(**INNER)
 def evaluate(work, degree, x):  # type: ignore[no-untyped-def]
     """Value of the polynomial by Horner's rule."""
-    value = work[POLYNOMIAL + degree]
+    value = at(work, POLYNOMIAL + degree)
     for k in range(degree - 1, -1, -1):
-        value = value * x + work[POLYNOMIAL + k]
+        value = value * x + at(work, POLYNOMIAL + k)
     return value
 
 
@@ -54,7 +58,7 @@ def slope(work, degree, x):  # type: ignore[no-untyped-def]
     """Its derivative by Horner's rule."""
     value = 0.0
     for k in range(degree, 0, -1):
-        value = value * x + k * work[POLYNOMIAL + k]
+        value = value * x + k * at(work, POLYNOMIAL + k)
     return value
 
 
@@ -62,23 +66,26 @@ def slope(work, degree, x):  # type: ignore[no-untyped-def]
 def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no-untyped-def]
     """Root with p(low) > 0 >= p(high), by Newton steps kept inside the bracket.
 
-    Even and odd powers are summed apart: two short chains of operations instead of a long one.
+    A step that is not half as long as the one before halves the bracket instead: far out, where
+    the highest power rules, Newton steps shrink by a few per cent each. Even and odd powers are
+    summed apart: two short chains of operations instead of a long one.
     """
     x = low + (high - low) * at_low / (at_low - at_high)  # where the chord passes zero
     if not low < x < high:
         x = 0.5 * (low + high)
+    moved = high - low
     top_even = degree - degree % 2
     top_odd = degree - 1 + degree % 2
     for _ in range(100):
         square = x * x
-        even, even_slope = work[POLYNOMIAL + top_even], 0.0
+        even, even_slope = at(work, POLYNOMIAL + top_even), 0.0
         for k in range(top_even - 2, -1, -2):
             even_slope = even_slope * square + even
-            even = even * square + work[POLYNOMIAL + k]
-        odd, odd_slope = work[POLYNOMIAL + top_odd], 0.0
+            even = even * square + at(work, POLYNOMIAL + k)
+        odd, odd_slope = at(work, POLYNOMIAL + top_odd), 0.0
         for k in range(top_odd - 2, 0, -2):
             odd_slope = odd_slope * square + odd
-            odd = odd * square + work[POLYNOMIAL + k]
+            odd = odd * square + at(work, POLYNOMIAL + k)
         value = even + x * odd
         derivative = odd + 2.0 * (x * even_slope + square * odd_slope)
         if value > 0.0:
@@ -86,11 +93,13 @@ def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no
         else:
             high = x
         new = x - value / derivative if derivative != 0.0 else low
-        if low < new < high:
-            if abs(new - x) <= LAST_STEP:
+        if low < new < high and 2.0 * abs(new - x) <= moved:
+            moved = abs(new - x)
+            if moved <= LAST_STEP:
                 return new
         else:  # a halved bracket converges slowly: its last step says nothing of the error
             new = 0.5 * (low + high)
+            moved = high - low
             if not low < new < high:
                 return new
         x = new
@@ -116,11 +125,11 @@ def lowest_point(work, degree, low, high, tolerance):  # type: ignore[no-untyped
 def to_bernstein(work, degree):  # type: ignore[no-untyped-def]
     """Bernstein coefficients of the polynomial on [0, 1], into the first row."""
     for j in range(degree + 1):
-        work[j] = work[POLYNOMIAL]
-    for i in range(1, degree + 1):
-        coefficient = work[POLYNOMIAL + i]
-        for j in range(degree + 1):
-            work[j] += coefficient * TO_BERNSTEIN[degree, i, j]
+        shares = degree * SQUARE + j * ROW
+        value = at(work, POLYNOMIAL)
+        for i in range(1, j + 1):
+            value += at(work, POLYNOMIAL + i) * at(TO_BERNSTEIN, shares + i)
+        work[j] = value
 
 
 @njit(**INNER)
@@ -128,11 +137,11 @@ def halve(work, degree, row):  # type: ignore[no-untyped-def]
     """Split a piece at its middle (de Casteljau): right half stays, left half goes on top."""
     left = row + ROW
     for j in range(degree + 1):
-        work[left + j] = work[row]
+        work[left + j] = at(work, row)
         for i in range(degree - j):
-            work[row + i] = 0.5 * (work[row + i] + work[row + i + 1])
-    middle = 0.5 * (work[row + LOW] + work[row + HIGH])
-    work[left + LOW] = work[row + LOW]
+            work[row + i] = 0.5 * (at(work, row + i) + at(work, row + i + 1))
+    middle = 0.5 * (at(work, row + LOW) + at(work, row + HIGH))
+    work[left + LOW] = at(work, row + LOW)
     work[left + HIGH] = middle
     work[row + LOW] = middle
 
@@ -143,7 +152,7 @@ def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     changes = 0
     negative = False
     for j in range(degree + 1):
-        value = work[row + j]
+        value = at(work, row + j)
         if value < -tolerance and not negative:
             changes += 1
             negative = True
@@ -157,47 +166,37 @@ def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
 def may_touch(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     """Whether a piece without a change of sign has a coefficient within `tolerance` of zero."""
     for j in range(1, degree + 1):
-        if work[row + j] <= tolerance:
+        if at(work, row + j) <= tolerance:
             return True
     return False
 
 
-@njit("float64(int64, float64[::1])", **INLINE_PUBLIC)
-def first_root(degree, work):  # type: ignore[no-untyped-def]
+@njit(**INLINE)
+def first_root(degree, work, total, end):  # type: ignore[no-untyped-def]
     """First x in [0, 1] where p passes from positive to zero or below; NO_ROOT if none.
 
-    p stands at `POLYNOMIAL`. It starts positive (its known zeros at the start are divided out by
-    the caller); a start at or below zero is a root at 0.
+    p stands at `POLYNOMIAL`; `total` is the sum of its coefficients' absolute values, `end` that
+    of the coefficients. It starts positive (its known zeros at the start are divided out by the
+    caller); a start at or below zero is a root at 0.
     """
-    start = work[POLYNOMIAL]
+    start = at(work, POLYNOMIAL)
     if start <= 0.0:
         return 0.0
-    total = start
-    falling = 0.0
-    steepness = 0.0
-    for k in range(1, degree + 1):
-        coefficient = work[POLYNOMIAL + k]
-        size = abs(coefficient)
-        total += size
-        steepness += k * size
-        if coefficient < 0.0:
-            falling += size
     tolerance = ROUNDING * total
     # p(x) >= start + p1 x - rest x^2, which is least at an end of [0, 1].
-    first = work[POLYNOMIAL + 1]
-    rest = falling + min(first, 0.0)
+    first = at(work, POLYNOMIAL + 1)
+    rest = 0.5 * (total - end) + min(first, 0.0)
     if start + first - rest > tolerance:
         return NO_ROOT
-    if 2.0 * abs(first) > steepness:  # monotonic over the whole step
-        end = evaluate(work, degree, 1.0)
-        if end > tolerance:
-            return NO_ROOT
-        return bracketed_root(work, degree, 0.0, 1.0, start, end) if end < 0.0 else 1.0
-    curvature = 0.0
+    second = 2.0 * at(work, POLYNOMIAL + 2)
+    steepness, curvature, power = abs(first) + abs(second), 0.0, 2.0
     for k in range(3, degree + 1):
-        curvature += k * (k - 1) * abs(work[POLYNOMIAL + k])
-    if -2.0 * work[POLYNOMIAL + 2] > curvature:  # concave: least at an end, one root at most
-        end = evaluate(work, degree, 1.0)
+        power += 1.0
+        slope_term = power * abs(at(work, POLYNOMIAL + k))
+        steepness += slope_term
+        curvature += (power - 1.0) * slope_term
+    # Monotonic, or concave: least at an end, one root at most.
+    if 2.0 * abs(first) > steepness or -second > curvature:
         if end > tolerance:
             return NO_ROOT
         return bracketed_root(work, degree, 0.0, 1.0, start, end) if end < 0.0 else 1.0
@@ -205,10 +204,10 @@ def first_root(degree, work):  # type: ignore[no-untyped-def]
     work[LOW], work[HIGH] = 0.0, 1.0
     row = 0
     while row >= 0:
-        low, high = work[row + LOW], work[row + HIGH]
+        low, high = at(work, row + LOW), at(work, row + HIGH)
         changes = sign_changes(work, degree, row, tolerance)
         if changes == 0:
-            if work[row + degree] <= tolerance:
+            if at(work, row + degree) <= tolerance:
                 return high
             if may_touch(work, degree, row, tolerance) and slope(work, degree, low) < 0.0:
                 touch = lowest_point(work, degree, low, high, tolerance)
@@ -216,13 +215,13 @@ def first_root(degree, work):  # type: ignore[no-untyped-def]
                     return touch
             row -= ROW
         elif changes == 1:
-            return bracketed_root(work, degree, low, high, work[row], work[row + degree])
+            return bracketed_root(work, degree, low, high, at(work, row), at(work, row + degree))
         elif high - low < TWIN_WIDTH or row + 2 * ROW >= POLYNOMIAL:
             touch = lowest_point(work, degree, low, high, tolerance)
             if touch != NO_ROOT:
                 depth = evaluate(work, degree, touch)
                 if depth < -tolerance:
-                    return bracketed_root(work, degree, low, touch, work[row], depth)
+                    return bracketed_root(work, degree, low, touch, at(work, row), depth)
                 return touch
             row -= ROW
         else:

@@ -106,7 +106,7 @@ class System:
     generated: Generated
     schedule: Schedule = STEADY
 
-    @property
+    @cached_property
     def state_names(self) -> tuple[str, ...]:
         """Entries of the state vector."""
         return self.generated.state_names
@@ -116,7 +116,7 @@ class System:
         """Generalised coordinates: the first entries of the state vector."""
         return self.generated.coordinates
 
-    @property
+    @cached_property
     def n_contacts(self) -> int:
         """Number of contacts."""
         return len(self.generated.smooth)
@@ -150,11 +150,15 @@ class System:
 
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """Parameters in generated order, slip signs +1, sector 0; shape (n_parameters,)."""
-        names = self.generated.parameter_names
-        own = len(names) - 1 - self.n_contacts
         known = self.known(parameters)
-        values = [known[name] for name in names[:own]]
-        return np.array([*values, *([1.0] * self.n_contacts), 0.0])
+        own, signs_and_sector = self._parameter_entries
+        return np.array([*map(known.__getitem__, own), *signs_and_sector])
+
+    @cached_property
+    def _parameter_entries(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
+        """Names of the parameters proper, and what follows them."""
+        own = len(self.generated.parameter_names) - 1 - self.n_contacts
+        return self.generated.parameter_names[:own], (1.0,) * self.n_contacts + (0.0,)
 
     @cached_property
     def _is_extended(self) -> bool:
@@ -172,9 +176,18 @@ class System:
             known |= self.model.derived.values(known, self.options)
         return known | {rate_of(name): 0.0 for name in self.schedule.names}
 
+    @cached_property
+    def places(self) -> Mapping[str, int]:
+        """Name of an entry of the state vector -> its place."""
+        return {name: place for place, name in enumerate(self.state_names)}
+
     def state_vector(self, values: Mapping[str, float]) -> Vector:
         """State vector from named values, the rest 0; shape (n_states,)."""
-        return np.array([float(values.get(name, 0.0)) for name in self.state_names])
+        vector = np.zeros(len(self.state_names))
+        for name, value in values.items():
+            if name in self.places:
+                vector[self.places[name]] = value
+        return vector
 
 
 @dataclass(frozen=True)
@@ -182,7 +195,8 @@ class Tables:
     """Tables of addresses and switching functions, indexed by contact state (see kernel.py).
 
     `impacts` holds, per contact, the impact function and then, while tangents are carried, the
-    one that takes them through the impact.
+    one that takes them through the impact; `ends` is 1 for a contact that cannot open, whose loss
+    ends a motion.
     """
 
     table: NDArray[np.int64]
@@ -190,7 +204,6 @@ class Tables:
     guards: NDArray[np.int64]
     config: NDArray[np.int64]
     ends: NDArray[np.int64]
-    separable: tuple[bool, ...]
 
 
 def _tables(generated: Generated, model: Model, options: Mapping[str, str]) -> Tables:
@@ -212,12 +225,10 @@ def _tables(generated: Generated, model: Model, options: Mapping[str, str]) -> T
             impacts[index, contact] = generated.address(f"{state.name}_impact_{contact}")
         for place, guard in enumerate(state.guards):
             guards[index, place] = guard
-    separable = tuple(
-        any(state.kinds[i] == kernel.SEPARATION for state in generated.states.values())
-        for i in range(contacts)
-    )
-    ends = np.array([int(not separable[i]) for i in range(contacts)], np.int64)
-    return Tables(table, impacts, guards, _config(generated), ends, separable)
+    ends = np.ones(contacts, np.int64)
+    for state in generated.states.values():
+        ends[np.array(state.kinds) == kernel.SEPARATION] = 0
+    return Tables(table, impacts, guards, _config(generated), ends)
 
 
 def _config(generated: Generated) -> NDArray[np.int64]:
@@ -230,6 +241,7 @@ def _config(generated: Generated) -> NDArray[np.int64]:
     config[kernel.N_PARAMETERS] = len(generated.parameter_names)
     config[kernel.N_COORDINATES] = len(generated.coordinates)
     config[kernel.COEFFICIENTS] = generated.address("coefficients")
+    config[kernel.STATE] = generated.address("state")
     config[kernel.METHOD] = kernel.METHOD_TAYLOR
     config[kernel.ZONE_CONTACT] = 0
     if generated.zone is not None:
