@@ -140,7 +140,7 @@ def test_kinds_are_indexed_alike() -> None:
     import numpy as np
 
     for kinds in ([0], [2], [0, 1], [2, 1, 0], [1, 1, 2]):
-        found = kernel.state_index.py_func(np.array(kinds, np.int64), len(kinds))
+        found = kernel.state_index(np.array(kinds, np.int64), len(kinds))
         assert found == derive.index_of(kinds)
 
 
@@ -152,9 +152,9 @@ def test_codes_have_names() -> None:
         kernel.CODE_SEPARATION,
     )
     assert [motion.CODE_NAMES[code] for code in codes] == ["slip+", "slip-", "stick", "separation"]
-    assert [kernel.kind_of.py_func(code) for code in codes] == [0, 0, 1, 2]
+    assert [kernel.kind_of(code) for code in codes] == [0, 0, 1, 2]
     for sign, code in ((1.0, kernel.CODE_SLIP_PLUS), (-1.0, kernel.CODE_SLIP_MINUS)):
-        assert kernel.code_of.py_func(kernel.SLIP, sign) == code
+        assert kernel.code_of(kernel.SLIP, sign) == code
 
 
 def test_every_stop_has_a_reason_with_advice() -> None:

@@ -25,7 +25,7 @@ from fiv_cli.codegen.statics import (
     load_reduction,
 )
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import BOUND, call, contact_outputs
+from fiv_cli.dynamics.motion import BOUND, call
 from fiv_cli.dynamics.system import System, Vector
 
 NEWTON_STEPS = 60
@@ -76,7 +76,7 @@ class Sliding:
 
     def contact_forces(self, y: Vector) -> NDArray[np.float64]:
         """(F_N, F_T, v_rel) per contact; shape (n_contacts, 3)."""
-        first = contact_outputs(self.system.tables.table, self.index, len(y))
+        first = kernel.contact_outputs(self.system.tables.table, self.index, len(y))
         count = self.system.n_contacts
         return self.field(y)[first : first + 3 * count].reshape(count, 3)
 

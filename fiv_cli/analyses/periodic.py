@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.equilibria import statics_of
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import Motion, Stop, call, state_index
+from fiv_cli.dynamics.motion import Motion, Stop, call
 from fiv_cli.dynamics.system import System, Vector
 
 Matrix = NDArray[np.float64]
@@ -181,7 +181,7 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
 def _projection(motion: Motion) -> Matrix:
     """Derivative of the state where a motion is by the state asked for, by differentiated code."""
     n, order = len(motion.y), motion.system.generated.order
-    index = state_index(motion.kinds, len(motion.kinds))
+    index = kernel.state_index(motion.kinds, len(motion.kinds))
     address = motion.system.tangent_table[index, kernel.TANGENT]
     series = np.zeros_like(motion.work)
     matrix = np.zeros((n, n))

@@ -25,7 +25,8 @@ CACHE = {
 }
 
 # Functions that only kernels call: compiled into their callers, and so neither wrapped for Python
-# nor cached (and loaded, at every start) on their own. They carry no signature.
+# nor cached (and loaded, at every start) on their own. They carry no signature; a call from Python
+# would crash the process (those that Python needs too are `register_jitable`).
 INNER = {**CACHE, "cache": False, "no_cpython_wrapper": True}
 
 # The hot path: passing a function a dozen arrays costs more than most of them do.

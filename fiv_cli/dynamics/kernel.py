@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 from fiv_cli.dynamics.call import at, call_generated
 from fiv_cli.dynamics.compiled import CACHE, INLINE, INNER
@@ -92,7 +93,7 @@ KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(5)
 N_ENERGIES = 5
 
 
-@njit(**INNER)
+@register_jitable(**INNER)
 def state_index(kinds, contacts):  # type: ignore[no-untyped-def]
     """Index of a combination of kinds: base 3, contact 0 first."""
     index = 0
@@ -101,7 +102,7 @@ def state_index(kinds, contacts):  # type: ignore[no-untyped-def]
     return index
 
 
-@njit(**INNER)
+@register_jitable(**INNER)
 def code_of(kind, sign):  # type: ignore[no-untyped-def]
     """Code of a contact's state in ledgers."""
     if kind == SLIP:
@@ -109,7 +110,7 @@ def code_of(kind, sign):  # type: ignore[no-untyped-def]
     return CODE_STICK if kind == STICK else CODE_SEPARATION
 
 
-@njit(**INNER)
+@register_jitable(**INNER)
 def kind_of(code):  # type: ignore[no-untyped-def]
     """Kind of a contact's state from its code."""
     return SLIP if code <= CODE_SLIP_MINUS else code - 1
@@ -339,7 +340,7 @@ def consistent(  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(**INNER)
+@register_jitable(**INNER)
 def contact_outputs(table, index, n):  # type: ignore[no-untyped-def]
     """Where the contact outputs begin in the field output."""
     return 2 * n + table[index, N_GUARDS] + table[index, HAS_ANGLE]

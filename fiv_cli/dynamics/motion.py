@@ -16,10 +16,6 @@ from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
 
-# Small enough to run as they stand.
-state_index, code_of = kernel.state_index.py_func, kernel.code_of.py_func
-contact_outputs = kernel.contact_outputs.py_func
-
 SCRATCH_ROWS = 7
 # A state (m, rad, and those per s) beyond this has diverged. Growth in a nonlinear contact ends in
 # ever shorter steps, so a bound far above anything mechanical would only cost time.
@@ -200,7 +196,7 @@ class Motion:
         )  # fmt: skip
 
     def _field(self, kinds: NDArray[np.int64]) -> tuple[int, Vector]:
-        index = state_index(kinds, len(kinds))
+        index = kernel.state_index(kinds, len(kinds))
         out = np.zeros(self.stages.shape[1])
         address = self.tables.table[index, kernel.FIELD]
         call(address, self.coefficients, self.time, self.y, out)
@@ -210,7 +206,7 @@ class Motion:
         """Whether a contact that cannot open would have to pull."""
         count = self.system.n_contacts
         index, out = self._field(np.full(count, kernel.SLIP, np.int64))
-        first = contact_outputs(self.tables.table, index, len(self.y))
+        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
         normal_forces = out[first : first + kernel.PER_CONTACT * count : kernel.PER_CONTACT]
         return bool(np.any((self.tables.ends == 1) & (normal_forces < 0.0)))
 
@@ -234,7 +230,10 @@ class Motion:
     def codes(self) -> list[int]:
         """Contact states, see `CODE_NAMES`."""
         first = len(self.parameters) - 1 - self.system.n_contacts
-        return [int(code_of(kind, self.parameters[first + i])) for i, kind in enumerate(self.kinds)]
+        return [
+            int(kernel.code_of(kind, self.parameters[first + i]))
+            for i, kind in enumerate(self.kinds)
+        ]
 
     def keep_ledger(self, rows: int) -> None:
         """Record up to `rows` further events."""
@@ -306,7 +305,7 @@ class Motion:
 
     def _is_jammed(self) -> bool:
         """Whether the determinant of an algebraic normal force has lost its sign in sliding."""
-        index = state_index(np.zeros_like(self.kinds), len(self.kinds))
+        index = kernel.state_index(np.zeros_like(self.kinds), len(self.kinds))
         kinds = self.tables.guards[index, : self.tables.table[index, kernel.N_GUARDS], 0]
         first, places = 2 * len(self.y), np.flatnonzero(kinds == kernel.JAMMING)
         out, coefficients = np.zeros(self.stages.shape[1]), self.coefficients.copy()
@@ -385,7 +384,7 @@ class Motion:
         if not self._has_equations():
             return float("nan")
         index, out = self._field(self.kinds)
-        first = contact_outputs(self.tables.table, index, len(self.y))
+        first = kernel.contact_outputs(self.tables.table, index, len(self.y))
         first += kernel.PER_CONTACT * self.system.n_contacts
         return float(out[first + kernel.KINETIC] + out[first + kernel.POTENTIAL])
 
