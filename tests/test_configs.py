@@ -338,10 +338,16 @@ LONG = [
     ("ch6/fig_6_15", ("grid.F=[200.0, 400.0]",), {0: CONFIRMED}),
     ("ch6/fig_6_15_thesis", ("grid.F=[200.0, 600.0]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_16", (), {0: CONFIRMED, 1: CONFIRMED}),
+    (
+        "ch6/fig_6_16_thesis",
+        ("analysis.history.t_end=1.0",),
+        {0: CONFIRMED, 1: CONTRADICTED},
+    ),
     ("ch6/fig_6_17", ("grid.mu_k=[0.1, 0.15]",), {1: CONFIRMED, 2: CONFIRMED}),
-    ("ch6/fig_6_17_thesis", ("grid.mu_k=[0.1]",), {1: CONFIRMED}),
+    ("ch6/fig_6_17_thesis", ("grid.mu_k=[0.1, 2.9]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED}),
     ("ch6/fig_6_17_slip", ("grid.mu_k={start=1.1, stop=1.8, step=0.1}",), {0: CONFIRMED}),
     ("ch6/fig_6_18a", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
+    ("ch6/fig_6_18a_thesis", ("grid.mu_k=[2.5]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_18b", ("grid.mu_k=[2.7]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_18d", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
 ]
