@@ -379,6 +379,12 @@ def test_the_first_analysis_with_the_variable_is_meant():
     assert evaluate(spec, analyses, lambda case: None).verdict == CONFIRMED
 
 
+def test_a_claim_may_name_the_only_analysis():
+    """A file of one analysis does not say its name; the case was checked for it."""
+    verdict = tried(sweep(THREE), "attractor", "equilibrium", {"mu_k": 0.3}, analysis="response")
+    assert verdict.verdict == CONFIRMED
+
+
 def test_tally_counts_every_verdict():
     assert tally([CONFIRMED, "not run", CONFIRMED]) == "2 confirmed, 1 not run"
     assert tally([]) == "no claims"

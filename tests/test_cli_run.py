@@ -258,3 +258,11 @@ def test_history_does_not_replace_a_sweep(capsys: pytest.CaptureFixture[str]) ->
     assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
     assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
     assert fiv(["history", "belt.toml", *at, "--sample", "-1"]) == 2
+
+
+@pytest.mark.parametrize(("text", "why"), [("nan", "must be finite"), ("-1", "positive time")])
+def test_history_to_no_time(capsys: pytest.CaptureFixture[str], text: str, why: str) -> None:
+    at = ["--at", "v=0.5,initial=rest", "--t-end", text]
+    assert fiv(["history", "belt.toml", *at]) == 2
+    refused = capsys.readouterr().err
+    assert refused.startswith(f"--t-end {text}: ") and why in refused

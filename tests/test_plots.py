@@ -417,8 +417,9 @@ def test_a_window_of_time_is_all_that_is_drawn(kind):
 
 
 def test_motions_need_a_history_and_a_choice():
-    with pytest.raises(UsageError, match="no motion"):
-        draw(data.bifurcation(), figure("history"))
+    for kind in ("history", "phase", "spectrum", "spectrogram"):
+        with pytest.raises(UsageError, match="no motion"):
+            draw(data.bifurcation(), figure(kind))
     many = xr.concat(
         [data.history().assign_coords(initial=[f"{n}-a", f"{n}-b"]) for n in range(3)],
         "initial",

@@ -7,12 +7,14 @@ system is looked up (or loaded from the per-user cache) inside the worker.
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.dynamics.schedule import STEADY, Schedule
+from fiv_cli.errors import StorageError
 
 if TYPE_CHECKING:
     from fiv_cli.dynamics.system import System
@@ -100,8 +102,23 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
         only_moves = _only_moves(request)
         if (key, only_moves) not in seen:
             seen.add((key, only_moves))
-            for system in _systems(request, announce):
-                _load(system, request.parameters, only_moves)
+            with _stored():
+                for system in _systems(request, announce):
+                    _load(system, request.parameters, only_moves)
+
+
+@contextmanager
+def _stored() -> Iterator[None]:
+    """StorageError where compiled code cannot be kept."""
+    from fiv_cli.codegen.cache import cache_root
+
+    try:
+        yield
+    except OSError as error:
+        raise StorageError(
+            f"{cache_root()}: compiled code cannot be kept there: {error.strerror or error}\n"
+            "next: free some space, or name another folder: FIV_CACHE_DIR=FOLDER in the environment"
+        ) from error
 
 
 def _only_moves(request: Request) -> bool:

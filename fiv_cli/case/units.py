@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isfinite
 
 PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 
@@ -121,6 +122,8 @@ def exact(value: float | str, unit: str) -> Fraction:
         Not a number, an unknown unit, or one that does not fit `unit`.
     """
     if not isinstance(value, str):
+        if not isfinite(value):
+            raise ValueError(f"must be finite, not {value!r}")
         return Fraction(repr(value))
     number, given = _split(value)
     if not given:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fiv_cli.cli.common import set_option
+from fiv_cli.cli.common import provide_cache, set_option
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ def command(
     from fiv_cli.case.load import load_case
     from fiv_cli.sweep.again import find_point, run_again
 
+    provide_cache()
     loaded = load_case(case, overrides)
     settings = {"t_end": _seconds("--t-end", t_end), "sample": _seconds("--sample", sample)}
     given = {name: value for name, value in settings.items() if value is not None}

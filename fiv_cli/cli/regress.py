@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from fiv_cli.cli.common import provide_cache
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ def command(folder: Path, workers: int, regenerate: bool) -> int:
       fiv regress --regenerate
     """
     sweeps = find_sweeps(folder)
+    provide_cache()
     if regenerate:
         _refuse_dirty_tree(folder)
     results = [_regress(sweep, workers, regenerate) for sweep in sweeps]

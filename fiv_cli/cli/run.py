@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import set_option
+from fiv_cli.cli.common import provide_cache, set_option
 from fiv_cli.errors import CaseError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -82,6 +82,7 @@ def command(
     """
     from fiv_cli.sweep.policy import Policy
 
+    provide_cache()
     policy = Policy(
         workers=workers,
         fresh=not resume,

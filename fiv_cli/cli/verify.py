@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, print_table
+from fiv_cli.cli.common import json_option, print_json, print_table, provide_cache
 
 if TYPE_CHECKING:
     from fiv_cli.verify import Check
@@ -32,6 +32,7 @@ def command(as_json: bool) -> int:
     """
     from fiv_cli.verify import verify
 
+    provide_cache()
     checks = verify(lambda message: click.echo(message, err=True))
     failed = [check for check in checks if not check.passed]
     if as_json:

@@ -135,6 +135,8 @@ def _counted(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, ClaimSp
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
+    if list(analyses) == [""]:  # a file of one analysis does not say its name
+        analysis = ""
     if analysis and analysis not in analyses:
         raise select.SelectionError(f"{analysis}: no analysis of the dataset")
     candidates = [analyses[analysis]] if analysis else list(analyses.values())

@@ -46,6 +46,15 @@ def suits(dataset: xr.Dataset) -> bool:
     return "time" in dataset.variables and "contact_state" in dataset
 
 
+def refuse_without(dataset: xr.Dataset) -> None:
+    """UsageError where the dataset holds no motion in time."""
+    if not suits(dataset):
+        raise UsageError(
+            "no motion in time in this dataset\n"
+            "compute one with: fiv history CASE --at AXIS=VALUE,initial=LABEL"
+        )
+
+
 def motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[Motion]:
     """Every motion of the dataset, over the figure's ``window`` of time.
 
@@ -53,11 +62,7 @@ def motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[Motion]:
     ------
     UsageError : it holds none, or more than a figure can show
     """
-    if not suits(dataset):
-        raise UsageError(
-            "no motion in time in this dataset\n"
-            "compute one with: fiv history CASE --at AXIS=VALUE,initial=LABEL"
-        )
+    refuse_without(dataset)
     lines = points.lines(dataset, [], points.grid_dims(dataset))
     if len(lines) > (MOST_OVERLAID if settings.get("overlay") else MOST_MOTIONS):
         axes = ", ".join(str(axis.name) for axis in points.varying_axes(dataset))

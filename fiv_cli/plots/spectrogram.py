@@ -94,6 +94,7 @@ def _stored(dataset: xr.Dataset) -> tuple[list[Panel], str]:
 
 def _of_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[list[Panel], str]:
     """Spectrograms of the samples of histories."""
+    motion.refuse_without(dataset)
     name = points.one_variable(settings, motion.displacements(dataset)[0])
     motion.known_variable(dataset, name)
     panels = [
