@@ -53,6 +53,7 @@ _BOUND = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _CONDITION = re.compile(
     rf"\s*(?:(?P<low>{_BOUND})\s*(?P<above><=?)\s*)?\.(?:\s*(?P<below><=?|>=?)\s*(?P<high>{_BOUND}))?\s*"
 )
+_FILE_NAME = re.compile(r"[^/\\\0]+")
 _CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
 _OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
 _EXPECT_FORMS = (
@@ -96,6 +97,9 @@ def read_figures(
         taken = [figure.name for figure in figures]
         if table.name in taken:
             report.add((*place, "name"), f"the name {table.name!r} is taken", "unique names")
+        if table.name is not None and not _FILE_NAME.fullmatch(table.name):
+            message = f"{table.name!r} cannot be part of the name of a file"
+            report.add((*place, "name"), message, "one character at least, and no slash")
         given = {key: value for key, value in element.items() if key not in ("kind", "name")}
         settings = given | _canonical(table, answers, place, report)
         figures.append(FigureSpec(table.name or _free(table.kind, taken), table.kind, settings))

@@ -24,6 +24,7 @@ from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.lines import locate
 from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.report import dotted
+from fiv_cli.data.asked import refuse_what_will_not_be_there
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.variables import Variable
@@ -210,8 +211,16 @@ class Plan:
 
 
 def make_plan(case: Case) -> Plan:
-    """The plan of a valid case."""
-    return Plan(case, tuple(_analysis_plan(case, spec) for spec in case.analyses))
+    """The plan of a valid case.
+
+    Raises
+    ------
+    CaseError
+        a figure, a claim or the refinement asks for what the analyses do not hold.
+    """
+    analyses = tuple(_analysis_plan(case, spec) for spec in case.analyses)
+    refuse_what_will_not_be_there(case, [analysis.layout for analysis in analyses])
+    return Plan(case, analyses)
 
 
 def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:

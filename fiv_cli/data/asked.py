@@ -1,0 +1,119 @@
+"""What the figures and claims of a case ask for, against what its analyses will hold.
+
+A misspelt variable is told before anything is computed, not after.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from fiv_cli.case.case import Case, ClaimSpec, FigureSpec
+from fiv_cli.case.lines import locate
+from fiv_cli.case.names import listed, suggest
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.results import TRENDS
+from fiv_cli.data.flags import TABLES
+from fiv_cli.data.layout import Layout
+from fiv_cli.data.variables import Variable, variables_of
+from fiv_cli.models import get_model
+
+# What a sweep that is refined tells of each point besides.
+_OF_REFINED = ("computed",)
+
+
+def refuse_what_will_not_be_there(case: Case, layouts: Sequence[Layout]) -> None:
+    """Check every variable that a figure or a claim names.
+
+    Raises
+    ------
+    CaseError
+        one names what no analysis of the case computes, or asks a number for its class.
+    """
+    report = Report(case.source, locate(case.text), {})
+    for index, figure in enumerate(case.figures):
+        known = _known(case, layouts, figure.settings.get("analysis"), motions=True)
+        for name in _named(figure):
+            _check(name, known, ("figure", index, "variable"), report)
+        _check_scale(figure, ("figure", index), report)
+    for index, claim in enumerate(case.claims):
+        place: Path = ("claim", index)
+        known = _known(case, layouts, claim.analysis, motions=False)
+        if _check(claim.variable, known, (*place, "variable"), report):
+            _check_expected(claim, known[claim.variable], place, report)
+    report.raise_if_any()
+
+
+def _named(figure: FigureSpec) -> Iterable[str]:
+    named = figure.settings.get("variable", [])
+    return [named] if isinstance(named, str) else named
+
+
+def _known(
+    case: Case, layouts: Sequence[Layout], analysis: str | None, motions: bool
+) -> dict[str, Variable | None]:
+    """Everything that stands in the dataset of the case, or of one of its analyses.
+
+    A figure may also be drawn of a motion that ``fiv history`` computes (`motions`).
+    """
+    chosen = [layout for layout in layouts if not analysis or layout.name == analysis]
+    found: dict[str, Variable | None] = dict.fromkeys(name for name in _coordinates(case))
+    if motions:
+        own = variables_of("history", get_model(case.model), case.options, {})
+        found |= {variable.name: variable for variable in own}
+    for layout in chosen:
+        found |= {f"{v.ragged}_row_size": None for v in layout.variables if v.ragged}
+        found |= {variable.name: variable for variable in layout.variables}
+    return found
+
+
+def _coordinates(case: Case) -> Iterator[str]:
+    yield from (axis.dim for axis in case.axes)
+    yield from _OF_REFINED
+
+
+def _check(name: str, known: Mapping[str, Variable | None], place: Path, report: Report) -> bool:
+    """Whether there is such a variable; notes where there is none."""
+    if name not in known:
+        variables = {v.name: v.long_name for v in known.values() if v is not None}
+        message = f"no analysis of this case computes {name!r}"
+        report.add(place, message, listed(variables), suggest(name, variables))
+    return name in known
+
+
+def _check_expected(
+    claim: ClaimSpec, variable: Variable | None, place: Path, report: Report
+) -> None:
+    """Note a class that is expected of a number, and a number that is expected of a class."""
+    if variable is None or claim.share or claim.reduce:
+        return
+    if variable.kind == "flag":
+        _check_of_class(claim.expect, variable, (*place, "expect"), report)
+    elif isinstance(claim.expect, str) and claim.expect not in TRENDS:
+        message = f"{claim.variable!r} is a number and has no class {claim.expect!r}"
+        forms = '"increasing", "decreasing", { value, tolerance } or { less_than }'
+        report.add((*place, "expect"), message, forms)
+
+
+def _check_of_class(expect: Any, variable: Variable, place: Path, report: Report) -> None:
+    classes = list(TABLES[variable.flags].codes)
+    if isinstance(expect, dict) and "interval" not in expect:
+        message = f"{variable.name!r} holds a class, not a number"
+        report.add(place, message, f'{listed(classes)}, or "not CLASS"')
+    elif isinstance(expect, str):
+        name = expect.removeprefix("not ")
+        if name not in classes and expect not in TRENDS:
+            message = f"{variable.name!r} has no class {name!r}"
+            report.add(place, message, listed(classes), suggest(name, classes))
+
+
+def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:
+    """Note limits that a logarithmic axis cannot have."""
+    log = figure.settings.get("log", False)
+    for which in ("x", "y"):
+        limits = figure.settings.get(f"{which}lim", ())
+        logarithmic = log is True or (isinstance(log, str) and which in log)
+        numbers = [bound for bound in limits if isinstance(bound, int | float)]
+        if logarithmic and any(bound <= 0 for bound in numbers):
+            message = f"a logarithmic axis begins above 0, not at {min(numbers)!r}"
+            report.add((*place, f"{which}lim"), message, "[low, high] with 0 < low")

@@ -1,0 +1,88 @@
+"""Figures and claims ask for what the analyses of their case will hold, or the case is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from fiv_cli.case.load import parse_case
+from fiv_cli.errors import CaseError, Problem
+from fiv_cli.sweep.plan import make_plan
+
+BELT = """\
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = [0.5, 1.0]
+[[analysis]]
+kind = "response"
+[[analysis]]
+kind = "eigenvalues"
+"""
+
+
+def claim(variable: str, expect: str, *lines: str) -> str:
+    table = ["[[claim]]", 'source = "a"', 'text = "b"', f'variable = "{variable}"']
+    return BELT + "\n".join([*table, f"expect = {expect}", *lines]) + "\n"
+
+
+def figure(*lines: str) -> str:
+    return BELT + "\n".join(["[[figure]]", *lines]) + "\n"
+
+
+def problem(text: str) -> Problem:
+    """The one problem of a case, when it is planned."""
+    with pytest.raises(CaseError) as caught:
+        make_plan(parse_case(text, "a.toml"))
+    (only,) = caught.value.problems
+    return only
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        claim("attractor", '"not equilibrium"'),
+        claim("L_s", '"increasing"'),
+        claim("period", "{ value = 6.3, tolerance = 1.0 }", 'analysis = "response"'),
+        claim("attractor", "{ interval = [0.5, 1.0], tolerance = 0.1 }"),
+        claim("attractor", "{ less_than = 1 }", 'share = { of = "periodic", over = ["v"] }'),
+        claim("stable", '"unstable"'),
+        claim("v", '"increasing"'),
+        figure('kind = "curve"', 'variable = ["x_min", "growth_rate"]'),
+        figure('kind = "history"', 'variable = "friction_power"'),
+        figure('kind = "curve"', "log = true", "xlim = [0.1, 1]"),
+        figure('kind = "curve"', 'log = "y"', "xlim = [0, 1]"),
+    ],
+)
+def test_what_will_be_there(text: str) -> None:
+    assert make_plan(parse_case(text, "a.toml")).size == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "words"),
+    [
+        (claim("atractor", '"periodic"'), "claim.0.variable", "did you mean 'attractor'"),
+        (claim("Ls", "{ less_than = 1 }"), "claim.0.variable", "'Ls'"),
+        (claim("x", "{ less_than = 1 }"), "claim.0.variable", "'x'"),
+        (
+            claim("period", '"increasing"', 'analysis = "eigenvalues"'),
+            "claim.0.variable",
+            "'period'",
+        ),
+        (claim("L_s", '"periodic"'), "claim.0.expect", "no class 'periodic'"),
+        (claim("attractor", "{ value = 3, tolerance = 1 }"), "claim.0.expect", "not a number"),
+        (claim("attractor", "{ less_than = 3 }"), "claim.0.expect", "not a number"),
+        (claim("stable", '"yess"'), "claim.0.expect", "no class 'yess'"),
+        (figure('kind = "curve"', 'variable = "L_S"'), "figure.0.variable", "did you mean 'L_s'"),
+        (figure('kind = "curve"', 'variable = ["L_s", "z"]'), "figure.0.variable", "'z'"),
+        (figure('kind = "curve"', "log = true", "xlim = [0, 1]"), "figure.0.xlim", "above 0"),
+        (figure('kind = "curve"', 'log = "y"', "ylim = [-1, 1]"), "figure.0.ylim", "above 0"),
+        (figure('kind = "curve"', 'name = "a/b"'), "figure.0.name", "name of a file"),
+        (figure('kind = "curve"', 'name = ""'), "figure.0.name", "name of a file"),
+    ],
+)
+def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
+    found = problem(text)
+    assert found.path == path
+    assert found.line is not None
+    assert words in f"{found.message} {found.suggestion}"
