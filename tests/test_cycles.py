@@ -14,7 +14,14 @@ from scipy.optimize import brentq
 from small_models import BALL
 
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
-from fiv_cli.analyses.branch import Continuation, _kind_of_change, first_point
+from fiv_cli.analyses.branch import (
+    Continuation,
+    _are_apart,
+    _jumps,
+    _kind_of_change,
+    _over_period,
+    first_point,
+)
 from fiv_cli.analyses.first_guess import Returns, near_returns
 from fiv_cli.analyses.periodic import Anchor, Problem, _closed, begin, close, newton, passage
 from fiv_cli.case.load import parse_case
@@ -366,6 +373,51 @@ def test_the_pin_s_stick_slip_exists_beyond_what_starts_reach() -> None:
     )
     assert flip == pytest.approx(1.90190, abs=2e-5)
     assert at_flip.status == "ok"
+
+
+def landing_slope(model: str, carried: Any, changes: dict[str, float]) -> float:
+    """Rate of the first velocity just before a cycle's landing; the drive has none."""
+    solver, parameters = SolverSettings(rtol=1e-12), defaults(model, "coulomb", **changes)
+    problem = Problem(system(model), parameters, solver, Section("event"))
+    anchor = Anchor(np.array(carried["state"]), tuple(map(bool, carried["sticking"])))
+    around = passage(problem, anchor, carried["period"], tangents=False)
+    landing = next(n for n, event in enumerate(around.events) if event[1] == kernel.CODE_STICK)
+    before = begin(problem, anchor)
+    before.run(before.time + around.times[landing] - 1e-9)
+    return float(before.rates()[len(before.y) // 2])
+
+
+def test_a_branch_ends_where_an_earlier_landing_takes_the_place_of_a_later_one() -> None:
+    """The sequence of events stays. What lands at a grazing lands with a slope of its slip velocity
+    that vanishes like the square root of the distance from it; another landing keeps its own."""
+    base = {"Omega": 3.55, "N0": 26.3, "c1": 0.0022}
+    start, branch = {"phi_dot": 3.8}, ("k1", 500.0, 3000.0)
+    found = cycle("pin-on-disc", start=start, branch=branch, transient=2.0, t_max=5.0, **base)
+    assert found.values["cycle_lowest_kind"] == "grazing"
+    assert found.carry is not None
+    follows = Start("followed", "continue", {}, found.carry)
+    sizes = []
+    for distance in (4.0, 1.0, 0.25):
+        changes = base | {"k1": found.values["cycle_lowest"] + distance}
+        beside = cycle("pin-on-disc", start=follows, **changes)
+        assert beside.values["n_events"] == 2
+        sizes.append(landing_slope("pin-on-disc", beside.carry, changes))
+    assert sizes[0] / sizes[1] == pytest.approx(2.0, rel=0.1)
+    assert sizes[1] / sizes[2] == pytest.approx(2.0, rel=0.1)
+
+
+def test_a_motion_that_changes_smoothly_does_not_jump() -> None:
+    """However far its ends lie apart; nor where the way is too short to tell."""
+    line = Continuation(coulomb_belt(), Varied("v"), (0.5, 2.0), 1e-6)
+    found = close(line.problem, Anchor(np.array([2.3, -1.97]), (False,)), 7.6, np.ones(2))
+    assert found is not None
+    here = first_point(line, found, 1.0, True)
+    assert here is not None
+    for length, apart in ((1e-2, True), (1e-5, False)):
+        there = here.unknowns + length * here.tangent
+        ends = [_over_period(line, here, unknowns).state for unknowns in (here.unknowns, there)]
+        assert _are_apart(here, *ends) == apart
+        assert not _jumps(line, here, there)
 
 
 # --- what cannot be found ------------------------------------------------------------------------

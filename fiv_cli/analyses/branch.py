@@ -7,8 +7,9 @@ the step is bisected until the parameter of the last cycle and that of the first
 close as asked for: between them the branch ends.
 
 A cycle of a system with friction may end without a fold. At a *grazing* an event enters or leaves
-its sequence: a sliding motion touches zero slip velocity, a landing is missed. The branch may go
-on with the other sequence, turn back with it, or end.
+its sequence, or an earlier one takes the place of a later one: a sliding motion touches zero slip
+velocity, a landing is missed. The branch may go on with the other sequence, turn back with it, or
+end.
 """
 
 from __future__ import annotations
@@ -47,6 +48,8 @@ MOST_POINTS = 400
 TRIES = 5  # steps tried, per point allowed
 BISECTIONS = 200
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
+HALVINGS = 40  # of a stretch in which a jump is looked for
+APART = 1e-3  # share of its extent by which a motion over a period jumps at least
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
 NEARBY = 4.0  # steps within which what lies beyond a change must have been found
 AROUND = 60  # points allowed on the way back to the end
@@ -518,16 +521,58 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
     """By the motions a little farther along the branch, where its cycles would have been."""
     for distance in BEYOND:
         unknowns = here.unknowns + distance * here.tangent
-        value = min(max(float(unknowns[-1] * line.span), line.bracket[0]), line.bracket[1])
+        value = _in_bracket(line, unknowns)
         if not line.holds(value):
             return RISES if friction_rises(line.at(value).parameters) else OTHER
-        anchor = here.frame.anchor_of(unknowns[:-1])
-        beyond = passage(line.at(value), anchor, here.cycle.period, tangents=False)
+        beyond = _over_period(line, here, unknowns)
         if beyond.stop == Stop.CONTACT_LOST:
             return CONTACT_LOST
         if beyond.stop != Stop.REACHED or beyond.events != here.cycle.events:
             return GRAZING
+        if _jumps(line, here, unknowns):
+            return GRAZING
     return FOLD if abs(here.slope) < UPRIGHT else OTHER
+
+
+def _over_period(line: Continuation, here: Point, unknowns: Vector) -> Passage:
+    """The motion from a point near the last cycle, over its period."""
+    problem, anchor = line.at(_in_bracket(line, unknowns)), here.frame.anchor_of(unknowns[:-1])
+    return passage(problem, anchor, here.cycle.period, tangents=False)
+
+
+def _in_bracket(line: Continuation, unknowns: Vector) -> float:
+    """The parameter among the unknowns, or the edge of the bracket next to it."""
+    return min(max(float(unknowns[-1] * line.span), line.bracket[0]), line.bracket[1])
+
+
+def _jumps(line: Continuation, here: Point, there: Vector) -> bool:
+    """Whether the motion over a period jumps on the way from the last cycle to `there`.
+
+    Where an earlier landing takes the place of a later one the sequence of events stays, and the
+    motion jumps all the same. The way is halved towards the greater change: what is left of it
+    on a way of no length is a jump.
+    """
+    low, high = here.unknowns, there
+    before, after = (_over_period(line, here, unknowns).state for unknowns in (low, high))
+    for _ in range(HALVINGS):
+        if not _are_apart(here, before, after):
+            return False
+        middle = 0.5 * (low + high)
+        between = _over_period(line, here, middle).state
+        if _distance(here, before, between) > _distance(here, between, after):
+            high, after = middle, between
+        else:
+            low, before = middle, between
+    return _are_apart(here, before, after)
+
+
+def _are_apart(here: Point, one: Vector, other: Vector) -> bool:
+    return _distance(here, one, other) > APART
+
+
+def _distance(here: Point, one: Vector, other: Vector) -> float:
+    """Distance of two states, relative to the extent of the cycle."""
+    return float(np.max(np.abs(one - other) / here.frame.scales))
 
 
 def _round_corner(line: Continuation, here: Point) -> Point | None:
