@@ -41,10 +41,12 @@ CONFIG_WIDTH = 11
 METHOD_TAYLOR, METHOD_RK4 = 0, 1
 
 # clock[...]
-TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE, FIRST_STEP, FILLED_FOR = 0, 1, 2, 3, 4, 5, 6
-CLOCK_WIDTH = 7
+TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE, FIRST_STEP, FILLED_FOR, TASK = range(8)
+CLOCK_WIDTH = 8
 # FIRST_STEP: of the contact state just decided, whose series is at hand; 0: none.
 # FILLED_FOR: the slip signs and the sector that the coefficients were computed for; 0: none.
+# TASK: what `advance` begins with: going on, deciding the contact state anew, or entering it.
+GO_ON, DECIDE, ENTER = 0.0, 1.0, 2.0
 
 # tolerances[...]
 RTOL, FIXED_STEP, BOUND = 0, 1, 2
@@ -795,68 +797,6 @@ def set_out(  # type: ignore[no-untyped-def]
     enter_zone(config, clock, parameters, angle)
 
 
-@njit(
-    "boolean(int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1], float64[::1],"
-    "float64[::1], float64[::1], float64[::1], int64[::1], float64[::1], float64[:, ::1],"
-    "int64[:, ::1], boolean)",
-    **CACHE,
-)
-def enter(  # type: ignore[no-untyped-def]
-    table,
-    guards,
-    config,
-    clock,
-    kinds,
-    parameters,
-    coefficients,
-    y,
-    tolerances,
-    strips,
-    series,
-    stages,
-    options,
-    at_start,
-):
-    """Decide the contact state at (t, y), at the start or on the way; False when none is."""
-    fill(config, clock, parameters, coefficients)
-    if at_start:
-        set_out(
-            table,
-            guards,
-            config,
-            clock,
-            kinds,
-            parameters,
-            coefficients,
-            y,
-            series,
-            stages,
-            options,
-        )
-    found = decide(
-        table,
-        guards,
-        config,
-        clock,
-        kinds,
-        parameters,
-        coefficients,
-        y,
-        series,
-        stages[0],
-        tolerances,
-        strips,
-        -1,
-        -1,
-        True,
-        options,
-    )
-    if found:
-        for i in range(config[N_STATES]):
-            y[i] = series[i * (config[ORDER] + 1)]
-    return found
-
-
 @njit(**INNER)
 def away_from_border(series, offset, order, step, factor, shift):  # type: ignore[no-untyped-def]
     """Known zeros of ``factor * series + shift`` that begins at zero and rises; 0 otherwise."""
@@ -959,207 +899,230 @@ def advance(  # type: ignore[no-untyped-def]
     with_tangents = tangents.shape[0] > 0
     fill(config, clock, parameters, coefficients)
     while True:
-        t = clock[TIME]
-        if t >= t_stop:
-            return REACHED
-        if counters[STEPS] >= limits[MAX_STEPS]:
-            return STEP_BUDGET
-        if counters[EVENTS] >= limits[MAX_EVENTS]:
-            return EVENT_BUDGET
-        if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= t:  # on an event
-            keep_section(counters, clock, y, section_times, section_states)
-            clock[NEXT_PHASE] += phase_interval
-            if counters[SECTIONS] >= limits[MAX_SECTIONS]:
-                return SECTION_FULL
-        counters[STEPS] += 1
-        index = state_index(kinds, contacts)
-        n_guards, has_angle = table[index, N_GUARDS], table[index, HAS_ANGLE]
-        # --- the step -----------------------------------------------------------------------
-        if taylor:
-            step = clock[FIRST_STEP]
-            clock[FIRST_STEP] = 0.0
-            if step == 0.0:
-                call_generated(table[index, TAYLOR], coefficients, t, y, series)
-                rows = n + n_guards + has_angle
-                step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
-                for i in range(table[index, N_ARGUMENTS]):
-                    step = within_plateau(series, (rows + i) * (order + 1), order, step)
-                for i in range(n):
-                    y[i] = series[i * (order + 1)]
-            if step < ENDLESS:
-                clock[LAST_STEP] = step
-            else:
-                step = polynomial_step(series, n, n_guards, order, clock[LAST_STEP])
-        else:
-            step = tolerances[FIXED_STEP]
-            clock[LAST_STEP] = step
-        goal = t + step
-        reaches_phase = False
-        if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= min(goal, t_stop):
-            goal, reaches_phase = clock[NEXT_PHASE], True
-        elif t_stop <= goal:
-            goal = t_stop
-        step = goal - t
-        # --- the first switching function to fall to zero -----------------------------------
-        # In order: the contact state's own, the two borders of the sector, the section.
-        fraction, hit, crossing, section_sign = 1.0, -1, 0, 0.0
-        for check in range(n_guards + 3):
-            factor, shift, strip = 1.0, 0.0, 0
-            if check < n_guards:
-                row, entry, strip = n + check, 2 * n + check, strips[check]
-                if strip > order:
-                    continue
-            elif check < n_guards + 2:
-                if has_angle == 0 or clock[ZONE_HIGH] == np.inf:
-                    continue
-                row, entry = n + n_guards, 2 * n + n_guards
-                upper = check == n_guards
-                factor = -1.0 if upper else 1.0
-                shift = clock[ZONE_HIGH] if upper else -clock[ZONE_LOW]
-                strip = strips[angle_up] if upper else strips[angle_down]
-                if taylor:
-                    leaving = away_from_border(
-                        series, row * (order + 1), order, step, factor, shift
-                    )
-                    strip = max(strip, leaving)
-            else:
-                if section[SECTION_KIND] != SECTION_ZERO:
-                    continue
-                row, entry, strip = (
-                    section[SECTION_STATE],
-                    section[SECTION_STATE],
-                    strips[section_strip],
-                )
-                if strip == 0:
-                    value = y[entry]
-                elif taylor:
-                    value = series[entry * (order + 1) + 1]
-                else:
-                    call_generated(table[index, FIELD], coefficients, t, y, field)
-                    value = field[n + entry]
-                factor = 1.0 if value > 0.0 else -1.0
-                section_sign = factor if value != 0.0 else 0.0
-            if taylor:
-                root = located(series, row * (order + 1), order, step, strip, factor, shift, roots)
-            else:
-                root = bisected(
-                    table,
-                    config,
-                    index,
-                    coefficients,
-                    t,
-                    y,
-                    series,
-                    step,
-                    stages,
-                    out,
-                    entry,
-                    factor,
-                    shift,
-                )
-            if check < n_guards + 2:
-                if root < fraction or (root == 1.0 and hit < 0):
-                    fraction, hit = root, check
-            elif 0.0 < root < fraction:
-                fraction, hit, crossing = root, check, -int(factor)
-        tau = step if hit < 0 else fraction * step
-        residual, grazing = 0.0, True
-        if taylor:
-            call_generated(config[STATE], coefficients, tau, series, out)
-        else:
-            state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
-        if taylor and 0 <= hit < n_guards:
-            # The root is that of the switching function's series; Newton steps on the function
-            # itself, along the state's series, take it to rounding.
-            offset = (n + hit) * (order + 1)
-            scale, fall = scale_and_slope(series, offset, order, step, tau)
-            grazing = scale == 0.0 or fall * step > -GRAZING * scale
-            for polish in range(POLISHES):
-                call_generated(table[index, FIELD], coefficients, t + tau, out, field)
-                value = field[2 * n + hit]
-                residual = abs(value) / scale if scale > 0.0 else 0.0
-                if grazing or residual <= ROUNDING or polish == POLISHES - 1:
-                    break
-                tau += max(-value / fall, -tau)
-                call_generated(config[STATE], coefficients, tau, series, out)
-            for i in range(n):
-                out[i] = field[i]  # entries that the contact determines: exactly
-        # --- along the step --------------------------------------------------------------------
-        if counters[SAMPLED] < len(sample_times):
-            take_samples(
+        t, tau, residual, grazing, section_sign = clock[TIME], 0.0, 0.0, True, 0.0
+        index, n_guards, hit = 0, 0, -1
+        begins = clock[TASK] != GO_ON
+        if clock[TASK] == ENTER:
+            set_out(
                 table,
+                guards,
                 config,
-                index,
+                clock,
                 kinds,
                 parameters,
                 coefficients,
-                clock,
                 y,
                 series,
-                tau,
                 stages,
-                joined,
-                counters,
-                sample_times,
-                sample_states,
-                sample_outputs,
-                sample_codes,
+                options,
             )
-        if measuring:
-            take_measures(
-                table,
-                config,
-                index,
-                kinds,
-                coefficients,
-                clock,
-                y,
-                series,
-                tau,
-                stages,
-                joined,
-                quadrature,
-                reference,
-                measures,
-                extremes,
-                shares,
-            )
-        if with_tangents:
-            move_tangents(table, config, index, coefficients, clock, y, tau, tangents, joined, work)
-        for i in range(n):
-            y[i] = out[i]
-            if not abs(out[i]) < tolerances[BOUND]:
-                return DIVERGED
-        for g in range(strips.shape[0]):
-            strips[g] = 0
-        if hit < 0:
-            clock[TIME] = goal
-            counters[CHAINED] = 0
-            if reaches_phase:
+        if not begins:
+            if t >= t_stop:
+                return REACHED
+            if counters[STEPS] >= limits[MAX_STEPS]:
+                return STEP_BUDGET
+            if counters[EVENTS] >= limits[MAX_EVENTS]:
+                return EVENT_BUDGET
+            if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= t:  # on an event
                 keep_section(counters, clock, y, section_times, section_states)
                 clock[NEXT_PHASE] += phase_interval
                 if counters[SECTIONS] >= limits[MAX_SECTIONS]:
                     return SECTION_FULL
-            continue
-        clock[TIME] = t + tau
-        if hit == n_guards + 2:  # only a section: the contact state stays
-            counters[CHAINED] = 0
-            strips[section_strip] = 1
-            wanted = section[SECTION_DIRECTION]
-            if wanted == 0 or wanted == crossing:
-                y[section[SECTION_STATE]] = 0.0
-                keep_section(counters, clock, y, section_times, section_states)
-                if counters[SECTIONS] >= limits[MAX_SECTIONS]:
-                    return SECTION_FULL
-            continue
+            counters[STEPS] += 1
+            index = state_index(kinds, contacts)
+            n_guards, has_angle = table[index, N_GUARDS], table[index, HAS_ANGLE]
+            # --- the step -----------------------------------------------------------------------
+            if taylor:
+                step = clock[FIRST_STEP]
+                clock[FIRST_STEP] = 0.0
+                if step == 0.0:
+                    call_generated(table[index, TAYLOR], coefficients, t, y, series)
+                    rows = n + n_guards + has_angle
+                    step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
+                    for i in range(table[index, N_ARGUMENTS]):
+                        step = within_plateau(series, (rows + i) * (order + 1), order, step)
+                    for i in range(n):
+                        y[i] = series[i * (order + 1)]
+                if step < ENDLESS:
+                    clock[LAST_STEP] = step
+                else:
+                    step = polynomial_step(series, n, n_guards, order, clock[LAST_STEP])
+            else:
+                step = tolerances[FIXED_STEP]
+                clock[LAST_STEP] = step
+            goal = t + step
+            reaches_phase = False
+            if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= min(goal, t_stop):
+                goal, reaches_phase = clock[NEXT_PHASE], True
+            elif t_stop <= goal:
+                goal = t_stop
+            step = goal - t
+            # --- the first switching function to fall to zero -----------------------------------
+            # In order: the contact state's own, the two borders of the sector, the section.
+            fraction, hit, crossing, section_sign = 1.0, -1, 0, 0.0
+            for check in range(n_guards + 3):
+                factor, shift, strip = 1.0, 0.0, 0
+                if check < n_guards:
+                    row, entry, strip = n + check, 2 * n + check, strips[check]
+                    if strip > order:
+                        continue
+                elif check < n_guards + 2:
+                    if has_angle == 0 or clock[ZONE_HIGH] == np.inf:
+                        continue
+                    row, entry = n + n_guards, 2 * n + n_guards
+                    upper = check == n_guards
+                    factor = -1.0 if upper else 1.0
+                    shift = clock[ZONE_HIGH] if upper else -clock[ZONE_LOW]
+                    strip = strips[angle_up] if upper else strips[angle_down]
+                    if taylor:
+                        leaving = away_from_border(
+                            series, row * (order + 1), order, step, factor, shift
+                        )
+                        strip = max(strip, leaving)
+                else:
+                    if section[SECTION_KIND] != SECTION_ZERO:
+                        continue
+                    row, entry, strip = (
+                        section[SECTION_STATE],
+                        section[SECTION_STATE],
+                        strips[section_strip],
+                    )
+                    if strip == 0:
+                        value = y[entry]
+                    elif taylor:
+                        value = series[entry * (order + 1) + 1]
+                    else:
+                        call_generated(table[index, FIELD], coefficients, t, y, field)
+                        value = field[n + entry]
+                    factor = 1.0 if value > 0.0 else -1.0
+                    section_sign = factor if value != 0.0 else 0.0
+                if taylor:
+                    root = located(
+                        series, row * (order + 1), order, step, strip, factor, shift, roots
+                    )
+                else:
+                    root = bisected(
+                        table,
+                        config,
+                        index,
+                        coefficients,
+                        t,
+                        y,
+                        series,
+                        step,
+                        stages,
+                        out,
+                        entry,
+                        factor,
+                        shift,
+                    )
+                if check < n_guards + 2:
+                    if root < fraction or (root == 1.0 and hit < 0):
+                        fraction, hit = root, check
+                elif 0.0 < root < fraction:
+                    fraction, hit, crossing = root, check, -int(factor)
+            tau = step if hit < 0 else fraction * step
+            residual, grazing = 0.0, True
+            if taylor:
+                call_generated(config[STATE], coefficients, tau, series, out)
+            else:
+                state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
+            if taylor and 0 <= hit < n_guards:
+                # The root is that of the switching function's series; Newton steps on the function
+                # itself, along the state's series, take it to rounding.
+                offset = (n + hit) * (order + 1)
+                scale, fall = scale_and_slope(series, offset, order, step, tau)
+                grazing = scale == 0.0 or fall * step > -GRAZING * scale
+                for polish in range(POLISHES):
+                    call_generated(table[index, FIELD], coefficients, t + tau, out, field)
+                    value = field[2 * n + hit]
+                    residual = abs(value) / scale if scale > 0.0 else 0.0
+                    if grazing or residual <= ROUNDING or polish == POLISHES - 1:
+                        break
+                    tau += max(-value / fall, -tau)
+                    call_generated(config[STATE], coefficients, tau, series, out)
+                for i in range(n):
+                    out[i] = field[i]  # entries that the contact determines: exactly
+            # --- along the step ----------------------------------------------------------------
+            if counters[SAMPLED] < len(sample_times):
+                take_samples(
+                    table,
+                    config,
+                    index,
+                    kinds,
+                    parameters,
+                    coefficients,
+                    clock,
+                    y,
+                    series,
+                    tau,
+                    stages,
+                    joined,
+                    counters,
+                    sample_times,
+                    sample_states,
+                    sample_outputs,
+                    sample_codes,
+                )
+            if measuring:
+                take_measures(
+                    table,
+                    config,
+                    index,
+                    kinds,
+                    coefficients,
+                    clock,
+                    y,
+                    series,
+                    tau,
+                    stages,
+                    joined,
+                    quadrature,
+                    reference,
+                    measures,
+                    extremes,
+                    shares,
+                )
+            if with_tangents:
+                move_tangents(
+                    table, config, index, coefficients, clock, y, tau, tangents, joined, work
+                )
+            for i in range(n):
+                y[i] = out[i]
+                if not abs(out[i]) < tolerances[BOUND]:
+                    return DIVERGED
+            for g in range(strips.shape[0]):
+                strips[g] = 0
+            if hit < 0:
+                clock[TIME] = goal
+                counters[CHAINED] = 0
+                if reaches_phase:
+                    keep_section(counters, clock, y, section_times, section_states)
+                    clock[NEXT_PHASE] += phase_interval
+                    if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                        return SECTION_FULL
+                continue
+            clock[TIME] = t + tau
+            if hit == n_guards + 2:  # only a section: the contact state stays
+                counters[CHAINED] = 0
+                strips[section_strip] = 1
+                wanted = section[SECTION_DIRECTION]
+                if wanted == 0 or wanted == crossing:
+                    y[section[SECTION_STATE]] = 0.0
+                    keep_section(counters, clock, y, section_times, section_states)
+                    if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                        return SECTION_FULL
+                continue
         # --- an event ---------------------------------------------------------------------------
-        counters[CHAINED] = counters[CHAINED] + 1 if t + tau <= t else 0
+        counters[CHAINED] = counters[CHAINED] + 1 if not begins and t + tau <= t else 0
         if counters[CHAINED] > CHAIN_CAP:
             return CHATTERING
-        trigger_kind, trigger_contact = -1, config[ZONE_CONTACT]
-        if hit < n_guards:
+        trigger_kind, trigger_contact = -1, -1
+        if hit >= n_guards:
+            trigger_contact = config[ZONE_CONTACT]
+        elif not begins:
             trigger_kind, trigger_contact = guards[index, hit, 0], guards[index, hit, 1]
-        if with_tangents:
+        if with_tangents and not begins:
             entry = hit if hit < n_guards else n_guards
             switching_rates(
                 table,
@@ -1232,6 +1195,9 @@ def advance(  # type: ignore[no-untyped-def]
             return NO_STATE
         for i in range(n):
             y[i] = series[i * (order + 1)]
+        if begins:
+            clock[TASK] = GO_ON
+            continue
         if with_tangents:
             saltate(config, series, rates, tangents, delays)
         if section[SECTION_KIND] == SECTION_ZERO:  # does the section lie on the event?

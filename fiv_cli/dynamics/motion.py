@@ -20,6 +20,7 @@ SCRATCH_ROWS = 7
 # A state (m, rad, and those per s) beyond this has diverged. Growth in a nonlinear contact ends in
 # ever shorter steps, so a bound far above anything mechanical would only cost time.
 BOUND = 1e6
+NO_SECTION = np.zeros(6, np.int64)
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": kernel.SLIP, "stick": kernel.STICK, "separation": kernel.SEPARATION}
 CODE_NAMES = ("slip+", "slip-", "stick", "separation")
@@ -144,7 +145,7 @@ class Motion:
         self.clock[kernel.TIME] = time
         for contact, sticks in enumerate(sticking):
             self.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
-        self.started = self._enter(at_start=True)
+        self.started = self._enter()
 
     def _allocate(self, system: System, solver: SolverSettings) -> None:
         scratch = scratch_of(system)
@@ -182,18 +183,16 @@ class Motion:
     def _pass_kink(self) -> None:
         """Go on with the next piece: forces jump, so the contact states are decided anew."""
         self.kink = self._take_up_schedule(self.kink)
-        self.started = self._enter(at_start=False)
+        self.clock[kernel.TASK] = kernel.DECIDE
 
     # --- start ----------------------------------------------------------------------------------
-    def _enter(self, at_start: bool) -> bool:
-        """Find the contact state at hand; False when none is consistent."""
-        return bool(
-            kernel.enter(
-                self.tables.table, self.tables.guards, self.config, self.clock, self.kinds,
-                self.parameters, self.coefficients, self.y, self.tolerances, self.strips,
-                self.series, self.stages, self.options, at_start,
-            )
-        )  # fmt: skip
+    def _enter(self) -> bool:
+        """Find the contact state of the initial state; False when none is consistent."""
+        self.clock[kernel.TASK] = kernel.ENTER
+        nothing, nowhere = scratch_of(self.system).no_sections
+        idle = no_samples(self.system)
+        stop = self._advance(self.time, NO_SECTION, (nothing, nowhere), idle, False, 0.0)
+        return stop == Stop.REACHED
 
     def _field(self, kinds: NDArray[np.int64]) -> tuple[int, Vector]:
         index = kernel.state_index(kinds, len(kinds))
@@ -279,7 +278,7 @@ class Motion:
         """
         if not self.started:
             return Stop.CONTACT_LOST if self._is_out_of_contact() else self._stuck(Stop.NO_STATE)
-        times, states = sections or (np.zeros(1), np.zeros((1, len(self.y))))
+        times, states = sections or scratch_of(self.system).no_sections
         samples = samples or no_samples(self.system)
         self.clock[kernel.FIRST_STEP] = 0.0  # another motion may have used the scratch arrays
         self.counters[kernel.SECTIONS] = 0
@@ -295,8 +294,6 @@ class Motion:
             if stop != Stop.REACHED:
                 return self._stuck(stop)
             self._pass_kink()
-            if not self.started:
-                return self._stuck(Stop.NO_STATE)
         return self._stuck(go_on(t_stop))
 
     def _stuck(self, stop: Stop) -> Stop:
@@ -349,9 +346,9 @@ class Motion:
 
     def section_vector(self, section: Section | None) -> NDArray[np.int64]:
         """A section as the kernel reads it."""
-        vector = np.zeros(6, np.int64)
         if section is None:
-            return vector
+            return NO_SECTION
+        vector = np.zeros_like(NO_SECTION)
         vector[kernel.SECTION_CONTACT] = section.contact - 1
         if section.kind == "event":
             before, after = section.event.split("->")
@@ -402,6 +399,7 @@ class Scratch:
     unmeasured: Measures
     no_ledger: NDArray[np.float64]
     no_tangents: NDArray[np.float64]
+    no_sections: tuple[Vector, NDArray[np.float64]]
 
 
 @cache
@@ -423,6 +421,7 @@ def scratch_of(system: System) -> Scratch:
         unmeasured=no_measures(system),
         no_ledger=np.zeros((0, 5)),
         no_tangents=np.zeros((0, n)),
+        no_sections=(np.zeros(1), np.zeros((1, n))),
     )
 
 

@@ -202,7 +202,7 @@ def first_root(degree, work, total, end):  # type: ignore[no-untyped-def]
         return bracketed_root(work, degree, 0.0, 1.0, start, end) if end < 0.0 else 1.0
     to_bernstein(work, degree)
     work[LOW], work[HIGH] = 0.0, 1.0
-    row = 0
+    row = np.int64(0)  # a literal would have the helpers compiled twice
     while row >= 0:
         low, high = at(work, row + LOW), at(work, row + HIGH)
         changes = sign_changes(work, degree, row, tolerance)
