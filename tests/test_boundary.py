@@ -210,6 +210,9 @@ def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
         (Question("L_s", below=1.0), Outcome(values={"attractor": "periodic", "L_s": 2.0}), False),
         (Question("L_s", below=1.0), Outcome(values={"attractor": "undecided", "L_s": 0.5}), None),
         (Question("period", below=1.0), Outcome(values={"attractor": "equilibrium"}), None),
+        (Question("u_max", below=1.0), Outcome(values={"attractor": "diverged"}), False),
+        (Question("L_s", below=1.0), Outcome(values={"attractor": "diverged"}), False),
+        (Question("u_min", below=1.0), Outcome(values={"attractor": "diverged"}), None),
     ],
 )
 def test_answers(question: Question, outcome: Outcome, answer: bool | None) -> None:

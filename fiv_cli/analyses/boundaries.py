@@ -29,6 +29,7 @@ NOTHING = "not_computed"
 SUMMED = ("n_steps", "n_events")
 LARGEST = 2**31 - 1  # what an integer variable of a dataset can hold
 WORST = ("energy_residual", "event_residual")
+GROWING = ("_max", "_rms", "L_s")  # of a motion that diverges they lie below no bound
 
 
 @dataclass
@@ -82,6 +83,8 @@ def answered(question: Question, outcome: Outcome) -> bool | None:
         return None
     if question.below is None:
         return (label == question.name) != question.negated
+    if label == "diverged" and question.variable.endswith(GROWING):
+        return False
     value = float(outcome.values.get(question.variable, np.nan))
     return None if np.isnan(value) else value < question.below
 

@@ -261,7 +261,8 @@ class QuestionTable(Table):
 
     variable: str = Field(default="attractor", description="variable that decides")
     expect: str | dict[str, Any] = Field(
-        description='a class, "not CLASS", or { less_than = NUMBER } for a number'
+        description='a class, "not CLASS", or { less_than = NUMBER } for a number; a motion that '
+        "diverges has L_s, greatest and effective values below none"
     )
     undecided: Literal["open", "counts"] = Field(
         default="open",
