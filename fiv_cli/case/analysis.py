@@ -45,6 +45,9 @@ def read_analyses(
         report.add(("analysis",), "a case has one [[analysis]] at least", f"kind = {kinds}")
     specs = []
     scheduled = bool(raw.get("schedule"))
+    written = raw.get("analysis", [])
+    if not isinstance(written, list) or len(tables) != len(written):
+        report.unsure_of("analyses")
     for place, _, table in tables:
         spec = _analysis(table, place, physics, axes, scheduled, report)
         if spec is not None:
@@ -81,14 +84,14 @@ def _analysis(
         suited = [kind for kind, one in analyses.items() if not one.unsuited(physics.model)]
         report.add((*place, "kind"), unsuited, listed(suited))
         return None
-    written = dict(table.model_extra or {})
-    _refuse_unknown(analysis, written, place, report)
+    written = _meant(analysis, dict(table.model_extra or {}), place, report)
     idle = _refuse_idle(analysis, written, scheduled, place, report)
     given = {key: value for key, value in written.items() if key not in idle}
     reader = _Reader(physics, axes, given, idle, report)
     settings = {s.name: reader.setting(s, place) for s in analysis.settings}
     for one, other in (("parameter", "bracket"), ("bracket", "parameter")):
-        if one in given and settings.get(other, 0) is None and other not in given:
+        needed = any(s.name == other and s.required for s in analysis.settings)
+        if one in given and settings.get(other, 0) is None and other not in given and not needed:
             report.add((*place, other), f"is missing: it belongs to {one}")
     return AnalysisSpec(table.name or analysis.kind, analysis.kind, settings)
 
@@ -103,15 +106,24 @@ def _named(kind: str, place: Path, report: Report) -> Analysis | None:
     return all_analyses().get(kind if kind in titles else nearest(kind, titles) or "")
 
 
-def _refuse_unknown(
+def _meant(
     analysis: Analysis, given: Mapping[str, Any], place: Path, report: Report
-) -> None:
+) -> dict[str, Any]:
+    """The settings; one that is misspelt is noted, and read as the one that it resembles."""
     known = {setting.name: setting.meaning for setting in analysis.settings}
     known |= {"name": "", "kind": ""}
-    for key in given:
-        if key not in known:
-            message = f"the analysis {analysis.kind!r} has no setting {key!r}"
-            report.add((*place, key), message, listed(known), suggest(key, known))
+    found = {key: value for key, value in given.items() if key in known}
+    for key in [key for key in given if key not in known]:
+        message = f"the analysis {analysis.kind!r} has no setting {key!r}"
+        report.add((*place, key), message, listed(known), suggest(key, known))
+        wanting = [s.name for s in analysis.settings if s.required and s.name not in found]
+        left = [s.name for s in analysis.settings if s.name not in found]
+        meant = nearest(key, wanting) or nearest(key, left)
+        if meant is not None:
+            found[meant] = given[key]
+        else:
+            report.unsure_of("analyses")  # it may have been the name
+    return found
 
 
 def _refuse_idle(
@@ -244,6 +256,7 @@ class _Reader:
         if name not in table:
             meanings = {key: parameter.meaning for key, parameter in table.items()}
             message = f"there is no parameter {name!r} that can vary"
+            self.report.unsure_of("parameters")
             self.report.add(place, message, listed(table), suggest(name, meanings))
         if name in [axis.name for axis in self.axes]:
             message = f"{name!r} is an axis of the grid: the analysis finds its value itself"
@@ -347,7 +360,8 @@ class _Reader:
         table = read_table(SectionTable, value, place, self.report)
         if table is None or not isinstance(value, dict):
             return Section("event")
-        kinds = [key for key in ("event", "zero", "phase") if key in value]
+        forms = ("event", "zero", "phase")
+        kinds = [key for key in forms if key in value or getattr(table, key) is not None]
         if len(kinds) != 1:
             raise ValueError("a section is given by one of event, zero and phase")
         section = Section(

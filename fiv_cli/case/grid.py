@@ -63,7 +63,7 @@ def read_grid(raw: Mapping[str, Any], physics: Physics, report: Report) -> Grid:
         return Grid(tuple(Axis(c.name, c.kind, ()) for c, _ in counted), zips)
     zipped = {name for group in zips for name in group}
     axes = tuple(_axis(c, form, c.name in zipped, report) for c, form in counted)
-    if all(axis.values for axis in axes):
+    if all(axis.values for axis in axes) and report.is_sure_of("values"):
         _check_zip_lengths(axes, zips, report)
     return Grid(axes, zips, refinement)
 
@@ -265,6 +265,7 @@ def _listed_values(candidate: Candidate, form: list[Any], report: Report) -> lis
             numbers.append(nearest_double(exact(check_quantity(value), candidate.unit)))
         except ValueError as error:
             report.add((*candidate.place, index), str(error), candidate.allowed)
+            report.unsure_of("values")
             numbers.append(None)
     return numbers
 
@@ -282,13 +283,14 @@ def _checked(
         except ValueError as error:
             place = candidate.place if regular else (*candidate.place, index)
             report.add(place, str(error), candidate.allowed)
+            report.unsure_of("values")
             if regular:
                 break
     return kept
 
 
 def _refuse_repeats(candidate: Candidate, values: Sequence[Any], report: Report) -> None:
-    if len(set(values)) == len(values):
+    if len(set(values)) == len(values) or not report.is_sure_of("zips"):
         return
     repeated = [repr(value) for value, count in Counter(values).items() if count > 1]
     report.add(candidate.place, f"values repeat: {listed(repeated[:3])}", "each value once")
@@ -307,6 +309,8 @@ def _zips(
         if _sound_group(members, names, taken, place, physics, report):
             sound.append(members)
             taken.update(members)
+        else:
+            report.unsure_of("zips")
     return tuple(sound)
 
 

@@ -117,6 +117,8 @@ def _build(
     refuse_fixed_axes(raw, axes, report)
     analyses = read_analyses(raw, physics, axes, report)
     starts = () if physics is None else read_starts(raw, physics, axes, report)
+    if physics is None:
+        report.unsure_of("starts")
     schedule = STEADY if physics is None else read_schedule(raw, physics, axes, report)
     answers = Answers(physics, axes, starts, analyses)
     figures, claims = read_figures(raw, answers, report), read_claims(raw, answers, report)

@@ -79,7 +79,9 @@ def per_second(unit: str) -> str:
 
 def read_physics(raw: Mapping[str, Any], report: Report) -> Physics | None:
     """The model and laws of a case, or None when there is no model to speak of."""
-    table = read_table(ModelTable, raw.get("model", {}), ("model",), report)
+    if "model" not in raw:
+        return None
+    table = read_table(ModelTable, raw["model"], ("model",), report)
     friction = read_table(FrictionTable, raw.get("friction", {}), ("friction",), report)
     model = _model(table, report)
     if model is None or table is None or friction is None:
@@ -175,7 +177,10 @@ def _model(table: ModelTable | None, report: Report) -> Model | None:
             listed(titles),
             suggest(table.name, titles),
         )
-    return models.get(table.name) or models.get(nearest(table.name, titles) or "")
+        others = [name for name in titles if name != nearest(table.name, titles)]
+        if nearest(table.name, others) is not None:
+            return None  # it may mean either
+    return models.get(nearest(table.name, titles) or "")
 
 
 def _options(model: Model, table: ModelTable, report: Report) -> dict[str, str]:
@@ -250,7 +255,7 @@ def _law_of_table(model: Model, friction: FrictionTable, report: Report) -> list
         if friction.of is not None:
             report.add(("friction", "of"), 'only law = "tanh" is "of" another law')
         return []
-    if friction.of is not None and friction.law != "tanh":
+    if friction.of is not None and friction.law in {*model.laws} - {"tanh"}:
         report.add(("friction", "of"), f"law {friction.law!r} is not of another law")
     try:
         return [resolve_law(model, friction.law, friction.of)]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from fiv_cli.case.names import listed, suggest
+from fiv_cli.case.names import listed, nearest, suggest
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import describe
 
@@ -24,6 +24,7 @@ def read_table(form: type[T], raw: object, path: Path, report: Report) -> T | No
     if not isinstance(raw, dict):
         report.add(path, f"must be a table, not {describe(raw)}")
         return None
+    raw = _meant(form, raw, path, report)
     try:
         return form.model_validate(raw)
     except ValidationError as error:
@@ -33,6 +34,44 @@ def read_table(form: type[T], raw: object, path: Path, report: Report) -> T | No
         _note(form, path + place, details, report)
         _remove(remaining, place)
     return _valid_or_none(form, remaining)
+
+
+def _meant(
+    form: type[BaseModel], raw: dict[str, Any], path: Path, report: Report
+) -> dict[str, Any]:
+    """`raw` with each misspelt key, noted, under the key that it resembles and that is not given.
+
+    In a table whose further keys are checked elsewhere only the keys that must be there count.
+    """
+    keys = keys_of(form)
+    is_open = form.model_config.get("extra") == "allow"
+    fields = form.model_fields.items()
+    needed = {field.alias or name for name, field in fields if field.is_required() or not is_open}
+    found = {key: value for key, value in raw.items() if key in keys}
+    for key in [key for key in raw if key not in keys]:
+        meant = nearest(key, needed - found.keys())
+        if meant is not None:
+            _note_unknown(keys, (*path, key), report)
+        found[meant or key] = raw[key]
+    for name, inner in _tables_in(form).items():
+        if isinstance(found.get(name), dict):
+            found[name] = _meant(inner, found[name], (*path, name), report)
+    return found
+
+
+def _tables_in(form: type[BaseModel]) -> dict[str, type[BaseModel]]:
+    """Key -> form, of the keys that hold a table."""
+    return {
+        field.alias or name: kind
+        for name, field in form.model_fields.items()
+        for kind in (field.annotation, *get_args(field.annotation))
+        if isinstance(kind, type) and issubclass(kind, BaseModel)
+    }
+
+
+def _note_unknown(keys: Mapping[str, str], path: Path, report: Report) -> None:
+    key = str(path[-1])
+    report.add(path, f"unknown key {key!r}", listed(keys), suggest(key, keys))
 
 
 def read_tables(
@@ -84,8 +123,7 @@ def _place_in_file(loc: tuple[str | int, ...]) -> Path:
 def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report: Report) -> None:
     kind, value = details["type"], details["input"]
     if kind == "extra_forbidden":
-        keys = keys_of(form)
-        report.add(path, f"unknown key {path[-1]!r}", listed(keys), suggest(str(path[-1]), keys))
+        _note_unknown(keys_of(form), path, report)
     elif kind == "missing":
         report.add(path, "is missing", keys_of(form).get(str(path[-1]), ""))
     elif kind == "literal_error":

@@ -58,7 +58,8 @@ def _check_existing(output: Path, fingerprint: str, fresh: bool) -> None:
     if attributes is None or "fingerprint" not in attributes:
         raise UsageError(
             f"{output}: exists and is no dataset of fiv; it is left alone\n"
-            "next: choose another place with -o FILE.nc"
+            "next: choose another place with -o FILE.nc, or remove it (a damaged dataset is made "
+            "again from what is stored beside it)"
         )
     if attributes["fingerprint"] != fingerprint and not fresh:
         raise StoreMismatchError(
