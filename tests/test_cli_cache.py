@@ -13,6 +13,7 @@ from motions import defaults
 from fiv_cli.analyses import execute
 from fiv_cli.analyses.base import Start
 from fiv_cli.cli import common
+from fiv_cli.cli.main import run
 from fiv_cli.errors import StorageError
 
 
@@ -62,3 +63,13 @@ def test_a_disk_that_fills_up_while_compiling_is_named(monkeypatch: pytest.Monke
     request = execute.Request("belt-1dof", "coulomb", {}, parameters, "history", {}, start=start)
     with pytest.raises(StorageError, match=r"/somewhere: .*No space left on device\nnext: free"):
         execute.prepare([request], lambda sentence: None)
+
+
+def test_a_name_too_long_says_what_to_do(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    case = tmp_path / "a.toml"
+    case.write_text('schema = 1\n[model]\nname = "belt-1dof"\n[[analysis]]\nkind = "response"\n')
+    assert run(["run", str(case), "-o", str(tmp_path / f"{'a' * 300}.nc")]) == 2
+    said = capsys.readouterr().err
+    assert "File name too long\nnext: " in said

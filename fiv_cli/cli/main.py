@@ -193,7 +193,11 @@ def _explain(error: Exception, arguments: Sequence[str]) -> int:
 def _explain_storage(error: OSError) -> int:
     """A file or stream that cannot be written or read."""
     place = f"{error.filename}: " if error.filename else ""
-    click.echo(f"fiv: {place}{error.strerror or error}", err=True)
+    click.echo(
+        f"fiv: {place}{error.strerror or error}\n"
+        "next: see to the path, its permissions and its space, then run the same command again",
+        err=True,
+    )
     _silence(sys.stdout)
     return USAGE
 
