@@ -17,13 +17,8 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.statics import (
-    Loaded,
-    Reduction,
-    Statics,
-    generate_statics,
-    load_reduction,
-)
+from fiv_cli.codegen.reduction import Reduction, Statics
+from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import BOUND, call
 from fiv_cli.dynamics.system import System, Vector

@@ -15,8 +15,8 @@ from typing import Any
 
 import sympy
 
-from fiv_cli.codegen.generate import rate_of
 from fiv_cli.codegen.graph import Graph, Node
+from fiv_cli.codegen.names import rate_of
 from fiv_cli.codegen.symbols import Symbols, parameter_names
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations, Model

@@ -27,11 +27,6 @@ if TYPE_CHECKING:
 FLOW, TANGENT = "flow", "tangent"
 
 
-def rate_of(parameter: str) -> str:
-    """Name of the rate of a parameter that varies in time."""
-    return f"{parameter}.rate"
-
-
 IMPACT_ORDER = 1  # of the series of the state after an impact: its value and its rate
 
 # Functions with a plateau, and the weight of their argument in what limits a step (see

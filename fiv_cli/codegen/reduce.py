@@ -14,7 +14,7 @@ from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 from fiv_cli.codegen.eliminate import without_modes
 from fiv_cli.codegen.emit import constants
 from fiv_cli.codegen.graph import Graph, Node
-from fiv_cli.codegen.statics import ELIMINATED, FUNCTION, Reduction, Slots, Statics
+from fiv_cli.codegen.reduction import ELIMINATED, FUNCTION, Reduction, Slots, Statics
 from fiv_cli.codegen.symbols import Symbols, parameter_names
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations, Model

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from fiv_cli.codegen.generate import rate_of
+from fiv_cli.codegen.names import rate_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model
 

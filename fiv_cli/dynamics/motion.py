@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.generate import rate_of
+from fiv_cli.codegen.names import rate_of
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.generate import Generated, generate, rate_of
+from fiv_cli.codegen.generate import Generated, generate
+from fiv_cli.codegen.names import rate_of
 from fiv_cli.dynamics.schedule import STEADY, Schedule
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.friction import get_law
