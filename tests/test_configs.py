@@ -309,6 +309,8 @@ def hold_claims(name, overrides, verdicts, folder):
 LONG = [
     ("ch5/fig_5_10a", (), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch5/fig_5_10b", (), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch5/fig_5_11a_simulated", ("grid.R=[4.0]",), dict.fromkeys((0, 4, 5), CONFIRMED)),
+    ("ch5/fig_5_11b_simulated", ("grid.R=[4.0]",), dict.fromkeys((0, 4, 5), CONFIRMED)),
     (
         "ch4/fig_4_03",
         ("grid.Omega=[10.0]", "grid.alpha=[10.0]", "grid.c_z=[10.0, 11.0]"),

@@ -143,6 +143,22 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     assert ax.get_legend() is None
 
 
+def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
+    """To a question about a number; elsewhere by their classes."""
+    answers, dims = ("no", "yes"), ("N0", "crossing")
+    dataset = data.boundaries()
+    dataset["answer_below"] = (dims, data.codes(answers, [["no"]] * 3), data.flag(answers))
+    dataset["answer_above"] = (dims, data.codes(answers, [["yes"]] * 3), data.flag(answers))
+    (ax,) = draw(dataset, figure("curve", variable="boundary")).axes
+    assert legend_texts(ax) == ["periodic to equilibrium", "periodic to undecided"]
+    dataset["class_above"][:] = dataset["class_below"].values
+    dataset["class_above"][0] = data.codes(data.ATTRACTORS, "equilibrium")
+    (ax,) = draw(dataset, figure("curve", variable="boundary")).axes
+    assert ax.get_legend() is None
+    (line,) = [line for line in ax.lines if len(line.get_xdata()) == 3]
+    np.testing.assert_array_equal(line.get_xdata(), dataset["N0"].values)
+
+
 def test_crossings_are_joined_in_order_or_by_their_mode():
     """Another mode crosses too at the second point, and at the last the modes' numbers differ."""
     dataset = data.crossings().isel(crossing=[1, 1], R=[0, 0, 0, 0])

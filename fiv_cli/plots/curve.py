@@ -34,10 +34,13 @@ PREFERRED = (
 
 CLASS_SHIFT = 0.06
 
-# The pairs of classes that tell crossings apart, and how they are put into words.
+# The pairs of classes that tell crossings apart, and how they are put into words. To a question
+# about a number motions of one class may give two answers; then these tell.
+CLASSES, ANSWERS = ("class_below", "class_above"), ("answer_below", "answer_above")
 SORTS = {
     ("crossing_kind", "crossing_direction"): "{} {}",
-    ("class_below", "class_above"): "{} to {}",
+    CLASSES: "{} to {}",
+    ANSWERS: "{} to {}",
 }
 
 
@@ -170,7 +173,14 @@ def _widths(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
 
 def _sorting(dataset: xr.Dataset) -> tuple[str, str] | None:
     """The pair of classes that tells the crossings of a dataset apart, if it has one."""
-    return next((pair for pair in SORTS if all(name in dataset for name in pair)), None)
+    pair = next((pair for pair in SORTS if all(name in dataset for name in pair)), None)
+    return ANSWERS if pair == CLASSES and _is_of_a_number(dataset) else pair
+
+
+def _is_of_a_number(dataset: xr.Dataset) -> bool:
+    """Whether some change has one and the same class on both sides."""
+    below, above = (numbers(dataset[name]) for name in CLASSES)
+    return all(name in dataset for name in ANSWERS) and bool((below == above).any())
 
 
 def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
