@@ -28,7 +28,7 @@ from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.analyses.common import start_motion, stopped
 from fiv_cli.analyses.equilibria import equilibria, sliding
 from fiv_cli.analyses.linearisation import spectrum
-from fiv_cli.analyses.spectrum import bin_width, frequencies, window_length
+from fiv_cli.analyses.resolution import bin_width, frequencies, window_length
 from fiv_cli.analyses.steady_state import steady_state
 from fiv_cli.dynamics.motion import Motion, samples_at
 from fiv_cli.dynamics.system import System, Vector

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.analyses.common import balance, stopped, trust
 from fiv_cli.analyses.recording import begun, varying_at
-from fiv_cli.analyses.spectrum import bin_width, frequencies, hop, slice_length
+from fiv_cli.analyses.resolution import bin_width, frequencies, hop, slice_length
 from fiv_cli.dynamics.motion import Motion, samples_at
 from fiv_cli.dynamics.system import System, Vector
 from fiv_cli.fourier import HANN_BANDWIDTH, TimeFrequency, short_time
