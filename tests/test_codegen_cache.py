@@ -207,3 +207,14 @@ def test_every_kernel_file_counts_for_the_key() -> None:
     texts = {path.name: path.read_text() for path in folder.glob("*.py")}
     with_kernels = {name for name, text in texts.items() if "@njit" in text or "@intrinsic" in text}
     assert with_kernels | {"compiled.py"} == set(compiled.KERNEL_FILES)
+
+
+def test_a_full_disk_leaves_no_piece_behind(tmp_path, monkeypatch):
+    def full(self, target):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setenv("FIV_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(cache.Path, "replace", full)
+    cache.write("name.o", b"code")
+    assert cache.read("name.o") is None
+    assert list(tmp_path.iterdir()) == []

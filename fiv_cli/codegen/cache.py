@@ -56,6 +56,9 @@ def write(name: str, content: bytes) -> None:
         root = cache_root()
         root.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=root)
-        with os.fdopen(handle, "wb") as file:
-            file.write(hashlib.sha256(content).digest() + content)
-        Path(temporary).replace(root / name)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(hashlib.sha256(content).digest() + content)
+            Path(temporary).replace(root / name)
+        finally:
+            Path(temporary).unlink(missing_ok=True)  # there only where the disk is full
