@@ -134,6 +134,12 @@ def test_a_slow_excitation_is_said_to_be_one() -> None:
     assert only(found) == pytest.approx(1.2, rel=1e-14)
 
 
+@pytest.mark.parametrize(("R", "reason"), [(4.0, "averaging_invalid"), (20.0, "no_crossing")])
+def test_without_a_crossing_too_a_slow_excitation_is_said_to_be_one(R: float, reason: str) -> None:
+    found = critical("excited-2dof", "A_b", (0.05 * R, 0.2 * R), "averaged", R=R)
+    assert (found.values["n_crossings"], found.reason) == (0, reason)
+
+
 # --- five degrees of freedom (thesis 6.4.1) -------------------------------------------------------
 @pytest.mark.parametrize(("geometry", "expected"), [("nonlinear", 1.513784), ("linear", 1.973910)])
 def test_geometric_nonlinearity_lowers_the_critical_friction(

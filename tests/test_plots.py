@@ -11,6 +11,7 @@ from matplotlib.colors import to_hex
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
+from fiv_cli.data.flags import REASON, advice
 from fiv_cli.data.summary import lines as summary_lines
 from fiv_cli.data.summary import summarise
 from fiv_cli.errors import InputError, StorageError, UsageError
@@ -882,6 +883,20 @@ def test_show_counts_classes_and_ranges(stored):
 def test_show_lists_few_labels_and_counts_many():
     dataset = data.stability_map(initial=[f"far-{n:03d}" for n in range(30)])
     assert "far-000, ..., far-029, 30 values" in "\n".join(summary_lines(summarise({"": dataset})))
+
+
+def test_show_says_what_the_reasons_mean_that_occur():
+    dataset = data.stability_map()
+    codes = np.zeros(dataset["status"].shape, np.int8)
+    codes.flat[:2] = REASON.codes["no_crossing"]
+    attrs = {"flag_values": np.array(list(REASON.codes.values()), np.int8)}
+    attrs["flag_meanings"] = " ".join(REASON.codes)
+    dataset["reason"] = (dataset["status"].dims, codes, attrs)
+    text = summary_lines(summarise({"": dataset}))
+    row = next(n for n, line in enumerate(text) if line.startswith("  reason "))
+    assert "no_crossing 2" in text[row]
+    assert text[row + 1] == f"    no_crossing: {advice('no_crossing')}"
+    assert not any("nothing to report" in line for line in text)
 
 
 def test_show_names_the_point_of_the_worst_value():

@@ -138,10 +138,10 @@ def critical_values(
     values = _described(crossings, ends)
     if which == "original":
         return Outcome(reason=_reason(crossings, []), values=values)
-    at = [varied.at(parameters, crossing.value) for crossing in crossings]
-    ratios = [_ratio(system, place) for place in at]
+    ratios = [_ratio(system, varied.at(parameters, crossing.value)) for crossing in crossings]
     values["averaging_ratio"] = np.array(ratios)
-    return Outcome(reason=_reason(crossings, ratios), values=values)
+    judged = ratios or [_ratio(system, varied.at(parameters, end)) for end in bracket]
+    return Outcome(reason=_reason(crossings, judged), values=values)
 
 
 def _described(crossings: Sequence[Crossing], ends: Sequence[Sample]) -> dict[str, Any]:
@@ -163,11 +163,12 @@ def _described(crossings: Sequence[Crossing], ends: Sequence[Sample]) -> dict[st
 
 
 def _reason(crossings: Sequence[Crossing], ratios: Sequence[float]) -> str:
+    """The gravest; that nothing crosses, or ends, is also told by the crossings themselves."""
+    if any(ratio < LEAST_RATIO for ratio in ratios):
+        return "averaging_invalid"
     if any(crossing.kind == "end" for crossing in crossings):
         return "no_equilibrium_in_part"
-    if not crossings:
-        return "no_crossing"
-    return "averaging_invalid" if any(ratio < LEAST_RATIO for ratio in ratios) else ""
+    return "" if crossings else "no_crossing"
 
 
 def _sample(system: System, parameters: Mapping[str, float], which: str, at: float) -> Sample:

@@ -9,7 +9,7 @@ import numpy as np
 
 from fiv_cli.data import select
 from fiv_cli.data.claims import point_name
-from fiv_cli.data.flags import NOT_COMPUTED
+from fiv_cli.data.flags import NOT_COMPUTED, REASON, advice
 from fiv_cli.data.reading import flag_names, numbers
 from fiv_cli.data.refined import described
 
@@ -54,6 +54,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
             for name in COUNTED
             if name in dataset
         },
+        "advice": _advice(dataset),
         "ranges": _ranges(dataset),
         "trust": {name: _worst(dataset, name) for name in TRUST if _is_number(dataset, name)},
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
@@ -83,6 +84,12 @@ def _counts(flag: xr.DataArray, grid_dims: int) -> dict[str, int]:
     if flag.ndim > grid_dims:
         counted.pop(NOT_COMPUTED, None)
     return dict(sorted(((n, c) for n, c in counted.items() if c), key=lambda item: -item[1]))
+
+
+def _advice(dataset: xr.Dataset) -> dict[str, str]:
+    """Reason -> what it means and what to do, of those that occur."""
+    counts = _counts(dataset["reason"], dataset["status"].ndim) if "reason" in dataset else {}
+    return {name: advice(name) for name in counts if name in REASON.codes and name != "none"}
 
 
 def _is_number(dataset: xr.Dataset, name: str) -> bool:
@@ -142,7 +149,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         "",
         f"{name or 'points'}: {dims}",
         *(f"  {axis:<22} {_axis_line(found)}" for axis, found in part["axes"].items()),
-        *(f"  {key:<22} {_count_line(found)}" for key, found in part["counts"].items()),
+        *_count_lines(part),
         *(f"  {key:<22} {_range_line(found)}" for key, found in part["ranges"].items()),
         *_trust_lines(part["trust"]),
         *([f"  refined {part['refined']}"] if "refined" in part else []),
@@ -155,6 +162,13 @@ def _axis_line(found: Mapping[str, Any]) -> str:
         listed = names if len(names) <= MOST_NAMES else [names[0], "...", names[-1]]
         return ", ".join(listed) + (f", {len(names)} values" if listed != names else "")
     return f"{found['first']:g} to {found['last']:g}{_unit(found)}, {found['size']} values"
+
+
+def _count_lines(part: Mapping[str, Any]) -> list[str]:
+    """The classes that occur; behind the reasons, what each of them means."""
+    found = {key: f"  {key:<22} {_count_line(n)}" for key, n in part["counts"].items() if n}
+    meant = [f"    {name}: {sentence}" for name, sentence in part["advice"].items()]
+    return [line for key in found for line in (found[key], *(meant if key == "reason" else []))]
 
 
 def _count_line(found: Mapping[str, int]) -> str:
