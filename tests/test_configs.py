@@ -237,7 +237,11 @@ REDUCED = [
         {0: CONFIRMED, 1: CONTRADICTED, 2: CONTRADICTED},
     ),
     ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=10.0"), {4: CONFIRMED}),
-    ("ch6/fig_6_11", ("grid.mu_k=[0.55, 1.4]",), {5: CONFIRMED, 6: CONFIRMED, 7: CONFIRMED}),
+    (
+        "ch6/fig_6_11",
+        ("grid.mu_k=[0.55, 1.3]",),
+        dict.fromkeys((4, 7, 8, 9, 10, 13), CONFIRMED) | {2: CONTRADICTED, 14: CONTRADICTED},
+    ),
     (
         "ch6/fig_6_13",
         ("grid.mu_k=[0.1, 0.38, 2.0]",),
@@ -352,7 +356,7 @@ LONG = [
     ("ch6/fig_6_09_cycles", (), {0: CONFIRMED, 1: CONTRADICTED}),
     ("ch6/fig_6_08_thesis", ("grid.mu_k=[1.4]",), {0: CONFIRMED, 1: CONTRADICTED}),
     ("ch6/fig_6_09_thesis", ("grid.mu_k=[1.4, 2.4]",), {0: CONFIRMED, 3: CONFIRMED, 4: CONFIRMED}),
-    ("ch6/fig_6_09", ("grid.mu_k=[0.3, 1.4]",), {0: CONFIRMED, 3: CONFIRMED, 4: CONFIRMED}),
+    ("ch6/fig_6_09", ("grid.mu_k=[0.3, 1.4, 2.0]",), dict.fromkeys((0, 3, 4, 7), CONFIRMED)),
     ("ch6/fig_6_10", ("grid.k_nl=[1e4]",), {3: CONFIRMED, 4: CONFIRMED, 5: CONTRADICTED}),
     ("ch6/fig_6_10_thesis", ("grid.k_nl=[0.0]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_11_thesis", ("grid.k_nl=[0.0]", "grid.mu_k=[0.95, 1.45]"), {0: CONFIRMED}),
