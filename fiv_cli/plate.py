@@ -17,9 +17,9 @@ Laplacian and not of M_r. Row 2 of the print has lambda for beta, its row 3 lost
 (1 - nu) beta/b at the Bessel functions of order l + 1 and their signs. Corrected, the frequencies
 are 1492, 1517, 1824 and 2774 rad/s, as the thesis itself says.
 
-No root is skipped: a Rayleigh-Ritz computation, whose stiffness matrix has a negative inertia that
-counts the modes below any frequency, brackets each root of the determinant. Bessel functions are
-scaled by their exponential growth and each column of the matrix by its largest entry, so that
+No root is skipped: the values of a Rayleigh-Ritz computation, each an upper bound of the frequency
+of the same number, count the modes, and each brackets a root of the determinant. Bessel functions
+are scaled by their exponential growth and each column of the matrix by its largest entry, so that
 nothing is lost at high order. Shapes are mass-normalised; only R(r0)^2/M and ratios of R enter any
 physical answer.
 """
@@ -37,6 +37,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 EXTRA_TERMS = 16  # Ritz terms beyond twice the number of modes asked for
+REFINEMENTS = (1, 2, 4, 8)  # times as many where these are too few: a small hole, a < b/50
 BRACKET = 1e-4  # half-width of the bracket about a Ritz value, relative
 
 
@@ -233,25 +234,30 @@ def _wave_number(plate: AnnularPlate, circles: int, diameters: int) -> float:
     """Root of the determinant that the Ritz computation counts as number `circles`."""
     from scipy.optimize import brentq
 
-    guess = float(ritz_wave_numbers(plate, diameters, circles + 1)[circles])
-    low, high = guess * (1.0 - BRACKET), guess * (1.0 + BRACKET)
-    root = brentq(
-        lambda beta: _determinant(plate, diameters, beta), low, high, xtol=1e-300, rtol=8.9e-16
-    )
-    return float(root)
+    def determinant(beta: float) -> float:
+        return _determinant(plate, diameters, beta)
+
+    for finer in REFINEMENTS:
+        guess = float(ritz_wave_numbers(plate, diameters, circles + 1, finer)[circles])
+        low, high = guess * (1.0 - BRACKET), guess * (1.0 + BRACKET)
+        if determinant(low) * determinant(high) < 0.0:
+            return float(brentq(determinant, low, high, xtol=1e-300, rtol=8.9e-16))
+    named = f"mode ({circles}, {diameters})"
+    raise ValueError(f"{named} is not found: the hole, a/b = {plate.a / plate.b:.2g}, is too small")
 
 
 # --- Rayleigh and Ritz ----------------------------------------------------------------------------
-def ritz_wave_numbers(plate: AnnularPlate, diameters: int, count: int) -> Vector:
+def ritz_wave_numbers(plate: AnnularPlate, diameters: int, count: int, finer: int = 1) -> Vector:
     """The `count` lowest wave numbers with `diameters` nodal diameters, 1/m, from the energies.
 
-    Trial shapes (r - a)^2 P_j(r) with Jacobi polynomials that are nearly orthogonal in the mass.
-    The k-th value of a Ritz computation lies above the k-th of the plate, so the order of the
-    values counts the modes.
+    Trial shapes (r - a)^2 P_j(r) with Jacobi polynomials that are nearly orthogonal in the mass,
+    `finer` times as many as do for a plate with a hole of some size. The k-th value of a Ritz
+    computation lies above the k-th of the plate, so the order of the values counts the modes.
     """
     from scipy.linalg import eigh
 
-    stiffness, mass = _ritz_matrices(plate, diameters, 2 * count + EXTRA_TERMS + diameters // 2)
+    terms = finer * (2 * count + EXTRA_TERMS + diameters // 2)
+    stiffness, mass = _ritz_matrices(plate, diameters, terms)
     # mass x = mu stiffness x: the largest mu, the lowest modes, are the accurate ones.
     reciprocals = eigh(mass, stiffness, eigvals_only=True)[::-1][:count]
     found: Vector = reciprocals**-0.25

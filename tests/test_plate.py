@@ -86,6 +86,24 @@ def test_no_mode_is_skipped(diameters: int) -> None:
         assert np.count_nonzero(shape[1:] * shape[:-1] < 0.0) == circles
 
 
+@pytest.mark.parametrize("ratio", [0.01, 0.003])
+def test_a_small_hole_needs_more_trial_shapes(ratio: float) -> None:
+    """With one nodal diameter the plate turns about its hole, and bends most beside it."""
+    pinhole = AnnularPlate(a=ratio, b=1.0, h=0.01, rho=1.0, E=1.0, nu=0.3)
+    found = mode(pinhole, 0, 1)
+    with mpmath.workdps(40):
+        beta = mpmath.mpf(found.beta)
+        sides = [beta * (1 + side * mpmath.mpf("1e-11")) for side in (-1, 1)]
+        low, high = (_precise_determinant(pinhole, 1, side) for side in sides)
+    assert low * high < 0.0
+    assert np.all(found.shape(np.linspace(1.1 * ratio, 1.0, 2001)) > 0.0)
+
+
+def test_a_hole_too_small_is_said() -> None:
+    with pytest.raises(ValueError, match="hole, a/b = 1e-06, is too small"):
+        mode(AnnularPlate(a=1e-6, b=1.0, h=0.01, rho=1.0, E=1.0, nu=0.3), 0, 1)
+
+
 def test_ritz_bounds_from_above_and_converges() -> None:
     for diameters in (0, 2, 7):
         exact = np.array([mode(HALF, k, diameters).beta for k in range(6)])
