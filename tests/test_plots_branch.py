@@ -12,6 +12,7 @@ import xarray as xr
 
 from fiv_cli.case.load import parse_case
 from fiv_cli.data.reading import flag_names, read_analyses
+from fiv_cli.data.summary import summarise
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import default_figures, draw, figures_of
 from fiv_cli.sweep.policy import Policy
@@ -58,6 +59,9 @@ def test_a_branch_is_stored_with_its_ends(branches: xr.Dataset) -> None:
     assert words(branches["cycle_highest_kind"]) == ["grazing", "grazing"]
     assert branches["cycle_section"].sizes["state"] == 2
     assert branches["branch_row_size"].sum() == branches.sizes["branch_obs"]
+    counts = summarise({"": branches})["analyses"][""]["counts"]
+    assert counts["cycle_end_kind"] == {"bracket": 2, "grazing": 2, "equilibrium": 2}
+    assert counts["cycle_highest_kind"] == {"grazing": 2}
 
 
 def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(

@@ -23,6 +23,7 @@ TRUST = ("energy_residual", "event_residual", "residual", "transient_used", "n_s
 COUNTED = (
     *("status", "reason", "attractor", "stable", "crossing_kind", "crossing_direction"),
     *("class_below", "class_above", "computed"),
+    *("complete", "cycle_end_kind", "cycle_lowest_kind", "cycle_highest_kind"),
 )
 
 # Labels of an axis that are all listed; of more, the first and the last.
