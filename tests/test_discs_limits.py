@@ -9,7 +9,7 @@ import pytest
 from disc_reference import RigidContact
 from motions import analyse, defaults, motion, system
 
-from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.analyses.base import SolverSettings, Varied
 from fiv_cli.data.flags import REASONS
 from fiv_cli.dynamics.motion import Stop
 from fiv_cli.models import get_model
@@ -64,6 +64,24 @@ def test_there_is_no_equilibrium_at_a_critical_speed(model: str, analysis: str) 
     assert (found.status, found.reason) == ("failed", "singular_equilibrium")
     nearby = analyse(model, LAWS[model], analysis, Omega=0.9 * speed)
     assert nearby.status == "ok"
+
+
+@pytest.mark.parametrize("model", LAWS)
+def test_a_critical_speed_inside_a_bracket_ends_the_equilibrium(model: str) -> None:
+    """There is none at that one speed, and none beyond where the contact would have to pull."""
+    table, parameters = get_model(model), defaults(model, LAWS[model])
+    assert table.derived is not None
+    speed = table.derived.values(parameters, table.default_options())["omega_0_2"] / 2
+    settings = {
+        "parameter": Varied("Omega"), "bracket": (0.98 * speed, 1.005 * speed),
+        "system": "original",
+    }  # fmt: skip
+    found = analyse(model, LAWS[model], "critical", None, settings)
+    assert (found.status, found.reason) == ("ok", "no_equilibrium_in_part")
+    ends = found.values["crossing_kind"] == "end"
+    assert found.values["critical_value"][ends][0] == pytest.approx(speed, rel=1e-12)
+    assert found.values["crossing_direction"][ends][0] == "lost"
+    assert np.all(np.diff(found.values["critical_value"]) >= 0.0)
 
 
 # --- scale of mode shapes -------------------------------------------------------------------------

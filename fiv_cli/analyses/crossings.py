@@ -5,7 +5,8 @@ and its middle, is told by a straight line well enough that its real part has no
 one, in between, and no two modes can meet. A root is then found by Brent's method on its own
 mode. What stays unresolved down to `NARROWEST` is a singularity: there the number of growing
 modes (or the existence of the equilibrium) is bisected to rounding, and what the eigenvalues do
-across it tells a root (undamped flutter, where they branch) from a jump.
+across it tells a root (undamped flutter, where they branch) from a jump. Wherever a value without
+an equilibrium turns up in between (a critical speed of a disc), the piece is divided there.
 """
 
 from __future__ import annotations
@@ -113,6 +114,14 @@ Probe = Callable[[float], Sample]
 
 class ScanTooLong(Exception):
     """The modes are too rough a function of the parameter to be resolved."""
+
+
+class _Hole(Exception):
+    """Between two equilibria there is a `sample` without one."""
+
+    def __init__(self, sample: Sample) -> None:
+        super().__init__(sample)
+        self.sample = sample
 
 
 def critical_values(
@@ -231,13 +240,16 @@ class _Scan:
         """Find what lies between two samples; the right one with its modes in order."""
         middle = self.probe((left.at + right.at) / 2.0).after(left)
         followed = right.after(middle)
-        if _is_resolved(left, middle, followed):
-            self.found += self.roots(left, followed)
-        elif right.at - left.at <= self.narrowest:
-            self.found += self.singularity(left, followed)
-        else:
-            followed = self.piece(self.piece(left, middle), right)
-        return followed
+        try:
+            if _is_resolved(left, middle, followed):
+                self.found += self.roots(left, followed)
+                return followed
+            if right.at - left.at <= self.narrowest and not _differs(middle, left, right):
+                self.found += self.singularity(left, followed)
+                return followed
+        except _Hole as hole:
+            middle = hole.sample
+        return self.piece(self.piece(left, middle), right)
 
     def roots(self, left: Sample, right: Sample) -> list[Crossing]:
         """The roots of a resolved piece: one for each mode whose growth changes sign."""
@@ -251,7 +263,7 @@ class _Scan:
         from scipy.optimize import brentq
 
         def eigenvalue(at: float) -> complex:
-            return complex(self.between(left, right, at).values[mode])
+            return complex(_solid(self.between(left, right, at)).values[mode])
 
         def rising(at: float) -> float:
             growth = eigenvalue(at).real
@@ -299,6 +311,18 @@ class _Scan:
                 break
             low, high = (middle, high) if is_left(middle) else (low, middle)
         return low, high
+
+
+def _solid(sample: Sample) -> Sample:
+    """The sample; `_Hole` where it has no equilibrium."""
+    if not sample.exists:
+        raise _Hole(sample)
+    return sample
+
+
+def _differs(middle: Sample, left: Sample, right: Sample) -> bool:
+    """Whether only the middle has an equilibrium, or only the middle has none."""
+    return left.exists == right.exists != middle.exists
 
 
 def _is_resolved(left: Sample, middle: Sample, right: Sample) -> bool:
@@ -360,8 +384,8 @@ def _same_count(left: Sample, right: Sample) -> Callable[[Sample], bool]:
     """Whether as many modes grow as in `left`, those of rounding counted where they are none."""
     exact = _count(left) == left.unstable and _count(right) == right.unstable
     if exact:
-        return lambda sample: _count(sample) == left.unstable
-    return lambda sample: sample.unstable == left.unstable
+        return lambda sample: _count(_solid(sample)) == left.unstable
+    return lambda sample: _solid(sample).unstable == left.unstable
 
 
 def _straddled(

@@ -71,7 +71,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("no_equilibrium", "no sliding equilibrium exists here; start from a state instead"),
     Reason(
         "singular_equilibrium",
-        "the stiffness is singular at the equilibrium: a fold; move the parameter off it",
+        "the stiffness is singular at the equilibrium: a fold, or a disc at a critical speed "
+        "omega_kl / l; move the parameter off it",
     ),
     Reason(
         "mu_k_above_mu_s",
