@@ -97,6 +97,19 @@ def test_the_slider_is_on_the_disc(model: str, given: str) -> None:
     assert caught.value.problems[0].path == f"model.parameters.{given.split()[0]}"
 
 
+@pytest.mark.parametrize("given", ["options.modes = [[0, 0], [1, 0]]\n", ""])
+def test_an_excited_disc_needs_a_doublet(given: str) -> None:
+    """omega = R omega_cr, and omega_cr = min omega_kl / l: else A would silently do nothing."""
+    case = 'schema = 1\ntitle = "x"\n[model]\nname = "excited-disc"\n'
+    analysis = '[[analysis]]\nkind = "eigenvalues"\n'
+    axis = '[grid]\nmodes = ["0,0 0,1", "0,0"]\n'
+    text = case + (given or axis) + analysis
+    with pytest.raises(CaseError, match="no mode has a nodal diameter") as caught:
+        parse_case(text, "a.toml")
+    assert "l > 0" in caught.value.problems[0].allowed
+    parse_case(text.replace("excited-disc", "disc-rigid-contact"), "a.toml")
+
+
 def test_points_off_the_disc_are_not_computed() -> None:
     case = parse_case(CASE + "[grid]\nr0 = [0.1, 0.12, 0.13]\n", "a.toml")
     (plan,) = make_plan(case).analyses

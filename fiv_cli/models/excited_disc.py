@@ -12,6 +12,7 @@ ratio xi of about 2e-4 restores the printed onset.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from fiv_cli.models import compliant_disc, disc
@@ -34,6 +35,19 @@ PARAMETERS = (
     Parameter("A", "A", "N", 0.0, "amplitude of the tangential force", "5.16", 0.0),
     Parameter("R", "R", "1", 22.0, "frequency ratio omega/omega_cr", "5.32", 0.0, exclusive=True),
 )
+
+
+def _read_modes(value: object) -> str:
+    """Modes of which one at least is a doublet: only those have a critical speed."""
+    text = disc.read_modes(value)
+    if all(n == 0 for _, n in disc.modes({"modes": text})):
+        raise ValueError(
+            "no mode has a nodal diameter: without a critical speed the force has no frequency"
+        )
+    return text
+
+
+MODES = replace(disc.MODES, read=_read_modes, form=f"{disc.MODES.form}, with one at least of l > 0")
 
 STATES_OF_MOTION = Option(
     "states",
@@ -97,7 +111,7 @@ MODEL = Model(
     equations=equations,
     laws=("exponential", "tanh of exponential"),
     law_defaults={"mu_s": 1.5, "mu_k": 1.2, "alpha": 1.0},
-    options=(disc.MODES, STATES_OF_MOTION, disc.SLOPE_FORCE, disc.DISC_DAMPING),
+    options=(MODES, STATES_OF_MOTION, disc.SLOPE_FORCE, disc.DISC_DAMPING),
     forcings=(Forcing("A", omega, "tangential harmonic force", fast_velocity),),
     revolution=lambda p: p["Omega"],
     derived=Derived(_names, _values, disc.DERIVED.sources),
