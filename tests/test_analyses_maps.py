@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.chaos import FEWEST, regularity
-from fiv_cli.analyses.settling import SETTLED, settled_period
+from fiv_cli.analyses.settling import SETTLED, lasting_period, settled_period
 
 Points = NDArray[np.float64]
 
@@ -102,6 +102,26 @@ def test_a_state_that_is_zero_but_for_rounding_does_not_count() -> None:
 def test_noise_of_integration_is_no_obstacle() -> None:
     noise = 1e-11 * np.random.default_rng(2).normal(size=(200, 1))
     assert settled_period(3.0 + noise) == 1
+
+
+@pytest.mark.parametrize("period", [1, 3, 10])
+@pytest.mark.parametrize(("noise", "lasts"), [(1e-9, True), (1e-6, False)])
+def test_a_cycle_under_the_noise_of_a_stiff_integration(
+    period: int, noise: float, lasts: bool
+) -> None:
+    """The noise hides the rate of settling; that nothing moves any more tells."""
+    random = np.random.default_rng(3)
+    points = np.tile(random.uniform(1.0, 2.0, (period, 4)), (400 // period, 1))
+    points = points + noise * random.uniform(-1.0, 1.0, points.shape)
+    assert lasting_period(points) == (period if lasts else 0)
+
+
+@pytest.mark.parametrize("rate", [1.0 - 1e-3, 1.0 + 1e-3])
+def test_a_map_that_creeps_does_not_last(rate: float) -> None:
+    """Neighbours within 1e-8 of each other, and 1e-6 over the window."""
+    creeping = 1.0 + 5e-9 / abs(rate - 1.0) * rate ** np.arange(400.0)[:, None]
+    assert np.max(np.abs(np.diff(creeping, axis=0))) < 1e-8
+    assert lasting_period(creeping) == 0
 
 
 def test_few_points_say_nothing() -> None:

@@ -86,6 +86,46 @@ def _settled_period(points, scales, count, longest, tolerance):  # type: ignore[
     return 0
 
 
+@njit("int64(float64[:, ::1], float64[::1], int64, int64, float64)", **CACHE)
+def _lasting_period(points, scales, count, longest, tolerance):  # type: ignore[no-untyped-def]
+    half = count // 2
+    for m in range(1, min(longest, half // 4) + 1):
+        whole = half // m * m  # over all of it, too, nothing has moved
+        if _distance(points, scales, count - 1, whole) > tolerance:
+            continue
+        lasts = True
+        for row in range(count - half, count):
+            if _distance(points, scales, row, m) > tolerance:
+                lasts = False
+                break
+        if lasts:
+            return m
+    return 0
+
+
+def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
+    """Section points per period of a map that has repeated itself all through its second half.
+
+    On a stiff system the noise of integration may lie above `FLOOR`, and a rate that is made of
+    noise never tells that a map has settled. That it stays where it is does.
+
+    Parameters
+    ----------
+    points : as of `settled_period`
+    """
+    if len(points) < 8:
+        return 0
+    points = np.ascontiguousarray(points)
+    return int(_lasting_period(points, _scales(points), len(points), LONGEST, tolerance))
+
+
+def _scales(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest value of each state; of one that is rounding, a share of the largest of all."""
+    scales = np.max(np.abs(points), axis=0)
+    scales = np.maximum(scales, max(SMALLEST * np.max(scales), np.finfo(float).tiny))
+    return np.asarray(scales, np.float64)
+
+
 def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
     """Section points per period of a settled map; 0 when it has not settled.
 
@@ -96,7 +136,5 @@ def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     """
     if len(points) < 3:
         return 0
-    scales = np.max(np.abs(points), axis=0)
-    scales = np.maximum(scales, max(SMALLEST * np.max(scales), np.finfo(float).tiny))
     points = np.ascontiguousarray(points)
-    return int(_settled_period(points, scales, len(points), LONGEST, tolerance))
+    return int(_settled_period(points, _scales(points), len(points), LONGEST, tolerance))

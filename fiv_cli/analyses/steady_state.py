@@ -34,7 +34,7 @@ from fiv_cli.analyses.common import (
 )
 from fiv_cli.analyses.decay import Decay
 from fiv_cli.analyses.linearisation import free_jacobian
-from fiv_cli.analyses.settling import settled_period
+from fiv_cli.analyses.settling import lasting_period, settled_period
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
@@ -422,7 +422,8 @@ class _Response:
         ended = self._ended()
         if ended is not None:
             return ended
-        period = settled_period(self._map_points())
+        points = self._map_points()
+        period = settled_period(points) or lasting_period(points)
         if period:
             return self._periodic_from_section(period)
         dead = self._is_quiet() and self.excitation is None
