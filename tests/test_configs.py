@@ -204,6 +204,7 @@ REDUCED = [
         dict.fromkeys(range(3), CONFIRMED),
     ),
     ("ch5/critical_friction", ("grid.v=[0.3]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch5/critical_speed", ("grid.F=[100.0]",), {0: CONFIRMED}),
     ("ch5/fig_5_03", ("grid.mu_k=[0.2, 0.365, 0.37, 0.6]",), dict.fromkeys(range(4), CONFIRMED)),
     (
         "ch5/fig_5_05",
