@@ -17,7 +17,8 @@ generalised forces P, Q of the contact
 The terms with Omega' belong to the derivative of the momenta and are missing in 4.33 and 4.34.
 Damping is that of 6.41, d = 2 xi omega_kl for ``disc_damping = constant``; the damping
 d* lap lap w_t of 6.24 would give ``stiffness``: a ratio that grows with the frequency, xi being
-that of the lowest mode. Each l >= 1 is a doublet: both C_kl and D_kl are there.
+that of the first mode of the set: fewest nodal circles, then diameters. Each l >= 1 is a doublet:
+both C_kl and D_kl are there.
 """
 
 from __future__ import annotations
@@ -253,10 +254,10 @@ class Disc:
         constant = 2 * p("xi") * frequency
         if self.options["disc_damping"] == "constant":
             return constant
-        return constant * frequency / p(f"omega_{self._lowest()}")
+        return constant * frequency / p(f"omega_{self._first()}")
 
-    def _lowest(self) -> str:
-        """The mode that xi belongs to: the first one."""
+    def _first(self) -> str:
+        """The mode that xi belongs to."""
         k, n = modes(self.options)[0]
         return f"{k}_{n}"
 
