@@ -380,6 +380,7 @@ LONG = [
     ("ch6/fig_6_18a_thesis", ("grid.mu_k=[2.5]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_18b", ("grid.mu_k=[2.7]",), {0: CONFIRMED, 1: CONFIRMED}),
     ("ch6/fig_6_18d", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
+    ("ch6/fig_6_18c_cycle", (), dict.fromkeys(range(4), CONFIRMED)),
 ]
 
 

@@ -120,6 +120,29 @@ def test_an_unstable_sliding_cycle() -> None:
     assert found["floquet_multiplier"][0] == pytest.approx(exp(trace), rel=1e-8)
 
 
+@pytest.mark.parametrize("rtol", [1e-7, 1e-9])
+def test_multipliers_of_fast_modes_that_the_cycle_leaves_at_rest(rtol: float) -> None:
+    """Sliding on a stiff belt: 16 Hz in steps of that motion, beside modes of 300 to 500 Hz.
+
+    The dampers alone take phase volume: the multipliers' product is exp(-period times their sum).
+    """
+    section = Section("zero", state="x1_dot", direction="up")
+    start = {
+        "x1": -3.26951935, "y1": 3.12342914, "x2": 3.30762e-3, "y2": 1.37705e-3, "phi": 0.11311826,
+        "y1_dot": -1.22505663, "x2_dot": -1.29442e-3, "y2_dot": -5.3923e-4, "phi_dot": -4.452069e-2,
+    }  # fmt: skip
+    options = {"contact_stiffness": "linear", "states": "slip"}
+    stiff = {"F": 800.0, "k4": 5e6, "k5": 5e6, "k6": 5e6, "mu_k": 1.2}
+    found = analyse(
+        "belt-5dof", "coulomb", "cycle", start, {"section": section, "t_max": 0.5},
+        options=options, solver=SolverSettings(rtol=rtol), **stiff,
+    ).values  # fmt: skip
+    assert found["cycle_period"] == pytest.approx(0.06104462, abs=1e-7)
+    volume = exp(-0.58 * found["cycle_period"])  # c / m of five dampers, c (l1^2 + l2^2) / J
+    assert np.prod(found["floquet_multiplier"]) == pytest.approx(volume, rel=1e-6)
+    assert found["stable"] == "stable"
+
+
 # --- a ball on a shaking table: everything in closed form ----------------------------------------
 GRAVITY, RESTITUTION, OMEGA = 10.0, 0.8, 2 * pi
 FLIGHT = 1.0  # s, a period of the table

@@ -649,17 +649,29 @@ def take_measures(  # type: ignore[no-untyped-def]
 
 @njit(**INNER)
 def move_tangents(  # type: ignore[no-untyped-def]
-    table, config, index, coefficients, clock, y, tau, tangents, joined, series
+    table, config, index, tolerances, coefficients, clock, y, tau, tangents, joined, series
 ):
-    """Carry the tangent vectors (rows) over a step of length tau."""
+    """Carry the tangent vectors (rows) over a step of length tau, in the parts that they need.
+
+    The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
+    where these are fast its series needs shorter steps.
+    """
     n, order = config[N_STATES], config[ORDER]
     for row in range(tangents.shape[0]):
         for i in range(n):
             joined[i] = y[i]
             joined[n + i] = tangents[row, i]
-        call_generated(table[index, TANGENT], coefficients, clock[TIME], joined, series)
+        done = 0.0
+        while done < tau:
+            call_generated(table[index, TANGENT], coefficients, clock[TIME] + done, joined, series)
+            part = min(step_size(series, 2 * n, order, tolerances[RTOL], tau - done), tau - done)
+            if done + part == done:
+                part = tau - done
+            for i in range(2 * n):
+                joined[i] = series_value(series, i * (order + 1), order, part)
+            done = tau if part >= tau - done else done + part
         for i in range(n):
-            tangents[row, i] = series_value(series, (n + i) * (order + 1), order, tau)
+            tangents[row, i] = joined[n + i]
 
 
 @njit(**INNER)
@@ -1085,7 +1097,17 @@ def advance(  # type: ignore[no-untyped-def]
                 )
             if with_tangents:
                 move_tangents(
-                    table, config, index, coefficients, clock, y, tau, tangents, joined, work
+                    table,
+                    config,
+                    index,
+                    tolerances,
+                    coefficients,
+                    clock,
+                    y,
+                    tau,
+                    tangents,
+                    joined,
+                    work,
                 )
             for i in range(n):
                 y[i] = out[i]
