@@ -18,9 +18,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 # The version of what ``--json`` prints.
 JSON_SCHEMA = 1
 
-# Where compiled code is kept, if not in the user's cache folder.
-CACHE_VARIABLE = "FIV_CACHE_DIR"
-
 # Bytes that a cache must have room for: the integrator and a model with its tangents.
 CACHE_ROOM = 8_000_000
 
@@ -58,12 +55,14 @@ def provide_cache() -> None:
 
 
 def _compile_for_once(why: str) -> None:
+    from fiv_cli.codegen.cache import VARIABLE
+
     folder = tempfile.mkdtemp(prefix="fiv-cache-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    os.environ[CACHE_VARIABLE] = folder
+    os.environ[VARIABLE] = folder
     click.echo(
         f"{why}; it is compiled for this run only, which takes up to a minute\n"
-        f"next time: {CACHE_VARIABLE}=FOLDER in the environment, a folder that can be written",
+        f"next time: {VARIABLE}=FOLDER in the environment, a folder that can be written",
         err=True,
     )
 

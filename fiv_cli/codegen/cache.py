@@ -15,10 +15,12 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+VARIABLE = "FIV_CACHE_DIR"  # of the environment: the folder, if not in the user's cache folder
+
 
 def cache_root() -> Path:
     """``$FIV_CACHE_DIR``, or ``fiv`` in the user's cache folder."""
-    given = os.environ.get("FIV_CACHE_DIR")
+    given = os.environ.get(VARIABLE)
     if given:
         return Path(given)
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"

@@ -5,7 +5,7 @@ A misspelt variable is told before anything is computed, not after.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fiv_cli.case.case import Case, ClaimSpec, FigureSpec
@@ -19,7 +19,7 @@ from fiv_cli.data.variables import Variable, variables_of
 from fiv_cli.models import get_model
 
 # What a sweep that is refined tells of each point besides.
-_OF_REFINED = ("computed",)
+OF_REFINED = "computed"
 
 
 def refuse_what_will_not_be_there(case: Case, layouts: Sequence[Layout]) -> None:
@@ -57,7 +57,9 @@ def _known(
     A figure may also be drawn of a motion that ``fiv history`` computes (`motions`).
     """
     chosen = [layout for layout in layouts if not analysis or layout.name == analysis]
-    found: dict[str, Variable | None] = dict.fromkeys(name for name in _coordinates(case))
+    found: dict[str, Variable | None] = dict.fromkeys(
+        [*(axis.dim for axis in case.axes), OF_REFINED]
+    )
     if motions:
         own = variables_of("history", get_model(case.model), case.options, {})
         found |= {variable.name: variable for variable in own}
@@ -65,11 +67,6 @@ def _known(
         found |= {f"{v.ragged}_row_size": None for v in layout.variables if v.ragged}
         found |= {variable.name: variable for variable in layout.variables}
     return found
-
-
-def _coordinates(case: Case) -> Iterator[str]:
-    yield from (axis.dim for axis in case.axes)
-    yield from _OF_REFINED
 
 
 def _check(name: str, known: Mapping[str, Variable | None], place: Path, report: Report) -> bool:

@@ -295,15 +295,7 @@ def _response(
         Variable("separation_fraction", "1", "share of time in separation", contact),
         *_extremes(states),
         Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
-        Variable(
-            "floquet_multiplier",
-            "1",
-            "modulus of the multiplier",
-            ("multiplier",),
-            comment=_NO_WAY,
-        ),
-        Variable("floquet_multiplier_real", "1", "real part of the multiplier", ("multiplier",)),
-        Variable("floquet_multiplier_imag", "1", "imaginary part", ("multiplier",)),
+        *_multipliers(),
         *_solver_trust(),
         Variable("event_residual", "1", "largest switching function left at an event"),
         Variable("transient_used", "s", "time simulated before the steady state was accepted"),
@@ -418,15 +410,7 @@ def _cycle(
             comment="each state in its own unit (state_units)",
         ),
         Variable("section_value", units[observed], f"{observed} at the section", ragged="section"),
-        Variable(
-            "floquet_multiplier",
-            "1",
-            "modulus of the multiplier",
-            ("multiplier",),
-            comment=_NO_WAY,
-        ),
-        Variable("floquet_multiplier_real", "1", "real part of the multiplier", ("multiplier",)),
-        Variable("floquet_multiplier_imag", "1", "imaginary part", ("multiplier",)),
+        *_multipliers(),
         *_extremes(states, _LEAST_AND_GREATEST),
         Variable("residual", "1", "miss after a period, over the extent of the cycle"),
         Variable("n_events", "1", "events per period", kind="int"),
@@ -480,6 +464,16 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
 
 
 _LEAST_AND_GREATEST = (("min", "least"), ("max", "greatest"))
+
+
+def _multipliers() -> tuple[Variable, ...]:
+    """Floquet multipliers of a periodic motion."""
+    dims, what = ("multiplier",), "of the multiplier"
+    return (
+        Variable("floquet_multiplier", "1", f"modulus {what}", dims, comment=_NO_WAY),
+        Variable("floquet_multiplier_real", "1", f"real part {what}", dims),
+        Variable("floquet_multiplier_imag", "1", "imaginary part", dims),
+    )
 
 
 def _extremes(
