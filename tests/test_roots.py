@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from numba import njit
 from numpy.typing import NDArray
 
+from fiv_cli.codegen.native import Library, words_of
 from fiv_cli.dynamics import roots
 
 AMBIGUOUS = 1e-6  # complex pairs this close to the real axis, or roots this close to a border
@@ -16,10 +18,7 @@ DOUBLE = 1e-7  # a double root is known to the root of rounding only
 ROOT = st.floats(0.02, 0.98)
 
 
-@njit
-def located(degree, work, total, end):  # type: ignore[no-untyped-def]
-    """`roots.first_root` is compiled into its callers: this is one."""
-    return roots.first_root(degree, work, total, end)
+ROOTS = Library("roots", (Path(roots.__file__),), (roots.first_root,))
 
 
 def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
@@ -27,7 +26,8 @@ def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
     work = roots.scratch()
     work[roots.POLYNOMIAL : roots.POLYNOMIAL + len(coefficients)] = coefficients
     total, end = float(np.sum(np.abs(coefficients))), float(np.sum(coefficients))
-    return float(located(len(coefficients) - 1, work, total, end))
+    found = ROOTS.function(roots.first_root)
+    return float(found(len(coefficients) - 1, *words_of(work), total, end))
 
 
 def with_roots(*places: float, beyond: tuple[float, ...] = ()) -> NDArray[np.float64]:

@@ -17,10 +17,11 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.codegen.native import call_generated
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import BOUND, call
+from fiv_cli.dynamics.arrays import BOUND
 from fiv_cli.dynamics.system import System, Vector
 
 NEWTON_STEPS = 60
@@ -61,7 +62,7 @@ class Sliding:
         n_outputs = 3 * len(y) + 64
         out = np.zeros(n_outputs + kernel.N_ENERGIES)
         address = self.system.tables.table[self.index, kernel.FIELD]
-        call(address, self.coefficients, 0.0, y, out)
+        call_generated(address, self.coefficients, 0.0, y, out)
         return out
 
     def rates(self, y: Vector) -> Vector:
@@ -90,7 +91,7 @@ class Sliding:
         for column in columns:
             joined[n:] = 0.0
             joined[n + column] = 1.0
-            call(address, self.coefficients, 0.0, joined, series)
+            call_generated(address, self.coefficients, 0.0, joined, series)
             tangent = series[n * (order + 1) : 2 * n * (order + 1)].reshape(n, -1)
             found.append(tangent[:, 1].copy())
         return np.array(found).reshape(-1, n).T
@@ -132,12 +133,12 @@ def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
     vector = system.parameter_vector(system.model.unexcited(parameters))
     coefficients = np.zeros(max(system.generated.n_coefficients, 1))
     fill = system.tables.config[kernel.COEFFICIENTS]
-    call(fill, coefficients, 0.0, vector, coefficients)
+    call_generated(fill, coefficients, 0.0, vector, coefficients)
     state = Sliding(system, vector, coefficients, 0, True)
     velocities = state.contact_forces(np.zeros(len(system.state_names)))[:, 2]
     first = len(vector) - 1 - system.n_contacts
     vector[first : first + system.n_contacts] = np.where(velocities < 0.0, -1.0, 1.0)
-    call(fill, coefficients, 0.0, vector, coefficients)
+    call_generated(fill, coefficients, 0.0, vector, coefficients)
     smooth = np.array(system.generated.smooth)
     moving = bool(np.all((velocities != 0.0) | smooth))
     return Sliding(system, vector, coefficients, 0, moving)
@@ -211,7 +212,7 @@ def _reduced(state: Sliding, reduction: Reduction) -> Equilibria | None:
     values = np.zeros(reduction.n_slots)
     known = dict(zip(state.system.generated.parameter_names, state.parameters, strict=True))
     arguments = np.array([known[name] for name in reduction.parameters])
-    call(_loaded(reduction).statics, values, 0.0, arguments, values)
+    call_generated(_loaded(reduction).statics, values, 0.0, arguments, values)
     if not np.any(values[list(reduction.denominator)]) or not np.all(np.isfinite(values)):
         return None
     roots = _roots(values[list(reduction.closure)])
@@ -251,7 +252,7 @@ def _inserted(
     taken_out = np.zeros(len(reduction.eliminated))
     if len(taken_out):
         solved = np.concatenate([arguments, list(known.values())])
-        call(_loaded(reduction).eliminated, taken_out, 0.0, solved, taken_out)
+        call_generated(_loaded(reduction).eliminated, taken_out, 0.0, solved, taken_out)
     known |= dict(zip(reduction.eliminated, map(float, taken_out), strict=True))
     return state.system.state_vector(known)
 

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.equilibria import statics_of
+from fiv_cli.codegen.native import call_generated
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import Motion, Stop, call
+from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
 Matrix = NDArray[np.float64]
@@ -183,11 +184,11 @@ def _projection(motion: Motion) -> Matrix:
     n, order = len(motion.y), motion.system.generated.order
     index = kernel.state_index(motion.kinds, len(motion.kinds))
     address = motion.system.tangent_table[index, kernel.TANGENT]
-    series = np.zeros_like(motion.work)
+    series = np.zeros_like(motion.layout.shared["work"])
     matrix = np.zeros((n, n))
     for column in range(n):
         joined = np.concatenate([motion.y, np.eye(n)[column]])
-        call(address, motion.coefficients, motion.time, joined, series)
+        call_generated(address, motion.coefficients, motion.time, joined, series)
         matrix[:, column] = series[n * (order + 1) : 2 * n * (order + 1) : order + 1]
     return matrix
 

@@ -7,11 +7,13 @@ tells a slow transient (a multiplier of -0.99) from a settled motion.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from fiv_cli.dynamics.compiled import CACHE
+from fiv_cli.codegen.native import Floats, Floats2, Library, native, words_of
 
 SETTLED = 1e-8  # relative to the largest value of each state at the section
 SMALLEST = 1e-7  # a state below this share of the largest one is judged by that: it is rounding
@@ -21,8 +23,8 @@ FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate s
 DISTINCT = 1e-6  # points of one period lie further apart than this: else the period is shorter
 
 
-@njit("float64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
-def _distance(points, scales, row, m):  # type: ignore[no-untyped-def]
+@native
+def _distance(points: Floats2, scales: Floats, row: int, m: int) -> float:
     """Largest scaled difference between a point and the one m earlier."""
     worst = 0.0
     for i in range(points.shape[1]):
@@ -30,8 +32,8 @@ def _distance(points, scales, row, m):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit("float64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
-def _repetition(points, scales, count, m):  # type: ignore[no-untyped-def]
+@native
+def _repetition(points: Floats2, scales: Floats, count: int, m: int) -> float:
     """Largest difference of the last m points from those m earlier."""
     worst = 0.0
     for back in range(m):
@@ -39,8 +41,8 @@ def _repetition(points, scales, count, m):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit("boolean(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
-def _shrinking_divisor(points, scales, count, m):  # type: ignore[no-untyped-def]
+@native
+def _shrinking_divisor(points: Floats2, scales: Floats, count: int, m: int) -> bool:
     """Whether a shorter period is on its way: its repetition is small and still improves.
 
     A negative multiplier makes every second period agree sooner than every one.
@@ -54,8 +56,8 @@ def _shrinking_divisor(points, scales, count, m):  # type: ignore[no-untyped-def
     return False
 
 
-@njit("int64(float64[:, ::1], float64[::1], int64, int64)", **CACHE)
-def _least_period(points, scales, count, m):  # type: ignore[no-untyped-def]
+@native
+def _least_period(points: Floats2, scales: Floats, count: int, m: int) -> int:
     """The least divisor of the period m that tells all its points apart.
 
     On a spiral whose turn is near 2 pi p/m, the points m apart agree sooner than neighbours do.
@@ -70,8 +72,10 @@ def _least_period(points, scales, count, m):  # type: ignore[no-untyped-def]
     return m
 
 
-@njit("int64(float64[:, ::1], float64[::1], int64, int64, float64)", **CACHE)
-def _settled_period(points, scales, count, longest, tolerance):  # type: ignore[no-untyped-def]
+@native
+def _settled_period(
+    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float
+) -> int:
     for m in range(1, min(longest, (count - 1) // 2) + 1):
         if _distance(points, scales, count - 1, m) > tolerance:
             continue
@@ -86,8 +90,10 @@ def _settled_period(points, scales, count, longest, tolerance):  # type: ignore[
     return 0
 
 
-@njit("int64(float64[:, ::1], float64[::1], int64, int64, float64)", **CACHE)
-def _lasting_period(points, scales, count, longest, tolerance):  # type: ignore[no-untyped-def]
+@native
+def _lasting_period(
+    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float
+) -> int:
     half = count // 2
     for m in range(1, min(longest, half // 4) + 1):
         whole = half // m * m  # over all of it, too, nothing has moved
@@ -103,6 +109,9 @@ def _lasting_period(points, scales, count, longest, tolerance):  # type: ignore[
     return 0
 
 
+SETTLING = Library("settling", (Path(__file__),), (_settled_period, _lasting_period))
+
+
 def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
     """Section points per period of a map that has repeated itself all through its second half.
 
@@ -115,8 +124,13 @@ def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     """
     if len(points) < 8:
         return 0
+    return _asked(_lasting_period, points, tolerance)
+
+
+def _asked(kernel: Callable[..., int], points: NDArray[np.float64], tolerance: float) -> int:
     points = np.ascontiguousarray(points)
-    return int(_lasting_period(points, _scales(points), len(points), LONGEST, tolerance))
+    given = (*words_of(points), *words_of(_scales(points)))
+    return int(SETTLING.function(kernel)(*given, len(points), LONGEST, tolerance))
 
 
 def _scales(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -136,5 +150,4 @@ def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     """
     if len(points) < 3:
         return 0
-    points = np.ascontiguousarray(points)
-    return int(_settled_period(points, _scales(points), len(points), LONGEST, tolerance))
+    return _asked(_settled_period, points, tolerance)

@@ -13,7 +13,7 @@ from fiv_cli.codegen import NUMERICS_VERSION
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
-PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "sympy", "xarray", "netCDF4")
+PACKAGES = ("numpy", "scipy", "llvmlite", "sympy", "xarray", "netCDF4")
 
 
 def provenance(case: Case, fingerprint: str) -> dict[str, Any]:

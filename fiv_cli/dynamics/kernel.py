@@ -16,11 +16,18 @@ compression, and transitions that follow one another at one instant.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
-from numba.extending import register_jitable
 
-from fiv_cli.dynamics.call import at, call_generated
-from fiv_cli.dynamics.compiled import CACHE, INLINE, INNER
+from fiv_cli.codegen.native import (
+    Floats,
+    Floats2,
+    Frame,
+    Ints,
+    Ints2,
+    Ints3,
+    call_generated,
+    inlined,
+    native,
+)
 from fiv_cli.dynamics.roots import NO_ROOT, POLYNOMIAL, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
@@ -50,6 +57,7 @@ GO_ON, DECIDE, ENTER = 0.0, 1.0, 2.0
 
 # tolerances[...]
 RTOL, FIXED_STEP, BOUND = 0, 1, 2
+TOLERANCES_WIDTH = 3
 
 # counters[...]
 STEPS, EVENTS, CHAINED, SECTIONS, SAMPLED, LEDGER, GRAZINGS, IMPACTS = range(8)
@@ -57,14 +65,18 @@ COUNTERS_WIDTH = 8
 
 # limits[...]
 MAX_STEPS, MAX_EVENTS, MAX_SECTIONS = 0, 1, 2
+LIMITS_WIDTH = 3
 
 # section[...]: what ends up in the section buffer
 SECTION_KIND, SECTION_FROM, SECTION_TO, SECTION_CONTACT, SECTION_STATE, SECTION_DIRECTION = range(6)
+SECTION_WIDTH = 6
 SECTION_NONE, SECTION_EVENT, SECTION_ZERO, SECTION_PHASE = 0, 1, 2, 3
 
 # measures[...]
 M_TIME, M_SPREAD, M_OTHER, M_FRICTION, M_DRIVE, M_IMPACT, M_RESIDUAL = range(7)
 MEASURES_WIDTH = 7
+
+LEDGER_WIDTH = 5  # time, code before, code after, contact, residual
 
 # options[contact, ...]: candidates of `decide`, (kind, sign) pairs from OFFERS on; BEFORE: the
 # code of the contact's state before the event; ONE_WAY: 1 where the sign of slip never changes
@@ -95,8 +107,54 @@ KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(5)
 N_ENERGIES = 5
 
 
-@register_jitable(**INNER)
-def state_index(kinds, contacts):  # type: ignore[no-untyped-def]
+class Run(Frame):
+    """The arrays of a run.
+
+    Of the system: addresses of generated functions and switching functions per contact state
+    (table, impacts, guards), config, which contacts cannot open (ends). Of the run: where and how
+    it is (clock, kinds, parameters, coefficients, y, strips: known zeros of switching functions at
+    the start of a step, counters), tolerances and limits. What is asked for: section points,
+    samples, a ledger of events (time, code before, after, contact, residual), measures, tangent
+    vectors. The rest is written before it is read.
+    """
+
+    clock: Floats
+    parameters: Floats
+    coefficients: Floats
+    y: Floats
+    measures: Floats
+    tolerances: Floats
+    kinds: Ints
+    strips: Ints
+    counters: Ints
+    limits: Ints
+    section: Ints
+    table: Ints2
+    impacts: Ints2
+    guards: Ints3
+    config: Ints
+    ends: Ints
+    quadrature: Floats2
+    series: Floats
+    work: Floats
+    stages: Floats2
+    roots: Floats
+    options: Ints2
+    reference: Floats
+    extremes: Floats2
+    shares: Floats2
+    section_times: Floats
+    section_states: Floats2
+    sample_times: Floats
+    sample_states: Floats2
+    sample_outputs: Floats2
+    sample_codes: Ints2
+    ledger: Floats2
+    tangents: Floats2
+
+
+@native
+def state_index(kinds: Ints, contacts: int) -> int:
     """Index of a combination of kinds: base 3, contact 0 first."""
     index = 0
     for i in range(contacts - 1, -1, -1):
@@ -104,88 +162,102 @@ def state_index(kinds, contacts):  # type: ignore[no-untyped-def]
     return index
 
 
-@register_jitable(**INNER)
-def code_of(kind, sign):  # type: ignore[no-untyped-def]
+@native
+def code_of(kind: int, sign: float) -> int:
     """Code of a contact's state in ledgers."""
     if kind == SLIP:
         return CODE_SLIP_PLUS if sign > 0.0 else CODE_SLIP_MINUS
     return CODE_STICK if kind == STICK else CODE_SEPARATION
 
 
-@register_jitable(**INNER)
-def kind_of(code):  # type: ignore[no-untyped-def]
+@native
+def kind_of(code: int) -> int:
     """Kind of a contact's state from its code."""
     return SLIP if code <= CODE_SLIP_MINUS else code - 1
 
 
-@njit(**INNER)
-def series_value(series, offset, order, x):  # type: ignore[no-untyped-def]
+@native
+def series_value(series: Floats, offset: int, order: int, x: float) -> float:
     """Value of the series that begins at `offset`.
 
     Even and odd powers are summed apart: two short chains of operations instead of a long one.
     """
     square = x * x
-    even = at(series, offset + order - order % 2)
+    even = series[offset + order - order % 2]
     for k in range(order - order % 2 - 2, -1, -2):
-        even = even * square + at(series, offset + k)
-    odd = at(series, offset + order - 1 + order % 2)
+        even = even * square + series[offset + k]
+    odd = series[offset + order - 1 + order % 2]
     for k in range(order - 3 + order % 2, 0, -2):
-        odd = odd * square + at(series, offset + k)
+        odd = odd * square + series[offset + k]
     return even + x * odd
 
 
-@njit(**INNER)
-def series_slope(series, offset, order, x):  # type: ignore[no-untyped-def]
+@native
+def series_slope(series: Floats, offset: int, order: int, x: float) -> float:
     """Derivative of the series that begins at `offset`."""
     value = 0.0
     for k in range(order, 0, -1):
-        value = value * x + k * at(series, offset + k)
+        value = value * x + k * series[offset + k]
     return value
 
 
-@njit(**INNER)
-def scale_and_slope(series, offset, order, step, x):  # type: ignore[no-untyped-def]
+@native
+def scale_and_slope(
+    series: Floats, offset: int, order: int, step: float, x: float
+) -> tuple[float, float]:
     """`series_scale` over a step and the derivative a time x into it."""
-    scale, slope = abs(at(series, offset)), 0.0
+    scale, slope = abs(series[offset]), 0.0
     reach, power, number = 1.0, 1.0, 0.0
     for k in range(1, order + 1):
         number += 1.0
         reach *= step
-        scale += abs(at(series, offset + k)) * reach
-        slope += number * at(series, offset + k) * power
+        scale += abs(series[offset + k]) * reach
+        slope += number * series[offset + k] * power
         power *= x
     return scale, slope
 
 
-@njit(**INNER)
-def series_scale(series, offset, order, step):  # type: ignore[no-untyped-def]
+@native
+def series_scale(series: Floats, offset: int, order: int, step: float) -> float:
     """Sum of the absolute terms of a series over a step."""
     scale = 0.0
     power = 1.0
     for k in range(order + 1):
-        scale += abs(at(series, offset + k)) * power
+        scale += abs(series[offset + k]) * power
         power *= step
     return scale
 
 
-@njit(**INNER)
-def time_scale(series, n, order):  # type: ignore[no-untyped-def]
+@native
+def time_scale(series: Floats, n: int, order: int) -> float:
     """Shortest time in which a series' last terms catch up with its first ones."""
     shortest = ENDLESS
     for i in range(n):
         first = i * (order + 1)
         for top in range(order - 1, order + 1):
-            high = abs(at(series, first + top))
+            high = abs(series[first + top])
             for k in range(3):
-                low = abs(at(series, first + k))
+                low = abs(series[first + k])
                 ratio = low / high if high > 0.0 else 0.0
                 if ratio > 0.0:  # a value so small that its share is lost sets no scale
                     shortest = min(shortest, ratio ** (1.0 / (top - k)))
     return shortest
 
 
-@njit(**INLINE)
-def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
+@native
+def whole_power(base: float, exponent: int) -> float:
+    """Power by a whole number that is not negative."""
+    power = 1.0
+    while exponent > 0:
+        if exponent % 2 == 1:
+            power *= base
+        exponent //= 2
+        base *= base
+    return power
+
+
+@inlined
+def step_size(series: Floats, n: int, order: int, rtol: float, last: float) -> float:
     """Step for which the last two terms stay below rtol times each series' own scale.
 
     `n` counts the states and the switching functions: in stick the state may be a polynomial
@@ -200,33 +272,33 @@ def step_size(series, n, order, rtol, last):  # type: ignore[no-untyped-def]
     worst_before = 0.0
     for i in range(n):
         first = i * (order + 1)
-        scale = max(abs(at(series, first)), abs(at(series, first + 1)) * last)
-        scale = max(scale, abs(at(series, first + 2)) * last * last)
+        scale = max(abs(series[first]), abs(series[first + 1]) * last)
+        scale = max(scale, abs(series[first + 2]) * last * last)
         if scale > NEGLIGIBLE:
-            worst = max(worst, abs(at(series, first + order)) / scale)
-            worst_before = max(worst_before, abs(at(series, first + order - 1)) / scale)
+            worst = max(worst, abs(series[first + order]) / scale)
+            worst_before = max(worst_before, abs(series[first + order - 1]) / scale)
     # The term before the last decides if it is the larger one over the step that the last allows.
-    before_decides = worst == 0.0 or (worst_before / worst) ** order > rtol / worst
+    before_decides = worst == 0.0 or whole_power(worst_before / worst, order) > rtol / worst
     if worst_before > 0.0 and before_decides:
         return (rtol / worst_before) ** (1.0 / (order - 1))
     return (rtol / worst) ** (1.0 / order) if worst > 0.0 else ENDLESS
 
 
-@njit(**INNER)
-def within_plateau(series, offset, order, step):  # type: ignore[no-untyped-def]
+@native
+def within_plateau(series: Floats, offset: int, order: int, step: float) -> float:
     """Step over which the argument of tanh or exp keeps within sight of where it is.
 
     Far from zero they are constant to rounding, and the known terms of their series tell nothing
     of the layer about zero: without a limit a step would jump over it.
     """
-    allowed = max(LAYER, PLATEAU * abs(at(series, offset)))
+    allowed = max(LAYER, PLATEAU * abs(series[offset]))
     while series_scale(series, offset + 1, order - 1, step) * step > allowed:
         step *= 0.75
     return step
 
 
-@njit(**INNER)
-def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untyped-def]
+@native
+def polynomial_step(series: Floats, n: int, n_guards: int, order: int, last: float) -> float:
     """Step for a motion that is a polynomial, exact over any length.
 
     Roots are located as fractions of the step, so it must not dwarf the time to the next event.
@@ -241,8 +313,8 @@ def polynomial_step(series, n, n_guards, order, last):  # type: ignore[no-untype
     return step if step > 0.0 else ENDLESS
 
 
-@njit(**INLINE)
-def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untyped-def]
+@inlined
+def leading(series: Floats, offset: int, order: int, step: float, known_zeros: int) -> int:
     """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
     0 when all vanish. `step` is the time over which derivatives are compared; without one (0)
@@ -253,7 +325,7 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
         step, scale = 1.0, 0.0
     power = 1.0
     for k in range(order):
-        term = at(series, offset + k) * power
+        term = series[offset + k] * power
         tolerance = (ZERO if k == 0 else VANISHING) * scale
         if k >= known_zeros and abs(term) > tolerance:
             return k + 1 if term > 0.0 else -k - 1
@@ -261,76 +333,62 @@ def leading(series, offset, order, step, known_zeros):  # type: ignore[no-untype
     return 0
 
 
-@njit(**INLINE)
-def fill(config, clock, parameters, coefficients):  # type: ignore[no-untyped-def]
+@inlined
+def fill(run: Run) -> None:
     """Compute the coefficients, unless they are those of these slip signs and this sector."""
-    contacts, end = config[N_CONTACTS], config[N_PARAMETERS] - 1
-    wanted = 1.0 + parameters[end]
+    contacts, end = run.config[N_CONTACTS], run.config[N_PARAMETERS] - 1
+    wanted = 1.0 + run.parameters[end]
     for i in range(contacts):
-        wanted = 2.0 * wanted + (1.0 if parameters[end - contacts + i] > 0.0 else 0.0)
-    if clock[FILLED_FOR] != wanted:
-        call_generated(config[COEFFICIENTS], coefficients, 0.0, parameters, coefficients)
-        clock[FILLED_FOR] = wanted
+        wanted = 2.0 * wanted + (1.0 if run.parameters[end - contacts + i] > 0.0 else 0.0)
+    if run.clock[FILLED_FOR] != wanted:
+        call_generated(
+            run.config[COEFFICIENTS], run.coefficients, 0.0, run.parameters, run.coefficients
+        )
+        run.clock[FILLED_FOR] = wanted
 
 
-@njit(**INLINE)
-def consistent(  # type: ignore[no-untyped-def]
-    table,
-    guards,
-    config,
-    clock,
-    kinds,
-    parameters,
-    coefficients,
-    y,
-    series,
-    tolerances,
-    strips,
-    trigger_kind,
-    trigger_contact,
-    options,
-    lenient,
-):
+@inlined
+def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool) -> bool:
     """Whether a candidate contact state can follow: every switching function leads positive.
 
     `lenient` leaves out that another contact opens or closes at the same instant, or that this
     one loses its normal force together with its capacity: the next event, chained to this one.
     """
-    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
-    index = state_index(kinds, contacts)
-    if table[index, TAYLOR] == 0:
+    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
+    index = state_index(run.kinds, contacts)
+    if run.table[index, TAYLOR] == 0:
         return False
-    fill(config, clock, parameters, coefficients)
-    call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
-    rows = n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
-    step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
-    for i in range(table[index, N_ARGUMENTS]):
-        step = within_plateau(series, (rows + i) * (order + 1), order, step)
-    clock[FIRST_STEP] = step
+    fill(run)
+    call_generated(run.table[index, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series)
+    rows = n + run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
+    step = step_size(run.series, rows, order, run.tolerances[RTOL], run.clock[LAST_STEP])
+    for i in range(run.table[index, N_ARGUMENTS]):
+        step = within_plateau(run.series, (rows + i) * (order + 1), order, step)
+    run.clock[FIRST_STEP] = step
     if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
-        step = clock[LAST_STEP] if clock[LAST_STEP] > 0.0 else 0.0
-    for g in range(table[index, N_GUARDS]):
-        kind, contact = guards[index, g, 0], guards[index, g, 1]
+        step = run.clock[LAST_STEP] if run.clock[LAST_STEP] > 0.0 else 0.0
+    for g in range(run.table[index, N_GUARDS]):
+        kind, contact = run.guards[index, g, 0], run.guards[index, g, 1]
         known_zeros = 0
-        if kind == VELOCITY and options[contact, AT_REST] == 1:
+        if kind == VELOCITY and run.options[contact, AT_REST] == 1:
             known_zeros = 1
         if kind == trigger_kind and contact == trigger_contact:
             known_zeros = 1
         if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
             known_zeros = 1
         if kind == VELOCITY and contact == trigger_contact:
-            sign = parameters[config[N_PARAMETERS] - 1 - contacts + contact]
+            sign = run.parameters[run.config[N_PARAMETERS] - 1 - contacts + contact]
             released = trigger_kind == (CAPACITY_UP if sign > 0.0 else CAPACITY_DOWN)
-            if released and series[(n + g) * (order + 1) + 1] < 0.0:
+            if released and run.series[(n + g) * (order + 1) + 1] < 0.0:
                 known_zeros = 2  # slip friction does not exceed the capacity: this is rounding
-        lead = leading(series, (n + g) * (order + 1), order, step, known_zeros)
+        lead = leading(run.series, (n + g) * (order + 1), order, step, known_zeros)
         if lenient and kind == NORMAL and trigger_kind == GAP and contact == trigger_contact:
             # the last of ever shorter flights: the open contact finds no gap rate left, this one
             # a force, or a rate of it, that is negative by rounding
             offset = (n + g) * (order + 1)
-            rounding = VANISHING * series_scale(series, offset, order, step)
-            if lead == -2 or (lead == -1 and series[offset] >= -rounding):
-                lead = leading(series, offset, order, step, 2)
+            rounding = VANISHING * series_scale(run.series, offset, order, step)
+            if lead == -2 or (lead == -1 and run.series[offset] >= -rounding):
+                lead = leading(run.series, offset, order, step, 2)
         opens = kind == NORMAL or kind == GAP
         if contact == trigger_contact:
             opens = kind == NORMAL and trigger_kind < NORMAL
@@ -338,58 +396,39 @@ def consistent(  # type: ignore[no-untyped-def]
         if lead < 0 and not (lenient and opens and at_zero):
             return False
         # A function that is zero throughout (a capacity that stays just reached) has no root.
-        strips[g] = max(lead - 1, 0) if lead != 0 else order + 1
+        run.strips[g] = max(lead - 1, 0) if lead != 0 else order + 1
     return True
 
 
-@register_jitable(**INNER)
-def contact_outputs(table, index, n):  # type: ignore[no-untyped-def]
+@native
+def contact_outputs(table: Ints2, index: int, n: int) -> int:
     """Where the contact outputs begin in the field output."""
     return 2 * n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
 
 
-@njit(**INNER)
-def slip_velocity(  # type: ignore[no-untyped-def]
-    table, config, clock, kinds, coefficients, y, field, contact
-):
+@native
+def slip_velocity(run: Run, y: Floats, contact: int) -> float:
     """v_rel of a contact; zero when it is zero to rounding."""
-    n, contacts = config[N_STATES], config[N_CONTACTS]
-    index = state_index(kinds, contacts)
-    call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
-    v = field[contact_outputs(table, index, n) + PER_CONTACT * contact + 2]
+    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
+    index, field = state_index(run.kinds, contacts), run.stages[0]
+    call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], y, field)
+    v = field[contact_outputs(run.table, index, n) + PER_CONTACT * contact + 2]
     scale = 0.0
-    for i in range(config[N_COORDINATES], n):
+    for i in range(run.config[N_COORDINATES], n):
         scale += abs(y[i])
     return 0.0 if abs(v) <= ZERO * scale else v
 
 
-@njit(**INNER)
-def offer(options, contact, kind, sign):  # type: ignore[no-untyped-def]
+@native
+def offer(options: Ints2, contact: int, kind: int, sign: int) -> None:
     """Add a candidate state of a contact."""
     place = OFFERS + 2 * options[contact, COUNT]
     options[contact, place], options[contact, place + 1] = kind, sign
     options[contact, COUNT] += 1
 
 
-@njit(**INLINE)
-def decide(  # type: ignore[no-untyped-def]
-    table,
-    guards,
-    config,
-    clock,
-    kinds,
-    parameters,
-    coefficients,
-    y,
-    series,
-    field,
-    tolerances,
-    strips,
-    trigger_kind,
-    trigger_contact,
-    grazing,
-    options,
-):
+@inlined
+def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> bool:
     """Choose the contact state that follows at (t, y); False when none is consistent.
 
     Selection rule where several are consistent (stiction is not unique at zero slip): sticking
@@ -397,420 +436,385 @@ def decide(  # type: ignore[no-untyped-def]
     not trigger stay as they are if they can. `grazing` says that the switching function that
     triggered may only touch zero, so staying is a candidate.
     """
-    contacts = config[N_CONTACTS]
-    first_sign = config[N_PARAMETERS] - 1 - contacts
+    contacts = run.config[N_CONTACTS]
+    first_sign = run.config[N_PARAMETERS] - 1 - contacts
     combinations = 1
     for i in range(contacts):
-        sign = 1 if parameters[first_sign + i] > 0.0 else -1
+        sign = 1 if run.parameters[first_sign + i] > 0.0 else -1
         triggered = trigger_contact == i
-        options[i, COUNT], options[i, AT_REST] = 0, 0
-        if kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
-            offer(options, i, SEPARATION, sign)
+        run.options[i, COUNT], run.options[i, AT_REST] = 0, 0
+        if run.kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
+            offer(run.options, i, SEPARATION, sign)
             continue
-        if kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
-            options[i, AT_REST] = 1
+        if run.kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
+            run.options[i, AT_REST] = 1
         else:  # re-contact, or a slip that ends at the same instant
-            v = slip_velocity(table, config, clock, kinds, coefficients, y, field, i)
-            options[i, AT_REST] = 1 if v == 0.0 else 0
-            if kinds[i] == SEPARATION and v != 0.0 and options[i, ONE_WAY] == 0:
+            v = slip_velocity(run, run.y, i)
+            run.options[i, AT_REST] = 1 if v == 0.0 else 0
+            if run.kinds[i] == SEPARATION and v != 0.0 and run.options[i, ONE_WAY] == 0:
                 sign = 1 if v > 0.0 else -1
         released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
         if released and not grazing:  # the demanded force passes the capacity: it slips its way
-            offer(options, i, SLIP, 1 if trigger_kind == CAPACITY_UP else -1)
-            combinations *= options[i, COUNT]
+            offer(run.options, i, SLIP, 1 if trigger_kind == CAPACITY_UP else -1)
+            combinations *= run.options[i, COUNT]
             continue
         # What triggers falls through zero, unless it grazes: it cannot stay as it was.
         passes = triggered and not grazing
         if not (passes and trigger_kind == NORMAL):
-            if options[i, AT_REST] == 1:
-                offer(options, i, STICK, sign)
+            if run.options[i, AT_REST] == 1:
+                offer(run.options, i, STICK, sign)
             if not (passes and trigger_kind == VELOCITY):
-                offer(options, i, SLIP, sign)
-            if options[i, AT_REST] == 1:
-                offer(options, i, SLIP, -sign)
+                offer(run.options, i, SLIP, sign)
+            if run.options[i, AT_REST] == 1:
+                offer(run.options, i, SLIP, -sign)
         if trigger_kind < 0 or (triggered and (trigger_kind == GAP or trigger_kind == NORMAL)):
-            offer(options, i, SEPARATION, sign)
-        combinations *= options[i, COUNT]
+            offer(run.options, i, SEPARATION, sign)
+        combinations *= run.options[i, COUNT]
     for attempt in range(2 * combinations):
         rest = attempt % combinations
         for place in range(contacts, -1, -1):  # the contact that triggered first: others stay
             i = trigger_contact if place == contacts else place
             if i < 0 or (i == trigger_contact and place < contacts):
                 continue
-            pick = rest % options[i, COUNT]
-            rest //= options[i, COUNT]
-            kinds[i] = options[i, OFFERS + 2 * pick]
-            parameters[first_sign + i] = options[i, OFFERS + 2 * pick + 1]
-        if consistent(
-            table,
-            guards,
-            config,
-            clock,
-            kinds,
-            parameters,
-            coefficients,
-            y,
-            series,
-            tolerances,
-            strips,
-            trigger_kind,
-            trigger_contact,
-            options,
-            attempt >= combinations,
-        ):
+            pick = rest % run.options[i, COUNT]
+            rest //= run.options[i, COUNT]
+            run.kinds[i] = run.options[i, OFFERS + 2 * pick]
+            run.parameters[first_sign + i] = run.options[i, OFFERS + 2 * pick + 1]
+        if consistent(run, trigger_kind, trigger_contact, attempt >= combinations):
             return True
     return False
 
 
-@njit(**INNER)
-def state_after(  # type: ignore[no-untyped-def]
-    table, config, index, coefficients, t, y, series, x, stages, out
-):
+@native
+def state_after(run: Run, index: int, t: float, x: float, out: Floats) -> None:
     """State a time x into the step that begins at (t, y)."""
-    n = config[N_STATES]
-    if config[METHOD] == METHOD_TAYLOR:
-        call_generated(config[STATE], coefficients, x, series, out)
+    n = run.config[N_STATES]
+    if run.config[METHOD] == METHOD_TAYLOR:
+        call_generated(run.config[STATE], run.coefficients, x, run.series, out)
         return
-    field, inner = stages[0], stages[1]
-    call_generated(table[index, FIELD], coefficients, t, y, field)
+    field, inner = run.stages[0], run.stages[1]
+    call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
     for i in range(n):  # stage by stage: classical Runge-Kutta of order 4 (thesis 3.39, 3.40)
         out[i] = field[i] + x / 6.0 * field[n + i]
         inner[i] = field[i] + 0.5 * x * field[n + i]
-    start = stages[2]
+    start = run.stages[2]
     for i in range(n):
         start[i] = field[i]
-    call_generated(table[index, FIELD], coefficients, t + 0.5 * x, inner, field)
+    call_generated(run.table[index, FIELD], run.coefficients, t + 0.5 * x, inner, field)
     for i in range(n):
         out[i] += x / 3.0 * field[n + i]
         inner[i] = start[i] + 0.5 * x * field[n + i]
-    call_generated(table[index, FIELD], coefficients, t + 0.5 * x, inner, field)
+    call_generated(run.table[index, FIELD], run.coefficients, t + 0.5 * x, inner, field)
     for i in range(n):
         out[i] += x / 3.0 * field[n + i]
         inner[i] = start[i] + x * field[n + i]
-    call_generated(table[index, FIELD], coefficients, t + x, inner, field)
+    call_generated(run.table[index, FIELD], run.coefficients, t + x, inner, field)
     for i in range(n):
         out[i] += x / 6.0 * field[n + i]
-    call_generated(table[index, FIELD], coefficients, t + x, out, field)
+    call_generated(run.table[index, FIELD], run.coefficients, t + x, out, field)
     for i in range(n):
         out[i] = field[i]  # constrained entries exactly
 
 
-@njit(**INNER)
-def bisected(  # type: ignore[no-untyped-def]
-    table, config, index, coefficients, t, y, series, step, stages, out, entry, factor, shift
-):
+@native
+def bisected(
+    run: Run,
+    index: int,
+    t: float,
+    step: float,
+    out: Floats,
+    entry: int,
+    factor: float,
+    shift: float,
+) -> float:
     """Where ``factor * (output entry) + shift`` falls to zero in a step, by bisection (rk4).
 
     NO_ROOT when it is positive at the end of the step; entries count in the field output.
     """
-    state_after(table, config, index, coefficients, t, y, series, step, stages, out)
-    call_generated(table[index, FIELD], coefficients, t + step, out, stages[0])
-    if factor * stages[0, entry] + shift > 0.0:
+    state_after(run, index, t, step, out)
+    call_generated(run.table[index, FIELD], run.coefficients, t + step, out, run.stages[0])
+    if factor * run.stages[0, entry] + shift > 0.0:
         return NO_ROOT
     low, high = 0.0, step
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         if middle <= low or middle >= high:
             break
-        state_after(table, config, index, coefficients, t, y, series, middle, stages, out)
-        call_generated(table[index, FIELD], coefficients, t + middle, out, stages[0])
-        if factor * stages[0, entry] + shift > 0.0:
+        state_after(run, index, t, middle, out)
+        call_generated(run.table[index, FIELD], run.coefficients, t + middle, out, run.stages[0])
+        if factor * run.stages[0, entry] + shift > 0.0:
             low = middle
         else:
             high = middle
     return high / step
 
 
-@njit(**INLINE)
-def located(series, offset, order, step, strip, factor, shift, roots):  # type: ignore[no-untyped-def]
+@inlined
+def located(
+    run: Run, offset: int, order: int, step: float, strip: int, factor: float, shift: float
+) -> float:
     """First root of ``factor * series + shift`` over a step, as a fraction of it (Taylor)."""
     power = factor
     for _ in range(strip):  # the first coefficients are known zeros
         power *= step
-    start = power * at(series, offset + strip) + (shift if strip == 0 else 0.0)
-    roots[POLYNOMIAL] = start
+    start = power * run.series[offset + strip] + (shift if strip == 0 else 0.0)
+    run.roots[POLYNOMIAL] = start
     total, end = abs(start), start
     for k in range(1, order + 1 - strip):
         power *= step
-        coefficient = at(series, offset + strip + k) * power
-        roots[POLYNOMIAL + k] = coefficient
+        coefficient = run.series[offset + strip + k] * power
+        run.roots[POLYNOMIAL + k] = coefficient
         total += abs(coefficient)
         end += coefficient
-    return first_root(order - strip, roots, total, end)
+    return first_root(order - strip, run.roots, total, end)
 
 
-@njit(**INNER)
-def take_samples(  # type: ignore[no-untyped-def]
-    table,
-    config,
-    index,
-    kinds,
-    parameters,
-    coefficients,
-    clock,
-    y,
-    series,
-    tau,
-    stages,
-    out,
-    counters,
-    sample_times,
-    sample_states,
-    sample_outputs,
-    sample_codes,
-):
+@native
+def take_samples(run: Run, index: int, tau: float, out: Floats) -> None:
     """Record the samples that fall into the step of length tau."""
-    n, contacts = config[N_STATES], config[N_CONTACTS]
-    first_sign = config[N_PARAMETERS] - 1 - contacts
-    first = contact_outputs(table, index, n)
-    t = clock[TIME]
-    while counters[SAMPLED] < len(sample_times) and sample_times[counters[SAMPLED]] <= t + tau:
-        row = counters[SAMPLED]
-        x = min(max(sample_times[row] - t, 0.0), tau)
-        state_after(table, config, index, coefficients, t, y, series, x, stages, out)
-        call_generated(table[index, FIELD], coefficients, t + x, out, stages[0])
+    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
+    first_sign = run.config[N_PARAMETERS] - 1 - contacts
+    first = contact_outputs(run.table, index, n)
+    t = run.clock[TIME]
+    while (
+        run.counters[SAMPLED] < len(run.sample_times)
+        and run.sample_times[run.counters[SAMPLED]] <= t + tau
+    ):
+        row = run.counters[SAMPLED]
+        x = min(max(run.sample_times[row] - t, 0.0), tau)
+        state_after(run, index, t, x, out)
+        call_generated(run.table[index, FIELD], run.coefficients, t + x, out, run.stages[0])
         for i in range(n):
-            sample_states[row, i] = stages[0, i]
+            run.sample_states[row, i] = run.stages[0, i]
         for i in range(PER_CONTACT * contacts + N_ENERGIES):
-            sample_outputs[row, i] = stages[0, first + i]
+            run.sample_outputs[row, i] = run.stages[0, first + i]
         for i in range(contacts):
-            sample_codes[row, i] = code_of(kinds[i], parameters[first_sign + i])
-        counters[SAMPLED] += 1
+            run.sample_codes[row, i] = code_of(run.kinds[i], run.parameters[first_sign + i])
+        run.counters[SAMPLED] += 1
 
 
-@njit(**INNER)
-def take_measures(  # type: ignore[no-untyped-def]
-    table,
-    config,
-    index,
-    kinds,
-    coefficients,
-    clock,
-    y,
-    series,
-    tau,
-    stages,
-    out,
-    quadrature,
-    reference,
-    measures,
-    extremes,
-    shares,
-):
+@native
+def take_measures(run: Run, index: int, tau: float, out: Floats) -> None:
     """Integrate the measures along the step of length tau by Gauss quadrature.
 
     Where the reference is NaN the coordinate does not count. extremes is (3, n): least and
     greatest value, integral of the square; shares is (contacts, 3): time in slip, stick,
     separation.
     """
-    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
-    energies = contact_outputs(table, index, n) + PER_CONTACT * contacts
-    t = clock[TIME]
+    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
+    energies = contact_outputs(run.table, index, n) + PER_CONTACT * contacts
+    t = run.clock[TIME]
     last_x = 0.0
-    measures[M_TIME] += tau
+    run.measures[M_TIME] += tau
     for i in range(contacts):
-        shares[i, kinds[i]] += tau
+        run.shares[i, run.kinds[i]] += tau
     for i in range(n):  # an impact may have left a velocity at its extreme
-        extremes[0, i] = min(extremes[0, i], y[i])
-        extremes[1, i] = max(extremes[1, i], y[i])
-    for node in range(quadrature.shape[0] + 1):
-        at_end = node == quadrature.shape[0]
-        x = tau if at_end else quadrature[node, 0] * tau
-        weight = 0.0 if at_end else quadrature[node, 1] * tau
-        state_after(table, config, index, coefficients, t, y, series, x, stages, out)
+        run.extremes[0, i] = min(run.extremes[0, i], run.y[i])
+        run.extremes[1, i] = max(run.extremes[1, i], run.y[i])
+    for node in range(run.quadrature.shape[0] + 1):
+        at_end = node == run.quadrature.shape[0]
+        x = tau if at_end else run.quadrature[node, 0] * tau
+        weight = 0.0 if at_end else run.quadrature[node, 1] * tau
+        state_after(run, index, t, x, out)
         for i in range(n):
             value = out[i]
-            extremes[0, i] = min(extremes[0, i], value)
-            extremes[1, i] = max(extremes[1, i], value)
-            extremes[2, i] += weight * value * value
-            if i < config[N_COORDINATES] and reference[i] == reference[i]:
-                measures[M_SPREAD] += weight * (value - reference[i]) ** 2
-            if config[METHOD] == METHOD_TAYLOR:
+            run.extremes[0, i] = min(run.extremes[0, i], value)
+            run.extremes[1, i] = max(run.extremes[1, i], value)
+            run.extremes[2, i] += weight * value * value
+            if i < run.config[N_COORDINATES] and run.reference[i] == run.reference[i]:
+                run.measures[M_SPREAD] += weight * (value - run.reference[i]) ** 2
+            if run.config[METHOD] == METHOD_TAYLOR:
                 offset = i * (order + 1)
-                before = series_slope(series, offset, order, last_x)
-                if before * series_slope(series, offset, order, x) < 0.0:
+                before = series_slope(run.series, offset, order, last_x)
+                if before * series_slope(run.series, offset, order, x) < 0.0:
                     low, high = last_x, x
                     for _ in range(BISECTIONS):
                         middle = 0.5 * (low + high)
-                        if before * series_slope(series, offset, order, middle) > 0.0:
+                        if before * series_slope(run.series, offset, order, middle) > 0.0:
                             low = middle
                         else:
                             high = middle
-                    value = series_value(series, offset, order, 0.5 * (low + high))
-                    extremes[0, i] = min(extremes[0, i], value)
-                    extremes[1, i] = max(extremes[1, i], value)
+                    value = series_value(run.series, offset, order, 0.5 * (low + high))
+                    run.extremes[0, i] = min(run.extremes[0, i], value)
+                    run.extremes[1, i] = max(run.extremes[1, i], value)
         last_x = x
         if not at_end:
-            call_generated(table[index, FIELD], coefficients, t + x, out, stages[0])
-            measures[M_OTHER] += weight * stages[0, energies + OTHER_POWER]
-            measures[M_FRICTION] += weight * stages[0, energies + FRICTION_POWER]
-            measures[M_DRIVE] += weight * stages[0, energies + DRIVE_POWER]
+            call_generated(run.table[index, FIELD], run.coefficients, t + x, out, run.stages[0])
+            run.measures[M_OTHER] += weight * run.stages[0, energies + OTHER_POWER]
+            run.measures[M_FRICTION] += weight * run.stages[0, energies + FRICTION_POWER]
+            run.measures[M_DRIVE] += weight * run.stages[0, energies + DRIVE_POWER]
 
 
-@njit(**INNER)
-def move_tangents(  # type: ignore[no-untyped-def]
-    table, config, index, tolerances, coefficients, clock, y, tau, tangents, joined, series
-):
+@native
+def move_tangents(run: Run, index: int, tau: float, joined: Floats) -> None:
     """Carry the tangent vectors (rows) over a step of length tau, in the parts that they need.
 
     The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
     where these are fast its series needs shorter steps.
     """
-    n, order = config[N_STATES], config[ORDER]
-    for row in range(tangents.shape[0]):
+    n, order = run.config[N_STATES], run.config[ORDER]
+    for row in range(run.tangents.shape[0]):
         for i in range(n):
-            joined[i] = y[i]
-            joined[n + i] = tangents[row, i]
+            joined[i] = run.y[i]
+            joined[n + i] = run.tangents[row, i]
         done = 0.0
         while done < tau:
-            call_generated(table[index, TANGENT], coefficients, clock[TIME] + done, joined, series)
-            part = min(step_size(series, 2 * n, order, tolerances[RTOL], tau - done), tau - done)
+            call_generated(
+                run.table[index, TANGENT],
+                run.coefficients,
+                run.clock[TIME] + done,
+                joined,
+                run.work,
+            )
+            part = min(
+                step_size(run.work, 2 * n, order, run.tolerances[RTOL], tau - done), tau - done
+            )
             if done + part == done:
                 part = tau - done
             for i in range(2 * n):
-                joined[i] = series_value(series, i * (order + 1), order, part)
+                joined[i] = series_value(run.work, i * (order + 1), order, part)
             done = tau if part >= tau - done else done + part
         for i in range(n):
-            tangents[row, i] = joined[n + i]
+            run.tangents[row, i] = joined[n + i]
 
 
-@njit(**INNER)
-def switching_rates(  # type: ignore[no-untyped-def]
-    table, config, index, entry, coefficients, clock, y, tangents, joined, series, rates, delays
-):
+@native
+def switching_rates(
+    run: Run, index: int, entry: int, joined: Floats, rates: Floats, delays: Floats
+) -> None:
     """At an event: the rates before it, and by how much each tangent delays it.
 
     A trajectory displaced by a tangent vector d meets the switching function g later by
     -dg(d) / g'; what the delay does to the state after the event is `saltate`'s.
     """
-    n, order = config[N_STATES], config[ORDER]
-    outputs = table[index, N_GUARDS] + table[index, HAS_ANGLE]
-    for row in range(tangents.shape[0]):
+    n, order = run.config[N_STATES], run.config[ORDER]
+    outputs = run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
+    for row in range(run.tangents.shape[0]):
         for i in range(n):
-            joined[i] = y[i]
-            joined[n + i] = tangents[row, i]
-        call_generated(table[index, TANGENT], coefficients, clock[TIME], joined, series)
+            joined[i] = run.y[i]
+            joined[n + i] = run.tangents[row, i]
+        call_generated(
+            run.table[index, TANGENT], run.coefficients, run.clock[TIME], joined, run.work
+        )
         for i in range(n):
-            rates[i] = series[i * (order + 1) + 1]
-        speed = series[(2 * n + entry) * (order + 1) + 1]
-        change = series[(2 * n + outputs + entry) * (order + 1)]
+            rates[i] = run.work[i * (order + 1) + 1]
+        speed = run.work[(2 * n + entry) * (order + 1) + 1]
+        change = run.work[(2 * n + outputs + entry) * (order + 1)]
         delays[row] = -change / speed if speed != 0.0 else 0.0
 
 
-@njit(**INNER)
-def strike(  # type: ignore[no-untyped-def]
-    config, impact, coefficients, clock, y, tangents, joined, series, rates
-):
+@native
+def strike(run: Run, impact: int, joined: Floats, rates: Floats) -> None:
     """Tangents through an impact y -> R(y, t): D R d; `rates` becomes dR/dt along the flow.
 
     With it `saltate` adds (dR/dt - f_after) delay, as it does at events without an impact.
     """
-    n = config[N_STATES]
-    for row in range(tangents.shape[0]):
+    n = run.config[N_STATES]
+    for row in range(run.tangents.shape[0]):
         for i in range(n):
-            joined[i] = y[i]
-            joined[n + i] = tangents[row, i]
-        call_generated(impact, coefficients, clock[TIME], joined, series)
+            joined[i] = run.y[i]
+            joined[n + i] = run.tangents[row, i]
+        call_generated(impact, run.coefficients, run.clock[TIME], joined, run.work)
         for i in range(n):  # rows of value and rate: y, tangent, R, tangent of R
-            rates[i] = series[2 * (2 * n + i) + 1]
-            tangents[row, i] = series[2 * (3 * n + i)]
+            rates[i] = run.work[2 * (2 * n + i) + 1]
+            run.tangents[row, i] = run.work[2 * (3 * n + i)]
 
 
-@njit(**INNER)
-def saltate(config, series, rates, tangents, delays):  # type: ignore[no-untyped-def]
+@native
+def saltate(run: Run, rates: Floats, delays: Floats) -> None:
     """Tangents after an event: d + (f_before - f_after) delay; `series` is the new state's."""
-    order = config[ORDER]
-    for row in range(tangents.shape[0]):
-        for i in range(config[N_STATES]):
-            after = series[i * (order + 1) + 1]
-            tangents[row, i] += (rates[i] - after) * delays[row]
+    order = run.config[ORDER]
+    for row in range(run.tangents.shape[0]):
+        for i in range(run.config[N_STATES]):
+            after = run.series[i * (order + 1) + 1]
+            run.tangents[row, i] += (rates[i] - after) * delays[row]
 
 
-@njit(**INNER)
-def enter_zone(config, clock, parameters, angle):  # type: ignore[no-untyped-def]
+@native
+def enter_zone(run: Run, angle: float) -> None:
     """Set the sector that `angle` lies in and its borders."""
-    clock[ZONE_LOW], clock[ZONE_HIGH] = -np.inf, np.inf
-    zone_slot = config[N_PARAMETERS] - 1
-    parameters[zone_slot] = 0.0
-    if config[ZONE_START] < 0:
+    run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = -np.inf, np.inf
+    zone_slot = run.config[N_PARAMETERS] - 1
+    run.parameters[zone_slot] = 0.0
+    if run.config[ZONE_START] < 0:
         return
-    width = parameters[config[ZONE_WIDTH]]
+    width = run.parameters[run.config[ZONE_WIDTH]]
     if width <= 0.0:
         return
     turn = 2.0 * np.pi
     if width >= turn:
-        parameters[zone_slot] = 1.0
+        run.parameters[zone_slot] = 1.0
         return
-    start = parameters[config[ZONE_START]]
+    start = run.parameters[run.config[ZONE_START]]
     base = start + turn * np.floor((angle - start) / turn)
     if angle - base < width:
-        parameters[zone_slot] = 1.0
-        clock[ZONE_LOW], clock[ZONE_HIGH] = base, base + width
+        run.parameters[zone_slot] = 1.0
+        run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base, base + width
     else:
-        clock[ZONE_LOW], clock[ZONE_HIGH] = base + width, base + turn
+        run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base + width, base + turn
 
 
-@njit(**INNER)
-def starts_open(table, guards, config, clock, coefficients, y, series, contact):  # type: ignore[no-untyped-def]
+@native
+def starts_open(run: Run, contact: int) -> bool:
     """Whether a contact begins open: a gap, or none but one that is about to be."""
-    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
-    apart = 3**contacts - 1  # the state in which every contact is open
-    if table[apart, TAYLOR] == 0:
+    n, order = run.config[N_STATES], run.config[ORDER]
+    apart = len(run.table) - 1  # the state in which every contact is open
+    if run.table[apart, TAYLOR] == 0:
         return False
-    call_generated(table[apart, TAYLOR], coefficients, clock[TIME], y, series)
-    for g in range(table[apart, N_GUARDS]):
-        if guards[apart, g, 0] == GAP and guards[apart, g, 1] == contact:
+    call_generated(run.table[apart, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series)
+    for g in range(run.table[apart, N_GUARDS]):
+        if run.guards[apart, g, 0] == GAP and run.guards[apart, g, 1] == contact:
             offset = (n + g) * (order + 1)
-            gap, rate = series[offset], series[offset + 1]
+            gap, rate = run.series[offset], run.series[offset + 1]
             return gap > 0.0 or (gap == 0.0 and rate > 0.0)
     return False
 
 
-@njit(**INNER)
-def set_out(  # type: ignore[no-untyped-def]
-    table, guards, config, clock, kinds, parameters, coefficients, y, series, stages, options
-):
+@native
+def set_out(run: Run) -> None:
     """Slip signs, contacts at rest and open ones, and the sector, of the initial state.
 
     A contact whose kind is STICK takes on the drive's velocity.
     """
-    n, contacts = config[N_STATES], config[N_CONTACTS]
-    first_sign = config[N_PARAMETERS] - 1 - contacts
-    field, rest, velocities = stages[0], stages[4], stages[5]
+    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
+    first_sign = run.config[N_PARAMETERS] - 1 - contacts
+    field, rest, velocities = run.stages[0], run.stages[4], run.stages[5]
     for i in range(contacts):
-        if kinds[i] == STICK:
-            index = state_index(kinds, contacts)
-            call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+        if run.kinds[i] == STICK:
+            index = state_index(run.kinds, contacts)
+            call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
             for k in range(n):
-                y[k] = field[k]
+                run.y[k] = field[k]
             break
     for i in range(contacts):
-        is_open = starts_open(table, guards, config, clock, coefficients, y, series, i)
-        kinds[i] = SEPARATION if is_open else SLIP
-    index = state_index(kinds, contacts)
-    call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+        is_open = starts_open(run, i)
+        run.kinds[i] = SEPARATION if is_open else SLIP
+    index = state_index(run.kinds, contacts)
+    call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
     for k in range(n):
-        y[k] = field[k]  # a rigid contact takes up its gap
+        run.y[k] = field[k]  # a rigid contact takes up its gap
         rest[k] = 0.0
     for i in range(contacts):
-        velocities[i] = slip_velocity(table, config, clock, kinds, coefficients, y, field, i)
+        velocities[i] = slip_velocity(run, run.y, i)
     for i in range(contacts):
-        if kinds[i] == SLIP:
-            smooth, direction = options[i, ONE_WAY] == 1, velocities[i]
+        if run.kinds[i] == SLIP:
+            smooth, direction = run.options[i, ONE_WAY] == 1, velocities[i]
             if smooth:  # the way it slides when the system is at rest
-                direction = slip_velocity(table, config, clock, kinds, coefficients, rest, field, i)
-            parameters[first_sign + i] = -1.0 if direction < 0.0 else 1.0
+                direction = slip_velocity(run, rest, i)
+            run.parameters[first_sign + i] = -1.0 if direction < 0.0 else 1.0
             if velocities[i] == 0.0 and not smooth:
-                kinds[i] = STICK
+                run.kinds[i] = STICK
     angle = 0.0
-    if table[0, HAS_ANGLE] == 1:
-        call_generated(table[0, FIELD], coefficients, clock[TIME], y, field)
-        angle = field[2 * n + table[0, N_GUARDS]]
-    enter_zone(config, clock, parameters, angle)
+    if run.table[0, HAS_ANGLE] == 1:
+        call_generated(run.table[0, FIELD], run.coefficients, run.clock[TIME], run.y, field)
+        angle = field[2 * n + run.table[0, N_GUARDS]]
+    enter_zone(run, angle)
 
 
-@njit(**INNER)
-def away_from_border(series, offset, order, step, factor, shift):  # type: ignore[no-untyped-def]
+@native
+def away_from_border(
+    series: Floats, offset: int, order: int, step: float, factor: float, shift: float
+) -> int:
     """Known zeros of ``factor * series + shift`` that begins at zero and rises; 0 otherwise."""
     value = factor * series[offset] + shift
     if abs(value) > ZERO * (abs(series[offset]) + abs(shift)):
@@ -825,147 +829,95 @@ def away_from_border(series, offset, order, step, factor, shift):  # type: ignor
     return 0
 
 
-@njit(**INNER)
-def cross_border(config, clock, parameters, upwards):  # type: ignore[no-untyped-def]
+@native
+def cross_border(run: Run, upwards: bool) -> None:
     """Enter the neighbouring sector."""
-    zone_slot = config[N_PARAMETERS] - 1
-    width = parameters[config[ZONE_WIDTH]]
-    parameters[zone_slot] = 1.0 - parameters[zone_slot]
-    span = width if parameters[zone_slot] == 1.0 else 2.0 * np.pi - width
+    zone_slot = run.config[N_PARAMETERS] - 1
+    width = run.parameters[run.config[ZONE_WIDTH]]
+    run.parameters[zone_slot] = 1.0 - run.parameters[zone_slot]
+    span = width if run.parameters[zone_slot] == 1.0 else 2.0 * np.pi - width
     if upwards:
-        clock[ZONE_LOW] = clock[ZONE_HIGH]
-        clock[ZONE_HIGH] = clock[ZONE_LOW] + span
+        run.clock[ZONE_LOW] = run.clock[ZONE_HIGH]
+        run.clock[ZONE_HIGH] = run.clock[ZONE_LOW] + span
     else:
-        clock[ZONE_HIGH] = clock[ZONE_LOW]
-        clock[ZONE_LOW] = clock[ZONE_HIGH] - span
+        run.clock[ZONE_HIGH] = run.clock[ZONE_LOW]
+        run.clock[ZONE_LOW] = run.clock[ZONE_HIGH] - span
 
 
-@njit(**INNER)
-def keep_section(counters, clock, y, section_times, section_states):  # type: ignore[no-untyped-def]
+@native
+def keep_section(run: Run) -> None:
     """Put the present state into the section buffer."""
-    row = counters[SECTIONS]
-    section_times[row] = clock[TIME]
-    for i in range(len(y)):
-        section_states[row, i] = y[i]
-    counters[SECTIONS] += 1
+    row = run.counters[SECTIONS]
+    run.section_times[row] = run.clock[TIME]
+    for i in range(len(run.y)):
+        run.section_states[row, i] = run.y[i]
+    run.counters[SECTIONS] += 1
 
 
-@njit(
-    "int64(int64[:, ::1], int64[:, ::1], int64[:, :, ::1], int64[::1], float64[::1], int64[::1],"
-    "float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64[::1], int64[::1],"
-    "float64, int64[::1], float64, int64[::1], float64[::1], float64[:, ::1], float64[::1],"
-    "float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], boolean, float64[:, ::1],"
-    "float64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
-    "float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[:, ::1])",
-    **CACHE,
-)
-def advance(  # type: ignore[no-untyped-def]
-    table,
-    impacts,
-    guards,
-    config,
-    clock,
-    kinds,
-    parameters,
-    coefficients,
-    y,
-    tolerances,
-    strips,
-    counters,
-    limits,
-    t_stop,
-    section,
-    phase_interval,
-    ends,
-    section_times,
-    section_states,
-    sample_times,
-    sample_states,
-    sample_outputs,
-    sample_codes,
-    ledger,
-    measuring,
-    quadrature,
-    reference,
-    measures,
-    extremes,
-    shares,
-    tangents,
-    series,
-    work,
-    stages,
-    roots,
-    options,
-):
+@native
+def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> int:
     """Run until t_stop, a full section buffer, a budget or an end; returns why it stopped."""
-    n, order, contacts = config[N_STATES], config[ORDER], config[N_CONTACTS]
-    first_sign = config[N_PARAMETERS] - 1 - contacts
-    taylor = config[METHOD] == METHOD_TAYLOR
-    field = stages[0]
-    out, joined, rates, delays = stages[3], stages[4], stages[5], stages[6]
+    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
+    first_sign = run.config[N_PARAMETERS] - 1 - contacts
+    taylor = run.config[METHOD] == METHOD_TAYLOR
+    field = run.stages[0]
+    out, joined, rates, delays = run.stages[3], run.stages[4], run.stages[5], run.stages[6]
     angle_up, angle_down, section_strip = (
-        strips.shape[0] - 3,
-        strips.shape[0] - 2,
-        strips.shape[0] - 1,
+        run.strips.shape[0] - 3,
+        run.strips.shape[0] - 2,
+        run.strips.shape[0] - 1,
     )
-    with_tangents = tangents.shape[0] > 0
-    fill(config, clock, parameters, coefficients)
+    with_tangents = run.tangents.shape[0] > 0
+    fill(run)
     while True:
-        t, tau, residual, grazing, section_sign = clock[TIME], 0.0, 0.0, True, 0.0
+        t, tau, residual, grazing, section_sign = run.clock[TIME], 0.0, 0.0, True, 0.0
         index, n_guards, hit = 0, 0, -1
-        begins = clock[TASK] != GO_ON
-        if clock[TASK] == ENTER:
-            set_out(
-                table,
-                guards,
-                config,
-                clock,
-                kinds,
-                parameters,
-                coefficients,
-                y,
-                series,
-                stages,
-                options,
-            )
+        begins = run.clock[TASK] != GO_ON
+        if run.clock[TASK] == ENTER:
+            set_out(run)
         if not begins:
             if t >= t_stop:
                 return REACHED
-            if counters[STEPS] >= limits[MAX_STEPS]:
+            if run.counters[STEPS] >= run.limits[MAX_STEPS]:
                 return STEP_BUDGET
-            if counters[EVENTS] >= limits[MAX_EVENTS]:
+            if run.counters[EVENTS] >= run.limits[MAX_EVENTS]:
                 return EVENT_BUDGET
-            if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= t:  # on an event
-                keep_section(counters, clock, y, section_times, section_states)
-                clock[NEXT_PHASE] += phase_interval
-                if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+            if run.section[SECTION_KIND] == SECTION_PHASE and run.clock[NEXT_PHASE] <= t:
+                # on an event
+                keep_section(run)
+                run.clock[NEXT_PHASE] += phase_interval
+                if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
                     return SECTION_FULL
-            counters[STEPS] += 1
-            index = state_index(kinds, contacts)
-            n_guards, has_angle = table[index, N_GUARDS], table[index, HAS_ANGLE]
+            run.counters[STEPS] += 1
+            index = state_index(run.kinds, contacts)
+            n_guards, has_angle = run.table[index, N_GUARDS], run.table[index, HAS_ANGLE]
             # --- the step -----------------------------------------------------------------------
             if taylor:
-                step = clock[FIRST_STEP]
-                clock[FIRST_STEP] = 0.0
+                step = run.clock[FIRST_STEP]
+                run.clock[FIRST_STEP] = 0.0
                 if step == 0.0:
-                    call_generated(table[index, TAYLOR], coefficients, t, y, series)
+                    call_generated(run.table[index, TAYLOR], run.coefficients, t, run.y, run.series)
                     rows = n + n_guards + has_angle
-                    step = step_size(series, rows, order, tolerances[RTOL], clock[LAST_STEP])
-                    for i in range(table[index, N_ARGUMENTS]):
-                        step = within_plateau(series, (rows + i) * (order + 1), order, step)
+                    step = step_size(
+                        run.series, rows, order, run.tolerances[RTOL], run.clock[LAST_STEP]
+                    )
+                    for i in range(run.table[index, N_ARGUMENTS]):
+                        step = within_plateau(run.series, (rows + i) * (order + 1), order, step)
                     for i in range(n):
-                        y[i] = series[i * (order + 1)]
+                        run.y[i] = run.series[i * (order + 1)]
                 if step < ENDLESS:
-                    clock[LAST_STEP] = step
+                    run.clock[LAST_STEP] = step
                 else:
-                    step = polynomial_step(series, n, n_guards, order, clock[LAST_STEP])
+                    step = polynomial_step(run.series, n, n_guards, order, run.clock[LAST_STEP])
             else:
-                step = tolerances[FIXED_STEP]
-                clock[LAST_STEP] = step
+                step = run.tolerances[FIXED_STEP]
+                run.clock[LAST_STEP] = step
             goal = t + step
             reaches_phase = False
-            if section[SECTION_KIND] == SECTION_PHASE and clock[NEXT_PHASE] <= min(goal, t_stop):
-                goal, reaches_phase = clock[NEXT_PHASE], True
+            if run.section[SECTION_KIND] == SECTION_PHASE and run.clock[NEXT_PHASE] <= min(
+                goal, t_stop
+            ):
+                goal, reaches_phase = run.clock[NEXT_PHASE], True
             elif t_stop <= goal:
                 goal = t_stop
             step = goal - t
@@ -975,59 +927,43 @@ def advance(  # type: ignore[no-untyped-def]
             for check in range(n_guards + 3):
                 factor, shift, strip = 1.0, 0.0, 0
                 if check < n_guards:
-                    row, entry, strip = n + check, 2 * n + check, strips[check]
+                    row, entry, strip = n + check, 2 * n + check, run.strips[check]
                     if strip > order:
                         continue
                 elif check < n_guards + 2:
-                    if has_angle == 0 or clock[ZONE_HIGH] == np.inf:
+                    if has_angle == 0 or run.clock[ZONE_HIGH] == np.inf:
                         continue
                     row, entry = n + n_guards, 2 * n + n_guards
                     upper = check == n_guards
                     factor = -1.0 if upper else 1.0
-                    shift = clock[ZONE_HIGH] if upper else -clock[ZONE_LOW]
-                    strip = strips[angle_up] if upper else strips[angle_down]
+                    shift = run.clock[ZONE_HIGH] if upper else -run.clock[ZONE_LOW]
+                    strip = run.strips[angle_up] if upper else run.strips[angle_down]
                     if taylor:
                         leaving = away_from_border(
-                            series, row * (order + 1), order, step, factor, shift
+                            run.series, row * (order + 1), order, step, factor, shift
                         )
                         strip = max(strip, leaving)
                 else:
-                    if section[SECTION_KIND] != SECTION_ZERO:
+                    if run.section[SECTION_KIND] != SECTION_ZERO:
                         continue
                     row, entry, strip = (
-                        section[SECTION_STATE],
-                        section[SECTION_STATE],
-                        strips[section_strip],
+                        run.section[SECTION_STATE],
+                        run.section[SECTION_STATE],
+                        run.strips[section_strip],
                     )
                     if strip == 0:
-                        value = y[entry]
+                        value = run.y[entry]
                     elif taylor:
-                        value = series[entry * (order + 1) + 1]
+                        value = run.series[entry * (order + 1) + 1]
                     else:
-                        call_generated(table[index, FIELD], coefficients, t, y, field)
+                        call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
                         value = field[n + entry]
                     factor = 1.0 if value > 0.0 else -1.0
                     section_sign = factor if value != 0.0 else 0.0
                 if taylor:
-                    root = located(
-                        series, row * (order + 1), order, step, strip, factor, shift, roots
-                    )
+                    root = located(run, row * (order + 1), order, step, strip, factor, shift)
                 else:
-                    root = bisected(
-                        table,
-                        config,
-                        index,
-                        coefficients,
-                        t,
-                        y,
-                        series,
-                        step,
-                        stages,
-                        out,
-                        entry,
-                        factor,
-                        shift,
-                    )
+                    root = bisected(run, index, t, step, out, entry, factor, shift)
                 if check < n_guards + 2:
                     if root < fraction or (root == 1.0 and hit < 0):
                         fraction, hit = root, check
@@ -1036,231 +972,151 @@ def advance(  # type: ignore[no-untyped-def]
             tau = step if hit < 0 else fraction * step
             residual, grazing = 0.0, True
             if taylor:
-                call_generated(config[STATE], coefficients, tau, series, out)
+                call_generated(run.config[STATE], run.coefficients, tau, run.series, out)
             else:
-                state_after(table, config, index, coefficients, t, y, series, tau, stages, out)
+                state_after(run, index, t, tau, out)
             if taylor and 0 <= hit < n_guards:
                 # The root is that of the switching function's series; Newton steps on the function
                 # itself, along the state's series, take it to rounding.
                 offset = (n + hit) * (order + 1)
-                scale, fall = scale_and_slope(series, offset, order, step, tau)
+                scale, fall = scale_and_slope(run.series, offset, order, step, tau)
                 grazing = scale == 0.0 or fall * step > -GRAZING * scale
                 for polish in range(POLISHES):
-                    call_generated(table[index, FIELD], coefficients, t + tau, out, field)
+                    call_generated(run.table[index, FIELD], run.coefficients, t + tau, out, field)
                     value = field[2 * n + hit]
                     residual = abs(value) / scale if scale > 0.0 else 0.0
                     if grazing or residual <= ROUNDING or polish == POLISHES - 1:
                         break
                     tau += max(-value / fall, -tau)
-                    call_generated(config[STATE], coefficients, tau, series, out)
+                    call_generated(run.config[STATE], run.coefficients, tau, run.series, out)
                 for i in range(n):
                     out[i] = field[i]  # entries that the contact determines: exactly
             # --- along the step ----------------------------------------------------------------
-            if counters[SAMPLED] < len(sample_times):
-                take_samples(
-                    table,
-                    config,
-                    index,
-                    kinds,
-                    parameters,
-                    coefficients,
-                    clock,
-                    y,
-                    series,
-                    tau,
-                    stages,
-                    joined,
-                    counters,
-                    sample_times,
-                    sample_states,
-                    sample_outputs,
-                    sample_codes,
-                )
+            if run.counters[SAMPLED] < len(run.sample_times):
+                take_samples(run, index, tau, joined)
             if measuring:
-                take_measures(
-                    table,
-                    config,
-                    index,
-                    kinds,
-                    coefficients,
-                    clock,
-                    y,
-                    series,
-                    tau,
-                    stages,
-                    joined,
-                    quadrature,
-                    reference,
-                    measures,
-                    extremes,
-                    shares,
-                )
+                take_measures(run, index, tau, joined)
             if with_tangents:
-                move_tangents(
-                    table,
-                    config,
-                    index,
-                    tolerances,
-                    coefficients,
-                    clock,
-                    y,
-                    tau,
-                    tangents,
-                    joined,
-                    work,
-                )
+                move_tangents(run, index, tau, joined)
             for i in range(n):
-                y[i] = out[i]
-                if not abs(out[i]) < tolerances[BOUND]:
+                run.y[i] = out[i]
+                if not abs(out[i]) < run.tolerances[BOUND]:
                     return DIVERGED
-            for g in range(strips.shape[0]):
-                strips[g] = 0
+            for g in range(run.strips.shape[0]):
+                run.strips[g] = 0
             if hit < 0:
-                clock[TIME] = goal
-                counters[CHAINED] = 0
+                run.clock[TIME] = goal
+                run.counters[CHAINED] = 0
                 if reaches_phase:
-                    keep_section(counters, clock, y, section_times, section_states)
-                    clock[NEXT_PHASE] += phase_interval
-                    if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                    keep_section(run)
+                    run.clock[NEXT_PHASE] += phase_interval
+                    if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
                         return SECTION_FULL
                 continue
-            clock[TIME] = t + tau
+            run.clock[TIME] = t + tau
             if hit == n_guards + 2:  # only a section: the contact state stays
-                counters[CHAINED] = 0
-                strips[section_strip] = 1
-                wanted = section[SECTION_DIRECTION]
+                run.counters[CHAINED] = 0
+                run.strips[section_strip] = 1
+                wanted = run.section[SECTION_DIRECTION]
                 if wanted == 0 or wanted == crossing:
-                    y[section[SECTION_STATE]] = 0.0
-                    keep_section(counters, clock, y, section_times, section_states)
-                    if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+                    run.y[run.section[SECTION_STATE]] = 0.0
+                    keep_section(run)
+                    if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
                         return SECTION_FULL
                 continue
         # --- an event ---------------------------------------------------------------------------
-        counters[CHAINED] = counters[CHAINED] + 1 if not begins and t + tau <= t else 0
-        if counters[CHAINED] > CHAIN_CAP:
+        run.counters[CHAINED] = run.counters[CHAINED] + 1 if not begins and t + tau <= t else 0
+        if run.counters[CHAINED] > CHAIN_CAP:
             return CHATTERING
         trigger_kind, trigger_contact = -1, -1
         if hit >= n_guards:
-            trigger_contact = config[ZONE_CONTACT]
+            trigger_contact = run.config[ZONE_CONTACT]
         elif not begins:
-            trigger_kind, trigger_contact = guards[index, hit, 0], guards[index, hit, 1]
+            trigger_kind, trigger_contact = run.guards[index, hit, 0], run.guards[index, hit, 1]
         if with_tangents and not begins:
             entry = hit if hit < n_guards else n_guards
-            switching_rates(
-                table,
-                config,
-                index,
-                entry,
-                coefficients,
-                clock,
-                y,
-                tangents,
-                joined,
-                work,
-                rates,
-                delays,
-            )
+            switching_rates(run, index, entry, joined, rates, delays)
         for i in range(contacts):
-            options[i, BEFORE] = code_of(kinds[i], parameters[first_sign + i])
+            run.options[i, BEFORE] = code_of(run.kinds[i], run.parameters[first_sign + i])
         impacted = False
         if trigger_kind == JAMMING:
             return JAMMED
-        if trigger_kind == NORMAL and ends[trigger_contact] == 1:
+        if trigger_kind == NORMAL and run.ends[trigger_contact] == 1:
             return CONTACT_LOST
-        if trigger_kind == GAP and impacts[index, trigger_contact] != 0:
-            energies = contact_outputs(table, index, n) + PER_CONTACT * contacts
-            call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
+        if trigger_kind == GAP and run.impacts[index, trigger_contact] != 0:
+            energies = contact_outputs(run.table, index, n) + PER_CONTACT * contacts
+            call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
             kinetic = field[energies + KINETIC]
             if with_tangents:
-                strike(
-                    config,
-                    impacts[index, contacts + trigger_contact],
-                    coefficients,
-                    clock,
-                    y,
-                    tangents,
-                    joined,
-                    work,
-                    rates,
-                )
-            call_generated(impacts[index, trigger_contact], coefficients, clock[TIME], y, out)
+                strike(run, run.impacts[index, contacts + trigger_contact], joined, rates)
+            call_generated(
+                run.impacts[index, trigger_contact], run.coefficients, run.clock[TIME], run.y, out
+            )
             for i in range(n):
-                y[i] = out[i]
-            call_generated(table[index, FIELD], coefficients, clock[TIME], y, field)
-            measures[M_IMPACT] += kinetic - field[energies + KINETIC]
-            counters[IMPACTS] += 1
+                run.y[i] = out[i]
+            call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
+            run.measures[M_IMPACT] += kinetic - field[energies + KINETIC]
+            run.counters[IMPACTS] += 1
             impacted = True
         if hit >= n_guards:
-            cross_border(config, clock, parameters, hit == n_guards)
-            fill(config, clock, parameters, coefficients)
-            call_generated(table[index, TAYLOR], coefficients, clock[TIME], y, series)
-            clock[FIRST_STEP] = 0.0
-            strips[angle_down if hit == n_guards else angle_up] = 1
-        elif not decide(
-            table,
-            guards,
-            config,
-            clock,
-            kinds,
-            parameters,
-            coefficients,
-            y,
-            series,
-            field,
-            tolerances,
-            strips,
-            trigger_kind,
-            trigger_contact,
-            grazing,
-            options,
-        ):
+            cross_border(run, hit == n_guards)
+            fill(run)
+            call_generated(
+                run.table[index, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
+            )
+            run.clock[FIRST_STEP] = 0.0
+            run.strips[angle_down if hit == n_guards else angle_up] = 1
+        elif not decide(run, trigger_kind, trigger_contact, grazing):
             return NO_STATE
         for i in range(n):
-            y[i] = series[i * (order + 1)]
+            run.y[i] = run.series[i * (order + 1)]
         if begins:
-            clock[TASK] = GO_ON
+            run.clock[TASK] = GO_ON
             continue
         if with_tangents:
-            saltate(config, series, rates, tangents, delays)
-        if section[SECTION_KIND] == SECTION_ZERO:  # does the section lie on the event?
-            entry = section[SECTION_STATE]
+            saltate(run, rates, delays)
+        if run.section[SECTION_KIND] == SECTION_ZERO:  # does the section lie on the event?
+            entry = run.section[SECTION_STATE]
             offset = entry * (order + 1)
-            slope = series[offset + 1]
-            if abs(y[entry]) <= ZERO * series_scale(series, offset, order, clock[LAST_STEP]):
-                strips[section_strip] = 1
+            slope = run.series[offset + 1]
+            if abs(run.y[entry]) <= ZERO * series_scale(
+                run.series, offset, order, run.clock[LAST_STEP]
+            ):
+                run.strips[section_strip] = 1
                 crossing = 1 if slope > 0.0 else -1
-                wanted = section[SECTION_DIRECTION]
+                wanted = run.section[SECTION_DIRECTION]
                 if section_sign * slope < 0.0 and (wanted == 0 or wanted == crossing):
-                    keep_section(counters, clock, y, section_times, section_states)
-                    section_states[counters[SECTIONS] - 1, entry] = 0.0
-        events = counters[EVENTS]
+                    keep_section(run)
+                    run.section_states[run.counters[SECTIONS] - 1, entry] = 0.0
+        events = run.counters[EVENTS]
         for i in range(contacts):
-            before, after = options[i, BEFORE], code_of(kinds[i], parameters[first_sign + i])
+            before, after = (
+                run.options[i, BEFORE],
+                code_of(run.kinds[i], run.parameters[first_sign + i]),
+            )
             itself = i == trigger_contact and (impacted or hit >= n_guards)
             if before == after and not itself:
                 continue
-            counters[EVENTS] += 1
-            if counters[LEDGER] < ledger.shape[0]:
-                row = counters[LEDGER]
-                ledger[row, 0], ledger[row, 1], ledger[row, 2] = clock[TIME], before, after
-                ledger[row, 3], ledger[row, 4] = i, residual
-                counters[LEDGER] += 1
+            run.counters[EVENTS] += 1
+            if run.counters[LEDGER] < run.ledger.shape[0]:
+                row = run.counters[LEDGER]
+                run.ledger[row, 0], run.ledger[row, 1], run.ledger[row, 2] = (
+                    run.clock[TIME],
+                    before,
+                    after,
+                )
+                run.ledger[row, 3], run.ledger[row, 4] = i, residual
+                run.counters[LEDGER] += 1
             if (
-                section[SECTION_KIND] == SECTION_EVENT
-                and i == section[SECTION_CONTACT]
-                and kind_of(before) == section[SECTION_FROM]
-                and kinds[i] == section[SECTION_TO]
+                run.section[SECTION_KIND] == SECTION_EVENT
+                and i == run.section[SECTION_CONTACT]
+                and kind_of(before) == run.section[SECTION_FROM]
+                and run.kinds[i] == run.section[SECTION_TO]
             ):
-                keep_section(counters, clock, y, section_times, section_states)
-        if counters[EVENTS] == events:
-            counters[GRAZINGS] += 1
+                keep_section(run)
+        if run.counters[EVENTS] == events:
+            run.counters[GRAZINGS] += 1
         else:
-            measures[M_RESIDUAL] = max(measures[M_RESIDUAL], residual)
-        if counters[SECTIONS] >= limits[MAX_SECTIONS]:
+            run.measures[M_RESIDUAL] = max(run.measures[M_RESIDUAL], residual)
+        if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
             return SECTION_FULL
-
-
-@njit("void(int64, float64[::1], float64, float64[::1], float64[::1])", **CACHE)
-def call_once(address, coefficients, time, state, out):  # type: ignore[no-untyped-def]
-    """Call one generated function (from Python)."""
-    call_generated(address, coefficients, time, state, out)

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.codegen.names import rate_of
-from fiv_cli.dynamics import kernel, roots
+from fiv_cli.codegen.native import call_generated
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.arrays import MotionArrays, layout_of
+from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
 
-SCRATCH_ROWS = 7
-# A state (m, rad, and those per s) beyond this has diverged. Growth in a nonlinear contact ends in
-# ever shorter steps, so a bound far above anything mechanical would only cost time.
-BOUND = 1e6
-NO_SECTION = np.zeros(6, np.int64)
+NO_SECTION = np.zeros(kernel.SECTION_WIDTH, np.int64)
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": kernel.SLIP, "stick": kernel.STICK, "separation": kernel.SEPARATION}
 CODE_NAMES = ("slip+", "slip-", "stick", "separation")
@@ -39,6 +37,8 @@ class Stop(IntEnum):
     JAMMED = kernel.JAMMED
     CHATTERING = kernel.CHATTERING
 
+
+STOPS = tuple(Stop)  # by their numbers
 
 # Reasons of the outcomes of motions that could not go on.
 STOP_REASONS = {
@@ -74,10 +74,6 @@ class Measures:
     def time(self) -> float:
         """Measured time, s."""
         return float(self.totals[kernel.M_TIME])
-
-    def afresh(self) -> Measures:
-        """For a motion that measures nothing: totals of its own, the rest is never written."""
-        return Measures(np.zeros(kernel.MEASURES_WIDTH), self.extremes, self.shares, self.reference)
 
 
 def no_measures(system: System) -> Measures:
@@ -137,8 +133,22 @@ class Motion:
         self.system = system
         self.solver = solver
         self.tables = system.tables
-        self._allocate(system, solver)
-        self.parameters = system.parameter_vector(parameters)
+        self.layout = layout_of(system, solver)
+        self.arrays = arrays = MotionArrays(self.layout)
+        self.clock, self.y, self.kinds = arrays.clock, arrays.y, arrays.kinds
+        self.parameters, self.coefficients = arrays.parameters, arrays.coefficients
+        self.counters, self.limits = arrays.counters, arrays.limits
+        shared = self.layout.shared
+        self.config, self.ledger, self.tangents = (
+            shared["config"],
+            shared["ledger"],
+            shared["tangents"],
+        )
+        self.measures = Measures(
+            arrays.measures, shared["extremes"], shared["shares"], shared["reference"]
+        )
+        self.samples = no_samples(system)
+        self.parameters[:] = system.parameter_vector(parameters)
         self.kink = self._take_up_schedule(time)
         vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
         self.y[:] = vector
@@ -146,27 +156,6 @@ class Motion:
         for contact, sticks in enumerate(sticking):
             self.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
         self.started = self._enter()
-
-    def _allocate(self, system: System, solver: SolverSettings) -> None:
-        scratch = scratch_of(system)
-        n, contacts = len(system.state_names), system.n_contacts
-        self.config = self.tables.config
-        if solver.method == "rk4":
-            self.config = self.config.copy()
-            self.config[kernel.METHOD] = kernel.METHOD_RK4
-        self.clock = np.zeros(kernel.CLOCK_WIDTH)
-        self.kinds = np.zeros(contacts, np.int64)
-        self.coefficients = np.zeros(max(system.generated.n_coefficients, 1))
-        self.y = np.zeros(n)
-        self.tolerances = np.array([solver.rtol, solver.step, BOUND])
-        self.strips = np.zeros(self.tables.guards.shape[1] + 3, np.int64)
-        self.counters = np.zeros(kernel.COUNTERS_WIDTH, np.int64)
-        self.limits = np.array([solver.max_steps, solver.max_events, 0], np.int64)
-        self.series, self.work, self.stages = scratch.series, scratch.work, scratch.stages
-        self.roots, self.options = scratch.roots, scratch.options
-        self.quadrature = scratch.quadrature
-        self.measures = scratch.unmeasured.afresh()
-        self.ledger, self.tangents = scratch.no_ledger, scratch.no_tangents
 
     # --- parameters that vary in time -----------------------------------------------------------
     def _take_up_schedule(self, time: float) -> float:
@@ -189,17 +178,18 @@ class Motion:
     def _enter(self) -> bool:
         """Find the contact state of the initial state; False when none is consistent."""
         self.clock[kernel.TASK] = kernel.ENTER
-        nothing, nowhere = scratch_of(self.system).no_sections
-        idle = no_samples(self.system)
-        stop = self._advance(self.time, NO_SECTION, (nothing, nowhere), idle, False, 0.0)
-        return stop == Stop.REACHED
+        return self._advance(self.time, False, 0.0) == Stop.REACHED
 
     def _field(self, kinds: NDArray[np.int64]) -> tuple[int, Vector]:
         index = kernel.state_index(kinds, len(kinds))
-        out = np.zeros(self.stages.shape[1])
+        out = self._output()
         address = self.tables.table[index, kernel.FIELD]
-        call(address, self.coefficients, self.time, self.y, out)
+        call_generated(address, self.coefficients, self.time, self.y, out)
         return index, out
+
+    def _output(self) -> Vector:
+        """Room for what the generated functions say of a state."""
+        return np.zeros(self.layout.shared["stages"].shape[1])
 
     def _is_out_of_contact(self) -> bool:
         """Whether a contact that cannot open would have to pull."""
@@ -236,7 +226,8 @@ class Motion:
 
     def keep_ledger(self, rows: int) -> None:
         """Record up to `rows` further events."""
-        self.ledger = np.zeros((rows, 5))
+        self.ledger = np.zeros((rows, kernel.LEDGER_WIDTH))
+        self.arrays.show("ledger", self.ledger)
         self.counters[kernel.LEDGER] = 0
 
     def start_measuring(self, reference: Vector) -> None:
@@ -245,16 +236,17 @@ class Motion:
         self.measures = no_measures(self.system)
         self.measures.totals[kernel.M_RESIDUAL] = residual
         self.measures.reference[:] = reference
+        self.arrays.show("measures", self.measures.totals)
+        for name in ("extremes", "shares", "reference"):
+            self.arrays.show(name, getattr(self.measures, name))
 
     def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
         """Carry tangent vectors (rows) along from here on."""
         self.tangents = np.ascontiguousarray(tangents, dtype=float)
+        self.arrays.show("tangents", self.tangents)
         if len(tangents):
-            self.tables = replace(
-                self.tables,
-                table=self.system.tangent_table,
-                impacts=self.system.tangent_impacts,
-            )
+            self.arrays.show("table", self.system.tangent_table)
+            self.arrays.show("impacts", self.system.tangent_impacts)
 
     def run(
         self,
@@ -278,23 +270,20 @@ class Motion:
         """
         if not self.started:
             return Stop.CONTACT_LOST if self._is_out_of_contact() else self._stuck(Stop.NO_STATE)
-        times, states = sections or scratch_of(self.system).no_sections
-        samples = samples or no_samples(self.system)
         self.clock[kernel.FIRST_STEP] = 0.0  # another motion may have used the scratch arrays
         self.counters[kernel.SECTIONS] = 0
-        self.counters[kernel.SAMPLED] = samples.count
-        self.limits[kernel.MAX_SECTIONS] = len(times)
-        vector = self.section_vector(section)
-
-        def go_on(until: float) -> Stop:
-            return self._advance(until, vector, (times, states), samples, measuring, phase_interval)
+        self.arrays.section[:] = (
+            NO_SECTION if section is None else section_vector(self.system, section)
+        )
+        self._fill_sections(*sections or self._no_sections())
+        self._fill_samples(samples or no_samples(self.system))
 
         while self.kink < t_stop:
-            stop = go_on(self.kink)
+            stop = self._advance(self.kink, measuring, phase_interval)
             if stop != Stop.REACHED:
                 return self._stuck(stop)
             self._pass_kink()
-        return self._stuck(go_on(t_stop))
+        return self._stuck(self._advance(t_stop, measuring, phase_interval))
 
     def _stuck(self, stop: Stop) -> Stop:
         """`stop`, or that it is jamming which leaves no contact state."""
@@ -305,63 +294,46 @@ class Motion:
         index = kernel.state_index(np.zeros_like(self.kinds), len(self.kinds))
         kinds = self.tables.guards[index, : self.tables.table[index, kernel.N_GUARDS], 0]
         first, places = 2 * len(self.y), np.flatnonzero(kinds == kernel.JAMMING)
-        out, coefficients = np.zeros(self.stages.shape[1]), self.coefficients.copy()
+        out, coefficients = self._output(), self.coefficients.copy()
         parameters = self.parameters.copy()
         for sign in (1.0, -1.0):
             parameters[-1 - len(self.kinds) : -1] = sign
-            call(self.config[kernel.COEFFICIENTS], coefficients, 0.0, parameters, coefficients)
+            call_generated(
+                self.config[kernel.COEFFICIENTS], coefficients, 0.0, parameters, coefficients
+            )
             field = self.tables.table[index, kernel.FIELD]
-            call(field, coefficients, self.time, self.y, out)
+            call_generated(field, coefficients, self.time, self.y, out)
             if np.any(out[first + places] <= 0.0):
                 return True
         return False
 
-    def _advance(
-        self,
-        t_stop: float,
-        section: NDArray[np.int64],
-        sections: tuple[Vector, NDArray[np.float64]],
-        samples: Samples,
-        measuring: bool,
-        phase_interval: float,
-    ) -> Stop:
+    def _fill_sections(self, times: Vector, states: NDArray[np.float64]) -> None:
+        self.limits[kernel.MAX_SECTIONS] = len(times)
+        self.arrays.show("section_times", times)
+        self.arrays.show("section_states", states)
+
+    def _no_sections(self) -> tuple[Vector, NDArray[np.float64]]:
+        """Where no section is asked for (shared: nothing is ever written)."""
+        return self.layout.shared["section_times"], self.layout.shared["section_states"]
+
+    def _fill_samples(self, samples: Samples) -> None:
+        self.counters[kernel.SAMPLED] = samples.count
+        if samples is not self.samples:
+            self.samples = samples
+            for name in ("times", "states", "outputs", "codes"):
+                self.arrays.show(f"sample_{name}", getattr(samples, name))
+
+    def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
-        times, states = sections
-        code = kernel.advance(
-            self.tables.table, self.tables.impacts, self.tables.guards, self.config, self.clock,
-            self.kinds, self.parameters, self.coefficients, self.y, self.tolerances, self.strips,
-            self.counters, self.limits, t_stop, section, phase_interval,
-            self.tables.ends, times, states, samples.times, samples.states, samples.outputs,
-            samples.codes, self.ledger, measuring, self.quadrature, self.measures.reference,
-            self.measures.totals, self.measures.extremes, self.measures.shares, self.tangents,
-            self.series, self.work, self.stages, self.roots, self.options,
-        )  # fmt: skip
-        samples.count = int(self.counters[kernel.SAMPLED])
-        return Stop(code)
+        driver = DRIVER.function(kernel.advance)
+        code = driver(self.arrays.address, t_stop, phase_interval, measuring)
+        self.samples.count = int(self.counters[kernel.SAMPLED])
+        return STOPS[code]
 
     @property
     def n_sections(self) -> int:
         """Section points of the last `run`."""
         return int(self.counters[kernel.SECTIONS])
-
-    def section_vector(self, section: Section | None) -> NDArray[np.int64]:
-        """A section as the kernel reads it."""
-        if section is None:
-            return NO_SECTION
-        vector = np.zeros_like(NO_SECTION)
-        vector[kernel.SECTION_CONTACT] = section.contact - 1
-        if section.kind == "event":
-            before, after = section.event.split("->")
-            vector[kernel.SECTION_KIND] = kernel.SECTION_EVENT
-            vector[kernel.SECTION_FROM] = KIND_NAMES[before]
-            vector[kernel.SECTION_TO] = KIND_NAMES[after]
-        elif section.kind == "zero":
-            vector[kernel.SECTION_KIND] = kernel.SECTION_ZERO
-            vector[kernel.SECTION_STATE] = self.system.state_names.index(section.state)
-            vector[kernel.SECTION_DIRECTION] = DIRECTIONS[section.direction]
-        else:
-            vector[kernel.SECTION_KIND] = kernel.SECTION_PHASE
-        return vector
 
     def rates(self) -> Vector:
         """Time derivative of the state; shape (n_states,). NaN where no contact state holds."""
@@ -386,55 +358,23 @@ class Motion:
         return float(out[first + kernel.KINETIC] + out[first + kernel.POTENTIAL])
 
 
-@dataclass(frozen=True)
-class Scratch:
-    """What the motions of a system share: arrays written before they are read, or never."""
-
-    series: Vector
-    work: Vector
-    stages: NDArray[np.float64]
-    roots: Vector
-    options: NDArray[np.int64]
-    quadrature: NDArray[np.float64]
-    unmeasured: Measures
-    no_ledger: NDArray[np.float64]
-    no_tangents: NDArray[np.float64]
-    no_sections: tuple[Vector, NDArray[np.float64]]
-
-
 @cache
-def scratch_of(system: System) -> Scratch:
-    """Scratch arrays of a system (one set a process: motions run one at a time)."""
-    n, contacts, order = len(system.state_names), system.n_contacts, system.generated.order
-    guards = system.tables.guards.shape[1]
-    rows = 2 * n + 2 * guards + 2
-    width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
-    options = np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64)
-    options[:, kernel.ONE_WAY] = system.generated.smooth
-    return Scratch(
-        series=np.zeros(rows * (order + 1)),
-        work=np.zeros(rows * (order + 1)),
-        stages=np.zeros((SCRATCH_ROWS, width)),
-        roots=roots.scratch(),
-        options=options,
-        quadrature=gauss_nodes(order // 2 + 3),
-        unmeasured=no_measures(system),
-        no_ledger=np.zeros((0, 5)),
-        no_tangents=np.zeros((0, n)),
-        no_sections=(np.zeros(1), np.zeros((1, n))),
-    )
-
-
-def call(address: Any, coefficients: Vector, time: float, state: Vector, out: Vector) -> None:
-    """Call a generated function from Python."""
-    kernel.call_once(address, coefficients, time, state, out)
-
-
-@cache
-def gauss_nodes(count: int) -> NDArray[np.float64]:
-    """Gauss-Legendre nodes and weights on [0, 1]; shape (count, 2)."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return np.ascontiguousarray(np.stack([0.5 * (nodes + 1.0), 0.5 * weights], axis=1))
+def section_vector(system: System, section: Section) -> NDArray[np.int64]:
+    """A section as the kernel reads it."""
+    vector = np.zeros_like(NO_SECTION)
+    vector[kernel.SECTION_CONTACT] = section.contact - 1
+    if section.kind == "event":
+        before, after = section.event.split("->")
+        vector[kernel.SECTION_KIND] = kernel.SECTION_EVENT
+        vector[kernel.SECTION_FROM] = KIND_NAMES[before]
+        vector[kernel.SECTION_TO] = KIND_NAMES[after]
+    elif section.kind == "zero":
+        vector[kernel.SECTION_KIND] = kernel.SECTION_ZERO
+        vector[kernel.SECTION_STATE] = system.state_names.index(section.state)
+        vector[kernel.SECTION_DIRECTION] = DIRECTIONS[section.direction]
+    else:
+        vector[kernel.SECTION_KIND] = kernel.SECTION_PHASE
+    return vector
 
 
 def samples_at(system: System, times: Vector) -> Samples:

@@ -15,11 +15,9 @@ from __future__ import annotations
 from math import comb
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from fiv_cli.dynamics.call import at
-from fiv_cli.dynamics.compiled import INLINE, INNER
+from fiv_cli.codegen.native import Floats, inlined, native
 
 NO_ROOT = 2.0
 HIGHEST_ORDER = 24
@@ -44,26 +42,28 @@ TO_BERNSTEIN = np.array(
 )
 
 
-@njit(**INNER)
-def evaluate(work, degree, x):  # type: ignore[no-untyped-def]
+@native
+def evaluate(work: Floats, degree: int, x: float) -> float:
     """Value of the polynomial by Horner's rule."""
-    value = at(work, POLYNOMIAL + degree)
+    value = work[POLYNOMIAL + degree]
     for k in range(degree - 1, -1, -1):
-        value = value * x + at(work, POLYNOMIAL + k)
+        value = value * x + work[POLYNOMIAL + k]
     return value
 
 
-@njit(**INNER)
-def slope(work, degree, x):  # type: ignore[no-untyped-def]
+@native
+def slope(work: Floats, degree: int, x: float) -> float:
     """Its derivative by Horner's rule."""
     value = 0.0
     for k in range(degree, 0, -1):
-        value = value * x + k * at(work, POLYNOMIAL + k)
+        value = value * x + k * work[POLYNOMIAL + k]
     return value
 
 
-@njit(**INNER)
-def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no-untyped-def]
+@native
+def bracketed_root(
+    work: Floats, degree: int, low: float, high: float, at_low: float, at_high: float
+) -> float:
     """Root with p(low) > 0 >= p(high), by Newton steps kept inside the bracket.
 
     A step that is not half as long as the one before halves the bracket instead: far out, where
@@ -78,14 +78,14 @@ def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no
     top_odd = degree - 1 + degree % 2
     for _ in range(100):
         square = x * x
-        even, even_slope = at(work, POLYNOMIAL + top_even), 0.0
+        even, even_slope = work[POLYNOMIAL + top_even], 0.0
         for k in range(top_even - 2, -1, -2):
             even_slope = even_slope * square + even
-            even = even * square + at(work, POLYNOMIAL + k)
-        odd, odd_slope = at(work, POLYNOMIAL + top_odd), 0.0
+            even = even * square + work[POLYNOMIAL + k]
+        odd, odd_slope = work[POLYNOMIAL + top_odd], 0.0
         for k in range(top_odd - 2, 0, -2):
             odd_slope = odd_slope * square + odd
-            odd = odd * square + at(work, POLYNOMIAL + k)
+            odd = odd * square + work[POLYNOMIAL + k]
         value = even + x * odd
         derivative = odd + 2.0 * (x * even_slope + square * odd_slope)
         if value > 0.0:
@@ -106,8 +106,8 @@ def bracketed_root(work, degree, low, high, at_low, at_high):  # type: ignore[no
     return x
 
 
-@njit(**INNER)
-def lowest_point(work, degree, low, high, tolerance):  # type: ignore[no-untyped-def]
+@native
+def lowest_point(work: Floats, degree: int, low: float, high: float, tolerance: float) -> float:
     """Where p is least in a short bracket, if it reaches `tolerance` there; else NO_ROOT."""
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -121,38 +121,38 @@ def lowest_point(work, degree, low, high, tolerance):  # type: ignore[no-untyped
     return x if evaluate(work, degree, x) <= tolerance else NO_ROOT
 
 
-@njit(**INNER)
-def to_bernstein(work, degree):  # type: ignore[no-untyped-def]
+@native
+def to_bernstein(work: Floats, degree: int) -> None:
     """Bernstein coefficients of the polynomial on [0, 1], into the first row."""
     for j in range(degree + 1):
         shares = degree * SQUARE + j * ROW
-        value = at(work, POLYNOMIAL)
+        value = work[POLYNOMIAL]
         for i in range(1, j + 1):
-            value += at(work, POLYNOMIAL + i) * at(TO_BERNSTEIN, shares + i)
+            value += work[POLYNOMIAL + i] * TO_BERNSTEIN[shares + i]
         work[j] = value
 
 
-@njit(**INNER)
-def halve(work, degree, row):  # type: ignore[no-untyped-def]
+@native
+def halve(work: Floats, degree: int, row: int) -> None:
     """Split a piece at its middle (de Casteljau): right half stays, left half goes on top."""
     left = row + ROW
     for j in range(degree + 1):
-        work[left + j] = at(work, row)
+        work[left + j] = work[row]
         for i in range(degree - j):
-            work[row + i] = 0.5 * (at(work, row + i) + at(work, row + i + 1))
-    middle = 0.5 * (at(work, row + LOW) + at(work, row + HIGH))
-    work[left + LOW] = at(work, row + LOW)
+            work[row + i] = 0.5 * (work[row + i] + work[row + i + 1])
+    middle = 0.5 * (work[row + LOW] + work[row + HIGH])
+    work[left + LOW] = work[row + LOW]
     work[left + HIGH] = middle
     work[row + LOW] = middle
 
 
-@njit(**INNER)
-def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
+@native
+def sign_changes(work: Floats, degree: int, row: int, tolerance: float) -> int:
     """Changes of sign of a piece that starts positive; what is within `tolerance` has no sign."""
     changes = 0
     negative = False
     for j in range(degree + 1):
-        value = at(work, row + j)
+        value = work[row + j]
         if value < -tolerance and not negative:
             changes += 1
             negative = True
@@ -162,37 +162,37 @@ def sign_changes(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
     return changes
 
 
-@njit(**INNER)
-def may_touch(work, degree, row, tolerance):  # type: ignore[no-untyped-def]
+@native
+def may_touch(work: Floats, degree: int, row: int, tolerance: float) -> bool:
     """Whether a piece without a change of sign has a coefficient within `tolerance` of zero."""
     for j in range(1, degree + 1):
-        if at(work, row + j) <= tolerance:
+        if work[row + j] <= tolerance:
             return True
     return False
 
 
-@njit(**INLINE)
-def first_root(degree, work, total, end):  # type: ignore[no-untyped-def]
+@inlined
+def first_root(degree: int, work: Floats, total: float, end: float) -> float:
     """First x in [0, 1] where p passes from positive to zero or below; NO_ROOT if none.
 
     p stands at `POLYNOMIAL`; `total` is the sum of its coefficients' absolute values, `end` that
     of the coefficients. It starts positive (its known zeros at the start are divided out by the
     caller); a start at or below zero is a root at 0.
     """
-    start = at(work, POLYNOMIAL)
+    start = work[POLYNOMIAL]
     if start <= 0.0:
         return 0.0
     tolerance = ROUNDING * total
     # p(x) >= start + p1 x - rest x^2, which is least at an end of [0, 1].
-    first = at(work, POLYNOMIAL + 1)
+    first = work[POLYNOMIAL + 1]
     rest = 0.5 * (total - end) + min(first, 0.0)
     if start + first - rest > tolerance:
         return NO_ROOT
-    second = 2.0 * at(work, POLYNOMIAL + 2)
+    second = 2.0 * work[POLYNOMIAL + 2]
     steepness, curvature, power = abs(first) + abs(second), 0.0, 2.0
     for k in range(3, degree + 1):
         power += 1.0
-        slope_term = power * abs(at(work, POLYNOMIAL + k))
+        slope_term = power * abs(work[POLYNOMIAL + k])
         steepness += slope_term
         curvature += (power - 1.0) * slope_term
     # Monotonic, or concave: least at an end, one root at most.
@@ -202,12 +202,12 @@ def first_root(degree, work, total, end):  # type: ignore[no-untyped-def]
         return bracketed_root(work, degree, 0.0, 1.0, start, end) if end < 0.0 else 1.0
     to_bernstein(work, degree)
     work[LOW], work[HIGH] = 0.0, 1.0
-    row = np.int64(0)  # a literal would have the helpers compiled twice
+    row = 0
     while row >= 0:
-        low, high = at(work, row + LOW), at(work, row + HIGH)
+        low, high = work[row + LOW], work[row + HIGH]
         changes = sign_changes(work, degree, row, tolerance)
         if changes == 0:
-            if at(work, row + degree) <= tolerance:
+            if work[row + degree] <= tolerance:
                 return high
             if may_touch(work, degree, row, tolerance) and slope(work, degree, low) < 0.0:
                 touch = lowest_point(work, degree, low, high, tolerance)
@@ -215,13 +215,13 @@ def first_root(degree, work, total, end):  # type: ignore[no-untyped-def]
                     return touch
             row -= ROW
         elif changes == 1:
-            return bracketed_root(work, degree, low, high, at(work, row), at(work, row + degree))
+            return bracketed_root(work, degree, low, high, work[row], work[row + degree])
         elif high - low < TWIN_WIDTH or row + 2 * ROW >= POLYNOMIAL:
             touch = lowest_point(work, degree, low, high, tolerance)
             if touch != NO_ROOT:
                 depth = evaluate(work, degree, touch)
                 if depth < -tolerance:
-                    return bracketed_root(work, degree, low, touch, at(work, row), depth)
+                    return bracketed_root(work, degree, low, touch, work[row], depth)
                 return touch
             row -= ROW
         else:

@@ -84,9 +84,9 @@ def _make(model: Model, law: Law, key: SystemKey, announce: Callable[[str], None
 
 
 def _announce_kernels(announce: Callable[[str], None]) -> None:
-    from fiv_cli.dynamics import compiled
+    from fiv_cli.dynamics.compiled import DRIVER
 
-    if not compiled.is_warm():
+    if not DRIVER.is_warm():
         announce("compiling the integrator (once per user, a few seconds)")
 
 

@@ -1,0 +1,169 @@
+"""The arrays of a motion: its own ones in one block, those that all motions of a system share.
+
+The driver reads them through a frame of addresses (`codegen/native.py`). A motion is made for
+every point of a sweep, so a new one copies one block, frame included, and adds its address to the
+frame's entries of what lies in the block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.codegen.native import address_of, words_of
+from fiv_cli.dynamics import kernel, roots
+from fiv_cli.dynamics.settings import SolverSettings
+from fiv_cli.dynamics.system import System, Vector
+
+SCRATCH_ROWS = 7
+WORD = 8  # bytes of an integer, a float, an address
+# A state (m, rad, and those per s) beyond this has diverged. Growth in a nonlinear contact ends in
+# ever shorter steps, so a bound far above anything mechanical would only cost time.
+BOUND = 1e6
+
+Words = NDArray[np.int64]
+
+
+class MotionArrays:
+    """What a motion has of its own; zero, but for tolerances and limits.
+
+    Attributes
+    ----------
+    frame : addresses and lengths, see `kernel.Run`
+    clock, parameters, ... : see `kernel.Run`
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self.frame = layout.block.copy()
+        self.address = address_of(self.frame)
+        self.frame[layout.addresses] += self.address
+        floats = self.frame.view(np.float64)
+        parts = layout.parts
+        self.clock: Vector = floats[parts["clock"]]
+        self.parameters: Vector = floats[parts["parameters"]]
+        self.coefficients: Vector = floats[parts["coefficients"]]
+        self.y: Vector = floats[parts["y"]]
+        self.measures: Vector = floats[parts["measures"]]
+        self.kinds: Words = self.frame[parts["kinds"]]
+        self.counters: Words = self.frame[parts["counters"]]
+        self.limits: Words = self.frame[parts["limits"]]
+        self.section: Words = self.frame[parts["section"]]
+
+    def show(self, name: str, array: NDArray[Any]) -> None:
+        """Show the driver `array` as the frame's `name`; keep it alive meanwhile."""
+        words = words_of(array)
+        place = kernel.Run.places()[name]
+        self.frame[place : place + len(words)] = words
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What new motions copy.
+
+    Attributes
+    ----------
+    block : the frame, with distances from the block's beginning for the motion's own arrays; then
+        these arrays
+    parts : name -> where an array of the motion's own lies in the block
+    addresses : the words that the address of the block is added to
+    shared : the other arrays that the frame shows, kept alive
+    """
+
+    block: Words
+    parts: Mapping[str, slice]
+    addresses: slice
+    shared: Mapping[str, NDArray[Any]]
+
+
+@cache
+def layout_of(system: System, solver: SolverSettings) -> Layout:
+    """Layout of a system's motions (their scratch arrays are shared: one runs at a time)."""
+    own, shared = _own_lengths(system), _shared(system, solver)
+    words = kernel.Run.words(shared)
+    parts, end = {}, len(words)
+    for name, length in own.items():
+        place = kernel.Run.places()[name]
+        words[place : place + 2] = end * WORD, length
+        parts[name] = slice(end, end + length)
+        end += length
+    block = np.concatenate([words, np.zeros(end - len(words), np.int64)])
+    block.view(np.float64)[parts["tolerances"]] = solver.rtol, solver.step, BOUND
+    block[parts["limits"]] = solver.max_steps, solver.max_events, 0
+    return Layout(block, parts, slice(0, 2 * len(own), 2), shared)
+
+
+def _own_lengths(system: System) -> dict[str, int]:
+    """Lengths of a motion's own arrays, which are the first ones of the frame."""
+    generated = system.generated
+    return {
+        "clock": kernel.CLOCK_WIDTH,
+        "parameters": len(generated.parameter_names),
+        "coefficients": max(generated.n_coefficients, 1),
+        "y": len(system.state_names),
+        "measures": kernel.MEASURES_WIDTH,
+        "tolerances": kernel.TOLERANCES_WIDTH,
+        "kinds": system.n_contacts,
+        "strips": system.tables.guards.shape[1] + 3,
+        "counters": kernel.COUNTERS_WIDTH,
+        "limits": kernel.LIMITS_WIDTH,
+        "section": kernel.SECTION_WIDTH,
+    }
+
+
+def _shared(system: System, solver: SolverSettings) -> dict[str, NDArray[Any]]:
+    """Tables of the system, scratch, and what stands for arrays that a motion may not need."""
+    return {**_tables(system, solver), **_scratch(system), **_not_asked_for(system)}
+
+
+def _tables(system: System, solver: SolverSettings) -> dict[str, NDArray[Any]]:
+    tables, config = system.tables, system.tables.config.copy()
+    if solver.method == "rk4":
+        config[kernel.METHOD] = kernel.METHOD_RK4
+    names = {name: getattr(tables, name) for name in ("table", "impacts", "guards", "ends")}
+    return {**names, "config": config, "quadrature": gauss_nodes(system.generated.order // 2 + 3)}
+
+
+def _scratch(system: System) -> dict[str, NDArray[Any]]:
+    n, contacts, order = len(system.state_names), system.n_contacts, system.generated.order
+    guards = system.tables.guards.shape[1]
+    rows = 2 * n + 2 * guards + 2
+    width = max(2 * n + guards + 1 + 3 * contacts + kernel.N_ENERGIES, 2 * n, order + 1)
+    options = np.zeros((contacts, kernel.OPTIONS_WIDTH), np.int64)
+    options[:, kernel.ONE_WAY] = system.generated.smooth
+    return {
+        "series": np.zeros(rows * (order + 1)),
+        "work": np.zeros(rows * (order + 1)),
+        "stages": np.zeros((SCRATCH_ROWS, width)),
+        "roots": roots.scratch(),
+        "options": options,
+    }
+
+
+def _not_asked_for(system: System) -> dict[str, NDArray[Any]]:
+    n, contacts = len(system.state_names), system.n_contacts
+    outputs = kernel.PER_CONTACT * contacts + kernel.N_ENERGIES
+    return {
+        "reference": np.zeros(len(system.coordinates)),
+        "extremes": np.zeros((3, n)),
+        "shares": np.zeros((contacts, 3)),
+        "section_times": np.zeros(1),
+        "section_states": np.zeros((1, n)),
+        "sample_times": np.zeros(0),
+        "sample_states": np.zeros((0, n)),
+        "sample_outputs": np.zeros((0, outputs)),
+        "sample_codes": np.zeros((0, contacts), np.int64),
+        "ledger": np.zeros((0, kernel.LEDGER_WIDTH)),
+        "tangents": np.zeros((0, n)),
+    }
+
+
+@cache
+def gauss_nodes(count: int) -> Vector:
+    """Gauss-Legendre nodes and weights on [0, 1]; shape (count, 2)."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return np.ascontiguousarray(np.stack([0.5 * (nodes + 1.0), 0.5 * weights], axis=1))
