@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from fiv_cli.codegen import emit
+from fiv_cli.codegen.generate import load_text
 from fiv_cli.codegen.native import Library, words_of
 from fiv_cli.dynamics import roots
 
@@ -21,13 +24,30 @@ ROOT = st.floats(0.02, 0.98)
 ROOTS = Library("roots", (Path(roots.__file__),), (roots.first_root,))
 
 
+@cache
+def generated(degree: int) -> tuple[int, int]:
+    """Addresses of the generated functions of polynomials of this degree."""
+    lines = emit.value_and_slope("value_and_slope", degree) + emit.bernstein("bernstein", degree)
+    engine = load_text("\n".join(lines) + "\n")
+    KEPT.append(engine)
+    value_and_slope, bernstein = map(engine.get_function_address, ("value_and_slope", "bernstein"))
+    return int(value_and_slope), int(bernstein)
+
+
+KEPT: list[object] = []  # code whose address is in use
+
+
 def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
     """`roots.first_root` of a polynomial in rising powers."""
-    work = roots.scratch()
-    work[roots.POLYNOMIAL : roots.POLYNOMIAL + len(coefficients)] = coefficients
+    degree, top = len(coefficients) - 1, max(len(coefficients) - 1, 2)
+    polynomial = np.zeros(top + 1)
+    polynomial[: degree + 1] = coefficients
     total, end = float(np.sum(np.abs(coefficients))), float(np.sum(coefficients))
-    found = ROOTS.function(roots.first_root)
-    return float(found(len(coefficients) - 1, *words_of(work), total, end))
+    pieces = roots.scratch()
+    found = ROOTS.function(roots.first_root)(
+        *words_of(polynomial), degree, total, end, *generated(top), top, *words_of(pieces)
+    )
+    return float(found)
 
 
 def with_roots(*places: float, beyond: tuple[float, ...] = ()) -> NDArray[np.float64]:

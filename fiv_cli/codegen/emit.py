@@ -10,6 +10,7 @@ functions of `graph.UNARY` and `pow`: `lower.py` turns exactly that into machine
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from math import comb
 
 from fiv_cli.codegen.graph import Graph, Node
 
@@ -82,6 +83,39 @@ def sums(name: str, count: int, order: int) -> list[str]:
                 lines.append(f"    {name} = {name} * square + y[{first + k}]")
         lines.append(f"    out[{row}] = even + t * odd")
     return lines
+
+
+def value_and_slope(name: str, degree: int) -> list[str]:
+    """Text of the function that evaluates a polynomial (its ``y``) and its derivative at ``t``.
+
+    Even and odd powers are summed apart, as in `sums`.
+    """
+    top_even, top_odd = degree - degree % 2, degree - 1 + degree % 2
+    lines = [f"def {name}(c, t, y, out):", "    # value and derivative of a polynomial"]
+    lines += ["    square = t * t"]
+    for part, top, last in (("even", top_even, 0), ("odd", top_odd, 1)):
+        lines += [f"    {part} = y[{top}]", f"    {part}_slope = 0.0"]
+        for k in range(top - 2, last - 1, -2):
+            lines.append(f"    {part}_slope = {part}_slope * square + {part}")
+            lines.append(f"    {part} = {part} * square + y[{k}]")
+    return [
+        *lines,
+        "    out[0] = even + t * odd",
+        "    out[1] = odd + 2.0 * t * (even_slope + t * odd_slope)",
+    ]
+
+
+def bernstein(name: str, degree: int) -> list[str]:
+    """Text of the function that turns a polynomial's coefficients (its ``y``) into Bernstein's.
+
+    On [0, 1] coefficient j is the sum of C(j, i) y_i / C(degree, i): the sums of Pascal's triangle,
+    row after row.
+    """
+    lines = [f"def {name}(c, t, y, out):", f"    # Bernstein coefficients, degree {degree}"]
+    lines += [f"    b{i} = y[{i}] * {1.0 / comb(degree, i)!r}" for i in range(degree + 1)]
+    for row in range(1, degree + 1):
+        lines += [f"    b{j} = b{j} + b{j - 1}" for j in range(degree, row - 1, -1)]
+    return lines + [f"    out[{j}] = b{j}" for j in range(degree + 1)]
 
 
 def constants(name: str, nodes: Sequence[Node], parameters: Sequence[str]) -> list[str]:
@@ -310,11 +344,23 @@ class TaylorStep:
 
     def _series_linear(self, node: Node, k: int) -> str:
         terms = _constant_term(node, self.coefficients) if k == 0 else []
-        for weight, arg in zip(node.value[1:], node.args, strict=True):
+        for weight, arg in sorted(
+            zip(node.value[1:], node.args, strict=True), key=lambda term: self._is_late(term[1])
+        ):
             known = self._known(arg, k)
             if known:
                 terms.append(_weighted(weight, known, self.coefficients))
         return _sum(terms)
+
+    def _is_late(self, node: Node) -> bool:
+        """Whether this is a velocity: of all that an order needs, it is known last.
+
+        Added last it makes an order wait for one sum, not for as many as there are terms.
+        """
+        if node.index not in self.leaves:
+            return False
+        rate = self.rates[self.leaves[node.index]]
+        return not rate.constant and rate.index not in self.leaves
 
     def _products(self, left: Node, right: Node, k: int, start: int, stop: int) -> list[str]:
         """Terms left_j * right_{k-j}, start <= j < stop, that are not structurally zero."""

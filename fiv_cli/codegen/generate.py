@@ -175,7 +175,7 @@ def _make(
     scheduled: tuple[str, ...],
 ) -> bytes:
     from fiv_cli.codegen.derive import derive
-    from fiv_cli.codegen.emit import Coefficients, constants, sums
+    from fiv_cli.codegen.emit import Coefficients, bernstein, constants, sums, value_and_slope
 
     derivation = derive(model, law, options, structural, scheduled)
     coefficients = Coefficients()
@@ -186,6 +186,8 @@ def _make(
         flow += _flow_text(derivation, state, order, coefficients)
         tangent += _tangent_text(derivation, state, order, coefficients)
     flow += sums("state", len(derivation.state_names), order)
+    flow += value_and_slope("value_and_slope", order)
+    flow += bernstein("bernstein", order)
     flow += constants("coefficients", coefficients.nodes, derivation.parameter_names)
     content = {
         "order": order,

@@ -50,6 +50,13 @@ def machine_description() -> str:
     return f"llvm {versions} {llvm.get_host_cpu_name()} {features}"
 
 
+@cache
+def fuses() -> bool:
+    """Whether this processor multiplies and adds in one instruction."""
+    features = llvm.get_host_cpu_features()
+    return bool(features.get("fma") or features.get("neon"))
+
+
 def compile_text(text: str) -> bytes:
     """Object code of every function in `text`."""
     machine = target_machine(effort=0 if len(text) > LARGE else 2)
@@ -140,7 +147,9 @@ class _Lowering:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return self._negated(operand)
             case ast.BinOp(left=left, op=op, right=right):
-                return self._operation(op, self._value(left), self._value(right))
+                return self._fused(node) or self._operation(
+                    op, self._value(left), self._value(right)
+                )
             case ast.Call(func=ast.Name(id=name), args=args):
                 return self.builder.call(self.library[name], [self._value(a) for a in args])
         raise NotImplementedError(ast.dump(node))
@@ -149,6 +158,24 @@ class _Lowering:
         if isinstance(operand, ast.Constant):
             return ir.Constant(DOUBLE, -float(operand.value))  # type: ignore[arg-type]
         return self.builder.fneg(self._value(operand))
+
+    def _fused(self, node: ast.BinOp) -> Any:
+        """A sum with a product, with one rounding, where the processor has that instruction."""
+        if not fuses() or not isinstance(node.op, ast.Add | ast.Sub):
+            return None
+        if isinstance(node.right, ast.BinOp) and isinstance(node.right.op, ast.Mult):
+            added = self._value(node.left)
+            factors = self._value(node.right.left), self._value(node.right.right)
+            if isinstance(node.op, ast.Sub):
+                factors = self.builder.fneg(factors[0]), factors[1]
+        elif isinstance(node.left, ast.BinOp) and isinstance(node.left.op, ast.Mult):
+            factors = self._value(node.left.left), self._value(node.left.right)
+            added = self._value(node.right)
+            if isinstance(node.op, ast.Sub):
+                added = self.builder.fneg(added)
+        else:
+            return None
+        return self.builder.fma(*factors, added)
 
     def _operation(self, op: ast.operator, left: Any, right: Any) -> Any:
         build = {

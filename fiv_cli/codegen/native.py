@@ -7,11 +7,12 @@ driver of a thousand lines takes two seconds where a general front end takes twe
 from Python hands over one address instead of an array at a time.
 
 What a kernel may use: int, float and bool; arrays by index (never counted from the end, never out
-of bounds: nothing checks), their rows, ``len`` and ``shape``; assignment, ``if``, ``while``,
+of bounds: nothing checks), their rows, what follows an index,
+``len`` and ``shape``; assignment, ``if``, ``while``,
 ``for`` over ``range``, ``break``, ``continue``, ``return``; arithmetic, comparison, ``and``,
-``or``, ``not``, conditional expressions; abs, min, max, int, float, np.floor; constants of its
-module; other kernels. Integers divide as C's do: the sign of both sides must be the same. There
-is no fast-math and no contraction to fused multiply-add. The same text runs under Python.
+``or``, ``not``, conditional expressions; abs, min, max, int, float, np.floor, np.sqrt; constants
+of its module; other kernels. Integers divide as C's do: the sign of both sides must be the same.
+There is no fast-math and no contraction to fused multiply-add. The same text runs under Python.
 """
 
 from __future__ import annotations
@@ -35,15 +36,24 @@ from fiv_cli.codegen import cache as store
 from fiv_cli.codegen.lower import load_object, machine_description, target_machine
 
 Floats = NDArray[np.float64]
+OwnFloats = NDArray[np.float64]
 Floats2 = NDArray[np.float64]
 Ints = NDArray[np.int64]
+OwnInts = NDArray[np.int64]
 Ints2 = NDArray[np.int64]
 Ints3 = NDArray[np.int64]
 
 DOUBLE, INTEGER, TRUTH = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
 SCALARS = {"float": DOUBLE, "int": INTEGER, "bool": TRUTH}
-ARRAYS = {"Floats": (DOUBLE, 1), "Floats2": (DOUBLE, 2),
-          "Ints": (INTEGER, 1), "Ints2": (INTEGER, 2), "Ints3": (INTEGER, 3)}  # fmt: skip
+ARRAYS = {
+    "Floats": (DOUBLE, 1),
+    "Floats2": (DOUBLE, 2),
+    "OwnFloats": (DOUBLE, 1),
+    "Ints": (INTEGER, 1),
+    "Ints2": (INTEGER, 2),
+    "Ints3": (INTEGER, 3),
+    "OwnInts": (INTEGER, 1),
+}
 NOTHING = ctypes.c_char * 0
 GENERATED = ir.FunctionType(
     ir.VoidType(), (DOUBLE.as_pointer(), DOUBLE, DOUBLE.as_pointer(), DOUBLE.as_pointer())
@@ -61,6 +71,16 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """Mark a kernel that is to be compiled into its callers."""
     function.__inlined__ = True  # type: ignore[attr-defined]
     return native(function)
+
+
+def bits_of(value: float) -> int:
+    """The 64 bits of a float, as an integer."""
+    return int(np.float64(value).view(np.int64))
+
+
+def float_of(bits: int) -> float:
+    """The float of 64 bits."""
+    return float(np.int64(bits).view(np.float64))
 
 
 def call_generated(
@@ -81,7 +101,9 @@ def GENERATED_FROM_PYTHON(address: int) -> Any:
 class Frame:
     """Base of the record of arrays that kernels share: annotated fields, nothing else.
 
-    In memory each field is its address and its lengths, as 64-bit words.
+    In memory each field is its address and its lengths, as 64-bit words; of an array of the
+    frame's own (`OwnFloats`, `OwnInts`) the address counts from that of the frame, so that a frame
+    is copied together with arrays that follow it in the same block.
     """
 
     @classmethod
@@ -235,6 +257,7 @@ class _Translation:
         self.pow.attributes.add("readnone")
         self.pow.attributes.add("nounwind")
         self.fabs = self.module.declare_intrinsic("llvm.fabs", [DOUBLE])
+        self.sqrt = self.module.declare_intrinsic("llvm.sqrt", [DOUBLE])
         self.floor = self.module.declare_intrinsic("llvm.floor", [DOUBLE])
         self.invariant = self.module.add_metadata([])
         root = self.module.add_metadata(["fiv"])
@@ -516,6 +539,8 @@ class _Body:
         element, depth = ARRAYS[frame.kind.__annotations__[name]]
         place = frame.kind.places()[name]
         data, *shape = (self._word(frame.words, place + i) for i in range(1 + depth))
+        if frame.kind.__annotations__[name].startswith("Own"):
+            data = self.build.add(data, self.build.ptrtoint(frame.words, INTEGER))
         return Array(element, self.build.inttoptr(data, element.as_pointer()), tuple(shape))
 
     def _word(self, words: Any, place: int) -> Any:
@@ -525,6 +550,8 @@ class _Body:
         return loaded
 
     def _element(self, node: ast.Subscript) -> Any:
+        if isinstance(node.slice, ast.Slice):
+            return self._rest(node)
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
             array = self._value(node.value.value)
             return array.shape[ast.literal_eval(node.slice)]
@@ -534,6 +561,16 @@ class _Body:
         loaded = self.build.load(place)
         loaded.set_metadata("tbaa", self.translation.access[array.element])
         return loaded
+
+    def _rest(self, node: ast.Subscript) -> Array:
+        """A flat array from an index on."""
+        array, bounds = self._value(node.value), node.slice
+        assert isinstance(bounds, ast.Slice)
+        assert bounds.upper is None
+        assert len(array.shape) == 1
+        first = self._value(bounds.lower)
+        data = self.build.gep(array.data, [first], inbounds=True)
+        return Array(array.element, data, (self.build.sub(array.shape[0], first),))
 
     def _place(self, node: ast.Subscript) -> tuple[Array, Any]:
         """A row (an array that has a shape left) or the place of an element."""
@@ -646,14 +683,16 @@ class _Body:
     # --- calls ------------------------------------------------------------------------------------
     def _call(self, node: ast.Call) -> Any:
         if isinstance(node.func, ast.Attribute):
-            assert node.func.attr == "floor"
-            return self.build.call(self.translation.floor, [self._value(node.args[0])])
+            function = {"floor": self.translation.floor, "sqrt": self.translation.sqrt}
+            return self.build.call(function[node.func.attr], [self._value(node.args[0])])
         name = _name(node.func)
         values = [self._value(argument) for argument in node.args]
         if name not in self.known:
             return getattr(self, f"_call_{name}")(*values)
         if self.known[name] is call_generated:
             return self._call_generated(*values)
+        if self.known[name] in (bits_of, float_of):
+            return self.build.bitcast(*values, INTEGER if self.known[name] is bits_of else DOUBLE)
         callee = self.translation.function(self.known[name])
         given: list[Any] = []
         for value in values:

@@ -1,21 +1,20 @@
 """The arrays of a motion: its own ones in one block, those that all motions of a system share.
 
 The driver reads them through a frame of addresses (`codegen/native.py`). A motion is made for
-every point of a sweep, so a new one copies one block, frame included, and adds its address to the
-frame's entries of what lies in the block.
+every point of a sweep, so a new one copies one block, frame included.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.native import address_of, words_of
+from fiv_cli.codegen.native import address_of
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import System, Vector
@@ -27,38 +26,61 @@ WORD = 8  # bytes of an integer, a float, an address
 BOUND = 1e6
 
 Words = NDArray[np.int64]
+PLACES = kernel.Run.places()
 
 
 class MotionArrays:
-    """What a motion has of its own; zero, but for tolerances and limits.
+    """What a motion has of its own; zero but for tolerances, limits and what it begins with.
 
     Attributes
     ----------
-    frame : addresses and lengths, see `kernel.Run`
-    clock, parameters, ... : see `kernel.Run`
+    frame : addresses and lengths, see `kernel.Run`; the arrays follow in the same block
+    address : of the frame
+    clock, parameters, y, counters, ... : see `kernel.Run`
     """
 
     def __init__(self, layout: Layout) -> None:
+        self.parts = parts = layout.parts
         self.frame = layout.block.copy()
+        self.floats = floats = self.frame.view(np.float64)
         self.address = address_of(self.frame)
-        self.frame[layout.addresses] += self.address
-        floats = self.frame.view(np.float64)
-        parts = layout.parts
         self.clock: Vector = floats[parts["clock"]]
         self.parameters: Vector = floats[parts["parameters"]]
-        self.coefficients: Vector = floats[parts["coefficients"]]
         self.y: Vector = floats[parts["y"]]
-        self.measures: Vector = floats[parts["measures"]]
-        self.kinds: Words = self.frame[parts["kinds"]]
         self.counters: Words = self.frame[parts["counters"]]
-        self.limits: Words = self.frame[parts["limits"]]
-        self.section: Words = self.frame[parts["section"]]
+
+    @cached_property
+    def coefficients(self) -> Vector:
+        """What depends on parameters alone."""
+        return self.floats[self.parts["coefficients"]]
+
+    @cached_property
+    def measures(self) -> Vector:
+        """Totals of what is integrated along."""
+        return self.floats[self.parts["measures"]]
+
+    @cached_property
+    def kinds(self) -> Words:
+        """Kind of each contact's state."""
+        return self.frame[self.parts["kinds"]]
+
+    @cached_property
+    def limits(self) -> Words:
+        """Budgets."""
+        return self.frame[self.parts["limits"]]
+
+    @cached_property
+    def section(self) -> Words:
+        """The section in use."""
+        return self.frame[self.parts["section"]]
 
     def show(self, name: str, array: NDArray[Any]) -> None:
         """Show the driver `array` as the frame's `name`; keep it alive meanwhile."""
-        words = words_of(array)
-        place = kernel.Run.places()[name]
-        self.frame[place : place + len(words)] = words
+        place, frame, shape = PLACES[name], self.frame, array.shape
+        frame[place] = address_of(array) - (self.address if name in self.parts else 0)
+        frame[place + 1] = shape[0]
+        if len(shape) == 2:
+            frame[place + 2] = shape[1]
 
 
 @dataclass(frozen=True)
@@ -67,16 +89,13 @@ class Layout:
 
     Attributes
     ----------
-    block : the frame, with distances from the block's beginning for the motion's own arrays; then
-        these arrays
+    block : the frame, then the motion's own arrays
     parts : name -> where an array of the motion's own lies in the block
-    addresses : the words that the address of the block is added to
     shared : the other arrays that the frame shows, kept alive
     """
 
     block: Words
     parts: Mapping[str, slice]
-    addresses: slice
     shared: Mapping[str, NDArray[Any]]
 
 
@@ -87,18 +106,21 @@ def layout_of(system: System, solver: SolverSettings) -> Layout:
     words = kernel.Run.words(shared)
     parts, end = {}, len(words)
     for name, length in own.items():
-        place = kernel.Run.places()[name]
+        place = PLACES[name]
         words[place : place + 2] = end * WORD, length
         parts[name] = slice(end, end + length)
         end += length
     block = np.concatenate([words, np.zeros(end - len(words), np.int64)])
-    block.view(np.float64)[parts["tolerances"]] = solver.rtol, solver.step, BOUND
+    floats = block.view(np.float64)
+    floats[parts["tolerances"]] = solver.rtol, solver.step, BOUND
+    floats[parts["parameters"]][-1 - system.n_contacts : -1] = 1.0  # signs of slip
+    floats[parts["clock"]][kernel.TASK] = kernel.ENTER
     block[parts["limits"]] = solver.max_steps, solver.max_events, 0
-    return Layout(block, parts, slice(0, 2 * len(own), 2), shared)
+    return Layout(block, parts, shared)
 
 
 def _own_lengths(system: System) -> dict[str, int]:
-    """Lengths of a motion's own arrays, which are the first ones of the frame."""
+    """Lengths of a motion's own arrays."""
     generated = system.generated
     return {
         "clock": kernel.CLOCK_WIDTH,
@@ -139,7 +161,8 @@ def _scratch(system: System) -> dict[str, NDArray[Any]]:
         "series": np.zeros(rows * (order + 1)),
         "work": np.zeros(rows * (order + 1)),
         "stages": np.zeros((SCRATCH_ROWS, width)),
-        "roots": roots.scratch(),
+        "polynomial": np.zeros(order + 1),
+        "pieces": roots.scratch(),
         "options": options,
     }
 

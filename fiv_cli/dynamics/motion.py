@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,29 +133,73 @@ class Motion:
         self.system = system
         self.solver = solver
         self.tables = system.tables
-        self.layout = layout_of(system, solver)
-        self.arrays = arrays = MotionArrays(self.layout)
-        self.clock, self.y, self.kinds = arrays.clock, arrays.y, arrays.kinds
-        self.parameters, self.coefficients = arrays.parameters, arrays.coefficients
-        self.counters, self.limits = arrays.counters, arrays.limits
-        shared = self.layout.shared
-        self.config, self.ledger, self.tangents = (
-            shared["config"],
-            shared["ledger"],
-            shared["tangents"],
-        )
-        self.measures = Measures(
-            arrays.measures, shared["extremes"], shared["shares"], shared["reference"]
-        )
+        self.layout = layout = layout_of(system, solver)
+        self.arrays = arrays = MotionArrays(layout)
+        self.clock, self.counters = arrays.clock, arrays.counters
+        self.ledger, self.tangents = layout.shared["ledger"], layout.shared["tangents"]
         self.samples = no_samples(system)
-        self.parameters[:] = system.parameter_vector(parameters)
+        values = system.parameter_values(parameters)
+        arrays.parameters[: len(values)] = values
         self.kink = self._take_up_schedule(time)
-        vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
-        self.y[:] = vector
+        if len(state):
+            vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
+            arrays.y[:] = vector
         self.clock[kernel.TIME] = time
         for contact, sticks in enumerate(sticking):
-            self.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
-        self.started = self._enter()
+            arrays.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
+        self.is_lost = False  # no contact state is consistent with the initial state
+
+    @property
+    def config(self) -> NDArray[np.int64]:
+        """See the kernel."""
+        return self.layout.shared["config"]
+
+    # The contact state is decided at the first look or by the first `run`: of a motion that is only
+    # run the driver is called once.
+    @property
+    def started(self) -> bool:
+        """Whether a contact state is consistent with the initial state."""
+        if self.clock[kernel.TASK] == kernel.ENTER and not self.is_lost:
+            self.is_lost = self._advance(self.time, False, 0.0) == Stop.NO_STATE
+        return not self.is_lost
+
+    def _entered(self) -> MotionArrays:
+        """The arrays with the contact state decided."""
+        _ = self.started
+        return self.arrays
+
+    @property
+    def y(self) -> Vector:
+        """State vector; shape (n_states,)."""
+        return self._entered().y
+
+    @property
+    def parameters(self) -> Vector:
+        """Parameters, signs of slip, sector."""
+        return self._entered().parameters
+
+    @property
+    def coefficients(self) -> Vector:
+        """What depends on parameters alone, as the generated code reads it."""
+        return self._entered().coefficients
+
+    @property
+    def kinds(self) -> NDArray[np.int64]:
+        """Kind of each contact's state; shape (n_contacts,)."""
+        return self._entered().kinds
+
+    @property
+    def limits(self) -> NDArray[np.int64]:
+        """Budgets, see the kernel."""
+        return self.arrays.limits
+
+    @cached_property
+    def measures(self) -> Measures:
+        """What was measured; before `start_measuring`, residuals and impacts only."""
+        shared = self.layout.shared
+        return Measures(
+            self.arrays.measures, shared["extremes"], shared["shares"], shared["reference"]
+        )
 
     # --- parameters that vary in time -----------------------------------------------------------
     def _take_up_schedule(self, time: float) -> float:
@@ -164,8 +208,8 @@ class Motion:
         if not schedule.curves:
             return float("inf")
         for name, (value, rate) in schedule.piece(time).items():
-            self.parameters[names.index(name)] = value
-            self.parameters[names.index(rate_of(name))] = rate
+            self.arrays.parameters[names.index(name)] = value
+            self.arrays.parameters[names.index(rate_of(name))] = rate
         self.clock[kernel.FILLED_FOR] = 0.0
         return schedule.next_kink(time)
 
@@ -174,12 +218,7 @@ class Motion:
         self.kink = self._take_up_schedule(self.kink)
         self.clock[kernel.TASK] = kernel.DECIDE
 
-    # --- start ----------------------------------------------------------------------------------
-    def _enter(self) -> bool:
-        """Find the contact state of the initial state; False when none is consistent."""
-        self.clock[kernel.TASK] = kernel.ENTER
-        return self._advance(self.time, False, 0.0) == Stop.REACHED
-
+    # --- generated functions at the present state -------------------------------------------------
     def _field(self, kinds: NDArray[np.int64]) -> tuple[int, Vector]:
         index = kernel.state_index(kinds, len(kinds))
         out = self._output()
@@ -268,8 +307,6 @@ class Motion:
         measuring : whether `measures` are integrated
         phase_interval : period of the excitation, s, for a stroboscopic section
         """
-        if not self.started:
-            return Stop.CONTACT_LOST if self._is_out_of_contact() else self._stuck(Stop.NO_STATE)
         self.clock[kernel.FIRST_STEP] = 0.0  # another motion may have used the scratch arrays
         self.counters[kernel.SECTIONS] = 0
         self.arrays.section[:] = (
@@ -286,7 +323,11 @@ class Motion:
         return self._stuck(self._advance(t_stop, measuring, phase_interval))
 
     def _stuck(self, stop: Stop) -> Stop:
-        """`stop`, or that it is jamming which leaves no contact state."""
+        """`stop`, or what it is that leaves no contact state."""
+        if stop == Stop.NO_STATE and self.clock[kernel.TASK] == kernel.ENTER:
+            self.is_lost = True
+            if self._is_out_of_contact():
+                return Stop.CONTACT_LOST
         return Stop.JAMMED if stop == Stop.NO_STATE and self._is_jammed() else stop
 
     def _is_jammed(self) -> bool:

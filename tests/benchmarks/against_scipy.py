@@ -25,6 +25,7 @@ from fiv_cli.models import get_model
 from fiv_cli.verify import default_parameters
 from tests.benchmarks import scipy_belt, scipy_belt_5dof
 
+STICKS = Section("event")  # slip->stick
 SECTIONS = 300  # room for section points of a run
 PAIRS = 5
 FIV_SECONDS = 0.1  # fiv's runs are repeated for about this long
@@ -105,7 +106,7 @@ def fiv_run(
     """One run with its section points."""
     motion = Motion(system, parameters, solver, {})
     times, states = np.zeros(SECTIONS), np.zeros((SECTIONS, len(motion.y)))
-    motion.run(t_end, Section("event"), (times, states))
+    motion.run(t_end, STICKS, (times, states))
     return motion, states
 
 
