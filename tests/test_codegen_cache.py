@@ -62,13 +62,6 @@ print(made.key)
 """
 
 
-@pytest.fixture
-def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty cache folder for this test."""
-    monkeypatch.setenv("FIV_CACHE_DIR", str(tmp_path / "cache"))
-    return tmp_path / "cache"
-
-
 def start(program: str, cache_folder: Path, package: Path = PACKAGE) -> subprocess.Popen[str]:
     """A Python process with `package` as fiv_cli."""
     environment = os.environ | {

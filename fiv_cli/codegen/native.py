@@ -11,8 +11,10 @@ of bounds: nothing checks), their rows, what follows an index,
 ``len`` and ``shape``; assignment, ``if``, ``while``,
 ``for`` over ``range``, ``break``, ``continue``, ``return``; arithmetic, comparison, ``and``,
 ``or``, ``not``, conditional expressions; abs, min, max, int, float, np.floor, np.sqrt; constants
-of its module; other kernels. Integers divide as C's do: the sign of both sides must be the same.
-There is no fast-math and no contraction to fused multiply-add. The same text runs under Python.
+of its module; other kernels. Anything else is a `KernelError` that says where. There is no
+fast-math and no contraction to fused multiply-add: the same text under Python gives the same bits.
+What Python would raise while it runs is not looked for: a variable that is not set on the way, an
+integer beyond 64 bits or divided by zero. A float divided by zero is infinite or NaN, as in numpy.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ import ast
 import ctypes
 import inspect
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -58,7 +60,12 @@ NOTHING = ctypes.c_char * 0
 GENERATED = ir.FunctionType(
     ir.VoidType(), (DOUBLE.as_pointer(), DOUBLE, DOUBLE.as_pointer(), DOUBLE.as_pointer())
 )
+BUILTINS = ("abs", "min", "max", "int", "float", "len")
 C_TYPES: dict[str, Any] = {"float": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_bool}
+
+
+class KernelError(NotImplementedError):
+    """A kernel uses what is not lowered; says where."""
 
 
 def native(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -154,13 +161,14 @@ class Library:
 
     def __init__(self, name: str, files: tuple[Path, ...], entries: tuple[Any, ...]):
         self.name, self.files, self.entries = name, files, entries
-        self._functions: dict[str, Any] = {}
+        self._sources = self._read_sources()  # as they are imported
+        self._functions: dict[Any, Any] = {}
         self._engine: Any = None
 
     def key(self) -> str:
-        """Hash of the sources, the compiler and the processor."""
-        own = (Path(__file__), Path(__file__).with_name("lower.py"))
-        return store.content_key([store.source_of(*self.files, *own), machine_description()])
+        """Hash of the sources, what is asked of them, the compiler and the processor."""
+        asked = map(symbol, self.entries)
+        return store.content_key([self._sources, machine_description(), *asked])
 
     def is_warm(self) -> bool:
         """Whether this user's cache holds the object code."""
@@ -168,10 +176,15 @@ class Library:
 
     def function(self, entry: Any) -> Any:
         """The compiled kernel, to be called with addresses of frames or data, and scalars."""
-        if entry.__name__ not in self._functions:
-            address = self._loaded().get_function_address(entry.__name__)
-            self._functions[entry.__name__] = _prototype(entry)(address)
-        return self._functions[entry.__name__]
+        if entry not in self._functions:
+            assert entry in self.entries, f"{self.name} does not hold {symbol(entry)}"
+            address = self._loaded().get_function_address(symbol(entry))
+            self._functions[entry] = _prototype(entry)(address)
+        return self._functions[entry]
+
+    def _read_sources(self) -> bytes:
+        own = (Path(__file__), Path(__file__).with_name("lower.py"))
+        return store.source_of(*self.files, *own)
 
     def _file(self) -> str:
         return f"{self.name}-{self.key()}.o"
@@ -181,20 +194,28 @@ class Library:
             code = store.read(self._file())
             if code is None:
                 code = compile_kernels(self.entries)
-                store.write(self._file(), code)
+                if self._read_sources() == self._sources:  # not edited since
+                    store.write(self._file(), code)
             self._engine = load_object(code)
         return self._engine
 
 
+def symbol(kernel: Any) -> str:
+    """Name of a kernel in object code: two modules may have kernels of one name."""
+    return f"{kernel.__module__}.{kernel.__qualname__}"
+
+
 def _prototype(entry: Any) -> Any:
-    definition = _definition(entry)
-    result = definition.returns.id if isinstance(definition.returns, ast.Name) else None
+    """How Python calls a kernel (from its annotations: its text need not be read for that)."""
+    annotations = dict(entry.__annotations__)
+    result = annotations.pop("return")
     kinds: list[Any] = []
-    for argument in definition.args.args:
-        name = _name(argument.annotation)
+    for name in annotations.values():
         depth = ARRAYS[name][1] if name in ARRAYS else 0
         kinds += [C_TYPES.get(name, ctypes.c_void_p), *[ctypes.c_int64] * depth]
-    return ctypes.CFUNCTYPE(C_TYPES[result] if result else None, *kinds)
+    if result != "None" and result not in C_TYPES:
+        raise KernelError(f"{symbol(entry)}: Python cannot take {result} from a kernel")
+    return ctypes.CFUNCTYPE(C_TYPES.get(result), *kinds)
 
 
 def compile_kernels(entries: tuple[Any, ...]) -> bytes:
@@ -213,11 +234,23 @@ def compile_kernels(entries: tuple[Any, ...]) -> bytes:
 
 
 @cache
-def _definition(function: Any) -> ast.FunctionDef:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    definition = tree.body[0]
+def _definition(kernel: Any) -> ast.FunctionDef:
+    """The text of a kernel, with line numbers of its file."""
+    try:
+        lines, first = inspect.getsourcelines(kernel)
+    except (OSError, TypeError) as error:
+        raise KernelError(f"{symbol(kernel)}: its source cannot be read") from error
+    definition = ast.parse(textwrap.dedent("".join(lines))).body[0]
     assert isinstance(definition, ast.FunctionDef)
+    ast.increment_lineno(definition, first - 1)
     return definition
+
+
+def _refusal(kernel: Any, node: ast.stmt, error: Exception) -> KernelError:
+    """What to say of a statement that cannot be lowered."""
+    place = f"{Path(inspect.getfile(kernel)).name}, {kernel.__name__}, line {node.lineno}"
+    text = ast.unparse(node).splitlines()[0]
+    return KernelError(f"{place}: {text}" + f" ({error})" * bool(str(error)))
 
 
 # --- translation ----------------------------------------------------------------------------------
@@ -240,10 +273,10 @@ class FramePointer:
 
 @dataclass(frozen=True)
 class Local:
-    """A variable in the code."""
+    """A variable in the code: its kind (of an array: element and depth), where its parts are."""
 
     kind: Any
-    place: Any
+    places: tuple[Any, ...]
 
 
 class _Translation:
@@ -254,11 +287,11 @@ class _Translation:
         self.functions: dict[Any, ir.Function] = {}
         self.constants: dict[int, Array] = {}
         self.pow = ir.Function(self.module, ir.FunctionType(DOUBLE, (DOUBLE, DOUBLE)), "pow")
-        self.pow.attributes.add("readnone")
-        self.pow.attributes.add("nounwind")
+        for attribute in ("readnone", "nounwind", "nobuiltin"):  # x ** 0.5 is not a square root
+            self.pow.attributes.add(attribute)
         self.fabs = self.module.declare_intrinsic("llvm.fabs", [DOUBLE])
-        self.sqrt = self.module.declare_intrinsic("llvm.sqrt", [DOUBLE])
-        self.floor = self.module.declare_intrinsic("llvm.floor", [DOUBLE])
+        self.numpy = {np.floor: self.module.declare_intrinsic("llvm.floor", [DOUBLE]),
+                      np.sqrt: self.module.declare_intrinsic("llvm.sqrt", [DOUBLE])}  # fmt: skip
         self.invariant = self.module.add_metadata([])
         root = self.module.add_metadata(["fiv"])
         self.access = {element: self._access_tag(name, root)
@@ -272,51 +305,66 @@ class _Translation:
         """The kernel, translated on first use."""
         if kernel not in self.functions:
             definition = _definition(kernel)
-            function = ir.Function(
-                self.module, _signature(definition, kernel.__globals__), kernel.__name__
-            )
+            try:
+                signature = _signature(kernel)
+                function = ir.Function(self.module, signature, symbol(kernel))
+            except Exception as error:
+                raise _refusal(kernel, definition, error) from error
             function.linkage = "internal"
             function.attributes.add("nounwind")
+            if signature.return_type == TRUTH:
+                function.return_value.add_attribute("zeroext")  # C reads the whole byte
             if hasattr(kernel, "__inlined__"):
                 function.attributes.add("alwaysinline")
             self.functions[kernel] = function
-            _Body(self, function, definition, kernel.__globals__).run()
+            _Body(self, function, kernel).run()
         return self.functions[kernel]
 
-    def constant(self, array: NDArray[np.float64]) -> Array:
+    def constant(self, array: NDArray[Any]) -> Array:
         """A table of the module that a kernel stands in."""
         if id(array) not in self.constants:
-            kind = ir.ArrayType(DOUBLE, len(array))
+            element = {np.dtype(np.float64): DOUBLE, np.dtype(np.int64): INTEGER}[array.dtype]
+            assert array.ndim == 1, "a table has one dimension"
+            kind = ir.ArrayType(element, len(array))
             table = ir.GlobalVariable(self.module, kind, f"table{len(self.constants)}")
             table.global_constant, table.linkage = True, "internal"
-            table.initializer = ir.Constant(kind, [float(value) for value in array])
+            table.initializer = ir.Constant(kind, array.tolist())
             zero = ir.Constant(INTEGER, 0)
             data = table.gep([zero, zero])
-            self.constants[id(array)] = Array(DOUBLE, data, (ir.Constant(INTEGER, len(array)),))
+            self.constants[id(array)] = Array(element, data, (ir.Constant(INTEGER, len(array)),))
         return self.constants[id(array)]
 
 
-def _signature(definition: ast.FunctionDef, known: Mapping[str, Any]) -> ir.FunctionType:
+def _signature(kernel: Any) -> ir.FunctionType:
     kinds: list[Any] = []
-    for argument in definition.args.args:
-        kinds += _parameter_kinds(_name(argument.annotation), known)
-    return ir.FunctionType(_result(definition.returns), kinds)
+    for kind in _kinds(kernel):
+        if isinstance(kind, tuple):
+            kinds += [kind[0].as_pointer(), *[INTEGER] * kind[1]]
+        else:
+            kinds.append(INTEGER.as_pointer() if isinstance(kind, type) else kind)
+    return ir.FunctionType(_result(_definition(kernel).returns), kinds)
 
 
-def _parameter_kinds(annotation: str, known: Mapping[str, Any]) -> list[Any]:
-    if annotation in SCALARS:
-        return [SCALARS[annotation]]
-    if annotation in ARRAYS:
-        element, depth = ARRAYS[annotation]
-        return [element.as_pointer(), *[INTEGER] * depth]
-    assert issubclass(known[annotation], Frame)
-    return [INTEGER.as_pointer()]
+def _kinds(kernel: Any) -> list[Any]:
+    """Kinds of parameters: a scalar's type, an array's element and depth, a frame's class."""
+    given = _definition(kernel).args
+    special = (given.posonlyargs, given.kwonlyargs, given.vararg, given.kwarg, given.defaults)
+    assert not any(special), "parameters are named, in order, without defaults"
+    return [_kind(_name(argument.annotation), kernel.__globals__) for argument in given.args]
+
+
+def _kind(annotation: str, known: Mapping[str, Any]) -> Any:
+    kind = SCALARS.get(annotation) or ARRAYS.get(annotation) or known[annotation]
+    assert not isinstance(kind, type) or issubclass(kind, Frame), f"{annotation} is not lowered"
+    return kind
 
 
 def _result(annotation: ast.expr | None) -> Any:
     if isinstance(annotation, ast.Constant):  # None
+        assert annotation.value is None
         return ir.VoidType()
     if isinstance(annotation, ast.Subscript):  # tuple[...]
+        assert _name(annotation.value) == "tuple"
         assert isinstance(annotation.slice, ast.Tuple)
         return ir.LiteralStructType([SCALARS[_name(kind)] for kind in annotation.slice.elts])
     return SCALARS[_name(annotation)]
@@ -330,16 +378,15 @@ def _name(node: ast.expr | None) -> str:
 class _Body:
     """The body of one kernel."""
 
-    def __init__(
-        self,
-        translation: _Translation,
-        function: ir.Function,
-        definition: ast.FunctionDef,
-        known: Mapping[str, Any],
-    ) -> None:
-        self.translation, self.function, self.definition = translation, function, definition
-        self.known = known
-        self.names: dict[str, Local | Array | FramePointer] = {}
+    def __init__(self, translation: _Translation, function: ir.Function, kernel: Any) -> None:
+        self.translation, self.function, self.kernel = translation, function, kernel
+        self.known, self.definition = kernel.__globals__, _definition(kernel)
+        self.own = {argument.arg for argument in self.definition.args.args} | {
+            node.id
+            for node in ast.walk(self.definition)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        }
+        self.names: dict[str, Local | FramePointer] = {}
         self.entry = ir.IRBuilder(function.append_basic_block("entry"))
         self.first = function.append_basic_block("body")
         self.build = ir.IRBuilder(self.first)
@@ -348,34 +395,49 @@ class _Body:
     def run(self) -> None:
         """Translate everything."""
         values = list(self.function.args)
-        for argument in self.definition.args.args:
-            self._take(argument.arg, _name(argument.annotation), values)
+        for argument, kind in zip(self.definition.args.args, _kinds(self.kernel), strict=True):
+            self._take(argument.arg, kind, values)
         self._block(self.definition.body)
         if not self.build.block.is_terminated:
             if isinstance(self.function.ftype.return_type, ir.VoidType):
                 self.build.ret_void()
+            elif self._is_reached(self.build.block):
+                missing = ValueError("not every way through it returns a value")
+                raise _refusal(self.kernel, self.definition, missing)
             else:
                 self.build.unreachable()
         self.entry.branch(self.first)
 
-    def _take(self, name: str, annotation: str, values: list[Any]) -> None:
-        if annotation in SCALARS:
-            self._set(name, values.pop(0))
-        elif annotation in ARRAYS:
-            element, depth = ARRAYS[annotation]
-            data, shape = values.pop(0), tuple(values.pop(0) for _ in range(depth))
-            self.names[name] = Array(element, data, shape)
+    def _is_reached(self, block: Any) -> bool:
+        """Whether a way leads from the beginning to `block`."""
+        reached, open_ends = {self.first}, [self.first]
+        while open_ends:
+            terminator = open_ends.pop().terminator
+            following = [] if terminator is None else terminator.operands
+            new = {end for end in following if isinstance(end, ir.Block)} - reached
+            reached |= new
+            open_ends += new
+        return block in reached
+
+    def _take(self, name: str, kind: Any, values: list[Any]) -> None:
+        value = values.pop(0)
+        if isinstance(kind, tuple):
+            shape = tuple(values.pop(0) for _ in range(kind[1]))
+            self._set(name, Array(kind[0], value, shape))
+        elif isinstance(kind, type):
+            self.names[name] = FramePointer(kind, value)
         else:
-            self.names[name] = FramePointer(self.known[annotation], values.pop(0))
+            self._set(name, value)
 
     # --- statements -------------------------------------------------------------------------------
     def _block(self, statements: list[ast.stmt]) -> None:
         for statement in statements:
             try:
                 getattr(self, f"_{type(statement).__name__}")(statement)
-            except (AttributeError, AssertionError, KeyError) as error:
-                place = f"{self.definition.name}, line {statement.lineno}"
-                raise NotImplementedError(f"{place}: {ast.unparse(statement)}") from error
+            except KernelError:
+                raise
+            except Exception as error:
+                raise _refusal(self.kernel, statement, error) from error
             if self.build.block.is_terminated:
                 return
 
@@ -393,41 +455,66 @@ class _Body:
                 self._assign(place, value)
         else:
             together = self._value(statement.value)
+            assert len(target.elts) == len(together.type.elements)
             for number, place in enumerate(target.elts):
                 self._assign(place, self.build.extract_value(together, number))
 
     def _assign(self, target: ast.expr, value: Any) -> None:
         if isinstance(target, ast.Subscript):
-            array, place = self._place(target)
-            store = self.build.store(self._as(value, array.element), place)
-            store.set_metadata("tbaa", self.translation.access[array.element])
-        elif isinstance(value, Array):
-            self.names[_name(target)] = value
+            self._store(value, *self._element_place(target))
         else:
             self._set(_name(target), value)
 
+    def _store(self, value: Any, array: Array, place: Any) -> None:
+        store = self.build.store(self._as(value, array.element), place)
+        store.set_metadata("tbaa", self.translation.access[array.element])
+
+    def _element_place(self, target: ast.Subscript) -> tuple[Array, Any]:
+        assert not isinstance(target.value, ast.Name) or target.value.id in self.own, "a constant"
+        array, place = self._place(target)
+        assert not array.shape, "a row"
+        return array, place
+
     def _set(self, name: str, value: Any) -> None:
+        """Set a variable; one that is an array gets the address and lengths of another."""
+        assert not isinstance(value, FramePointer)
+        assert isinstance(value, Array) or not isinstance(value.type, ir.VoidType)
+        kind = (value.element, len(value.shape)) if isinstance(value, Array) else value.type
+        parts = _flat(value)
         if name not in self.names:
-            self.names[name] = Local(value.type, self.entry.alloca(value.type))
+            places = tuple(self.entry.alloca(part.type) for part in parts)
+            self.names[name] = Local(kind, places)
         local = self.names[name]
         assert isinstance(local, Local)
-        self.build.store(self._as(value, local.kind), local.place)
+        for part, place in zip(self._given(value, local.kind), local.places, strict=True):
+            self.build.store(part, place)
 
     def _AugAssign(self, statement: ast.AugAssign) -> None:
-        old, change = self._value(statement.target), self._value(statement.value)
-        self._assign(statement.target, self._operation(statement.op, old, change))
+        if isinstance(statement.target, ast.Subscript):
+            array, place = self._element_place(statement.target)
+            old = self._load(array, place)
+            value = self._operation(statement.op, old, self._value(statement.value))
+            self._store(value, array, place)
+        else:
+            assert isinstance(statement.target, ast.Name)
+            old = self._named(statement.target.id)
+            value = self._operation(statement.op, old, self._value(statement.value))
+            self._set(statement.target.id, value)
 
     def _Return(self, statement: ast.Return) -> None:
         kind = self.function.ftype.return_type
         if statement.value is None:
+            assert isinstance(kind, ir.VoidType)
             self.build.ret_void()
         elif isinstance(statement.value, ast.Tuple):
             together = ir.Constant(kind, ir.Undefined)
-            for number, node in enumerate(statement.value.elts):
-                value = self._as(self._value(node), kind.elements[number])
+            elements = zip(statement.value.elts, kind.elements, strict=True)
+            for number, (node, element) in enumerate(elements):
+                value = self._as(self._value(node), element)
                 together = self.build.insert_value(together, value, number)
             self.build.ret(together)
         else:
+            assert not isinstance(kind, ir.VoidType)
             self.build.ret(self._as(self._value(statement.value), kind))
 
     def _If(self, statement: ast.If) -> None:
@@ -446,19 +533,23 @@ class _Body:
             self.build.branch(following)
 
     def _While(self, statement: ast.While) -> None:
+        assert not statement.orelse
         again, body = self._new_block("while"), self._new_block("body")
         after = self._new_block("after")
         self.build.branch(again)
         self.build.position_at_end(again)
-        self.build.cbranch(self._truth(statement.test), body, after)
+        if isinstance(statement.test, ast.Constant) and statement.test.value is True:
+            self.build.branch(body)
+        else:
+            self.build.cbranch(self._truth(statement.test), body, after)
         self.loops.append((again, after))
         self._block_to(body, statement.body, again)
         self.loops.pop()
         self.build.position_at_end(after)
 
     def _For(self, statement: ast.For) -> None:
-        assert isinstance(statement.iter, ast.Call)
-        assert _name(statement.iter.func) == "range"
+        assert isinstance(statement.iter, ast.Call) and not statement.orelse
+        assert _name(statement.iter.func) == "range" and not statement.iter.keywords
         first, end, step = self._range(statement.iter.args)
         counter = self.entry.alloca(INTEGER)
         self.build.store(first, counter)
@@ -481,8 +572,9 @@ class _Body:
         self.build.position_at_end(after)
 
     def _range(self, bounds: list[ast.expr]) -> tuple[Any, Any, int]:
-        step = int(ast.literal_eval(bounds[2])) if len(bounds) == 3 else 1
-        values = [self._value(bound) for bound in bounds[:2]]
+        step = ast.literal_eval(bounds[2]) if len(bounds) == 3 else 1
+        assert 1 <= len(bounds) <= 3 and isinstance(step, int) and step != 0
+        values = [self._as(self._value(bound), INTEGER) for bound in bounds[:2]]
         return (ir.Constant(INTEGER, 0), values[0], 1) if len(bounds) == 1 else (*values, step)
 
     def _Break(self, statement: ast.Break) -> None:
@@ -510,26 +602,33 @@ class _Body:
             case ast.BinOp(left=left, op=op, right=right):
                 return self._operation(op, self._value(left), self._value(right))
             case ast.Compare():
-                return self._comparison(node)
+                links = self._links(node)
+                return self._chain(False, links, len(node.ops)) if node.ops[1:] else next(links)
             case ast.BoolOp(op=op, values=values):
-                return self._chain(op, values)
+                truths = (self._truth(value) for value in values)
+                return self._chain(isinstance(op, ast.Or), truths, len(values))
             case ast.IfExp(test=test, body=body, orelse=orelse):
                 return self._choice(test, body, orelse)
             case ast.Call():
                 return self._call(node)
-        raise NotImplementedError(ast.dump(node))
+        raise NotImplementedError(f"{ast.unparse(node)} is not lowered")
 
     def _named(self, name: str) -> Any:
-        if name not in self.names:
-            known = self.known[name]
-            if isinstance(known, np.ndarray):
-                return self.translation.constant(known)
-            return _constant(known)
-        found = self.names[name]
-        return self.build.load(found.place) if isinstance(found, Local) else found
+        if name in self.names:
+            found = self.names[name]
+            if isinstance(found, FramePointer):
+                return found
+            data, *shape = (self.build.load(place) for place in found.places)
+            return Array(found.kind[0], data, tuple(shape)) if shape else data
+        assert name not in self.own, f"{name} is read before it is set"
+        assert name in self.known, f"{name} is unknown"
+        known = self.known[name]
+        return (
+            self.translation.constant(known) if isinstance(known, np.ndarray) else _constant(known)
+        )
 
     def _attribute(self, node: ast.Attribute) -> Any:
-        if isinstance(node.value, ast.Name) and node.value.id not in self.names:
+        if isinstance(node.value, ast.Name) and node.value.id not in self.own:
             return _constant(getattr(self.known[node.value.id], node.attr))  # np.inf, np.pi
         owner = self._value(node.value)
         assert isinstance(owner, FramePointer)
@@ -556,8 +655,9 @@ class _Body:
             array = self._value(node.value.value)
             return array.shape[ast.literal_eval(node.slice)]
         array, place = self._place(node)
-        if isinstance(array, Array) and array.shape:
-            return array
+        return array if array.shape else self._load(array, place)
+
+    def _load(self, array: Array, place: Any) -> Any:
         loaded = self.build.load(place)
         loaded.set_metadata("tbaa", self.translation.access[array.element])
         return loaded
@@ -577,68 +677,91 @@ class _Body:
         array = self._value(node.value)
         assert isinstance(array, Array)
         index = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        offset = self._value(index[0])
+        assert len(index) <= len(array.shape), "too many indices"
+        offset = self._index(index[0])
         for level in range(1, len(array.shape)):
             offset = self.build.mul(offset, array.shape[level], flags=["nsw"])
             if level < len(index):
-                offset = self.build.add(offset, self._value(index[level]), flags=["nsw"])
+                offset = self.build.add(offset, self._index(index[level]), flags=["nsw"])
         place = self.build.gep(array.data, [offset], inbounds=True)
         return Array(array.element, place, array.shape[len(index) :]), place
+
+    def _index(self, node: ast.expr) -> Any:
+        value = self._as(self._value(node), INTEGER)
+        assert not isinstance(value, ir.Constant) or value.constant >= 0, "negative index"
+        return value
 
     def _unary(self, op: ast.unaryop, operand: ast.expr) -> Any:
         if isinstance(op, ast.Not):
             return self.build.not_(self._truth(operand))
         assert isinstance(op, ast.USub)
         value = self._value(operand)
-        return self.build.fneg(value) if value.type == DOUBLE else self.build.neg(value)
+        if isinstance(value, ir.Constant) and value.type != TRUTH:
+            return _constant(-value.constant)
+        return {DOUBLE: self.build.fneg, INTEGER: self.build.neg}[value.type](value)
 
     def _operation(self, op: ast.operator, left: Any, right: Any) -> Any:
-        if isinstance(op, ast.Pow):
-            return self._power(left, right)
         if left.type == right.type == INTEGER and not isinstance(op, ast.Div):
             build = {ast.Add: self.build.add, ast.Sub: self.build.sub, ast.Mult: self.build.mul,
-                     ast.FloorDiv: self.build.sdiv, ast.Mod: self.build.srem}[type(op)]  # fmt: skip
+                     ast.FloorDiv: self._quotient, ast.Mod: self._rest}[type(op)]  # fmt: skip
         else:
             left, right = self._as(left, DOUBLE), self._as(right, DOUBLE)
             build = {ast.Add: self.build.fadd, ast.Sub: self.build.fsub,
-                     ast.Mult: self.build.fmul, ast.Div: self.build.fdiv}[type(op)]  # fmt: skip
+                     ast.Mult: self.build.fmul, ast.Div: self.build.fdiv,
+                     ast.Pow: self._power}[type(op)]  # fmt: skip
         return build(left, right)
 
     def _power(self, base: Any, exponent: Any) -> Any:
-        if isinstance(exponent, ir.Constant) and exponent.constant == 2:
-            return self.build.fmul(base, base)
-        assert exponent.type == DOUBLE
         return self.build.call(self.translation.pow, [base, exponent])
 
-    def _comparison(self, node: ast.Compare) -> Any:
-        values = [self._value(value) for value in (node.left, *node.comparators)]
-        found = [
-            self._compare(op, left, right)
-            for op, left, right in zip(node.ops, values, values[1:], strict=False)
-        ]
-        result = found[0]
-        for further in found[1:]:
-            result = self.build.and_(result, further)
-        return result
+    def _quotient(self, left: Any, right: Any) -> Any:
+        """Rounded down, as Python has it, not towards zero."""
+        down = self.build.zext(self._is_off(left, right), INTEGER)
+        return self.build.sub(self.build.sdiv(left, right), down)
+
+    def _rest(self, left: Any, right: Any) -> Any:
+        """With the sign of the divisor, as Python has it."""
+        added = self.build.select(self._is_off(left, right), right, ir.Constant(INTEGER, 0))
+        return self.build.add(self.build.srem(left, right), added)
+
+    def _is_off(self, left: Any, right: Any) -> Any:
+        """Whether a division that rounds towards zero leaves a rest of the other sign."""
+        rest, zero = self.build.srem(left, right), ir.Constant(INTEGER, 0)
+        other_sign = self.build.icmp_signed("<", self.build.xor(rest, right), zero)
+        return self.build.and_(other_sign, self.build.icmp_signed("!=", rest, zero))
+
+    def _links(self, node: ast.Compare) -> Iterator[Any]:
+        """The comparisons of a chain one by one."""
+        left = self._value(node.left)
+        for op, comparator in zip(node.ops, node.comparators, strict=True):
+            right = self._value(comparator)
+            yield self._compare(op, left, right)
+            left = right
 
     def _compare(self, op: ast.cmpop, left: Any, right: Any) -> Any:
         symbol = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==",
                   ast.NotEq: "!="}[type(op)]  # fmt: skip
         if DOUBLE not in (left.type, right.type):
-            return self.build.icmp_signed(symbol, left, right)
+            assert left.type == right.type
+            compare = self.build.icmp_unsigned if left.type == TRUTH else self.build.icmp_signed
+            return compare(symbol, left, right)
         compare = self.build.fcmp_unordered if symbol == "!=" else self.build.fcmp_ordered
         return compare(symbol, self._as(left, DOUBLE), self._as(right, DOUBLE))
 
-    def _chain(self, op: ast.boolop, values: list[ast.expr]) -> Any:
-        """``and``, ``or``: what decides ends it."""
-        after, deciding = self._new_block("decided"), isinstance(op, ast.Or)
-        ends = []
-        for value in values[:-1]:
-            truth, further = self._truth(value), self._new_block("further")
+    def _chain(self, deciding: bool, truths: Iterable[Any], count: int) -> Any:
+        """``and``, ``or``, comparisons in a row: the first truth that decides ends it.
+
+        What the others are made of is written (`truths` is lazy) where they are asked for.
+        """
+        after, ends = self._new_block("decided"), []
+        for number, truth in enumerate(truths, 1):
+            if number == count:
+                last = truth
+                break
+            further = self._new_block("further")
             ends.append(self.build.block)
             self.build.cbranch(truth, *((after, further) if deciding else (further, after)))
             self.build.position_at_end(further)
-        last = self._truth(values[-1])
         ends.append(self.build.block)
         self.build.branch(after)
         self.build.position_at_end(after)
@@ -677,37 +800,52 @@ class _Body:
         """`value` as `kind`; an integer may become a float, nothing else changes by itself."""
         if value.type == INTEGER and kind == DOUBLE:
             return self.build.sitofp(value, DOUBLE)
-        assert value.type == kind
+        assert value.type == kind, f"{value.type} where {kind} is expected"
         return value
+
+    def _given(self, value: Any, kind: Any) -> list[Any]:
+        """The parts of `value` for a variable or parameter of this kind."""
+        if isinstance(value, FramePointer):
+            assert value.kind is kind, "another frame is expected"
+        elif isinstance(value, Array):
+            assert (value.element, len(value.shape)) == kind, "another array is expected"
+        else:
+            return [self._as(value, kind)]
+        return _flat(value)
 
     # --- calls ------------------------------------------------------------------------------------
     def _call(self, node: ast.Call) -> Any:
-        if isinstance(node.func, ast.Attribute):
-            function = {"floor": self.translation.floor, "sqrt": self.translation.sqrt}
-            return self.build.call(function[node.func.attr], [self._value(node.args[0])])
-        name = _name(node.func)
+        assert not node.keywords
         values = [self._value(argument) for argument in node.args]
-        if name not in self.known:
+        if isinstance(node.func, ast.Attribute):
+            meant = getattr(self.known[_name(node.func.value)], node.func.attr)
+            (value,) = values
+            return self.build.call(self.translation.numpy[meant], [self._as(value, DOUBLE)])
+        name = _name(node.func)
+        assert name not in self.own
+        if name in BUILTINS and name not in self.known:
             return getattr(self, f"_call_{name}")(*values)
         if self.known[name] is call_generated:
             return self._call_generated(*values)
         if self.known[name] in (bits_of, float_of):
             return self.build.bitcast(*values, INTEGER if self.known[name] is bits_of else DOUBLE)
+        assert hasattr(self.known[name], "__native__"), f"{name} is no kernel"
         callee = self.translation.function(self.known[name])
         given: list[Any] = []
-        for value in values:
-            given += _flat(value)
-        kinds = callee.ftype.args
-        return self.build.call(
-            callee, [self._as(value, kind) for value, kind in zip(given, kinds, strict=True)]
-        )
+        for value, kind in zip(values, _kinds(self.known[name]), strict=True):
+            given += self._given(value, kind)
+        return self.build.call(callee, given)
 
     def _call_generated(self, address: Any, c: Array, t: Any, y: Array, out: Array) -> Any:
-        function = self.build.inttoptr(address, GENERATED.as_pointer())
-        return self.build.call(function, [c.data, t, y.data, out.data], attrs=("nounwind",))
+        data = [self._given(array, ARRAYS["Floats"])[0] for array in (c, y, out)]
+        function = self.build.inttoptr(self._as(address, INTEGER), GENERATED.as_pointer())
+        given = [data[0], self._as(t, DOUBLE), *data[1:]]
+        return self.build.call(function, given, attrs=("nounwind",))
 
     def _call_abs(self, value: Any) -> Any:
-        return self.build.call(self.translation.fabs, [value])
+        if value.type == INTEGER:
+            return self._extreme(">", value, self.build.neg(value))
+        return self.build.call(self.translation.fabs, [self._as(value, DOUBLE)])
 
     def _call_min(self, first: Any, second: Any) -> Any:
         return self._extreme("<", first, second)
@@ -723,10 +861,12 @@ class _Body:
         return self.build.select(self.build.fcmp_ordered(symbol, second, first), second, first)
 
     def _call_int(self, value: Any) -> Any:
-        return self.build.fptosi(value, INTEGER) if value.type == DOUBLE else value
+        if value.type == DOUBLE:
+            return self.build.fptosi(value, INTEGER)
+        return self.build.zext(value, INTEGER) if value.type == TRUTH else value
 
     def _call_float(self, value: Any) -> Any:
-        return self._as(value, DOUBLE)
+        return value if value.type == DOUBLE else self._as(self._call_int(value), DOUBLE)
 
     def _call_len(self, array: Array) -> Any:
         return array.shape[0]
@@ -742,6 +882,7 @@ def _constant(value: Any) -> ir.Constant:
     if isinstance(value, bool):
         return ir.Constant(TRUTH, int(value))
     if isinstance(value, int):
+        assert -(2**63) <= value < 2**63
         return ir.Constant(INTEGER, value)
-    assert isinstance(value, float)
+    assert isinstance(value, float), f"{value!r} is no number"
     return ir.Constant(DOUBLE, value)

@@ -687,7 +687,8 @@ def take_measures(run: Run, index: int, tau: float, out: Floats) -> None:
             run.extremes[1, i] = max(run.extremes[1, i], value)
             run.extremes[2, i] += weight * value * value
             if i < run.config[N_COORDINATES] and run.reference[i] == run.reference[i]:
-                run.measures[M_SPREAD] += weight * (value - run.reference[i]) ** 2
+                off = value - run.reference[i]
+                run.measures[M_SPREAD] += weight * (off * off)
             if run.config[METHOD] == METHOD_TAYLOR:
                 offset = i * (order + 1)
                 before = series_slope(run.series, offset, order, last_x)
