@@ -670,6 +670,20 @@ def two_of_three(a: float) -> float:
     return x + y
 
 
+def compared_pairs(a: float) -> bool:
+    return pair(a, 1) == pair(a, 2)  # here
+
+
+def chosen_nothing(out: Ints) -> None:
+    changed_constant_of(out) if len(out) > 1 else offset_of(out)  # here
+
+
+@native.native
+def offset_of(out: Ints) -> None:
+    """Another one."""
+    out[0] = 2
+
+
 def nothing_taken(out: Ints) -> None:
     x = changed_constant_of(out)  # noqa: F841 # here
 
@@ -718,8 +732,8 @@ REFUSED = [
     other_floor, keyword, given_int_array, given_plane, given_too_much, given_other_frame,
     negative_index, negative_constant, float_index, too_many_indices, whole_row, changed_constant,
     slice_of, else_of_loop, no_step, over_floats, truth_of_int, counted_truth, truth_like_int,
-    two_targets, two_of_three, nothing_taken, short_result, bare_return, lost_return, whole_power,
-    huge, default_given, strange_parameter,
+    two_targets, two_of_three, compared_pairs, chosen_nothing, nothing_taken, short_result,
+    bare_return, lost_return, whole_power, huge, default_given, strange_parameter,
 ]  # fmt: skip
 
 
@@ -745,6 +759,14 @@ def test_a_kernel_without_source_is_refused() -> None:
     exec("def made(a: float) -> float:\n    return a\n", names)
     with pytest.raises(KernelError, match=r"nowhere\.made: its source cannot be read"):
         native.compile_kernels((names["made"],))
+
+
+def test_annotations_must_be_texts(tmp_path: Path) -> None:
+    """What `Floats` means to ctypes is known by its name."""
+    text = TWICE.format(factor=3).replace("from __future__ import annotations\n", "")
+    library = library_of(module_from(tmp_path / "today.py", text), "taken")
+    with pytest.raises(KernelError, match=r"today\.taken: its file imports no annotations"):
+        library.function(library.entries[0])
 
 
 def test_python_takes_one_result() -> None:

@@ -208,6 +208,8 @@ def symbol(kernel: Any) -> str:
 def _prototype(entry: Any) -> Any:
     """How Python calls a kernel (from its annotations: its text need not be read for that)."""
     annotations = dict(entry.__annotations__)
+    if not all(isinstance(name, str) for name in annotations.values()):
+        raise KernelError(f"{symbol(entry)}: its file imports no annotations from __future__")
     result = annotations.pop("return")
     kinds: list[Any] = []
     for name in annotations.values():
@@ -742,7 +744,7 @@ class _Body:
         symbol = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==",
                   ast.NotEq: "!="}[type(op)]  # fmt: skip
         if DOUBLE not in (left.type, right.type):
-            assert left.type == right.type
+            assert left.type == right.type and left.type in (INTEGER, TRUTH)
             compare = self.build.icmp_unsigned if left.type == TRUTH else self.build.icmp_signed
             return compare(symbol, left, right)
         compare = self.build.fcmp_unordered if symbol == "!=" else self.build.fcmp_ordered
@@ -780,6 +782,7 @@ class _Body:
             self.build.position_at_end(block)
             found.append((self._value(node), self.build.block))
         kind = DOUBLE if DOUBLE in (found[0][0].type, found[1][0].type) else found[0][0].type
+        assert kind in SCALARS.values()
         result_parts = []
         for value, block in found:
             self.build.position_at_end(block)
