@@ -241,6 +241,8 @@ def alias(one: Floats, other: Floats, n: int) -> float:
     for i in range(n):
         one, other = other, one
         one[0] += i
+        tail = other[i % 2 :]
+        tail[0] += len(tail)
         if one[0] > 50.0:
             taken = one
     return last + 2.0 * taken[0] + 3.0 * one[0]
@@ -622,7 +624,15 @@ def changed_constant(i: int) -> None:
 
 
 def slice_of(a: Floats) -> float:
-    return sum_of(a[1:])  # here
+    return sum_of(a[0:2])  # here
+
+
+def plane_from(a: Floats2) -> int:
+    return len(a[1:])  # here
+
+
+def from_the_end(a: Floats) -> int:
+    return len(a[-2:])  # here
 
 
 def else_of_loop(n: int) -> int:
@@ -731,7 +741,8 @@ REFUSED = [
     list_comprehension, float_in_int, kind_of_branches, unknown_name, read_before, no_kernel,
     other_floor, keyword, given_int_array, given_plane, given_too_much, given_other_frame,
     negative_index, negative_constant, float_index, too_many_indices, whole_row, changed_constant,
-    slice_of, else_of_loop, no_step, over_floats, truth_of_int, counted_truth, truth_like_int,
+    slice_of, plane_from, from_the_end, else_of_loop, no_step, over_floats, truth_of_int,
+    counted_truth, truth_like_int,
     two_targets, two_of_three, compared_pairs, chosen_nothing, nothing_taken, short_result,
     bare_return, lost_return, whole_power, huge, default_given, strange_parameter,
 ]  # fmt: skip

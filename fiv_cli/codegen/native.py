@@ -7,14 +7,14 @@ driver of a thousand lines takes two seconds where a general front end takes twe
 from Python hands over one address instead of an array at a time.
 
 What a kernel may use: int, float and bool; arrays by index (never counted from the end, never out
-of bounds: nothing checks), their rows, what follows an index,
-``len`` and ``shape``; assignment, ``if``, ``while``,
-``for`` over ``range``, ``break``, ``continue``, ``return``; arithmetic, comparison, ``and``,
-``or``, ``not``, conditional expressions; abs, min, max, int, float, np.floor, np.sqrt; constants
-of its module; other kernels. Anything else is a `KernelError` that says where. There is no
-fast-math and no contraction to fused multiply-add: the same text under Python gives the same bits.
-What Python would raise while it runs is not looked for: a variable that is not set on the way, an
-integer beyond 64 bits or divided by zero. A float divided by zero is infinite or NaN, as in numpy.
+of bounds: nothing checks), their rows, what follows an index, ``len`` and ``shape``; assignment,
+``if``, ``while``, ``for`` over ``range``, ``break``, ``continue``, ``return``; arithmetic,
+comparison, ``and``, ``or``, ``not``, conditional expressions; abs, min, max, int, float, np.floor,
+np.sqrt; constants of its module; other kernels. Anything else is a `KernelError` that says
+where. There is no fast-math and no contraction to fused multiply-add: the same text under Python
+gives the same bits. What Python would raise while it runs is not looked for: a variable that is
+not set on the way, an integer beyond 64 bits or divided by zero. A float divided by zero is
+infinite or NaN, as in numpy.
 """
 
 from __future__ import annotations
@@ -667,10 +667,10 @@ class _Body:
     def _rest(self, node: ast.Subscript) -> Array:
         """A flat array from an index on."""
         array, bounds = self._value(node.value), node.slice
-        assert isinstance(bounds, ast.Slice)
-        assert bounds.upper is None
-        assert len(array.shape) == 1
-        first = self._value(bounds.lower)
+        assert isinstance(bounds, ast.Slice) and bounds.lower is not None
+        assert bounds.upper is None and bounds.step is None
+        assert isinstance(array, Array) and len(array.shape) == 1
+        first = self._index(bounds.lower)
         data = self.build.gep(array.data, [first], inbounds=True)
         return Array(array.element, data, (self.build.sub(array.shape[0], first),))
 
@@ -705,7 +705,7 @@ class _Body:
     def _operation(self, op: ast.operator, left: Any, right: Any) -> Any:
         if left.type == right.type == INTEGER and not isinstance(op, ast.Div):
             build = {ast.Add: self.build.add, ast.Sub: self.build.sub, ast.Mult: self.build.mul,
-                     ast.FloorDiv: self._quotient, ast.Mod: self._rest}[type(op)]  # fmt: skip
+                     ast.FloorDiv: self._quotient, ast.Mod: self._remainder}[type(op)]  # fmt: skip
         else:
             left, right = self._as(left, DOUBLE), self._as(right, DOUBLE)
             build = {ast.Add: self.build.fadd, ast.Sub: self.build.fsub,
@@ -721,7 +721,7 @@ class _Body:
         down = self.build.zext(self._is_off(left, right), INTEGER)
         return self.build.sub(self.build.sdiv(left, right), down)
 
-    def _rest(self, left: Any, right: Any) -> Any:
+    def _remainder(self, left: Any, right: Any) -> Any:
         """With the sign of the divisor, as Python has it."""
         added = self.build.select(self._is_off(left, right), right, ir.Constant(INTEGER, 0))
         return self.build.add(self.build.srem(left, right), added)
