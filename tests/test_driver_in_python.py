@@ -64,6 +64,8 @@ def arrays_at(address: int) -> SimpleNamespace:
     for name, place in kernel.Run.places().items():
         element, depth = ARRAYS[kernel.Run.__annotations__[name]]
         start, shape = words[place], words[place + 1 : place + 1 + depth]
+        if kernel.Run.__annotations__[name].startswith("Own"):
+            start += address
         kind = ctypes.c_double if element is DOUBLE else ctypes.c_int64
         data = (kind * int(np.prod(shape))).from_address(start)
         shown[name] = np.frombuffer(data, kind).reshape(shape)

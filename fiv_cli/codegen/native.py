@@ -831,7 +831,8 @@ class _Body:
         if self.known[name] is call_generated:
             return self._call_generated(*values)
         if self.known[name] in (bits_of, float_of):
-            return self.build.bitcast(*values, INTEGER if self.known[name] is bits_of else DOUBLE)
+            kinds = (DOUBLE, INTEGER) if self.known[name] is bits_of else (INTEGER, DOUBLE)
+            return self.build.bitcast(self._as(values[0], kinds[0]), kinds[1])
         assert hasattr(self.known[name], "__native__"), f"{name} is no kernel"
         callee = self.translation.function(self.known[name])
         given: list[Any] = []
