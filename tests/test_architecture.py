@@ -11,9 +11,9 @@ import pytest
 
 import fiv_cli
 from fiv_cli.codegen import derive
+from fiv_cli.codegen.assembly import LIBRARY
 from fiv_cli.codegen.emit import PARTNER, TaylorStep
 from fiv_cli.codegen.graph import UNARY
-from fiv_cli.codegen.lower import LIBRARY
 from fiv_cli.dynamics import kernel, motion
 
 PACKAGE = Path(fiv_cli.__file__).parent

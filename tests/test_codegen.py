@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import cmath
 import ctypes
 import math
+from fractions import Fraction
 from typing import Any
 
 import mpmath
@@ -17,6 +19,7 @@ from motions import defaults, system
 from numpy.typing import NDArray
 from small_models import BOUNCER, TWO_MASSES
 
+from fiv_cli.codegen import assembly, lower
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
 from fiv_cli.codegen.generate import FLOW, TANGENT
 from fiv_cli.codegen.graph import MERGED_TERMS, UNARY, Graph, Node
@@ -41,10 +44,46 @@ SYSTEMS = [
 IDS = [f"{m if isinstance(m, str) else m.name} {law}" for m, law, _ in SYSTEMS]
 
 
+class Fused(ast.NodeTransformer):
+    """A sum with a product as one operation with one rounding: what a compiled text computes."""
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Add | ast.Sub):
+            return node
+        subtracts = isinstance(node.op, ast.Sub)
+        if is_product(node.right):
+            return fma_call(node.right.left, node.right.right, node.left, subtracts)
+        if is_product(node.left):
+            added = ast.UnaryOp(ast.USub(), node.right) if subtracts else node.right
+            return fma_call(node.left.left, node.left.right, added, False)
+        return node
+
+
+def is_product(node: ast.expr) -> bool:
+    """Whether the last operation of an expression multiplies."""
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult)
+
+
+def fma_call(a: ast.expr, b: ast.expr, added: ast.expr, negated: bool) -> ast.Call:
+    """``fma(a, b, added)``, or with -a."""
+    a = ast.UnaryOp(ast.USub(), a) if negated else a
+    return ast.Call(ast.Name("fma", ast.Load()), [a, b, added], [])
+
+
+def fma(a: float, b: float, added: float) -> float:
+    """a b + added, rounded once."""
+    exact = Fraction(a) * Fraction(b) + Fraction(added)
+    return float(exact) if exact else a * b + added
+
+
 def python_functions(text: str, library: Any = math) -> dict[str, Any]:
-    """The functions of generated text, run by Python itself."""
-    space = {name: getattr(library, name) for name in UNARY} | {"pow": pow}
-    exec(text, space)
+    """The functions of generated text, run by Python itself, rounded as the compiled ones are."""
+    space = {name: getattr(library, name) for name in UNARY} | {"pow": pow, "fma": fma}
+    tree = ast.parse(text)
+    if library is math and lower.fuses():
+        tree = ast.fix_missing_locations(Fused().visit(tree))
+    exec(compile(tree, "<generated>", "exec"), space)
     return space
 
 
@@ -83,6 +122,74 @@ def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes
                 compiled_call(address, c, 0.7, state, by_machine)
                 assert np.count_nonzero(by_python) > 0
                 assert by_python.tobytes() == by_machine.tobytes()
+
+
+@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+@pytest.mark.parametrize(("piece", "large"), [(1, 0), (40, 10**9), (1000, 10**9)])
+def test_a_function_cut_into_pieces_gives_the_same_bits(
+    model: Any, law: str, changes: Any, piece: int, large: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However short the pieces, and compiled with or without effort."""
+    parameters = defaults(model, law, **changes)
+    built = system(model, law, parameters=parameters)
+    c = coefficients_of(built, parameters)
+    state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
+    monkeypatch.setattr(assembly, "WHOLE", 0)
+    monkeypatch.setattr(assembly, "PIECE", piece)
+    monkeypatch.setattr(lower, "LARGE", large)
+    for part, suffix in ((FLOW, "_taylor"), (TANGENT, "_tangent")):
+        text = built.generated.texts[part]
+        cut = lower.load_object(lower.compile_text(text))
+        for table in built.generated.states.values():
+            whole, pieces = np.zeros(sizes(built)), np.zeros(sizes(built))
+            name = table.name + suffix
+            assert f"call void @{name}.1(" in assembly.assembly(text, fused=True)
+            compiled_call(built.generated.address(name, part), c, 0.7, state, whole)
+            compiled_call(cut.get_function_address(name), c, 0.7, state, pieces)
+            assert np.count_nonzero(whole) > 0
+            assert whole.tobytes() == pieces.tobytes()
+
+
+# Every rule of the grammar, names that are bound twice, and values that go through memory.
+GRAMMAR = """
+def all_rules(c, t, y, out):
+    # a comment
+    a = y[0] * c[1] - -1.5e-05 / y[1]  # another
+    out[3] = a
+    b = -a * t + (y[0] - (t + 2.0) * a) * 0.5
+    out[0] = b
+    a = -(b - a) / c[0] - pow(y[1], -0.5) + sqrt(c[1])
+    out[1] = -a - -b
+    b = exp(a) * sin(b + t) * cos(b + t) - b - a - 1.0
+    out[2] = b * a
+    out[4] = 0.0
+"""
+
+
+@pytest.mark.parametrize("piece", [1, 60, 10**9])
+@pytest.mark.parametrize("fused", [True, False])
+def test_text_means_what_it_means_in_python(
+    piece: int, fused: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if fused and not lower.fuses():
+        pytest.skip("this processor rounds twice")
+    monkeypatch.setattr(lower, "fuses", lambda: fused)
+    monkeypatch.setattr(assembly, "WHOLE", 0)
+    monkeypatch.setattr(assembly, "PIECE", piece)
+    engine = lower.load_object(lower.compile_text(GRAMMAR))
+    c, y = np.array([0.7, 1.9]), np.array([0.3, 2.2])
+    by_python, by_machine = np.zeros(5), np.zeros(5)
+    python_functions(GRAMMAR)["all_rules"](c, 0.1, y, by_python)
+    compiled_call(engine.get_function_address("all_rules"), c, 0.1, y, by_machine)
+    assert by_python.tobytes() == by_machine.tobytes()
+
+
+@pytest.mark.parametrize(
+    "statement", ["out[0] = y[0] ** 2.0", "out[0] = y[0] + ", "out[0] = y[0] t"]
+)
+def test_text_outside_the_grammar_is_refused(statement: str) -> None:
+    with pytest.raises((AssertionError, IndexError, KeyError)):
+        assembly.assembly(f"def f(c, t, y, out):\n    {statement}\n", fused=True)
 
 
 @pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)

@@ -317,9 +317,9 @@ def _state_table(table: dict[str, Any]) -> StateTable:
 
 
 def _object_name(text: str) -> str:
-    from fiv_cli.codegen import lower
+    from fiv_cli.codegen import assembly, lower
 
-    source = cache.source_of(Path(lower.__file__))
+    source = cache.source_of(Path(assembly.__file__), Path(lower.__file__))
     return cache.content_key([text, source, lower.machine_description()]) + ".o"
 
 

@@ -1,0 +1,277 @@
+"""Generated text to LLVM assembly.
+
+The text is straight-line (see `emit.py`), so reading it takes a tokeniser and three rules, and
+writing it one line of assembly per operation: nothing is typed or inferred. There is no fast-math:
+what is computed is what the text says, operation by operation. Only a sum with a product is one
+operation with one rounding, where the processor has it: half the time that the next one waits.
+
+LLVM's register allocator takes time with the square of a function's length. The Taylor step of a
+disc has tens of thousands of operations and is therefore cut into *pieces*: functions of their
+own, a few statements each, called one after the other. What a later piece needs of an earlier one
+goes through memory, where an allocator would have put most of it too: through ``out`` if it is
+stored there anyway, else through the workspace ``w``.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from llvmlite import ir
+
+LIBRARY = ("exp", "log", "sin", "cos", "tanh", "asin", "pow")  # called in the C library
+# A function of more characters is cut, into pieces of so many. The lumped models' are not so long.
+WHOLE, PIECE = 180_000, 1000
+
+POINTER = str(ir.DoubleType().as_pointer())  # as this LLVM writes it
+ARGUMENTS = f"{POINTER} noalias %c, double %t, {POINTER} noalias %y, {POINTER} noalias %out"
+HANDED_ON = f"{POINTER} %c, double %t, {POINTER} %y, {POINTER} %out"
+OPERATIONS = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
+TOKEN = re.compile(r"[^\W\d]\w*(?:\[\d+\])?|[\d.]+(?:e[+-]?\d+)?|[-+*/(),]")
+
+
+def assembly(text: str, fused: bool) -> str:
+    """LLVM assembly of every function in `text`; `fused`: multiply and add in one operation."""
+    parts = [_declaration(name) for name in LIBRARY]
+    parts.append("declare double @llvm.sqrt.f64(double)")
+    parts.append("declare double @llvm.fma.f64(double, double, double)")
+    for name, statements in _functions(text):
+        parts += _Function(name, statements, fused).written()
+    return "\n".join(parts) + "\n"
+
+
+def is_piece(name: str) -> bool:
+    """Whether a function in the assembly is a piece of one in the text."""
+    return "." in name
+
+
+def _declaration(name: str) -> str:
+    """A function of the C library; it only computes, so sine and cosine become one call."""
+    arguments = "double, double" if name == "pow" else "double"
+    return f"declare double @{name}({arguments}) nounwind readnone"
+
+
+def _functions(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Name and statements of every function, without comments."""
+    for part in f"\n{text}".split("\ndef ")[1:]:
+        head, *lines = part.split("\n")
+        bare = (line.partition("#")[0].strip() for line in lines)
+        yield head.partition("(")[0], [line for line in bare if line]
+
+
+class _Home(NamedTuple):
+    """Where in memory a value is: an array, a place in it, and the piece that puts it there."""
+
+    array: str
+    place: str
+    piece: int
+
+
+class _Function:
+    """One function of the text."""
+
+    def __init__(self, name: str, statements: list[str], fused: bool) -> None:
+        self.name, self.fused = name, fused
+        self.is_whole = sum(map(len, statements)) <= WHOLE
+        self.pieces: list[_Piece] = []
+        self.makers: dict[str, _Piece] = {}  # which piece computes a value
+        self.homes: dict[str, _Home] = {}
+        self.n_words = 0  # of the workspace
+        length = PIECE
+        for statement in statements:
+            if not self.pieces or (length >= PIECE and not self.is_whole):
+                self.pieces.append(_Piece(self))
+                length = 0
+            self.pieces[-1].add(statement)
+            length += len(statement)
+
+    def home(self, name: str) -> _Home:
+        """Where the latest piece finds a value of an earlier one, put there if need be."""
+        home = self.homes.get(name)
+        if home is None or home.piece >= self.pieces[-1].number:
+            maker = self.makers[name]
+            home = self.homes[name] = _Home("w", str(self.n_words), maker.number)
+            maker.store(maker.values[name], "w", home.place)
+            self.n_words += 1
+        return home
+
+    def written(self) -> list[str]:
+        """The function and its pieces."""
+        head = f"define void @{self.name}({ARGUMENTS}) {{\nentry:"
+        if self.is_whole:
+            return [head, *(line for piece in self.pieces for line in piece.lines), "ret void\n}"]
+        lines, calls = [], []
+        for piece in self.pieces:
+            name = f"@{self.name}.{piece.number}"
+            arguments = f"{ARGUMENTS}, {POINTER} noalias %w"
+            lines.append(f"define internal void {name}({arguments}) noinline nounwind {{\nentry:")
+            lines += [*piece.lines, *piece.stores, "ret void\n}"]
+            calls.append(f"call void {name}({HANDED_ON}, {POINTER} %w)")
+        workspace = f"%w = alloca double, i64 {max(self.n_words, 1)}"
+        return [*lines, head, workspace, *calls, "ret void\n}"]
+
+
+class _Product(NamedTuple):
+    """A value, or a value and what it is still to be multiplied with."""
+
+    value: str
+    factor: str = ""
+
+
+class _Piece:
+    """Some statements of a function, or all of them.
+
+    Attributes
+    ----------
+    number : of the piece
+    lines : its assembly
+    stores : what follows at the end of a piece: a store between two loads makes LLVM ask whether
+        they may change places
+    values : names, literals and inputs -> their value in the assembly; what comes from memory
+        does not change while the function runs and is read once
+    """
+
+    def __init__(self, function: _Function) -> None:
+        self.function = function
+        self.number = len(function.pieces)
+        self.lines: list[str] = []
+        self.stores = self.lines if function.is_whole else []
+        self.values = {"t": "%t"}
+        self._count = 0
+        self._tokens: list[str] = []
+        self._at = 0
+
+    def add(self, statement: str) -> None:
+        """Write the assembly of ``target = expression``."""
+        target, _, text = statement.partition(" = ")
+        self._tokens, self._at = [*TOKEN.findall(text), ""], 0
+        value = self._sum()
+        assert self._at == len(self._tokens) - 1, statement
+        if not target.endswith("]"):
+            self._define(target, value)
+            return
+        place = target.removeprefix("out[").removesuffix("]")
+        self.store(value, "out", place)
+        if text in self.function.makers:
+            self.function.homes.setdefault(text, _Home("out", place, self.number))
+
+    def _define(self, name: str, value: str) -> None:
+        self.values[name] = value
+        self.function.makers[name] = self
+        self.function.homes.pop(name, None)
+
+    def store(self, value: str, array: str, place: str) -> None:
+        """Put a value into memory."""
+        address = f"%{array}.{place}"
+        self.stores.append(f"{address} = getelementptr double, {POINTER} %{array}, i64 {place}")
+        self.stores.append(f"store double {value}, {POINTER} {address}")
+
+    def _load(self, array: str, place: str) -> str:
+        address = self._new(f"getelementptr double, {POINTER} %{array}, i64 {place}")
+        return self._new(f"load double, {POINTER} {address}")
+
+    def _new(self, operation: str) -> str:
+        value = f"%{self._count}"
+        self._count += 1
+        self.lines.append(f"{value} = {operation}")
+        return value
+
+    # --- expressions ------------------------------------------------------------------------------
+    def _sum(self) -> str:
+        return self._done(self._total())
+
+    def _total(self) -> _Product:
+        left = self._product()
+        while (sign := self._tokens[self._at]) == "+" or sign == "-":
+            self._at += 1
+            left = _Product(self._added(left, sign, self._product()))
+        return left
+
+    def _added(self, left: _Product, sign: str, right: _Product) -> str:
+        if self.function.fused and right.factor:
+            value = right.value if sign == "+" else self._new(f"fneg double {right.value}")
+            return self._fused(value, right.factor, self._done(left))
+        if self.function.fused and left.factor:
+            value = right.value if sign == "+" else self._new(f"fneg double {right.value}")
+            return self._fused(left.value, left.factor, value)
+        right_value = self._done(right)
+        return self._new(f"{OPERATIONS[sign]} double {self._done(left)}, {right_value}")
+
+    def _fused(self, value: str, factor: str, added: str) -> str:
+        operands = f"double {value}, double {factor}, double {added}"
+        return self._new(f"call double @llvm.fma.f64({operands})")
+
+    def _done(self, product: _Product) -> str:
+        if not product.factor:
+            return product.value
+        return self._new(f"fmul double {product.value}, {product.factor}")
+
+    def _product(self) -> _Product:
+        left = self._first()
+        while (sign := self._tokens[self._at]) == "*" or sign == "/":
+            self._at += 1
+            value, right = self._done(left), self._factor()
+            if sign == "*":
+                left = _Product(value, right)
+            else:
+                left = _Product(self._new(f"fdiv double {value}, {right}"))
+        return left
+
+    def _first(self) -> _Product:
+        """The first factor; in parentheses it may itself be a product."""
+        if self._tokens[self._at] != "(":
+            return _Product(self._factor())
+        self._at += 1
+        inner = self._total()
+        self._at += 1
+        return inner
+
+    def _factor(self) -> str:
+        token = self._tokens[self._at]
+        self._at += 1
+        if token in self.values:
+            return self.values[token]
+        if token == "-":
+            return self._negated()
+        if token == "(":
+            inner = self._sum()
+            self._at += 1
+            return inner
+        if self._tokens[self._at] == "(":
+            return self._call(token)
+        value = self.values[token] = self._leaf(token)
+        return value
+
+    def _negated(self) -> str:
+        token = self._tokens[self._at]
+        if token[0].isdigit():
+            self._at += 1
+            return _literal(f"-{token}")
+        inner = self._factor()
+        return self._new(f"fneg double {inner}")
+
+    def _call(self, name: str) -> str:
+        arguments = []
+        while self._tokens[self._at] != ")":
+            self._at += 1  # the parenthesis or a comma
+            arguments.append(f"double {self._sum()}")
+        self._at += 1
+        called = "llvm.sqrt.f64" if name == "sqrt" else name
+        return self._new(f"call double @{called}({', '.join(arguments)})")
+
+    def _leaf(self, token: str) -> str:
+        """A literal, an entry of an array, or a value of an earlier piece."""
+        if token[0].isdigit():
+            return _literal(token)
+        if token.endswith("]"):
+            array, _, place = token[:-1].partition("[")
+            return self._load(array, place)
+        home = self.function.home(token)
+        return self._load(home.array, home.place)
+
+
+def _literal(text: str) -> str:
+    """A number with all its bits."""
+    return f"0x{struct.pack('>d', float(text)).hex().upper()}"
