@@ -10,12 +10,12 @@ import pytest
 from motions import TIGHT, analyse, defaults, motion, system
 from small_models import TWO_MASSES
 
-from fiv_cli.analyses import execute, recording
+from fiv_cli.analyses import execute, get_analysis, recording
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.history import sample_times
 from fiv_cli.analyses.linearisation import coupled_modes, spectrum
-from fiv_cli.codegen.generate import TANGENT
+from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.dynamics import system as systems
 
 FORCED = {"u0": 0.5, "omega": 1.2}
@@ -476,19 +476,30 @@ def test_a_pin_that_starts_off_its_disc_is_an_answer_without_energies() -> None:
 
 @pytest.mark.parametrize(
     ("analysis", "kind", "compiled"),
-    [("history", "state", False), ("history", "equilibrium", True), ("response", "state", True)],
+    [
+        ("history", "state", {FLOW}),
+        ("history", "equilibrium", {FLOW, JACOBIAN}),
+        ("eigenvalues", "state", {FLOW, JACOBIAN}),
+        ("response", "state", {FLOW, JACOBIAN, TANGENT}),
+    ],
 )
 def test_tangents_are_compiled_only_where_they_are_carried(
-    analysis: str, kind: str, compiled: bool, monkeypatch: pytest.MonkeyPatch
+    analysis: str, kind: str, compiled: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """What is prepared is what a run uses."""
     monkeypatch.setattr(systems, "_BUILT", {})
     parameters = defaults("belt-1dof", "coulomb")
+    kept = get_analysis(analysis)
+    settings = {setting.name: setting.default for setting in kept.settings} | {"t_end": 1.0}
+    start = Start("a", kind) if kept.uses_starts else None
     request = execute.Request(
-        "belt-1dof", "coulomb", {}, parameters, analysis, {"t_end": 1.0}, start=Start("a", kind)
+        "belt-1dof", "coulomb", {}, parameters, analysis, settings, start=start
     )
     execute.prepare([request], lambda sentence: None)
     (built,) = systems._BUILT.values()
-    assert (TANGENT in built.generated._engines) == compiled
+    assert set(built.generated._engines) == compiled
+    execute.execute(request)
+    assert set(built.generated._engines) == compiled
 
 
 def test_pin_friction_curve_of_the_equilibrium() -> None:

@@ -21,7 +21,7 @@ from small_models import BOUNCER, TWO_MASSES
 
 from fiv_cli.codegen import assembly, lower
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
-from fiv_cli.codegen.generate import FLOW, TANGENT
+from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.codegen.graph import MERGED_TERMS, UNARY, Graph, Node
 from fiv_cli.dynamics.system import System
 
@@ -112,7 +112,8 @@ def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes
     built = system(model, law, parameters=parameters)
     c = coefficients_of(built, parameters)
     state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
-    for part, suffixes in ((FLOW, ("_taylor", "_field")), (TANGENT, ("_tangent",))):
+    suffixes_of = {FLOW: ("_taylor", "_field"), TANGENT: ("_tangent",), JACOBIAN: ("_jacobian",)}
+    for part, suffixes in suffixes_of.items():
         functions = python_functions(built.generated.texts[part])
         for table in built.generated.states.values():
             for suffix in suffixes:
@@ -190,6 +191,23 @@ def test_text_means_what_it_means_in_python(
 def test_text_outside_the_grammar_is_refused(statement: str) -> None:
     with pytest.raises((AssertionError, IndexError, KeyError)):
         assembly.assembly(f"def f(c, t, y, out):\n    {statement}\n", fused=True)
+
+
+@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+def test_the_jacobian_is_the_first_order_of_the_tangents(
+    model: Any, law: str, changes: Any
+) -> None:
+    parameters = defaults(model, law, **changes)
+    built = system(model, law, parameters=parameters)
+    c, n, order = coefficients_of(built, parameters), len(built.state_names), built.generated.order
+    state = np.cos(np.arange(2 * n) + 0.3)
+    for index, table in built.generated.states.items():
+        series, linear = np.zeros(sizes(built)), np.zeros(sizes(built))
+        address = built.generated.address(f"{table.name}_tangent", TANGENT)
+        compiled_call(address, c, 0.7, state, series)
+        compiled_call(built.jacobians[index], c, 0.7, state, linear)
+        first = series[: 2 * n * (order + 1)].reshape(2 * n, -1)[:, :2]
+        assert first.tobytes() == linear[: 4 * n].tobytes()
 
 
 @pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)

@@ -193,13 +193,13 @@ class Analysis:
     run : ``(system, parameters, start, settings, solver) -> Outcome``; `start` is None where
         `uses_starts` is false; `settings` holds every setting, defaults filled in, a section as
         `Section`
-    linear : True where mu_k > mu_s is harmless
+    linear : True where no motion is followed: mu_k > mu_s is harmless, tangents are not carried
     varying : whether parameters may vary in time
     unsuited : model -> why it cannot be analysed so; empty where it can
     generated : whether `run` takes a compiled system; otherwise `execute.Plain` is enough
     chains : whether a point may continue from its neighbour along an axis
-    recorded : ``(schedule) -> bool``: whether `run` follows a motion and no more, so that from a
-        given state neither equilibria nor tangents are needed
+    recorded : ``(schedule) -> bool``: whether `run` follows a motion and no more, so that tangents
+        are not needed nor, from a given state, equilibria
     sizes : ``(settings) -> {dim: coordinate values}`` of own dims that settings fix (``time``)
     """
 

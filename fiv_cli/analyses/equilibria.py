@@ -17,6 +17,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.codegen.generate import JACOBIAN_ORDER
 from fiv_cli.codegen.native import call_generated
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
@@ -82,18 +83,15 @@ class Sliding:
 
     def slopes(self, y: Vector, columns: Iterable[int]) -> NDArray[np.float64]:
         """Columns of `jacobian`; shape (n, number of columns)."""
-        n, order = len(y), self.system.generated.order
-        address = self.system.tangent_table[self.index, kernel.TANGENT]
-        rows = 2 * n + 2 * (self.system.tables.guards.shape[1] + 1)
-        series = np.zeros(rows * (order + 1))
+        n, address = len(y), self.system.jacobians[self.index]
+        series = np.zeros(2 * n * (JACOBIAN_ORDER + 1))
         joined = np.concatenate([y, np.zeros(n)])
         found = []
         for column in columns:
             joined[n:] = 0.0
             joined[n + column] = 1.0
             call_generated(address, self.coefficients, 0.0, joined, series)
-            tangent = series[n * (order + 1) : 2 * n * (order + 1)].reshape(n, -1)
-            found.append(tangent[:, 1].copy())
+            found.append(series.reshape(2 * n, -1)[n:, 1].copy())
         return np.array(found).reshape(-1, n).T
 
     @cached_property

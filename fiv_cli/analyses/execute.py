@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.dynamics.schedule import STEADY, Schedule
@@ -99,12 +99,12 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
             request.solver,
             request.schedule,
         )
-        only_moves = _only_moves(request)
-        if (key, only_moves) not in seen:
-            seen.add((key, only_moves))
+        needs = _needs(request)
+        if (key, needs) not in seen:
+            seen.add((key, needs))
             with _stored():
                 for system in _systems(request, announce):
-                    _load(system, request.parameters, only_moves)
+                    _load(system, request.parameters, needs)
 
 
 @contextmanager
@@ -121,12 +121,23 @@ def _stored() -> Iterator[None]:
         ) from error
 
 
-def _only_moves(request: Request) -> bool:
-    """Whether a request follows a motion from a given state and needs nothing else."""
+class _Needs(NamedTuple):
+    """What a request needs beside the flow: equilibria, and tangents carried along motions."""
+
+    equilibria: bool
+    tangents: bool
+
+
+def _needs(request: Request) -> _Needs:
     from fiv_cli.analyses import get_analysis
 
-    recorded = get_analysis(request.analysis).recorded(request.schedule)
-    return recorded and request.start is not None and request.start.kind == "state"
+    analysis = get_analysis(request.analysis)
+    recorded = analysis.recorded(request.schedule)
+    starts_at_state = request.start is not None and request.start.kind == "state"
+    return _Needs(
+        equilibria=not (recorded and starts_at_state),
+        tangents=not (recorded or analysis.linear),
+    )
 
 
 def _systems(request: Request, announce: Callable[[str], None]) -> list[System]:
@@ -140,19 +151,20 @@ def _systems(request: Request, announce: Callable[[str], None]) -> list[System]:
     return [own, *averages]
 
 
-def _load(system: System, parameters: Mapping[str, float], only_moves: bool) -> None:
+def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> None:
     """Bring machine code into memory, so that no point's time contains it.
 
-    Of a system that only moves, the tangents (half of what there is to compile) and the statics
-    are left out.
+    What is not needed is left out: the tangents are more than half of what there is to compile.
     """
     from fiv_cli.analyses import recording, steady_state  # noqa: F401
     from fiv_cli.analyses.equilibria import statics_of
 
     _ = system.tables
-    if not only_moves:
-        _ = system.tangent_table
+    if needs.equilibria:
+        _ = system.jacobians
         statics_of(system, parameters)
+    if needs.tangents:
+        _ = system.tangent_table
 
 
 def _system(request: Request, announce: Callable[[str], None] = lambda sentence: None) -> System:

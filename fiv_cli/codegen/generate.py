@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model
 
-FLOW, TANGENT = "flow", "tangent"
-
+FLOW, TANGENT, JACOBIAN = "flow", "tangent", "jacobian"
 
 IMPACT_ORDER = 1  # of the series of the state after an impact: its value and its rate
+JACOBIAN_ORDER = 1  # the first coefficient of a tangent is its rate: a column of the Jacobian
 
 # Functions with a plateau, and the weight of their argument in what limits a step (see
 # `within_plateau` of the kernel): exp has no pole and bears longer steps than tanh.
@@ -69,7 +69,7 @@ class Generated:
     states : index of the contact state -> its table
     smooth : per contact, whether the law has no border at zero slip
     zone : (start parameter, width parameter, contact) of the sector, or None
-    texts : "flow" and "tangent"
+    texts : "flow", "tangent" and "jacobian"
     """
 
     key: str
@@ -182,13 +182,16 @@ def _make(
     title = f"{model.name}, {law.name} friction, options {dict(options)}"
     flow = [f"# {title}", "# state: " + ", ".join(derivation.state_names)]
     tangent = [f"# tangent flow of {title}"]
+    jacobian = [f"# linearised flow of {title}"]
     for state in derivation.states.values():
         flow += _flow_text(derivation, state, order, coefficients)
         tangent += _tangent_text(derivation, state, order, coefficients)
+        jacobian += _jacobian_text(derivation, state, coefficients)
     flow += sums("state", len(derivation.state_names), order)
     flow += value_and_slope("value_and_slope", order)
     flow += bernstein("bernstein", order)
     flow += constants("coefficients", coefficients.nodes, derivation.parameter_names)
+    texts = {FLOW: flow, TANGENT: tangent, JACOBIAN: jacobian}
     content = {
         "order": order,
         "state_names": derivation.state_names,
@@ -197,7 +200,7 @@ def _make(
         "states": {index: _table(state) for index, state in derivation.states.items()},
         "smooth": derivation.smooth,
         "zone": derivation.zone,
-        "texts": {FLOW: "\n".join(flow) + "\n", TANGENT: "\n".join(tangent) + "\n"},
+        "texts": {part: "\n".join(lines) + "\n" for part, lines in texts.items()},
     }
     return json.dumps(content).encode()
 
@@ -257,6 +260,12 @@ def _tangent_text(
     for contact in sorted(state.impacts):
         lines += _impact_tangent_text(derivation, state, contact, coefficients)
     return lines
+
+
+def _jacobian_text(derivation: Derivation, state: ContactState, coefficients: Any) -> list[str]:
+    """What an equilibrium asks of the tangents, a hundredth of their text."""
+    step = _step_with_tangents(derivation.graph, state, [], JACOBIAN_ORDER, coefficients)
+    return step.text(f"{state.name}_jacobian", f"rates of state and tangent, {state.name}")
 
 
 def _impact_tangent_text(

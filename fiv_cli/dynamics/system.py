@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.codegen.generate import JACOBIAN, Generated, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.generate import Generated, generate
 from fiv_cli.codegen.names import rate_of
 from fiv_cli.dynamics.schedule import STEADY, Schedule
 from fiv_cli.dynamics.settings import SolverSettings
@@ -128,6 +128,14 @@ class System:
     def tables(self) -> Tables:
         """What the driver reads."""
         return _tables(self.generated, self.model, self.options)
+
+    @cached_property
+    def jacobians(self) -> Mapping[int, int]:
+        """Index of the contact state -> address of its linearised flow, compiled on first use."""
+        return {
+            index: self.generated.address(f"{state.name}_jacobian", JACOBIAN)
+            for index, state in self.generated.states.items()
+        }
 
     @cached_property
     def tangent_table(self) -> NDArray[np.int64]:
