@@ -14,7 +14,7 @@ import llvmlite.binding as llvm
 from fiv_cli.codegen.assembly import assembly, is_piece
 
 # Texts of more characters are compiled the quick way, in a third of the time. The numbers are the
-# same, each step takes up to 1.15 times as long.
+# same, a step takes up to 1.15 times as long.
 LARGE = 1_500_000
 
 
