@@ -162,7 +162,7 @@ REDUCED = [
     ),
     (
         "ch7/sector_survival",
-        ("grid.Omega=[1.0, 2.0, 4.0]", 'grid.psi_a=["0 deg"]', "initial.3.count=1", *BRIEFLY),
+        ("grid.Omega=[1.0, 2.0, 4.0]", 'grid.psi_a=["300 deg"]', "initial.3.count=1", *BRIEFLY),
         {0: CONTRADICTED, 1: CONTRADICTED, 2: CONTRADICTED, 3: CONFIRMED, 4: CONFIRMED},
     ),
     ("ch7/normal_force", ("grid.Omega=[0.2, 0.6]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED}),

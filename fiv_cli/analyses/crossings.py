@@ -36,6 +36,7 @@ MARGIN = 2.0  # by which departures from a straight line must be smaller than wh
 MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
 JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
 HALVINGS = 64
+NEIGHBOURS = 8  # numbers on each side of a root without frequency that are looked at
 ULP = float(np.finfo(float).eps)
 
 
@@ -271,6 +272,9 @@ class _Scan:
 
         resolution = 4.0 * ULP * max(abs(left.at), abs(right.at))
         value = float(brentq(rising, left.at, right.at, xtol=resolution, rtol=4.0 * ULP))
+        frequency = abs(eigenvalue(value).imag)
+        if frequency == 0.0:
+            self._look_for_a_hole(value)
         low, high = _straddled(rising, value, resolution, left.at, right.at)
         return Crossing(
             value=value,
@@ -278,10 +282,18 @@ class _Scan:
             kind="root",
             direction="to_unstable" if right.growing[mode] else "to_stable",
             mode=mode,
-            frequency=abs(eigenvalue(value).imag),
+            frequency=frequency,
             below=_count(self.probe(low)),
             above=_count(self.probe(high)),
         )
+
+    def _look_for_a_hole(self, value: float) -> None:
+        """Where an eigenvalue vanishes the stiffness is singular, and there may be no equilibrium.
+
+        The hole may be as narrow as one floating-point number, which a root need not meet.
+        """
+        for steps in range(-NEIGHBOURS, NEIGHBOURS + 1):
+            _solid(self.probe(value + steps * float(np.spacing(value))))
 
     def between(self, left: Sample, right: Sample, at: float) -> Sample:
         """The modes inside a resolved piece, where straight lines lead to them."""
