@@ -440,7 +440,7 @@ def offer(options: Ints2, contact: int, kind: int, sign: int) -> None:
     options[contact, COUNT] += 1
 
 
-@inlined
+@native
 def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> bool:
     """Choose the contact state that follows at (t, y); False when none is consistent.
 
@@ -921,271 +921,305 @@ def keep_section(run: Run) -> None:
 
 
 @native
+def begin_step(run: Run, index: int) -> float:
+    """Length of the step from where the motion is; its series are at hand afterwards."""
+    n, order, rows = run.config[N_STATES], run.config[ORDER], 0
+    if run.config[METHOD] != METHOD_TAYLOR:
+        run.clock[LAST_STEP] = run.tolerances[FIXED_STEP]
+        return run.tolerances[FIXED_STEP]
+    step = run.clock[FIRST_STEP]
+    run.clock[FIRST_STEP] = 0.0
+    if step == 0.0:
+        call_generated(
+            run.table[index, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
+        )
+        rows = n + run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
+        step = step_size(run.series, rows, order, run.tolerances[RTOL], run.clock[LAST_STEP])
+        for i in range(run.table[index, N_ARGUMENTS]):
+            step = within_plateau(run.series, (rows + i) * (order + 1), order, step)
+        for i in range(n):
+            run.y[i] = run.series[i * (order + 1)]
+    if step < ENDLESS:
+        run.clock[LAST_STEP] = step
+        return step
+    return polynomial_step(run.series, n, run.table[index, N_GUARDS], order, run.clock[LAST_STEP])
+
+
+@native
+def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, float]:
+    """The first switching function to fall to zero in a step.
+
+    Its number (-1: none), as a fraction of the step when, and of a section its sign before and
+    the sense in which it passes. In order: the contact state's own, the two borders of the
+    sector, the section.
+    """
+    n, order, taylor = run.config[N_STATES], run.config[ORDER], run.config[METHOD] == METHOD_TAYLOR
+    n_guards, last, t = run.table[index, N_GUARDS], len(run.strips) - 1, run.clock[TIME]
+    fraction, hit, crossing, sign_before = 1.0, -1, 0.0, 0.0
+    for check in range(n_guards + 3):
+        factor, shift, strip = 1.0, 0.0, 0
+        if check < n_guards:
+            row, entry, strip = n + check, 2 * n + check, run.strips[check]
+            if strip > order:
+                continue
+        elif check < n_guards + 2:
+            if run.table[index, HAS_ANGLE] == 0 or run.clock[ZONE_HIGH] == np.inf:
+                continue
+            row, entry = n + n_guards, 2 * n + n_guards
+            upper = check == n_guards
+            factor = -1.0 if upper else 1.0
+            shift = run.clock[ZONE_HIGH] if upper else -run.clock[ZONE_LOW]
+            strip = run.strips[last - 2] if upper else run.strips[last - 1]
+            if taylor:
+                leaving = away_from_border(
+                    run.series, row * (order + 1), order, step, factor, shift
+                )
+                strip = max(strip, leaving)
+        else:
+            if run.section[SECTION_KIND] != SECTION_ZERO:
+                continue
+            entry = run.section[SECTION_STATE]
+            row, strip = entry, run.strips[last]
+            if strip == 0:
+                value = run.y[entry]
+            elif taylor:
+                value = run.series[entry * (order + 1) + 1]
+            else:
+                call_generated(run.table[index, FIELD], run.coefficients, t, run.y, run.stages[0])
+                value = run.stages[0, n + entry]
+            factor = 1.0 if value > 0.0 else -1.0
+            sign_before = factor if value != 0.0 else 0.0
+        if taylor:
+            root = located(run, row * (order + 1), order, step, strip, factor, shift)
+        else:
+            root = bisected(run, index, t, step, run.stages[3], entry, factor, shift)
+        if check < n_guards + 2:
+            if root < fraction or (root == 1.0 and hit < 0):
+                fraction, hit = root, check
+        elif 0.0 < root < fraction:
+            fraction, hit, crossing = root, check, -factor
+    return hit, fraction, sign_before, crossing
+
+
+@native
+def polished(
+    run: Run, index: int, hit: int, tau: float, step: float, out: Floats
+) -> tuple[float, float, bool]:
+    """When an event is (a time into the step), its residual, whether it may be a touch.
+
+    The root that was found is that of the switching function's series; Newton steps on the
+    function itself, along the state's series, take it to rounding. `out` becomes the state there.
+    """
+    n, order, field, t = run.config[N_STATES], run.config[ORDER], run.stages[0], run.clock[TIME]
+    residual = 0.0
+    scale, fall = scale_and_slope(run.series, (n + hit) * (order + 1), order, step, tau)
+    grazing = scale == 0.0 or fall * step > -GRAZING * scale
+    enough = max(ROUNDING, EXACT * run.tolerances[RTOL])
+    for polish in range(POLISHES):
+        call_generated(run.table[index, FIELD], run.coefficients, t + tau, out, field)
+        value = field[2 * n + hit]
+        residual = abs(value) / scale if scale > 0.0 else 0.0
+        if grazing or residual <= enough or polish == POLISHES - 1:
+            break
+        tau += max(-value / fall, -tau)
+        call_generated(run.config[STATE], run.coefficients, tau, run.series, out)
+    if grazing and scale > 0.0:
+        tau = touched(run, index, hit, tau, step, scale, out)
+    for i in range(n):
+        out[i] = field[i]  # entries that the contact determines: exactly
+    return tau, residual, grazing
+
+
+@native
+def collide(run: Run, index: int, contact: int, joined: Floats, rates: Floats) -> None:
+    """An impact, if the contact's state has one; books the energy that it takes."""
+    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
+    field, out, t = run.stages[0], run.stages[3], run.clock[TIME]
+    kinetic = contact_outputs(run.table, index, n) + PER_CONTACT * contacts + KINETIC
+    call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
+    before = field[kinetic]
+    if len(run.tangents) > 0:
+        strike(run, run.impacts[index, contacts + contact], joined, rates)
+    call_generated(run.impacts[index, contact], run.coefficients, t, run.y, out)
+    for i in range(n):
+        run.y[i] = out[i]
+    call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
+    run.measures[M_IMPACT] += before - field[kinetic]
+    run.counters[IMPACTS] += 1
+
+
+@native
+def section_at_event(run: Run, sign_before: float) -> None:
+    """Whether the section lies on the event, and is to be kept."""
+    order, entry = run.config[ORDER], run.section[SECTION_STATE]
+    offset = entry * (order + 1)
+    slope = run.series[offset + 1]
+    if abs(run.y[entry]) > ZERO * series_scale(run.series, offset, order, run.clock[LAST_STEP]):
+        return
+    run.strips[len(run.strips) - 1] = 1
+    crossing = 1 if slope > 0.0 else -1
+    wanted = run.section[SECTION_DIRECTION]
+    if sign_before * slope < 0.0 and (wanted == 0 or wanted == crossing):
+        keep_section(run)
+        run.section_states[run.counters[SECTIONS] - 1, entry] = 0.0
+
+
+@native
+def book_event(run: Run, contact: int, itself: bool, residual: float) -> None:
+    """Enter what changed into ledger and section; `itself`: `contact` counts in any case."""
+    first_sign = run.config[N_PARAMETERS] - 1 - run.config[N_CONTACTS]
+    events = run.counters[EVENTS]
+    for i in range(run.config[N_CONTACTS]):
+        before = run.options[i, BEFORE]
+        after = code_of(run.kinds[i], run.parameters[first_sign + i])
+        if before == after and not (itself and i == contact):
+            continue
+        run.counters[EVENTS] += 1
+        if run.counters[LEDGER] < len(run.ledger):
+            row = run.counters[LEDGER]
+            run.ledger[row, 0], run.ledger[row, 1] = run.clock[TIME], before
+            run.ledger[row, 2], run.ledger[row, 3], run.ledger[row, 4] = after, i, residual
+            run.counters[LEDGER] += 1
+        if (
+            run.section[SECTION_KIND] == SECTION_EVENT
+            and i == run.section[SECTION_CONTACT]
+            and kind_of(before) == run.section[SECTION_FROM]
+            and run.kinds[i] == run.section[SECTION_TO]
+        ):
+            keep_section(run)
+    if run.counters[EVENTS] == events:
+        run.counters[GRAZINGS] += 1
+    else:
+        run.measures[M_RESIDUAL] = max(run.measures[M_RESIDUAL], residual)
+
+
+@native
+def take_up(run: Run) -> None:
+    """The state as the contact state just decided has it."""
+    for i in range(run.config[N_STATES]):
+        run.y[i] = run.series[i * (run.config[ORDER] + 1)]
+
+
+@native
+def enter(run: Run) -> bool:
+    """Decide the contact state where the motion begins or a force jumps; False: there is none."""
+    if run.clock[TASK] == ENTER:
+        set_out(run)
+    if not decide(run, -1, -1, True):
+        return False
+    take_up(run)
+    run.counters[CHAINED] = 0
+    run.clock[TASK] = GO_ON
+    return True
+
+
+@native
 def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> int:
     """Run until t_stop, a full section buffer, a budget or an end; returns why it stopped."""
-    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
+    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
     first_sign = run.config[N_PARAMETERS] - 1 - contacts
-    taylor = run.config[METHOD] == METHOD_TAYLOR
-    field = run.stages[0]
     out, joined, rates, delays = run.stages[3], run.stages[4], run.stages[5], run.stages[6]
-    angle_up, angle_down, section_strip = (
-        run.strips.shape[0] - 3,
-        run.strips.shape[0] - 2,
-        run.strips.shape[0] - 1,
-    )
-    with_tangents = run.tangents.shape[0] > 0
+    with_tangents, last = len(run.tangents) > 0, len(run.strips) - 1
     fill(run)
+    if run.clock[TASK] != GO_ON and not enter(run):
+        return NO_STATE
     while True:
-        t, tau, residual, grazing, section_sign = run.clock[TIME], 0.0, 0.0, True, 0.0
-        index, n_guards, hit = 0, 0, -1
-        begins = run.clock[TASK] != GO_ON
-        if run.clock[TASK] == ENTER:
-            set_out(run)
-        if not begins:
-            if t >= t_stop:
-                return REACHED
-            if run.counters[STEPS] >= run.limits[MAX_STEPS]:
-                return STEP_BUDGET
-            if run.counters[EVENTS] >= run.limits[MAX_EVENTS]:
-                return EVENT_BUDGET
-            if run.section[SECTION_KIND] == SECTION_PHASE and run.clock[NEXT_PHASE] <= t:
-                # on an event
+        t = run.clock[TIME]
+        if t >= t_stop:
+            return REACHED
+        if run.counters[STEPS] >= run.limits[MAX_STEPS]:
+            return STEP_BUDGET
+        if run.counters[EVENTS] >= run.limits[MAX_EVENTS]:
+            return EVENT_BUDGET
+        stroboscopic = run.section[SECTION_KIND] == SECTION_PHASE
+        if stroboscopic and run.clock[NEXT_PHASE] <= t:  # on an event
+            keep_section(run)
+            run.clock[NEXT_PHASE] += phase_interval
+            if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
+                return SECTION_FULL
+        # --- the step ---------------------------------------------------------------------------
+        run.counters[STEPS] += 1
+        index = state_index(run.kinds, contacts)
+        n_guards = run.table[index, N_GUARDS]
+        goal, reaches_phase = t + begin_step(run, index), False
+        if stroboscopic and run.clock[NEXT_PHASE] <= min(goal, t_stop):
+            goal, reaches_phase = run.clock[NEXT_PHASE], True
+        elif t_stop <= goal:
+            goal = t_stop
+        step = goal - t
+        hit, fraction, sign_before, crossing = first_fall(run, index, step)
+        tau = step if hit < 0 else fraction * step
+        residual, grazing = 0.0, True
+        state_after(run, index, t, tau, out)
+        if run.config[METHOD] == METHOD_TAYLOR and 0 <= hit < n_guards:
+            tau, residual, grazing = polished(run, index, hit, tau, step, out)
+        # --- along the step ---------------------------------------------------------------------
+        if run.counters[SAMPLED] < len(run.sample_times):
+            take_samples(run, index, tau, joined)
+        if measuring:
+            take_measures(run, index, tau, joined)
+        if with_tangents:
+            move_tangents(run, index, tau, joined)
+        for i in range(n):
+            run.y[i] = out[i]
+            if not abs(out[i]) < run.tolerances[BOUND]:
+                return DIVERGED
+        for g in range(last + 1):
+            run.strips[g] = 0
+        if hit < 0:
+            run.clock[TIME] = goal
+            run.counters[CHAINED] = 0
+            if reaches_phase:
                 keep_section(run)
                 run.clock[NEXT_PHASE] += phase_interval
                 if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
                     return SECTION_FULL
-            run.counters[STEPS] += 1
-            index = state_index(run.kinds, contacts)
-            n_guards, has_angle = run.table[index, N_GUARDS], run.table[index, HAS_ANGLE]
-            # --- the step -----------------------------------------------------------------------
-            if taylor:
-                step = run.clock[FIRST_STEP]
-                run.clock[FIRST_STEP] = 0.0
-                if step == 0.0:
-                    call_generated(run.table[index, TAYLOR], run.coefficients, t, run.y, run.series)
-                    rows = n + n_guards + has_angle
-                    step = step_size(
-                        run.series, rows, order, run.tolerances[RTOL], run.clock[LAST_STEP]
-                    )
-                    for i in range(run.table[index, N_ARGUMENTS]):
-                        step = within_plateau(run.series, (rows + i) * (order + 1), order, step)
-                    for i in range(n):
-                        run.y[i] = run.series[i * (order + 1)]
-                if step < ENDLESS:
-                    run.clock[LAST_STEP] = step
-                else:
-                    step = polynomial_step(run.series, n, n_guards, order, run.clock[LAST_STEP])
-            else:
-                step = run.tolerances[FIXED_STEP]
-                run.clock[LAST_STEP] = step
-            goal = t + step
-            reaches_phase = False
-            if run.section[SECTION_KIND] == SECTION_PHASE and run.clock[NEXT_PHASE] <= min(
-                goal, t_stop
-            ):
-                goal, reaches_phase = run.clock[NEXT_PHASE], True
-            elif t_stop <= goal:
-                goal = t_stop
-            step = goal - t
-            # --- the first switching function to fall to zero -----------------------------------
-            # In order: the contact state's own, the two borders of the sector, the section.
-            fraction, hit, crossing, section_sign = 1.0, -1, 0, 0.0
-            for check in range(n_guards + 3):
-                factor, shift, strip = 1.0, 0.0, 0
-                if check < n_guards:
-                    row, entry, strip = n + check, 2 * n + check, run.strips[check]
-                    if strip > order:
-                        continue
-                elif check < n_guards + 2:
-                    if has_angle == 0 or run.clock[ZONE_HIGH] == np.inf:
-                        continue
-                    row, entry = n + n_guards, 2 * n + n_guards
-                    upper = check == n_guards
-                    factor = -1.0 if upper else 1.0
-                    shift = run.clock[ZONE_HIGH] if upper else -run.clock[ZONE_LOW]
-                    strip = run.strips[angle_up] if upper else run.strips[angle_down]
-                    if taylor:
-                        leaving = away_from_border(
-                            run.series, row * (order + 1), order, step, factor, shift
-                        )
-                        strip = max(strip, leaving)
-                else:
-                    if run.section[SECTION_KIND] != SECTION_ZERO:
-                        continue
-                    row, entry, strip = (
-                        run.section[SECTION_STATE],
-                        run.section[SECTION_STATE],
-                        run.strips[section_strip],
-                    )
-                    if strip == 0:
-                        value = run.y[entry]
-                    elif taylor:
-                        value = run.series[entry * (order + 1) + 1]
-                    else:
-                        call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
-                        value = field[n + entry]
-                    factor = 1.0 if value > 0.0 else -1.0
-                    section_sign = factor if value != 0.0 else 0.0
-                if taylor:
-                    root = located(run, row * (order + 1), order, step, strip, factor, shift)
-                else:
-                    root = bisected(run, index, t, step, out, entry, factor, shift)
-                if check < n_guards + 2:
-                    if root < fraction or (root == 1.0 and hit < 0):
-                        fraction, hit = root, check
-                elif 0.0 < root < fraction:
-                    fraction, hit, crossing = root, check, -int(factor)
-            tau = step if hit < 0 else fraction * step
-            residual, grazing = 0.0, True
-            if taylor:
-                call_generated(run.config[STATE], run.coefficients, tau, run.series, out)
-            else:
-                state_after(run, index, t, tau, out)
-            if taylor and 0 <= hit < n_guards:
-                # The root is that of the switching function's series; Newton steps on the function
-                # itself, along the state's series, take it to rounding.
-                offset = (n + hit) * (order + 1)
-                scale, fall = scale_and_slope(run.series, offset, order, step, tau)
-                grazing = scale == 0.0 or fall * step > -GRAZING * scale
-                enough = max(ROUNDING, EXACT * run.tolerances[RTOL])
-                for polish in range(POLISHES):
-                    call_generated(run.table[index, FIELD], run.coefficients, t + tau, out, field)
-                    value = field[2 * n + hit]
-                    residual = abs(value) / scale if scale > 0.0 else 0.0
-                    if grazing or residual <= enough or polish == POLISHES - 1:
-                        break
-                    tau += max(-value / fall, -tau)
-                    call_generated(run.config[STATE], run.coefficients, tau, run.series, out)
-                if grazing and scale > 0.0:
-                    tau = touched(run, index, hit, tau, step, scale, out)
-                for i in range(n):
-                    out[i] = field[i]  # entries that the contact determines: exactly
-            # --- along the step ----------------------------------------------------------------
-            if run.counters[SAMPLED] < len(run.sample_times):
-                take_samples(run, index, tau, joined)
-            if measuring:
-                take_measures(run, index, tau, joined)
-            if with_tangents:
-                move_tangents(run, index, tau, joined)
-            for i in range(n):
-                run.y[i] = out[i]
-                if not abs(out[i]) < run.tolerances[BOUND]:
-                    return DIVERGED
-            for g in range(run.strips.shape[0]):
-                run.strips[g] = 0
-            if hit < 0:
-                run.clock[TIME] = goal
-                run.counters[CHAINED] = 0
-                if reaches_phase:
-                    keep_section(run)
-                    run.clock[NEXT_PHASE] += phase_interval
-                    if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
-                        return SECTION_FULL
-                continue
-            run.clock[TIME] = t + tau
-            if hit == n_guards + 2:  # only a section: the contact state stays
-                run.counters[CHAINED] = 0
-                run.strips[section_strip] = 1
-                wanted = run.section[SECTION_DIRECTION]
-                if wanted == 0 or wanted == crossing:
-                    run.y[run.section[SECTION_STATE]] = 0.0
-                    keep_section(run)
-                    if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
-                        return SECTION_FULL
-                continue
+            continue
+        run.clock[TIME] = t + tau
+        if hit == n_guards + 2:  # only a section: the contact state stays
+            run.counters[CHAINED] = 0
+            run.strips[last] = 1
+            wanted = run.section[SECTION_DIRECTION]
+            if wanted == 0 or wanted == crossing:
+                run.y[run.section[SECTION_STATE]] = 0.0
+                keep_section(run)
+                if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
+                    return SECTION_FULL
+            continue
         # --- an event ---------------------------------------------------------------------------
-        run.counters[CHAINED] = run.counters[CHAINED] + 1 if not begins and t + tau <= t else 0
+        run.counters[CHAINED] = run.counters[CHAINED] + 1 if t + tau <= t else 0
         if run.counters[CHAINED] > CHAIN_CAP:
             return CHATTERING
-        trigger_kind, trigger_contact = -1, -1
-        if hit >= n_guards:
-            trigger_contact = run.config[ZONE_CONTACT]
-        elif not begins:
+        border = hit >= n_guards
+        trigger_kind, trigger_contact = -1, run.config[ZONE_CONTACT]
+        if not border:
             trigger_kind, trigger_contact = run.guards[index, hit, 0], run.guards[index, hit, 1]
-        if with_tangents and not begins:
-            entry = hit if hit < n_guards else n_guards
-            switching_rates(run, index, entry, joined, rates, delays)
+        if with_tangents:
+            switching_rates(run, index, n_guards if border else hit, joined, rates, delays)
         for i in range(contacts):
             run.options[i, BEFORE] = code_of(run.kinds[i], run.parameters[first_sign + i])
-        impacted = False
         if trigger_kind == JAMMING:
             return JAMMED
         if trigger_kind == NORMAL and run.ends[trigger_contact] == 1:
             return CONTACT_LOST
-        if trigger_kind == GAP and run.impacts[index, trigger_contact] != 0:
-            energies = contact_outputs(run.table, index, n) + PER_CONTACT * contacts
-            call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
-            kinetic = field[energies + KINETIC]
-            if with_tangents:
-                strike(run, run.impacts[index, contacts + trigger_contact], joined, rates)
-            call_generated(
-                run.impacts[index, trigger_contact], run.coefficients, run.clock[TIME], run.y, out
-            )
-            for i in range(n):
-                run.y[i] = out[i]
-            call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
-            run.measures[M_IMPACT] += kinetic - field[energies + KINETIC]
-            run.counters[IMPACTS] += 1
-            impacted = True
-        if hit >= n_guards:
+        impacted = trigger_kind == GAP and run.impacts[index, trigger_contact] != 0
+        if impacted:
+            collide(run, index, trigger_contact, joined, rates)
+        if border:
             cross_border(run, hit == n_guards)
             fill(run)
             call_generated(
                 run.table[index, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
             )
             run.clock[FIRST_STEP] = 0.0
-            run.strips[angle_down if hit == n_guards else angle_up] = 1
+            run.strips[last - 1 if hit == n_guards else last - 2] = 1
         elif not decide(run, trigger_kind, trigger_contact, grazing):
             return NO_STATE
-        for i in range(n):
-            run.y[i] = run.series[i * (order + 1)]
-        if begins:
-            run.clock[TASK] = GO_ON
-            continue
+        take_up(run)
         if with_tangents:
             saltate(run, rates, delays)
-        if run.section[SECTION_KIND] == SECTION_ZERO:  # does the section lie on the event?
-            entry = run.section[SECTION_STATE]
-            offset = entry * (order + 1)
-            slope = run.series[offset + 1]
-            if abs(run.y[entry]) <= ZERO * series_scale(
-                run.series, offset, order, run.clock[LAST_STEP]
-            ):
-                run.strips[section_strip] = 1
-                crossing = 1 if slope > 0.0 else -1
-                wanted = run.section[SECTION_DIRECTION]
-                if section_sign * slope < 0.0 and (wanted == 0 or wanted == crossing):
-                    keep_section(run)
-                    run.section_states[run.counters[SECTIONS] - 1, entry] = 0.0
-        events = run.counters[EVENTS]
-        for i in range(contacts):
-            before, after = (
-                run.options[i, BEFORE],
-                code_of(run.kinds[i], run.parameters[first_sign + i]),
-            )
-            itself = i == trigger_contact and (impacted or hit >= n_guards)
-            if before == after and not itself:
-                continue
-            run.counters[EVENTS] += 1
-            if run.counters[LEDGER] < run.ledger.shape[0]:
-                row = run.counters[LEDGER]
-                run.ledger[row, 0], run.ledger[row, 1], run.ledger[row, 2] = (
-                    run.clock[TIME],
-                    before,
-                    after,
-                )
-                run.ledger[row, 3], run.ledger[row, 4] = i, residual
-                run.counters[LEDGER] += 1
-            if (
-                run.section[SECTION_KIND] == SECTION_EVENT
-                and i == run.section[SECTION_CONTACT]
-                and kind_of(before) == run.section[SECTION_FROM]
-                and run.kinds[i] == run.section[SECTION_TO]
-            ):
-                keep_section(run)
-        if run.counters[EVENTS] == events:
-            run.counters[GRAZINGS] += 1
-        else:
-            run.measures[M_RESIDUAL] = max(run.measures[M_RESIDUAL], residual)
+        if run.section[SECTION_KIND] == SECTION_ZERO:
+            section_at_event(run, sign_before)
+        book_event(run, trigger_contact, impacted or border, residual)
         if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
             return SECTION_FULL
