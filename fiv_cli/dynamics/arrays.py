@@ -91,11 +91,13 @@ class Layout:
     ----------
     block : the frame, then the motion's own arrays
     parts : name -> where an array of the motion's own lies in the block
+    max_sections : place in the block of the limit of section points
     shared : the other arrays that the frame shows, kept alive
     """
 
     block: Words
     parts: Mapping[str, slice]
+    max_sections: int
     shared: Mapping[str, NDArray[Any]]
 
 
@@ -116,7 +118,8 @@ def layout_of(system: System, solver: SolverSettings) -> Layout:
     floats[parts["parameters"]][-1 - system.n_contacts : -1] = 1.0  # signs of slip
     floats[parts["clock"]][kernel.TASK] = kernel.ENTER
     block[parts["limits"]] = solver.max_steps, solver.max_events, 0
-    return Layout(block, parts, shared)
+    max_sections = parts["limits"].start + kernel.MAX_SECTIONS
+    return Layout(block, parts, max_sections, shared)
 
 
 def _own_lengths(system: System) -> dict[str, int]:

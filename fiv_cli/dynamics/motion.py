@@ -38,6 +38,7 @@ class Stop(IntEnum):
     CHATTERING = kernel.CHATTERING
 
 
+INFINITE = float("inf")
 STOPS = tuple(Stop)  # by their numbers
 
 # Reasons of the outcomes of motions that could not go on.
@@ -140,7 +141,7 @@ class Motion:
         self.samples = no_samples(system)
         values = system.parameter_values(parameters)
         arrays.parameters[: len(values)] = values
-        self.kink = self._take_up_schedule(time)
+        self.kink = self._take_up_schedule(time) if system.schedule.curves else INFINITE
         if len(state):
             vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
             arrays.y[:] = vector
@@ -205,8 +206,6 @@ class Motion:
     def _take_up_schedule(self, time: float) -> float:
         """Set what varies to the piece that begins at `time`; returns where it ends, s."""
         schedule, names = self.system.schedule, self.system.generated.parameter_names
-        if not schedule.curves:
-            return float("inf")
         for name, (value, rate) in schedule.piece(time).items():
             self.arrays.parameters[names.index(name)] = value
             self.arrays.parameters[names.index(rate_of(name))] = rate
@@ -320,7 +319,8 @@ class Motion:
             if stop != Stop.REACHED:
                 return self._stuck(stop)
             self._pass_kink()
-        return self._stuck(self._advance(t_stop, measuring, phase_interval))
+        stop = self._advance(t_stop, measuring, phase_interval)
+        return stop if stop == Stop.REACHED else self._stuck(stop)
 
     def _stuck(self, stop: Stop) -> Stop:
         """`stop`, or what it is that leaves no contact state."""
@@ -349,7 +349,7 @@ class Motion:
         return False
 
     def _fill_sections(self, times: Vector, states: NDArray[np.float64]) -> None:
-        self.limits[kernel.MAX_SECTIONS] = len(times)
+        self.arrays.frame[self.layout.max_sections] = len(times)
         self.arrays.show("section_times", times)
         self.arrays.show("section_states", states)
 
