@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from operator import itemgetter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -161,17 +163,18 @@ class System:
 
     def parameter_values(self, parameters: Mapping[str, float]) -> tuple[float, ...]:
         """Parameters in generated order; the slip signs and the sector follow them there."""
-        known = self.known(parameters)
-        return tuple(map(known.__getitem__, self._own_parameters))
+        values: tuple[float, ...] = self._take_own(self.known(parameters))
+        return values
 
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """`parameter_values`, slip signs +1, sector 0; shape (n_parameters,)."""
         return np.array([*self.parameter_values(parameters), *(1.0,) * self.n_contacts, 0.0])
 
     @cached_property
-    def _own_parameters(self) -> tuple[str, ...]:
+    def _take_own(self) -> itemgetter[Any]:
+        """Takes the model's and the law's parameters (there are several) out of a mapping."""
         own = len(self.generated.parameter_names) - 1 - self.n_contacts
-        return self.generated.parameter_names[:own]
+        return itemgetter(*self.generated.parameter_names[:own])
 
     @cached_property
     def _is_extended(self) -> bool:

@@ -105,7 +105,7 @@ def fiv_run(
 ) -> tuple[Motion, Points]:
     """One run with its section points."""
     motion = Motion(system, parameters, solver, {})
-    times, states = np.zeros(SECTIONS), np.zeros((SECTIONS, len(motion.y)))
+    times, states = np.empty(SECTIONS), np.empty((SECTIONS, len(system.state_names)))
     motion.run(t_end, STICKS, (times, states))
     return motion, states
 
