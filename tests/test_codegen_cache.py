@@ -184,7 +184,7 @@ def test_edited_files_never_run_stale_code(tmp_path: Path, package: Path) -> Non
 def test_an_edited_kernel_never_runs_stale_code(tmp_path: Path, package: Path) -> None:
     place, key = answer(start(MOVE, tmp_path / "cache", package))
     assert float(place) == pytest.approx(1.0 - math.cos(3.0), abs=1e-9)
-    going_on = "                run.clock[TIME] = goal\n"
+    going_on = "            run.clock[TIME] = goal\n"
     edited(package, "dynamics/kernel.py", going_on, going_on.replace("goal", "t + 0.5 * step"))
     new_place, new_key = answer(start(MOVE, tmp_path / "cache", package))
     assert new_place != place

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from small_models import BOUNCER
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.codegen.native import ARRAYS, DOUBLE
+from fiv_cli.codegen.native import ARRAYS
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics import motion as motions_of
 from fiv_cli.dynamics.motion import Motion, samples_at
@@ -66,7 +66,7 @@ def arrays_at(address: int) -> SimpleNamespace:
         start, shape = words[place], words[place + 1 : place + 1 + depth]
         if kernel.Run.__annotations__[name].startswith("Own"):
             start += address
-        kind = ctypes.c_double if element is DOUBLE else ctypes.c_int64
+        kind = ctypes.c_double if element is float else ctypes.c_int64
         data = (kind * int(np.prod(shape))).from_address(start)
         shown[name] = np.frombuffer(data, kind).reshape(shape)
     return SimpleNamespace(**shown)

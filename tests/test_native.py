@@ -17,7 +17,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from test_codegen_cache import answer, start
 
-from fiv_cli.codegen import cache, native
+from fiv_cli.codegen import cache, native, translate
 from fiv_cli.codegen.generate import generate
 from fiv_cli.codegen.native import (
     Floats,
@@ -753,7 +753,7 @@ def test_what_cannot_be_compiled_is_refused_with_its_place(kernel: Callable[...,
     lines, first = inspect.getsourcelines(kernel)
     (line,) = (first + i for i, text in enumerate(lines) if "# here" in text)
     with pytest.raises(KernelError, match=rf"^test_native.py, {kernel.__name__}, line {line}: "):
-        native.compile_kernels((native.native(kernel),))
+        translate.compile_kernels((native.native(kernel),))
 
 
 def test_a_refusal_in_a_callee_names_the_callee() -> None:
@@ -762,14 +762,14 @@ def test_a_refusal_in_a_callee_names_the_callee() -> None:
 
     native.native(negative_index)
     with pytest.raises(KernelError, match="negative_index, line"):
-        native.compile_kernels((caller,))
+        translate.compile_kernels((caller,))
 
 
 def test_a_kernel_without_source_is_refused() -> None:
     names: dict[str, Any] = {"__name__": "nowhere"}
     exec("def made(a: float) -> float:\n    return a\n", names)
     with pytest.raises(KernelError, match=r"nowhere\.made: its source cannot be read"):
-        native.compile_kernels((names["made"],))
+        translate.compile_kernels((names["made"],))
 
 
 def test_annotations_must_be_texts(tmp_path: Path) -> None:
@@ -896,8 +896,8 @@ def test_warm_code_needs_no_compiler(
 ) -> None:
     module = module_from(tmp_path / "twice.py", TWICE.format(factor=3))
     library_of(module, "taken").function(module.taken)
-    monkeypatch.delattr(native, "compile_kernels")
-    monkeypatch.delattr(native, "_definition")
+    monkeypatch.delattr(translate, "compile_kernels")
+    monkeypatch.delattr(translate, "_definition")
     assert library_of(module, "taken").function(module.taken)(1.0) == 4.0
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from fiv_cli.sweep.worker import Result, Task, initialise, run_task
 
-_THREADS_OF = ("OMP", "OPENBLAS", "MKL", "NUMBA")
+_THREADS_OF = ("OMP", "OPENBLAS", "MKL")
 _ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in _THREADS_OF}
 
 
