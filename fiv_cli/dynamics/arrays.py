@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,22 @@ BOUND = 1e6
 
 Words = NDArray[np.int64]
 PLACES = kernel.Run.places()
+NO_SECTION = np.zeros(kernel.SECTION_WIDTH, np.int64)
+
+
+class Part:
+    """An array of a motion, cut out of its block at the first look (most are never needed)."""
+
+    def __init__(self, block: str) -> None:
+        self.block = block
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, arrays: MotionArrays, owner: type) -> NDArray[Any]:
+        array: NDArray[Any] = getattr(arrays, self.block)[arrays.layout.parts[self.name]]
+        arrays.__dict__[self.name] = array
+        return array
 
 
 class MotionArrays:
@@ -35,49 +51,30 @@ class MotionArrays:
     Attributes
     ----------
     frame : addresses and lengths, see `kernel.Run`; the arrays follow in the same block
+    floats : the block as floats
     address : of the frame
     clock, parameters, y, counters, ... : see `kernel.Run`
     """
 
+    clock = Part("floats")
+    parameters = Part("floats")
+    coefficients = Part("floats")
+    y = Part("floats")
+    measures = Part("floats")
+    kinds = Part("frame")
+    counters = Part("frame")
+    limits = Part("frame")
+
     def __init__(self, layout: Layout) -> None:
-        self.parts = parts = layout.parts
-        self.frame = layout.block.copy()
-        self.floats = floats = self.frame.view(np.float64)
+        self.layout = layout
+        self.frame: Words = layout.block.copy()
+        self.floats: Vector = self.frame.view(np.float64)
         self.address = address_of(self.frame)
-        self.clock: Vector = floats[parts["clock"]]
-        self.parameters: Vector = floats[parts["parameters"]]
-        self.y: Vector = floats[parts["y"]]
-        self.counters: Words = self.frame[parts["counters"]]
-
-    @cached_property
-    def coefficients(self) -> Vector:
-        """What depends on parameters alone."""
-        return self.floats[self.parts["coefficients"]]
-
-    @cached_property
-    def measures(self) -> Vector:
-        """Totals of what is integrated along."""
-        return self.floats[self.parts["measures"]]
-
-    @cached_property
-    def kinds(self) -> Words:
-        """Kind of each contact's state."""
-        return self.frame[self.parts["kinds"]]
-
-    @cached_property
-    def limits(self) -> Words:
-        """Budgets."""
-        return self.frame[self.parts["limits"]]
-
-    @cached_property
-    def section(self) -> Words:
-        """The section in use."""
-        return self.frame[self.parts["section"]]
 
     def show(self, name: str, array: NDArray[Any]) -> None:
         """Show the driver `array` as the frame's `name`; keep it alive meanwhile."""
         place, frame, shape = PLACES[name], self.frame, array.shape
-        frame[place] = address_of(array) - (self.address if name in self.parts else 0)
+        frame[place] = address_of(array) - (self.address if name in self.layout.parts else 0)
         frame[place + 1] = shape[0]
         if len(shape) == 2:
             frame[place + 2] = shape[1]
@@ -91,13 +88,18 @@ class Layout:
     ----------
     block : the frame, then the motion's own arrays
     parts : name -> where an array of the motion's own lies in the block
-    max_sections : place in the block of the limit of section points
+    given : part of the block that holds the parameters proper
+    max_sections, n_sections, n_sampled, first_step : places in the block of what every run sets
     shared : the other arrays that the frame shows, kept alive
     """
 
     block: Words
     parts: Mapping[str, slice]
+    given: slice
     max_sections: int
+    n_sections: int
+    n_sampled: int
+    first_step: int
     shared: Mapping[str, NDArray[Any]]
 
 
@@ -118,8 +120,16 @@ def layout_of(system: System, solver: SolverSettings) -> Layout:
     floats[parts["parameters"]][-1 - system.n_contacts : -1] = 1.0  # signs of slip
     floats[parts["clock"]][kernel.TASK] = kernel.ENTER
     block[parts["limits"]] = solver.max_steps, solver.max_events, 0
-    max_sections = parts["limits"].start + kernel.MAX_SECTIONS
-    return Layout(block, parts, max_sections, shared)
+    return Layout(
+        block,
+        parts,
+        slice(parts["parameters"].start, parts["parameters"].stop - 1 - system.n_contacts),
+        parts["limits"].start + kernel.MAX_SECTIONS,
+        parts["counters"].start + kernel.SECTIONS,
+        parts["counters"].start + kernel.SAMPLED,
+        parts["clock"].start + kernel.FIRST_STEP,
+        shared,
+    )
 
 
 def _own_lengths(system: System) -> dict[str, int]:
@@ -136,7 +146,6 @@ def _own_lengths(system: System) -> dict[str, int]:
         "strips": system.tables.guards.shape[1] + 3,
         "counters": kernel.COUNTERS_WIDTH,
         "limits": kernel.LIMITS_WIDTH,
-        "section": kernel.SECTION_WIDTH,
     }
 
 
@@ -177,6 +186,7 @@ def _not_asked_for(system: System) -> dict[str, NDArray[Any]]:
         "reference": np.zeros(len(system.coordinates)),
         "extremes": np.zeros((3, n)),
         "shares": np.zeros((contacts, 3)),
+        "section": NO_SECTION,
         "section_times": np.zeros(1),
         "section_states": np.zeros((1, n)),
         "sample_times": np.zeros(0),

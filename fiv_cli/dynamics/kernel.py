@@ -135,7 +135,6 @@ class Run(Frame):
     strips: OwnInts
     counters: OwnInts
     limits: OwnInts
-    section: OwnInts
     table: Ints2
     impacts: Ints2
     guards: Ints3
@@ -151,6 +150,7 @@ class Run(Frame):
     reference: Floats
     extremes: Floats2
     shares: Floats2
+    section: Ints
     section_times: Floats
     section_states: Floats2
     sample_times: Floats

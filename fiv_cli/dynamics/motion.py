@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.codegen.names import rate_of
-from fiv_cli.codegen.native import call_generated
+from fiv_cli.codegen.native import address_of, call_generated
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.arrays import MotionArrays, layout_of
+from fiv_cli.dynamics.arrays import NO_SECTION, PLACES, MotionArrays, layout_of
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
 
-NO_SECTION = np.zeros(kernel.SECTION_WIDTH, np.int64)
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": kernel.SLIP, "stick": kernel.STICK, "separation": kernel.SEPARATION}
 CODE_NAMES = ("slip+", "slip-", "stick", "separation")
@@ -136,19 +135,29 @@ class Motion:
         self.tables = system.tables
         self.layout = layout = layout_of(system, solver)
         self.arrays = arrays = MotionArrays(layout)
-        self.clock, self.counters = arrays.clock, arrays.counters
         self.ledger, self.tangents = layout.shared["ledger"], layout.shared["tangents"]
         self.samples = no_samples(system)
         values = system.parameter_values(parameters)
-        arrays.parameters[: len(values)] = values
+        arrays.floats[layout.given] = values
         self.kink = self._take_up_schedule(time) if system.schedule.curves else INFINITE
         if len(state):
             vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
             arrays.y[:] = vector
-        self.clock[kernel.TIME] = time
+        if time != 0.0:
+            arrays.clock[kernel.TIME] = time
         for contact, sticks in enumerate(sticking):
             arrays.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
         self.is_lost = False  # no contact state is consistent with the initial state
+
+    @property
+    def clock(self) -> Vector:
+        """Times, see the kernel."""
+        return self.arrays.clock
+
+    @property
+    def counters(self) -> NDArray[np.int64]:
+        """What was counted, see the kernel."""
+        return self.arrays.counters
 
     @property
     def config(self) -> NDArray[np.int64]:
@@ -306,11 +315,10 @@ class Motion:
         measuring : whether `measures` are integrated
         phase_interval : period of the excitation, s, for a stroboscopic section
         """
-        self.clock[kernel.FIRST_STEP] = 0.0  # another motion may have used the scratch arrays
-        self.counters[kernel.SECTIONS] = 0
-        self.arrays.section[:] = (
-            NO_SECTION if section is None else section_vector(self.system, section)
-        )
+        arrays, layout = self.arrays, self.layout
+        arrays.floats[layout.first_step] = 0.0  # another motion may have used the scratch arrays
+        arrays.frame[layout.n_sections] = 0
+        arrays.frame[PLACES["section"]] = section_address(self.system, section)
         self._fill_sections(*sections or self._no_sections())
         self._fill_samples(samples or no_samples(self.system))
 
@@ -358,7 +366,7 @@ class Motion:
         return self.layout.shared["section_times"], self.layout.shared["section_states"]
 
     def _fill_samples(self, samples: Samples) -> None:
-        self.counters[kernel.SAMPLED] = samples.count
+        self.arrays.frame[self.layout.n_sampled] = samples.count
         if samples is not self.samples:
             self.samples = samples
             for name in ("times", "states", "outputs", "codes"):
@@ -368,7 +376,7 @@ class Motion:
         """Call the driver."""
         driver = DRIVER.function(kernel.advance)
         code = driver(self.arrays.address, t_stop, phase_interval, measuring)
-        self.samples.count = int(self.counters[kernel.SAMPLED])
+        self.samples.count = self.arrays.frame.item(self.layout.n_sampled)
         return STOPS[code]
 
     @property
@@ -397,6 +405,12 @@ class Motion:
         first = kernel.contact_outputs(self.tables.table, index, len(self.y))
         first += kernel.PER_CONTACT * self.system.n_contacts
         return float(out[first + kernel.KINETIC] + out[first + kernel.POTENTIAL])
+
+
+@cache
+def section_address(system: System, section: Section | None) -> int:
+    """Where a section stands as the kernel reads it."""
+    return address_of(NO_SECTION if section is None else section_vector(system, section))
 
 
 @cache
