@@ -352,9 +352,7 @@ class Cycle:
     @property
     def nontrivial(self) -> NDArray[np.complex128]:
         """The multipliers without that of the flow's direction."""
-        if not self.autonomous:
-            return self.multipliers
-        return np.delete(self.multipliers, np.argmin(np.abs(self.multipliers - 1.0)))
+        return self.multipliers[is_nontrivial(self.multipliers, self.autonomous)]
 
     @property
     def stable(self) -> bool:
@@ -371,6 +369,20 @@ class Cycle:
         """Its events in order, whichever comes first."""
         turned = [self.events[i:] + self.events[:i] for i in range(max(len(self.events), 1))]
         return min(turned)
+
+
+def sorted_multipliers(monodromy: Matrix) -> NDArray[np.complex128]:
+    """Eigenvalues of a monodromy matrix, largest first, of a pair the upper one first."""
+    multipliers = np.linalg.eigvals(monodromy).astype(np.complex128)
+    return multipliers[np.lexsort((-multipliers.imag, -np.abs(multipliers)))]
+
+
+def is_nontrivial(multipliers: NDArray[np.complex128], autonomous: bool) -> NDArray[np.bool_]:
+    """Which multipliers are not 1 because the flow's own direction is."""
+    kept = np.ones(len(multipliers), bool)
+    if autonomous:
+        kept[np.argmin(np.abs(multipliers - 1.0))] = False
+    return kept
 
 
 def extents(extremes: Matrix) -> Vector:
@@ -411,13 +423,11 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
     points, extremes = _watched(problem, anchor, period)
     if is_at_rest(extremes, len(problem.system.coordinates)):
         return None
-    multipliers = np.linalg.eigvals(around.monodromy).astype(np.complex128)
-    order = np.lexsort((-multipliers.imag, -np.abs(multipliers)))
     return Cycle(
         anchor=replace(anchor, state=around.begun),
         period=period,
         residual=float(np.max(np.abs(around.state - around.begun) / extents(extremes))),
-        multipliers=multipliers[order],
+        multipliers=sorted_multipliers(around.monodromy),
         autonomous=problem.excitation is None,
         times=around.times,
         events=around.events,

@@ -74,7 +74,7 @@ def _least_period(points: Floats2, scales: Floats, count: int, m: int) -> int:
 
 @native
 def _settled_period(
-    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float
+    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float, remaining: float
 ) -> int:
     for m in range(1, min(longest, (count - 1) // 2) + 1):
         if _distance(points, scales, count - 1, m) > tolerance:
@@ -84,7 +84,7 @@ def _settled_period(
             continue
         before = _repetition(points, scales, count - m, m)
         rate = now / before if before > 0.0 else 0.0
-        if now <= FLOOR or (rate < 1.0 and now * rate / (1.0 - rate) <= tolerance):
+        if now <= FLOOR or (rate < 1.0 and now * rate / (1.0 - rate) <= remaining):
             shorter = count >= 3 * m + 1 and _shrinking_divisor(points, scales, count, m)
             return 0 if shorter else _least_period(points, scales, count, m)
     return 0
@@ -127,10 +127,10 @@ def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     return _asked(_lasting_period, points, tolerance)
 
 
-def _asked(kernel: Callable[..., int], points: NDArray[np.float64], tolerance: float) -> int:
+def _asked(kernel: Callable[..., int], points: NDArray[np.float64], *tolerances: float) -> int:
     points = np.ascontiguousarray(points)
     given = (*words_of(points), *words_of(_scales(points)))
-    return int(SETTLING.function(kernel)(*given, len(points), LONGEST, tolerance))
+    return int(SETTLING.function(kernel)(*given, len(points), LONGEST, *tolerances))
 
 
 def _scales(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -140,14 +140,19 @@ def _scales(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(scales, np.float64)
 
 
-def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
+def settled_period(
+    points: NDArray[np.float64], tolerance: float = SETTLED, remaining: float | None = None
+) -> int:
     """Section points per period of a settled map; 0 when it has not settled.
 
     Parameters
     ----------
     points : section points, oldest first; shape (count, n). Two columns of an excitation's phase
         (cosine, sine) belong to them on a forced system
+    tolerance : of the repetition, over the largest value of each state
+    remaining : of what its improvement leaves to come; as `tolerance` when left out
     """
     if len(points) < 3:
         return 0
-    return _asked(_settled_period, points, tolerance)
+    left = tolerance if remaining is None else remaining
+    return _asked(_settled_period, points, tolerance, left)

@@ -284,6 +284,15 @@ def _response(
             ("state",),
             comment=_mixed(states),
         ),
+        Variable(
+            "L_s_reference_index",
+            "1",
+            "number of that equilibrium among the solutions of `equilibrium`, from 1",
+            kind="int",
+            comment="the one reached; of a motion that does not rest, the first, from which a "
+            "start of kind `equilibrium` is offset too",
+        ),
+        _EQUILIBRIUM_REACHED,
         Variable("L_s_window", "s", "window of L_s, of extremes and of fractions"),
         Variable("period", "s", "period of the attractor", symbol="T"),
         Variable("multiplicity", "1", "section points per period", kind="int"),
@@ -296,9 +305,42 @@ def _response(
         *_extremes(states),
         Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
         *_multipliers(),
+        *_grounds(),
         *_solver_trust(),
         Variable("event_residual", "1", "largest switching function left at an event"),
         Variable("transient_used", "s", "time simulated before the steady state was accepted"),
+    ]
+
+
+_EQUILIBRIUM_REACHED = Variable(
+    "equilibrium_index",
+    "1",
+    "number of the equilibrium reached, among the solutions of `equilibrium`, from 1",
+    kind="int",
+)
+
+
+def _grounds() -> list[Variable]:
+    """By how much a class meets its grounds (`analyses/grounds.py`)."""
+    return [
+        Variable(
+            "decay_margin",
+            "1",
+            "share of the way to the nearest switching surface that a slide to rest leaves free",
+            comment="of the level set through the motion when its class was told; equilibria only",
+        ),
+        Variable(
+            "cycle_residual",
+            "1",
+            "miss of the cycle after a period, over its extent",
+            comment="of the cycle that Newton's method found from the motion; periodic motions only",
+        ),
+        Variable(
+            "section_drift",
+            "1",
+            "difference between the halves of the section set, over its spread; 0: stationary",
+            comment="of means and spreads, the largest beyond what sampling explains",
+        ),
     ]
 
 
@@ -367,6 +409,7 @@ def _spectrum(
         Variable("mode_frequency", "Hz", "frequency of the mode", mode, comment=pair),
         Variable("mode_growth", "rad s-1", "growth rate of the mode", mode, comment=pair),
         Variable("unstable_frequency", "Hz", "frequency of the growing mode", mode, comment=pair),
+        *_grounds(),
         *_solver_trust(),
         Variable("event_residual", "1", "largest switching function left at an event"),
         Variable("transient_used", "s", "time simulated before the steady state was accepted"),
