@@ -71,7 +71,8 @@ def _closed(problem: Problem, conditions: Shooting) -> Confirmed | None:
     for _ in range(DERIVATIVES):
         if found is None or first is None:
             return None
-        derived, inverse = found, np.linalg.pinv(conditions.jacobian(found), rcond=RANK)
+        derived = found
+        inverse = np.asarray(np.linalg.pinv(conditions.jacobian(found), rcond=RANK), np.float64)
         unknowns, found, settled = _chords(problem, conditions, unknowns, found, inverse)
         if settled and found is not None:
             return _own(problem, conditions, unknowns, (first, derived, found))

@@ -17,7 +17,6 @@ from fiv_cli.analyses.grounds import AGREEMENT, FALLEN, HURWITZ, LEADING, LINEAR
 from fiv_cli.analyses.linearisation import free_states
 from fiv_cli.codegen.native import call_generated
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]

@@ -533,7 +533,7 @@ class _Response:
         return Outcome(values=values, ragged={"section_value": shown})
 
     def _measure_to(self, goal: float) -> Outcome | None:
-        """Measure up to `goal`, keeping section points; the equilibrium if that is where it goes."""
+        """Measure up to `goal`, keeping section points; the equilibrium where it goes to one."""
         while self.motion.time < goal and self._goes_on:
             self._step(goal, self.section, measuring=True)
             rest = self._rest()
@@ -555,7 +555,7 @@ class _Response:
             return "undecided", "time_budget"
         moved = drift(self._map_points())
         outcome.values["section_drift"] = moved
-        if not moved == 0.0:
+        if moved != 0.0:
             return "undecided", "section_drifts"
         return self._by_two_tests(exponent, regular)
 
