@@ -327,13 +327,13 @@ def _grounds() -> list[Variable]:
             "decay_margin",
             "1",
             "share of the way to the nearest switching surface that a slide to rest leaves free",
-            comment="of the level set through the motion when its class was told; of equilibria only",
+            comment="of the level set through the motion when its class was told; equilibria only",
         ),
         Variable(
             "cycle_residual",
             "1",
             "miss of the cycle after a period, over its extent",
-            comment="of the cycle that Newton's method found from the motion; of periodic ones only",
+            comment="of the cycle that Newton's method found; periodic motions only",
         ),
         Variable(
             "section_drift",

@@ -79,10 +79,15 @@ def _placed(
     array: xr.DataArray,
     plane_axes: tuple[xr.DataArray, xr.DataArray],
     panel: points.Line,
-) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Where the points of one panel lie, and their numbers; NaN where there is no answer."""
+) -> tuple[tuple[np.ndarray, np.ndarray], list[np.ndarray]]:
+    """Where the points of one panel lie, and their numbers (of an interval, at each end).
+
+    NaN where there is no answer.
+    """
     x, y = (points.positions(axis) for axis in plane_axes)
-    return (x, y), _plane(numbers(array).where(_computed(dataset)), panel, plane_axes)
+    known = _computed(dataset)
+    ends = (numbers(end).where(known) for end in levels.ends_of(dataset, array))
+    return (x, y), [_plane(end, panel, plane_axes) for end in ends]
 
 
 def _how_run(dataset: xr.Dataset) -> str:
