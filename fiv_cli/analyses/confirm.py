@@ -33,6 +33,7 @@ CHORDS = 6  # steps with one derivative
 DERIVATIVES = 3  # of the return map at most
 SETTLED = 1e-10  # last correction, over the extent of the motion
 SLOW = 0.1  # a chord step that leaves more than this of the last one asks for a new derivative
+FAINT = 1e-3  # a displacement (velocity) below this share of the largest is judged by that
 ROUNDING = 1e-9  # of the extent: a distance that says nothing
 
 
@@ -61,8 +62,15 @@ def confirm(problem: Problem, motion: Motion, period: float) -> Confirmed | None
     guess = guess_between(problem, lambda: begin(problem, here), now, now + period)
     if guess is None:
         return None
-    conditions = shooting(problem, guess.anchor, guess.period, guess.scales)
-    return _closed(problem, conditions)
+    scales = _scales(guess.scales, len(problem.system.coordinates))
+    return _closed(problem, shooting(problem, guess.anchor, guess.period, scales))
+
+
+def _scales(extents: Vector, n_coordinates: int) -> Vector:
+    """By what distances are judged: of a state that hardly moves, a share of what moves most."""
+    groups = np.split(extents, [n_coordinates, 2 * n_coordinates])
+    floors = [np.maximum(group, FAINT * np.max(group, initial=0.0)) for group in groups]
+    return np.concatenate(floors)
 
 
 def _closed(problem: Problem, conditions: Shooting) -> Confirmed | None:

@@ -408,7 +408,7 @@ def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cy
     cycle = describe(problem, conditions.anchor_of(found), conditions.period_of(problem, found))
     if cycle is None:
         return None
-    share = _repeats(problem, cycle)
+    share = repeats(problem, cycle.points, cycle.scales, cycle.period)
     return cycle if share == 1 else close(problem, cycle.anchor, period / share, cycle.scales)
 
 
@@ -458,14 +458,21 @@ def aim_phase(motion: Motion, section: Section, excitation: float | None) -> Non
         motion.clock[kernel.NEXT_PHASE] = offset + turns * excitation
 
 
-def _repeats(problem: Problem, cycle: Cycle) -> int:
-    """How many times the true period goes into the one that was found."""
-    count = len(cycle.points)
+def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:
+    """How many times the true period goes into the one that was found.
+
+    Parameters
+    ----------
+    points : at the section, in order; shape (multiplicity, n_states)
+    scales : extent of the motion in every state
+    period : s
+    """
+    count = len(points)
     for share in range(count, 1, -1):
-        if count % share or not _may_be_shared(problem, cycle.period, share):
+        if count % share or not _may_be_shared(problem, period, share):
             continue
-        apart = np.abs(np.roll(cycle.points, count // share, axis=0) - cycle.points)
-        if np.max(apart / cycle.scales) <= SAME_POINT:
+        apart = np.abs(np.roll(points, count // share, axis=0) - points)
+        if np.max(apart / scales) <= SAME_POINT:
             return share
     return 1
 

@@ -46,7 +46,14 @@ from fiv_cli.analyses.grounds import (
 from fiv_cli.analyses.level_set import Descent, LevelSet, level_set, slides_freely
 from fiv_cli.analyses.linearisation import free_jacobian
 from fiv_cli.analyses.lyapunov import Exponent
-from fiv_cli.analyses.periodic import Problem, begin, is_nontrivial, tightened
+from fiv_cli.analyses.periodic import (
+    Problem,
+    begin,
+    extents,
+    is_nontrivial,
+    repeats,
+    tightened,
+)
 from fiv_cli.analyses.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.stationarity import drift
 from fiv_cli.dynamics import kernel
@@ -400,37 +407,39 @@ class _Response:
         self, cycle: Confirmed, multiplicity: int, section: Section
     ) -> Outcome | None:
         """Measure one period on the cycle, from a section point on; None: not the section's."""
-        before, decided = self.motion, self.motion.time
+        before = self.motion
         self.motion = begin(replace(self.problem, solver=self.solver), cycle.anchor)
         self._next_points(1, section)
         begun = self._start_measuring()
         energy = self.motion.energy()
         points = self._next_points(multiplicity, section, measuring=True)
-        period = self.motion.time - begun
-        if (
-            self.stop != Stop.SECTION_FULL
-            or abs(period - cycle.period) > SAME_PERIOD * cycle.period
-        ):
+        period, full = self.motion.time - begun, self.stop == Stop.SECTION_FULL
+        scales = extents(self.motion.measures.extremes[:2])
+        share = repeats(self.problem, points, scales, period) if full else 1
+        if not full or abs(period - cycle.period) > SAME_PERIOD * cycle.period or share > 1:
+            shorter = confirm(self.problem, self.motion, period / share) if share > 1 else None
             self.motion, self.stop = before, Stop.REACHED
-            return None
+            if shorter is None:
+                return None
+            return self._measured_cycle(shorter, multiplicity // share, section)
         self.spent = {"n_steps": before.n_steps, "n_events": before.n_events}
-        values = (
-            self._measured(energy)
-            | self._floquet(cycle)
-            | {
-                "attractor": "periodic",
-                "period": period,
-                "multiplicity": multiplicity,
-                "response_frequency": 1.0 / period,
-                "transient_used": decided,
-                "cycle_residual": cycle.residual,
-            }
-        )
-        if self.excitation is not None:
-            values["period_ratio"] = period / self.excitation
+        values = {"multiplicity": multiplicity, "transient_used": before.time}
+        values |= self._measured(energy) | self._described(cycle, period)
         shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
         carry = self._carry("periodic")
         return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
+
+    def _described(self, cycle: Confirmed, period: float) -> dict[str, Any]:
+        """What is known of a cycle beside its measures; `period` is that at the section, s."""
+        values: dict[str, Any] = {
+            "attractor": "periodic",
+            "period": period,
+            "response_frequency": 1.0 / period,
+            "cycle_residual": cycle.residual,
+        }
+        if self.excitation is not None:
+            values["period_ratio"] = period / self.excitation
+        return values | self._floquet(cycle)
 
     def _next_points(
         self, count: int, section: Section, measuring: bool = False
