@@ -32,7 +32,7 @@ from fiv_cli.codegen.native import (
     inlined,
     native,
 )
-from fiv_cli.dynamics.roots import NO_ROOT, first_root
+from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
 SLIP, STICK, SEPARATION = 0, 1, 2
@@ -101,6 +101,8 @@ GRAZING = 1e-5  # a switching function that falls slower than this share of its 
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 BISECTIONS = 80
+TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
+FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
@@ -198,15 +200,6 @@ def series_value(series: Floats, offset: int, order: int, x: float) -> float:
     for k in range(order - 3 + order % 2, 0, -2):
         odd = odd * square + series[offset + k]
     return even + x * odd
-
-
-@native
-def series_slope(series: Floats, offset: int, order: int, x: float) -> float:
-    """Derivative of the series that begins at `offset`."""
-    value = 0.0
-    for k in range(order, 0, -1):
-        value = value * x + k * series[offset + k]
-    return value
 
 
 @native
@@ -659,56 +652,105 @@ def take_samples(run: Run, index: int, tau: float, out: Floats) -> None:
 
 
 @native
-def take_measures(run: Run, index: int, tau: float, out: Floats) -> None:
-    """Integrate the measures along the step of length tau by Gauss quadrature.
+def take_measures(run: Run, index: int, tau: float, end: Floats) -> None:
+    """Integrate the measures along the step of length tau, which ends at the state `end`.
 
     Where the reference is NaN the coordinate does not count. extremes is (3, n): least and
     greatest value, integral of the square; shares is (contacts, 3): time in slip, stick,
     separation.
     """
-    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
+    n, contacts, t = run.config[N_STATES], run.config[N_CONTACTS], run.clock[TIME]
     energies = contact_outputs(run.table, index, n) + PER_CONTACT * contacts
-    t = run.clock[TIME]
-    last_x = 0.0
     run.measures[M_TIME] += tau
     for i in range(contacts):
         run.shares[i, run.kinds[i]] += tau
-    for i in range(n):  # an impact may have left a velocity at its extreme
-        run.extremes[0, i] = min(run.extremes[0, i], run.y[i])
-        run.extremes[1, i] = max(run.extremes[1, i], run.y[i])
-    for node in range(run.quadrature.shape[0] + 1):
-        at_end = node == run.quadrature.shape[0]
-        x = tau if at_end else run.quadrature[node, 0] * tau
-        weight = 0.0 if at_end else run.quadrature[node, 1] * tau
-        state_after(run, index, t, x, out)
+    count = nodes_needed(run, tau)
+    first, x = count * (count - 1) // 2, 0.0
+    for node in range(count):
+        last_x, x = x, run.quadrature[first + node, 0] * tau
+        weight = run.quadrature[first + node, 1] * tau
+        here = run.stages[5 + node % 2]
+        if node == 0:
+            call_generated(run.table[index, FIELD], run.coefficients, t, run.y, here)
+        elif node == count - 1:
+            call_generated(run.table[index, FIELD], run.coefficients, t + x, end, here)
+        else:
+            state_after(run, index, t, x, run.stages[4])
+            call_generated(run.table[index, FIELD], run.coefficients, t + x, run.stages[4], here)
         for i in range(n):
-            value = out[i]
+            value = here[i]
             run.extremes[0, i] = min(run.extremes[0, i], value)
             run.extremes[1, i] = max(run.extremes[1, i], value)
             run.extremes[2, i] += weight * value * value
-            if i < run.config[N_COORDINATES] and run.reference[i] == run.reference[i]:
-                off = value - run.reference[i]
+        for i in range(run.config[N_COORDINATES]):
+            if run.reference[i] == run.reference[i]:
+                off = here[i] - run.reference[i]
                 run.measures[M_SPREAD] += weight * (off * off)
-            if run.config[METHOD] == METHOD_TAYLOR:
-                offset = i * (order + 1)
-                before = series_slope(run.series, offset, order, last_x)
-                if before * series_slope(run.series, offset, order, x) < 0.0:
-                    low, high = last_x, x
-                    for _ in range(BISECTIONS):
-                        middle = 0.5 * (low + high)
-                        if before * series_slope(run.series, offset, order, middle) > 0.0:
-                            low = middle
-                        else:
-                            high = middle
-                    value = series_value(run.series, offset, order, 0.5 * (low + high))
-                    run.extremes[0, i] = min(run.extremes[0, i], value)
+        run.measures[M_OTHER] += weight * here[energies + OTHER_POWER]
+        run.measures[M_FRICTION] += weight * here[energies + FRICTION_POWER]
+        run.measures[M_DRIVE] += weight * here[energies + DRIVE_POWER]
+        if node > 0 and run.config[METHOD] == METHOD_TAYLOR:
+            look_for_turns(run, run.stages[6 - node % 2], here, last_x, x)
+
+
+@inlined
+def nodes_needed(run: Run, tau: float) -> int:
+    """Nodes of the quadrature that integrates over this part of a step to rounding."""
+    count = FEWEST_NODES
+    share = tau / run.clock[LAST_STEP]
+    while run.quadrature[count * (count - 1) // 2, 2] < share:
+        count += 1
+    return count
+
+
+@inlined
+def look_for_turns(run: Run, before: Floats, after: Floats, low: float, high: float) -> None:
+    """Extremes that lie between two nodes, whose field outputs are given.
+
+    Only a turn that can pass the extreme known so far is located.
+    """
+    n, order = run.config[N_STATES], run.config[ORDER]
+    for i in range(n):
+        rise, fall = before[n + i], after[n + i]
+        if rise * fall < 0.0:
+            reach = (abs(rise) + abs(fall)) * (high - low)
+            if rise > 0.0:
+                if max(before[i], after[i]) + reach > run.extremes[1, i]:
+                    value = turning_value(run, i * (order + 1), low, high, rise, fall)
                     run.extremes[1, i] = max(run.extremes[1, i], value)
-        last_x = x
-        if not at_end:
-            call_generated(run.table[index, FIELD], run.coefficients, t + x, out, run.stages[0])
-            run.measures[M_OTHER] += weight * run.stages[0, energies + OTHER_POWER]
-            run.measures[M_FRICTION] += weight * run.stages[0, energies + FRICTION_POWER]
-            run.measures[M_DRIVE] += weight * run.stages[0, energies + DRIVE_POWER]
+            elif min(before[i], after[i]) - reach < run.extremes[0, i]:
+                value = turning_value(run, i * (order + 1), low, high, rise, fall)
+                run.extremes[0, i] = min(run.extremes[0, i], value)
+
+
+@native
+def turning_value(
+    run: Run, offset: int, low: float, high: float, at_low: float, at_high: float
+) -> float:
+    """Value of a series where it turns, between two times at which its slope is known.
+
+    Secant steps on the slope, kept inside the bracket. About the turn the value is a parabola: what
+    the last step would still change of it is half of slope times step.
+    """
+    series, found = run.series[offset:], run.polynomial
+    enough = TURNED * (abs(at_low) + abs(at_high)) * (high - low)
+    x, before, at_before = chord(low, high, at_low, at_high), high, at_high
+    change = 0.0
+    for _ in range(BISECTIONS):
+        call_generated(run.config[VALUE_AND_SLOPE], series, x, series, found)
+        slope = found[1]
+        if slope * at_low > 0.0:
+            low = x
+        else:
+            high = x
+        new = x - slope * (x - before) / (slope - at_before)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        change = 0.5 * slope * (new - x)
+        if abs(change) <= enough:
+            break
+        x, before, at_before = new, x, slope
+    return found[0] + change
 
 
 @native
@@ -1157,7 +1199,7 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         if run.counters[SAMPLED] < len(run.sample_times):
             take_samples(run, index, tau, joined)
         if measuring:
-            take_measures(run, index, tau, joined)
+            take_measures(run, index, tau, out)
         if with_tangents:
             move_tangents(run, index, tau, joined)
         for i in range(n):
