@@ -22,20 +22,21 @@ LONGEST = 64  # longest period looked for, in section points
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
 FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
 DISTINCT = 1e-6  # points of one period lie further apart than this: else the period is shorter
-RECENT = 4 * LONGEST + 4  # points that tell whether a map has settled; those before are transient
 
 
 @native
 def _take_scales(points: Floats2, scales: Floats) -> None:
     """Largest value of each state; of one that is rounding, a share of the largest of all."""
+    for i in range(points.shape[1]):
+        scales[i] = LEAST
+    for row in range(points.shape[0]):
+        for i in range(points.shape[1]):
+            scales[i] = max(scales[i], abs(points[row, i]))
     largest = 0.0
     for i in range(points.shape[1]):
-        scales[i] = 0.0
-        for row in range(points.shape[0]):
-            scales[i] = max(scales[i], abs(points[row, i]))
         largest = max(largest, scales[i])
     for i in range(points.shape[1]):
-        scales[i] = max(scales[i], max(SMALLEST * largest, LEAST))
+        scales[i] = max(scales[i], SMALLEST * largest)
 
 
 @native
@@ -158,4 +159,4 @@ def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     """
     if len(points) < 3:
         return 0
-    return _asked(_settled_period, points[-RECENT:], tolerance)
+    return _asked(_settled_period, points, tolerance)
