@@ -178,7 +178,7 @@ def _scratch(system: System) -> dict[str, NDArray[Any]]:
     options[:, kernel.ONE_WAY] = system.generated.smooth
     return {
         "series": np.zeros(rows * (order + 1)),
-        "work": np.zeros(rows * (order + 1)),
+        "work": np.zeros(rows * (system.generated.tangent_order + 1)),
         "stages": np.zeros((SCRATCH_ROWS, width)),
         "polynomial": np.zeros(order + 1),
         "pieces": roots.scratch(),

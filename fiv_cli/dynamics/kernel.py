@@ -42,14 +42,15 @@ VELOCITY, CAPACITY_UP, CAPACITY_DOWN, NORMAL, GAP, JAMMING = 0, 1, 2, 3, 4, 5
 CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
 
 # table[state, ...]
-TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS = 0, 1, 2, 3, 4, 5
-TABLE_WIDTH = 6
+TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS, SWITCHING, MOVED = range(8)
+TABLE_WIDTH = 8
 
 # config[...]
 N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, STATE, METHOD = range(8)
 VALUE_AND_SLOPE, BERNSTEIN = 8, 9
 ZONE_START, ZONE_WIDTH, ZONE_CONTACT = 10, 11, 12  # parameter slots of the sector; -1: none
-CONFIG_WIDTH = 13
+TANGENT_ORDER = 13
+CONFIG_WIDTH = 14
 METHOD_TAYLOR, METHOD_RK4 = 0, 1
 
 # clock[...]
@@ -760,30 +761,26 @@ def move_tangents(run: Run, index: int, tau: float, joined: Floats) -> None:
     The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
     where these are fast its series needs shorter steps.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
+    n, order, t = run.config[N_STATES], run.config[TANGENT_ORDER], run.clock[TIME]
+    c, moved, series = run.coefficients, run.table[index, MOVED], run.work
+    tangent, series_of_tangent = joined[n:], run.work[n * (order + 1) :]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
-            joined[n + i] = run.tangents[row, i]
+            tangent[i] = run.tangents[row, i]
         done = 0.0
         while done < tau:
-            call_generated(
-                run.table[index, TANGENT],
-                run.coefficients,
-                run.clock[TIME] + done,
-                joined,
-                run.work,
-            )
-            part = min(
-                step_size(run.work, 2 * n, order, run.tolerances[RTOL], tau - done), tau - done
-            )
-            if done + part == done:
-                part = tau - done
-            for i in range(2 * n):
-                joined[i] = series_value(run.work, i * (order + 1), order, part)
-            done = tau if part >= tau - done else done + part
+            call_generated(run.table[index, TANGENT], c, t + done, joined, series)
+            rest = tau - done
+            part = step_size(series, 2 * n, order, run.tolerances[RTOL], rest)
+            if part >= rest or done + part == done:
+                part, done = rest, tau
+            else:
+                done += part
+                call_generated(moved, c, part, series, joined)
+            call_generated(moved, c, part, series_of_tangent, tangent)
         for i in range(n):
-            run.tangents[row, i] = joined[n + i]
+            run.tangents[row, i] = tangent[i]
 
 
 @native
@@ -795,19 +792,19 @@ def switching_rates(
     A trajectory displaced by a tangent vector d meets the switching function g later by
     -dg(d) / g'; what the delay does to the state after the event is `saltate`'s.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
+    n = run.config[N_STATES]
     outputs = run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
             joined[n + i] = run.tangents[row, i]
         call_generated(
-            run.table[index, TANGENT], run.coefficients, run.clock[TIME], joined, run.work
+            run.table[index, SWITCHING], run.coefficients, run.clock[TIME], joined, run.work
         )
-        for i in range(n):
-            rates[i] = run.work[i * (order + 1) + 1]
-        speed = run.work[(2 * n + entry) * (order + 1) + 1]
-        change = run.work[(2 * n + outputs + entry) * (order + 1)]
+        for i in range(n):  # rows of value and rate: y, tangent, switching, tangent of switching
+            rates[i] = run.work[2 * i + 1]
+        speed = run.work[2 * (2 * n + entry) + 1]
+        change = run.work[2 * (2 * n + outputs + entry)]
         delays[row] = -change / speed if speed != 0.0 else 0.0
 
 
