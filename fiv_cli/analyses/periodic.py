@@ -181,15 +181,14 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
 
 def _projection(motion: Motion) -> Matrix:
     """Derivative of the state where a motion is by the state asked for, by differentiated code."""
-    n, order = len(motion.y), motion.system.generated.order
+    n = len(motion.y)
     index = kernel.state_index(motion.kinds, len(motion.kinds))
-    address = motion.system.tangent_table[index, kernel.TANGENT]
-    series = np.zeros_like(motion.layout.shared["work"])
-    matrix = np.zeros((n, n))
+    address = motion.system.jacobians[index]
+    series, matrix = np.zeros(4 * n), np.zeros((n, n))
     for column in range(n):
         joined = np.concatenate([motion.y, np.eye(n)[column]])
         call_generated(address, motion.coefficients, motion.time, joined, series)
-        matrix[:, column] = series[n * (order + 1) : 2 * n * (order + 1) : order + 1]
+        matrix[:, column] = series[2 * n :: 2]
     return matrix
 
 

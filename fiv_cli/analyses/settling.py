@@ -16,11 +16,27 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.native import Floats, Floats2, Library, native, words_of
 
 SETTLED = 1e-8  # relative to the largest value of each state at the section
+LEAST = float(np.finfo(float).tiny)  # a scale that is none
 SMALLEST = 1e-7  # a state below this share of the largest one is judged by that: it is rounding
 LONGEST = 64  # longest period looked for, in section points
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
 FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
 DISTINCT = 1e-6  # points of one period lie further apart than this: else the period is shorter
+
+
+@native
+def _take_scales(points: Floats2, scales: Floats) -> None:
+    """Largest value of each state; of one that is rounding, a share of the largest of all."""
+    for i in range(points.shape[1]):
+        scales[i] = LEAST
+    for row in range(points.shape[0]):
+        for i in range(points.shape[1]):
+            scales[i] = max(scales[i], abs(points[row, i]))
+    largest = 0.0
+    for i in range(points.shape[1]):
+        largest = max(largest, scales[i])
+    for i in range(points.shape[1]):
+        scales[i] = max(scales[i], SMALLEST * largest)
 
 
 @native
@@ -74,8 +90,10 @@ def _least_period(points: Floats2, scales: Floats, count: int, m: int) -> int:
 
 @native
 def _settled_period(
-    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float, remaining: float
+    points: Floats2, scales: Floats, longest: int, tolerance: float, remaining: float
 ) -> int:
+    count = points.shape[0]
+    _take_scales(points, scales)
     for m in range(1, min(longest, (count - 1) // 2) + 1):
         if _distance(points, scales, count - 1, m) > tolerance:
             continue
@@ -91,10 +109,10 @@ def _settled_period(
 
 
 @native
-def _lasting_period(
-    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float
-) -> int:
+def _lasting_period(points: Floats2, scales: Floats, longest: int, tolerance: float) -> int:
+    count = points.shape[0]
     half = count // 2
+    _take_scales(points, scales)
     for m in range(1, min(longest, half // 4) + 1):
         whole = half // m * m  # over all of it, too, nothing has moved
         if _distance(points, scales, count - 1, whole) > tolerance:
@@ -128,16 +146,9 @@ def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
 
 
 def _asked(kernel: Callable[..., int], points: NDArray[np.float64], *tolerances: float) -> int:
-    points = np.ascontiguousarray(points)
-    given = (*words_of(points), *words_of(_scales(points)))
-    return int(SETTLING.function(kernel)(*given, len(points), LONGEST, *tolerances))
-
-
-def _scales(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Largest value of each state; of one that is rounding, a share of the largest of all."""
-    scales = np.max(np.abs(points), axis=0)
-    scales = np.maximum(scales, max(SMALLEST * np.max(scales), np.finfo(float).tiny))
-    return np.asarray(scales, np.float64)
+    points, scales = np.ascontiguousarray(points), np.empty(points.shape[1])
+    given = (*words_of(points), *words_of(scales))
+    return int(SETTLING.function(kernel)(*given, LONGEST, *tolerances))
 
 
 def settled_period(

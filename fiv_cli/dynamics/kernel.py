@@ -32,7 +32,7 @@ from fiv_cli.codegen.native import (
     inlined,
     native,
 )
-from fiv_cli.dynamics.roots import NO_ROOT, first_root
+from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
 SLIP, STICK, SEPARATION = 0, 1, 2
@@ -42,14 +42,15 @@ VELOCITY, CAPACITY_UP, CAPACITY_DOWN, NORMAL, GAP, JAMMING = 0, 1, 2, 3, 4, 5
 CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
 
 # table[state, ...]
-TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS = 0, 1, 2, 3, 4, 5
-TABLE_WIDTH = 6
+TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS, SWITCHING, MOVED = range(8)
+TABLE_WIDTH = 8
 
 # config[...]
 N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, STATE, METHOD = range(8)
 VALUE_AND_SLOPE, BERNSTEIN = 8, 9
 ZONE_START, ZONE_WIDTH, ZONE_CONTACT = 10, 11, 12  # parameter slots of the sector; -1: none
-CONFIG_WIDTH = 13
+TANGENT_ORDER = 13
+CONFIG_WIDTH = 14
 METHOD_TAYLOR, METHOD_RK4 = 0, 1
 
 # clock[...]
@@ -101,6 +102,8 @@ GRAZING = 1e-5  # a switching function that falls slower than this share of its 
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 BISECTIONS = 80
+TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
+FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
@@ -198,15 +201,6 @@ def series_value(series: Floats, offset: int, order: int, x: float) -> float:
     for k in range(order - 3 + order % 2, 0, -2):
         odd = odd * square + series[offset + k]
     return even + x * odd
-
-
-@native
-def series_slope(series: Floats, offset: int, order: int, x: float) -> float:
-    """Derivative of the series that begins at `offset`."""
-    value = 0.0
-    for k in range(order, 0, -1):
-        value = value * x + k * series[offset + k]
-    return value
 
 
 @native
@@ -659,56 +653,105 @@ def take_samples(run: Run, index: int, tau: float, out: Floats) -> None:
 
 
 @native
-def take_measures(run: Run, index: int, tau: float, out: Floats) -> None:
-    """Integrate the measures along the step of length tau by Gauss quadrature.
+def take_measures(run: Run, index: int, tau: float, end: Floats) -> None:
+    """Integrate the measures along the step of length tau, which ends at the state `end`.
 
     Where the reference is NaN the coordinate does not count. extremes is (3, n): least and
     greatest value, integral of the square; shares is (contacts, 3): time in slip, stick,
     separation.
     """
-    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
+    n, contacts, t = run.config[N_STATES], run.config[N_CONTACTS], run.clock[TIME]
     energies = contact_outputs(run.table, index, n) + PER_CONTACT * contacts
-    t = run.clock[TIME]
-    last_x = 0.0
     run.measures[M_TIME] += tau
     for i in range(contacts):
         run.shares[i, run.kinds[i]] += tau
-    for i in range(n):  # an impact may have left a velocity at its extreme
-        run.extremes[0, i] = min(run.extremes[0, i], run.y[i])
-        run.extremes[1, i] = max(run.extremes[1, i], run.y[i])
-    for node in range(run.quadrature.shape[0] + 1):
-        at_end = node == run.quadrature.shape[0]
-        x = tau if at_end else run.quadrature[node, 0] * tau
-        weight = 0.0 if at_end else run.quadrature[node, 1] * tau
-        state_after(run, index, t, x, out)
+    count = nodes_needed(run, tau)
+    first, x = count * (count - 1) // 2, 0.0
+    for node in range(count):
+        last_x, x = x, run.quadrature[first + node, 0] * tau
+        weight = run.quadrature[first + node, 1] * tau
+        here = run.stages[5 + node % 2]
+        if node == 0:
+            call_generated(run.table[index, FIELD], run.coefficients, t, run.y, here)
+        elif node == count - 1:
+            call_generated(run.table[index, FIELD], run.coefficients, t + x, end, here)
+        else:
+            state_after(run, index, t, x, run.stages[4])
+            call_generated(run.table[index, FIELD], run.coefficients, t + x, run.stages[4], here)
         for i in range(n):
-            value = out[i]
+            value = here[i]
             run.extremes[0, i] = min(run.extremes[0, i], value)
             run.extremes[1, i] = max(run.extremes[1, i], value)
             run.extremes[2, i] += weight * value * value
-            if i < run.config[N_COORDINATES] and run.reference[i] == run.reference[i]:
-                off = value - run.reference[i]
+        for i in range(run.config[N_COORDINATES]):
+            if run.reference[i] == run.reference[i]:
+                off = here[i] - run.reference[i]
                 run.measures[M_SPREAD] += weight * (off * off)
-            if run.config[METHOD] == METHOD_TAYLOR:
-                offset = i * (order + 1)
-                before = series_slope(run.series, offset, order, last_x)
-                if before * series_slope(run.series, offset, order, x) < 0.0:
-                    low, high = last_x, x
-                    for _ in range(BISECTIONS):
-                        middle = 0.5 * (low + high)
-                        if before * series_slope(run.series, offset, order, middle) > 0.0:
-                            low = middle
-                        else:
-                            high = middle
-                    value = series_value(run.series, offset, order, 0.5 * (low + high))
-                    run.extremes[0, i] = min(run.extremes[0, i], value)
+        run.measures[M_OTHER] += weight * here[energies + OTHER_POWER]
+        run.measures[M_FRICTION] += weight * here[energies + FRICTION_POWER]
+        run.measures[M_DRIVE] += weight * here[energies + DRIVE_POWER]
+        if node > 0 and run.config[METHOD] == METHOD_TAYLOR:
+            look_for_turns(run, run.stages[6 - node % 2], here, last_x, x)
+
+
+@inlined
+def nodes_needed(run: Run, tau: float) -> int:
+    """Nodes of the quadrature that integrates over this part of a step to rounding."""
+    count = FEWEST_NODES
+    share = tau / run.clock[LAST_STEP]
+    while run.quadrature[count * (count - 1) // 2, 2] < share:
+        count += 1
+    return count
+
+
+@inlined
+def look_for_turns(run: Run, before: Floats, after: Floats, low: float, high: float) -> None:
+    """Extremes that lie between two nodes, whose field outputs are given.
+
+    Only a turn that can pass the extreme known so far is located.
+    """
+    n, order = run.config[N_STATES], run.config[ORDER]
+    for i in range(n):
+        rise, fall = before[n + i], after[n + i]
+        if rise * fall < 0.0:
+            reach = (abs(rise) + abs(fall)) * (high - low)
+            if rise > 0.0:
+                if max(before[i], after[i]) + reach > run.extremes[1, i]:
+                    value = turning_value(run, i * (order + 1), low, high, rise, fall)
                     run.extremes[1, i] = max(run.extremes[1, i], value)
-        last_x = x
-        if not at_end:
-            call_generated(run.table[index, FIELD], run.coefficients, t + x, out, run.stages[0])
-            run.measures[M_OTHER] += weight * run.stages[0, energies + OTHER_POWER]
-            run.measures[M_FRICTION] += weight * run.stages[0, energies + FRICTION_POWER]
-            run.measures[M_DRIVE] += weight * run.stages[0, energies + DRIVE_POWER]
+            elif min(before[i], after[i]) - reach < run.extremes[0, i]:
+                value = turning_value(run, i * (order + 1), low, high, rise, fall)
+                run.extremes[0, i] = min(run.extremes[0, i], value)
+
+
+@native
+def turning_value(
+    run: Run, offset: int, low: float, high: float, at_low: float, at_high: float
+) -> float:
+    """Value of a series where it turns, between two times at which its slope is known.
+
+    Secant steps on the slope, kept inside the bracket. About the turn the value is a parabola: what
+    the last step would still change of it is half of slope times step.
+    """
+    series, found = run.series[offset:], run.polynomial
+    enough = TURNED * (abs(at_low) + abs(at_high)) * (high - low)
+    x, before, at_before = chord(low, high, at_low, at_high), high, at_high
+    change = 0.0
+    for _ in range(BISECTIONS):
+        call_generated(run.config[VALUE_AND_SLOPE], series, x, series, found)
+        slope = found[1]
+        if slope * at_low > 0.0:
+            low = x
+        else:
+            high = x
+        new = x - slope * (x - before) / (slope - at_before)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        change = 0.5 * slope * (new - x)
+        if abs(change) <= enough:
+            break
+        x, before, at_before = new, x, slope
+    return found[0] + change
 
 
 @native
@@ -718,30 +761,26 @@ def move_tangents(run: Run, index: int, tau: float, joined: Floats) -> None:
     The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
     where these are fast its series needs shorter steps.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
+    n, order, t = run.config[N_STATES], run.config[TANGENT_ORDER], run.clock[TIME]
+    c, moved, series = run.coefficients, run.table[index, MOVED], run.work
+    tangent, series_of_tangent = joined[n:], run.work[n * (order + 1) :]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
-            joined[n + i] = run.tangents[row, i]
+            tangent[i] = run.tangents[row, i]
         done = 0.0
         while done < tau:
-            call_generated(
-                run.table[index, TANGENT],
-                run.coefficients,
-                run.clock[TIME] + done,
-                joined,
-                run.work,
-            )
-            part = min(
-                step_size(run.work, 2 * n, order, run.tolerances[RTOL], tau - done), tau - done
-            )
-            if done + part == done:
-                part = tau - done
-            for i in range(2 * n):
-                joined[i] = series_value(run.work, i * (order + 1), order, part)
-            done = tau if part >= tau - done else done + part
+            call_generated(run.table[index, TANGENT], c, t + done, joined, series)
+            rest = tau - done
+            part = step_size(series, 2 * n, order, run.tolerances[RTOL], rest)
+            if part >= rest or done + part == done:
+                part, done = rest, tau
+            else:
+                done += part
+                call_generated(moved, c, part, series, joined)
+            call_generated(moved, c, part, series_of_tangent, tangent)
         for i in range(n):
-            run.tangents[row, i] = joined[n + i]
+            run.tangents[row, i] = tangent[i]
 
 
 @native
@@ -753,19 +792,19 @@ def switching_rates(
     A trajectory displaced by a tangent vector d meets the switching function g later by
     -dg(d) / g'; what the delay does to the state after the event is `saltate`'s.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
+    n = run.config[N_STATES]
     outputs = run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
             joined[n + i] = run.tangents[row, i]
         call_generated(
-            run.table[index, TANGENT], run.coefficients, run.clock[TIME], joined, run.work
+            run.table[index, SWITCHING], run.coefficients, run.clock[TIME], joined, run.work
         )
-        for i in range(n):
-            rates[i] = run.work[i * (order + 1) + 1]
-        speed = run.work[(2 * n + entry) * (order + 1) + 1]
-        change = run.work[(2 * n + outputs + entry) * (order + 1)]
+        for i in range(n):  # rows of value and rate: y, tangent, switching, tangent of switching
+            rates[i] = run.work[2 * i + 1]
+        speed = run.work[2 * (2 * n + entry) + 1]
+        change = run.work[2 * (2 * n + outputs + entry)]
         delays[row] = -change / speed if speed != 0.0 else 0.0
 
 
@@ -1157,7 +1196,7 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         if run.counters[SAMPLED] < len(run.sample_times):
             take_samples(run, index, tau, joined)
         if measuring:
-            take_measures(run, index, tau, joined)
+            take_measures(run, index, tau, out)
         if with_tangents:
             move_tangents(run, index, tau, joined)
         for i in range(n):
