@@ -797,27 +797,40 @@ def saltate(run: Run, rates: Floats, delays: Floats) -> None:
 
 
 @native
-def enter_zone(run: Run, angle: float) -> None:
-    """Set the sector that `angle` lies in and its borders."""
+def rounding_of_angle(border: float) -> float:
+    """How close to a border of the sector an angle is on it."""
+    return ZERO * (2.0 * np.pi + abs(border))
+
+
+@native
+def enter_zone(run: Run, angle: float) -> bool:
+    """Set the sector that `angle` lies in and its borders; whether it lies on the lower one.
+
+    On a border, to rounding, it is the sector above it; what moves down goes on below.
+    """
     run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = -np.inf, np.inf
     zone_slot = run.config[N_PARAMETERS] - 1
     run.parameters[zone_slot] = 0.0
     if run.config[ZONE_START] < 0:
-        return
+        return False
     width = run.parameters[run.config[ZONE_WIDTH]]
     if width <= 0.0:
-        return
+        return False
     turn = 2.0 * np.pi
     if width >= turn:
         run.parameters[zone_slot] = 1.0
-        return
+        return False
     start = run.parameters[run.config[ZONE_START]]
+    rounding = rounding_of_angle(angle)
     base = start + turn * np.floor((angle - start) / turn)
-    if angle - base < width:
+    if angle - base >= turn - rounding:
+        base += turn
+    if angle - base < width - rounding:
         run.parameters[zone_slot] = 1.0
         run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base, base + width
     else:
         run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base + width, base + turn
+    return angle - run.clock[ZONE_LOW] <= rounding
 
 
 @native
@@ -837,10 +850,11 @@ def starts_open(run: Run, contact: int) -> bool:
 
 
 @native
-def set_out(run: Run) -> None:
+def set_out(run: Run) -> bool:
     """Slip signs, contacts at rest and open ones, and the sector, of the initial state.
 
-    A contact whose kind is STICK takes on the drive's velocity.
+    A contact whose kind is STICK takes on the drive's velocity. Returns whether the angle lies on
+    the lower border of its sector.
     """
     n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
     first_sign = run.config[N_PARAMETERS] - 1 - contacts
@@ -874,7 +888,7 @@ def set_out(run: Run) -> None:
     if run.table[0, HAS_ANGLE] == 1:
         call_generated(run.table[0, FIELD], run.coefficients, run.clock[TIME], run.y, field)
         angle = field[2 * n + run.table[0, N_GUARDS]]
-    enter_zone(run, angle)
+    return enter_zone(run, angle)
 
 
 @native
@@ -883,7 +897,7 @@ def away_from_border(
 ) -> int:
     """Known zeros of ``factor * series + shift`` that begins at zero and rises; 0 otherwise."""
     value = factor * series[offset] + shift
-    if abs(value) > ZERO * (abs(series[offset]) + abs(shift)):
+    if abs(value) > rounding_of_angle(shift):
         return 0
     scale = series_scale(series, offset + 1, order - 1, step) * step
     power = step
@@ -1101,11 +1115,52 @@ def take_up(run: Run) -> None:
 
 
 @native
+def heading(run: Run) -> int:
+    """The way the sector's angle goes on: the sign of its first non-vanishing derivative, or 0.
+
+    Where the contact sticks, the way it would be released: that of the force demanded of it.
+    """
+    n, order, contact = run.config[N_STATES], run.config[ORDER], run.config[ZONE_CONTACT]
+    index = state_index(run.kinds, run.config[N_CONTACTS])
+    step = run.clock[FIRST_STEP] if run.clock[FIRST_STEP] < ENDLESS else 0.0
+    if run.table[index, HAS_ANGLE] == 1:
+        offset = (n + run.table[index, N_GUARDS]) * (order + 1)
+        return leading(run.series, offset + 1, order - 1, step, run.options[contact, AT_REST])
+    for k in range(order + 1):
+        run.polynomial[k] = 0.0
+    for g in range(run.table[index, N_GUARDS]):
+        kind, offset = run.guards[index, g, 0], (n + g) * (order + 1)
+        if run.guards[index, g, 1] == contact and (kind == CAPACITY_UP or kind == CAPACITY_DOWN):
+            sign = 1.0 if kind == CAPACITY_DOWN else -1.0
+            for k in range(order + 1):
+                run.polynomial[k] += sign * run.series[offset + k]
+    return leading(run.polynomial, 0, order, step, 0)
+
+
+@native
+def decide_on_border(run: Run) -> bool:
+    """Decide the contact state on the lower border of a sector; False: there is none.
+
+    The motion begins in the sector that it goes on into, above if it stays for ever.
+    """
+    contacts = run.config[N_CONTACTS]
+    first_sign = run.config[N_PARAMETERS] - 1 - contacts
+    for i in range(contacts):
+        run.options[i, BEFORE] = code_of(run.kinds[i], run.parameters[first_sign + i])
+    if decide(run, -1, -1, True) and heading(run) >= 0:
+        return True
+    cross_border(run, False)
+    for i in range(contacts):
+        run.kinds[i] = kind_of(run.options[i, BEFORE])
+        run.parameters[first_sign + i] = -1.0 if run.options[i, BEFORE] == CODE_SLIP_MINUS else 1.0
+    return decide(run, -1, -1, True)
+
+
+@native
 def enter(run: Run) -> bool:
     """Decide the contact state where the motion begins or a force jumps; False: there is none."""
-    if run.clock[TASK] == ENTER:
-        set_out(run)
-    if not decide(run, -1, -1, True):
+    on_border = run.clock[TASK] == ENTER and set_out(run)
+    if not (decide_on_border(run) if on_border else decide(run, -1, -1, True)):
         return False
     take_up(run)
     run.counters[CHAINED] = 0
