@@ -100,6 +100,7 @@ LAYER = 2.0  # ... and the change that is always allowed
 GRAZING = 1e-5  # a switching function that falls slower than this share of its scale may graze
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
+LAST_DIGITS = 1e-10  # a gap this small against what states make it up is none at a start
 BISECTIONS = 80
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
@@ -360,6 +361,31 @@ def fill(run: Run) -> None:
         run.clock[FILLED_FOR] = wanted
 
 
+@native
+def zeros_at_start(run: Run, index: int, guard: int) -> int:
+    """How many of a switching function's value and rate are zero to rounding: 0, 1 or 2.
+
+    Rounding is a share of what the states, one after the other, add to it.
+    """
+    n, order = run.config[N_STATES], run.config[ORDER]
+    taylor, t, zeros = run.table[index, TAYLOR], run.clock[TIME], 0
+    while zeros < 2:
+        place, scale = (n + guard) * (order + 1) + zeros, 0.0
+        call_generated(taylor, run.coefficients, t, run.y, run.work)
+        value = run.work[place]
+        for i in range(n):
+            state = run.y[i]
+            if value != 0.0 and state != 0.0:
+                run.y[i] = 0.0
+                call_generated(taylor, run.coefficients, t, run.y, run.work)
+                scale += abs(run.work[place] - value)
+                run.y[i] = state
+        if not abs(value) <= LAST_DIGITS * scale:
+            return zeros
+        zeros += 1
+    return zeros
+
+
 @inlined
 def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool) -> bool:
     """Whether a candidate contact state can follow: every switching function leads positive.
@@ -389,6 +415,8 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
             known_zeros = 1
         if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
             known_zeros = 1
+        if run.clock[TASK] == ENTER and (kind == GAP or kind == NORMAL):
+            known_zeros = zeros_at_start(run, index, g)
         if kind == VELOCITY and contact == trigger_contact:
             sign = run.parameters[run.config[N_PARAMETERS] - 1 - contacts + contact]
             released = trigger_kind == (CAPACITY_UP if sign > 0.0 else CAPACITY_DOWN)
@@ -840,12 +868,13 @@ def starts_open(run: Run, contact: int) -> bool:
     apart = len(run.table) - 1  # the state in which every contact is open
     if run.table[apart, TAYLOR] == 0:
         return False
-    call_generated(run.table[apart, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series)
     for g in range(run.table[apart, N_GUARDS]):
         if run.guards[apart, g, 0] == GAP and run.guards[apart, g, 1] == contact:
-            offset = (n + g) * (order + 1)
-            gap, rate = run.series[offset], run.series[offset + 1]
-            return gap > 0.0 or (gap == 0.0 and rate > 0.0)
+            zeros = zeros_at_start(run, apart, g)
+            call_generated(
+                run.table[apart, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
+            )
+            return zeros < 2 and run.series[(n + g) * (order + 1) + zeros] > 0.0
     return False
 
 
