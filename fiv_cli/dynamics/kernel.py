@@ -101,6 +101,7 @@ GRAZING = 1e-5  # a switching function that falls slower than this share of its 
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 LAST_DIGITS = 1e-10  # a gap this small against what states make it up is none at a start
+SAME_INSTANT = 1e-9  # two events within this share of a step may be one
 BISECTIONS = 80
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
@@ -989,6 +990,26 @@ def begin_step(run: Run, index: int) -> float:
 
 
 @native
+def on_section(run: Run, value: float, step: float) -> bool:
+    """Whether the section's state is zero to rounding, where it has this value in a step."""
+    if run.section[SECTION_KIND] != SECTION_ZERO or run.config[METHOD] != METHOD_TAYLOR:
+        return False
+    order = run.config[ORDER]
+    offset = run.section[SECTION_STATE] * (order + 1)
+    return abs(value) <= ZERO * series_scale(run.series, offset, order, step)
+
+
+@native
+def coincides(run: Run, hit: int, step: float, root: float, fraction: float) -> bool:
+    """Whether the section is met on an event: the slip velocity may be the section's state."""
+    if hit < 0 or fraction - root > SAME_INSTANT:
+        return False
+    order = run.config[ORDER]
+    offset = run.section[SECTION_STATE] * (order + 1)
+    return on_section(run, series_value(run.series, offset, order, fraction * step), step)
+
+
+@native
 def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, float]:
     """The first switching function to fall to zero in a step.
 
@@ -1022,16 +1043,20 @@ def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, fl
             if run.section[SECTION_KIND] != SECTION_ZERO:
                 continue
             entry = run.section[SECTION_STATE]
-            row, strip = entry, run.strips[last]
-            if strip == 0:
-                value = run.y[entry]
-            elif taylor:
-                value = run.series[entry * (order + 1) + 1]
+            row, strip = entry, min(run.strips[last], order)
+            if taylor:
+                while strip < order and run.series[row * (order + 1) + strip] == 0.0:
+                    strip += 1
+                value = run.series[row * (order + 1) + strip] if strip < order else 0.0
             else:
-                call_generated(run.table[index, FIELD], run.coefficients, t, run.y, run.stages[0])
-                value = run.stages[0, n + entry]
+                value = run.y[entry] if strip == 0 else 0.0
+                if value == 0.0:
+                    state_after(run, index, t, 0.5 * fraction * step, run.stages[3])
+                    value = run.stages[3, entry]
+            if value == 0.0:  # it stays at zero: a mass that sticks to a drive at rest
+                continue
             factor = 1.0 if value > 0.0 else -1.0
-            sign_before = factor if value != 0.0 else 0.0
+            sign_before = factor
         if taylor:
             root = located(run, row * (order + 1), order, step, strip, factor, shift)
         else:
@@ -1039,7 +1064,7 @@ def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, fl
         if check < n_guards + 2:
             if root < fraction or (root == 1.0 and hit < 0):
                 fraction, hit = root, check
-        elif 0.0 < root < fraction:
+        elif 0.0 < root < fraction and not coincides(run, hit, step, root, fraction):
             fraction, hit, crossing = root, check, -factor
     return hit, fraction, sign_before, crossing
 
@@ -1092,17 +1117,21 @@ def collide(run: Run, index: int, contact: int, joined: Floats, rates: Floats) -
 
 
 @native
-def section_at_event(run: Run, sign_before: float) -> None:
-    """Whether the section lies on the event, and is to be kept."""
+def section_at_event(run: Run, sign_before: float, is_met: bool) -> None:
+    """Whether the section lies on the event, and is to be kept.
+
+    It is where the state passes zero, and where it comes to stay at zero: when it goes on from
+    there (`sign_before` is 0) it does not count again.
+    """
     order, entry = run.config[ORDER], run.section[SECTION_STATE]
-    offset = entry * (order + 1)
-    slope = run.series[offset + 1]
-    if abs(run.y[entry]) > ZERO * series_scale(run.series, offset, order, run.clock[LAST_STEP]):
+    offset, step = entry * (order + 1), run.clock[LAST_STEP]
+    if not is_met and abs(run.y[entry]) > ZERO * series_scale(run.series, offset, order, step):
         return
-    run.strips[len(run.strips) - 1] = 1
-    crossing = 1 if slope > 0.0 else -1
+    lead = leading(run.series, offset, order, step, 1)
+    run.strips[len(run.strips) - 1] = abs(lead) - 1 if lead != 0 else order + 1
     wanted = run.section[SECTION_DIRECTION]
-    if sign_before * slope < 0.0 and (wanted == 0 or wanted == crossing):
+    passes = sign_before != 0.0 and sign_before * lead <= 0.0
+    if passes and (wanted == 0 or wanted == -sign_before):
         keep_section(run)
         run.section_states[run.counters[SECTIONS] - 1, entry] = 0.0
 
@@ -1248,6 +1277,7 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
             run.y[i] = out[i]
             if not abs(out[i]) < run.tolerances[BOUND]:
                 return DIVERGED
+        was_on_section = run.strips[last] > 0
         for g in range(last + 1):
             run.strips[g] = 0
         if hit < 0:
@@ -1274,6 +1304,9 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         run.counters[CHAINED] = run.counters[CHAINED] + 1 if t + tau <= t else 0
         if run.counters[CHAINED] > CHAIN_CAP:
             return CHATTERING
+        if was_on_section and fraction <= SAME_INSTANT:  # what led here is counted
+            sign_before = 0.0
+        is_met = on_section(run, out[run.section[SECTION_STATE]], step)
         border = hit >= n_guards
         trigger_kind, trigger_contact = -1, run.config[ZONE_CONTACT]
         if not border:
@@ -1303,7 +1336,7 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         if with_tangents:
             saltate(run, rates, delays)
         if run.section[SECTION_KIND] == SECTION_ZERO:
-            section_at_event(run, sign_before)
+            section_at_event(run, sign_before, is_met)
         book_event(run, trigger_contact, impacted or border, residual)
         if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
             return SECTION_FULL

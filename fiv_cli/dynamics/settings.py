@@ -11,7 +11,8 @@ class Section:
 
     Attributes
     ----------
-    kind : "event" (a transition), "zero" (a velocity passes zero) or "phase" (stroboscopic)
+    kind : "event" (a transition), "zero" (a velocity passes zero, or comes to rest there) or
+        "phase" (stroboscopic)
     event : "slip->stick" or "stick->slip" when kind is "event"
     state : velocity state, e.g. ``x1_dot``, when kind is "zero"
     direction : "up", "down" or "both" when kind is "zero"
