@@ -139,6 +139,25 @@ def test_a_bistable_range_has_its_two_ends_whatever_the_steps(reach: float) -> N
     assert (found.low_width, found.high_width) == (return_.width, loss.width)
 
 
+@pytest.mark.parametrize(("begin", "end"), [(0.40, 0.72), (0.70, 0.735), (0.735, 0.74)])
+def test_a_branch_is_followed_through_looks_that_are_open(begin: float, end: float) -> None:
+    """They hand their state on; no step over them is as short as the branch needs."""
+    bare = bistable(-1.0, 2.0, 0.03)
+
+    def look(value: float, origin: Look | None) -> Look:
+        found = bare(value, origin if origin is not None else Look(value, True, "", "upper"))
+        lost = found.carry == "lower" or value > 0.741
+        found = Look(value, not lost, "", "lower" if lost else "upper")
+        is_open = begin < value < end
+        return Look(value, None, "undecided", found.carry) if is_open else found
+
+    found = followed(np.linspace(0.0, 1.0, 41).tolist(), look, WIDTH)
+    decided = [change for change in found.changes if change.decided]
+    (change,) = decided
+    assert holds(change, 0.741)
+    assert change.width == pytest.approx(WIDTH)
+
+
 def test_without_hysteresis_there_is_no_range() -> None:
     up, back = there_and_back(bistable(0.5, 0.5), 6)
     assert len(up.changes) == len(back.changes) == 1

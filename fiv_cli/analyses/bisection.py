@@ -192,12 +192,19 @@ class _Branch:
         for _ in range(MOST_LOOKS):
             value = _next_value(self.before, self.inside, self.off[-1], self.width / FINER)
             if value is not None:
-                self._take(self.look(value, self.origin))
+                self._take(self._look_on(value))
             elif not self._goes_on():
                 break
             if not self.off:
                 return self.before
         return Change(self.before, self.off[-1])
+
+    def _look_on(self, value: float) -> Look:
+        """A look that goes on from the nearest one behind it, an open one too."""
+        ahead = abs(value - self.before.value)
+        behind = [one for one in self.inside if abs(one.value - self.before.value) < ahead]
+        able = [one for one in behind if one.carry is not None]
+        return self.look(value, able[-1] if able else self.origin)
 
     def _take(self, found: Look) -> None:
         """Book a look on the way."""
@@ -220,7 +227,7 @@ class _Branch:
     def _goes_on(self) -> bool:
         """Whether the branch bears one more step, of what is left or of the width asked for."""
         for value in (self.off[-1].value, self._at_width()):
-            found = self.look(value, self.origin)
+            found = self._look_on(value)
             if found.answer == self.before.answer:
                 self._advance(found)
                 return True
