@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from fiv_cli.models.base import (
@@ -72,6 +73,28 @@ BOUNCER = Model(
     options=(
         Option("contact", ("rigid", "compliant", "elastic"), "rigid", "how the contact gives way"),
     ),
+)
+
+
+# --- ... over a floor whose height is a state ---------------------------------------------------
+def _raised(symbols: Any, options: Options) -> Equations:
+    """The bouncer, closed where z is the height of a floor that nothing moves."""
+    found = _bouncer(symbols, options)
+    (contact,) = found.contacts
+    gap = symbols.coordinate("z") - symbols.coordinate("floor")
+    force = None if contact.normal_force is None else -symbols.parameter("k_c") * gap
+    return replace(
+        found,
+        accelerations={**found.accelerations, "floor": 0},
+        contacts=(replace(contact, gap=gap, normal_force=force),),
+    )
+
+
+RAISED_BOUNCER = replace(
+    BOUNCER,
+    name="raised-bouncer",
+    states=lambda options: _coordinates("x", "z", "floor"),
+    equations=_raised,
 )
 
 

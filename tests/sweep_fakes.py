@@ -97,6 +97,22 @@ def counted(request: Request) -> Outcome:
     return answer(request)
 
 
+def hazy(request: Request) -> Outcome:
+    """`answer`, which cannot be told where N is 1, 4 or 5; there the motion goes on."""
+    outcome = answer(request)
+    if request.parameters["N"] in (1.0, 4.0, 5.0):
+        outcome.values["attractor"], outcome.reason = "undecided", "time_budget"
+    return outcome
+
+
+def ended(request: Request) -> Outcome:
+    """`hazy`, and where N = 4 nothing is left to go on from."""
+    outcome = hazy(request)
+    if request.parameters["N"] == 4.0:
+        outcome.carry = None
+    return outcome
+
+
 def slow(request: Request) -> Outcome:
     """`answer` after a tenth of a second."""
     time.sleep(0.1)

@@ -141,6 +141,31 @@ def test_a_chain_may_start_again_where_it_was_lost(tmp_path: Path) -> None:
     assert (last.sel(initial="up") == last.sel(initial="far")).all()
 
 
+@pytest.mark.parametrize("on_loss", ["stop", "restart"])
+def test_a_chain_goes_through_points_that_could_not_be_told(tmp_path: Path, on_loss: str) -> None:
+    """It hands on their states, and ends where the class changes from what was told before."""
+    text = sweep_fakes.CHAIN.replace('from = "far"', f'from = "far"\non_loss = "{on_loss}"')
+    sweep(tmp_path / "a.nc", text, executor="sweep_fakes:hazy")
+    sweep(tmp_path / "told.nc", text)
+    hazy, told = (read_datasets(tmp_path / name)[""] for name in ("a.nc", "told.nc"))
+    up = hazy.sel(initial="up", v=1.0)
+    last = 4 if on_loss == "stop" else 0
+    assert up["status"].values.tolist() == [0, 0, 0, 0, 0, 0, 0, last]
+    undecided = up["attractor"].values == up["attractor"].values[0]
+    assert np.flatnonzero(undecided).tolist() == [0, 3, 4]
+    np.testing.assert_array_equal(hazy["L_s"], told["L_s"])  # every state was handed on
+    for name, changes in {"one": {"chunk_points": 1}, "cut": {"max_points": 13}}.items():
+        for more in (changes, {}):
+            sweep(tmp_path / f"{name}.nc", text, executor="sweep_fakes:hazy", **more)
+        assert (tmp_path / f"{name}.nc").read_bytes() == (tmp_path / "a.nc").read_bytes()
+
+
+def test_a_chain_ends_where_nothing_is_left_to_go_on_from(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc", sweep_fakes.CHAIN, executor="sweep_fakes:ended")
+    up = read_datasets(tmp_path / "a.nc")[""].sel(initial="up", v=1.0)
+    assert up["status"].values.tolist() == [0, 0, 0, 0, 4, 4, 4, 4]
+
+
 def test_a_failed_point_loses_no_other_and_says_how_to_run_it_alone(tmp_path: Path) -> None:
     summary = sweep(tmp_path / "a.nc", executor="sweep_fakes:raising")
     assert summary.counts["failed"] == 6

@@ -350,9 +350,13 @@ def _boundary(
     varied, along = settings["parameter"], ("crossing",)
     way = "direction in which it was met; none: every run begins at the start"
     unit, classes = varied.unit, "class of the steady state"
+    bisected = "width of the interval that it was bisected to"
+    confirmed = "distance within which runs in shorter steps and with more time find it; missing "
+    confirmed += "where a side is open or they do not find it"
     return [
         Variable("boundary", unit, f"{varied.name} at which the answer changes", along),
-        Variable("boundary_width", unit, "width of the interval that holds it", along),
+        Variable("boundary_width", unit, bisected, along, comment="no bound of its error"),
+        Variable("boundary_error", unit, "how far it may be off", along, comment=confirmed),
         Variable("class_below", "1", f"{classes} below", along, "flag", "attractor"),
         Variable("class_above", "1", f"{classes} above", along, "flag", "attractor"),
         Variable("answer_below", "1", "answer to the question below", along, "flag", "answer"),
@@ -373,7 +377,7 @@ def _way_back(unit: str, classes: str) -> list[Variable]:
     """What a bracket followed up and down again has besides."""
     back = f"{classes} there on the way down"
     end = "end of a range in which the way up and the way down differ"
-    known = "width of the interval that holds it; missing where it is the end of the bracket"
+    known = "width of the interval that it was bisected to; missing at the end of the bracket"
     return [
         Variable("scan_class_back", "1", back, ("scan",), "flag", "attractor"),
         Variable("bistable_low", unit, f"lower {end}", ("range",)),
