@@ -42,8 +42,10 @@ Guard = Callable[[float, Vector], float]
 EQUILIBRIUM, PERIODIC, LOST = "equilibrium", "periodic", "contact_lost"
 RTOL = 1e-11
 MOST_TURNS = 20_000  # extrema of the slip velocity of one motion
+SMALL = 1e-5  # m/s, for the slope of a law
 NEAR = 1e-4  # of a cycle's point of release, relative to its size
 REPEATS = 1e-9
+GRAZES = 1e-9  # m/s or rad/s: a zero of the slip velocity no deeper than this is its minimum
 FALLING, RISING = -1.0, 1.0
 
 
@@ -77,8 +79,18 @@ class Passage:
 
 
 class Slider:
-    """What belt and pin share: passages of one sign of slip."""
+    """What belt and pin share: passages of one sign of slip, and the way to the equilibrium.
 
+    Attributes
+    ----------
+    equilibrium : state of steady sliding
+    jacobian : of sliding at it
+    max_step : of the integration, s; far below the fastest period
+    atol : its absolute tolerance
+    """
+
+    equilibrium: Vector
+    jacobian: NDArray[np.float64]
     max_step: float
     atol: float
 
@@ -98,6 +110,16 @@ class Slider:
         """Normal force, N."""
         raise NotImplementedError
 
+    @cached_property
+    def modes(self) -> tuple[Vector, NDArray[np.complex128], NDArray[np.complex128]]:
+        """Eigenvalues and eigenvectors W of sliding at the equilibrium, and W^-1."""
+        values, vectors = np.linalg.eig(self.jacobian)
+        return values, vectors, np.linalg.inv(vectors)
+
+    def distance(self, y: Vector) -> float:
+        """|W^-1 (y - equilibrium)|: in linear sliding it falls at every instant."""
+        return float(np.linalg.norm(self.modes[2] @ (y - self.equilibrium)))
+
     def passage(self, sign: float, y: Vector, rises: bool) -> Passage:
         """To the greatest slip speed where it rises, else to the least or to zero."""
         lost = (lambda t, y: self.normal(y), FALLING)
@@ -108,9 +130,9 @@ class Slider:
         step = self.max_step
         while True:
             hit, time, end = until(self.rate(sign), y, guards, step, self.atol)
-            missed = words[hit] == "least" and sign * self.slip(end) < 0.0
-            if not missed:
-                return Passage(end, time, words[hit])
+            depth = -sign * self.slip(end) if words[hit] == "least" else -1.0
+            if depth <= GRAZES:
+                return Passage(end, time, "zero" if depth >= 0.0 else words[hit])
             step = min(step, time) / 10.0
 
 
@@ -137,8 +159,11 @@ class Belt(Slider):
 
     def __init__(self, law: Law, v: float, c: float) -> None:
         self.force, self.v, self.c = law.force, v, c
-        self.max_step, self.atol = 0.02, 1e-13
+        self.max_step, self.atol = 0.05, 1e-13
         self.rest = self.force(v)
+        self.equilibrium = np.array([self.rest, 0.0])
+        falls = (self.force(v - SMALL) - self.force(v + SMALL)) / (2.0 * SMALL)
+        self.jacobian = np.array([[0.0, 1.0], [-1.0, falls - c]])
 
     def rate(self, sign: float) -> Rate:
         def motion(t: float, y: Vector) -> Vector:
@@ -213,11 +238,13 @@ class Belt(Slider):
     # --- the unstable cycle ----------------------------------------------------------------------
     def returns(self, x: float) -> float:
         """How much further out a motion from (x, 0), x > x_e, turns next; inf where it sticks."""
-        turned, sticks = (lambda t, y: y[1]), (lambda t, y: self.slip(y))
-        left = until(self.rate(1.0), np.array([x, 0.0]), [(turned, RISING)], 0.05, self.atol)[2]
-        guards = [(sticks, FALLING), (turned, FALLING)]
-        hit, _, right = until(self.rate(1.0), left, guards, 0.05, self.atol)
-        return float(right[0] - x) if hit else np.inf
+        turned: Guard = lambda t, y: y[1]  # noqa: E731
+        sticks: Guard = lambda t, y: self.slip(y)  # noqa: E731
+        there, back = [(turned, RISING)], [(sticks, FALLING), (turned, FALLING)]
+        rate, y = self.rate(1.0), np.array([x, 0.0])
+        y = until(rate, y, there, self.max_step, self.atol)[2]
+        hit, _, y = until(rate, y, back, self.max_step, self.atol)
+        return float(y[0] - x) if hit else np.inf
 
     @cached_property
     def cycle(self) -> float:
@@ -241,7 +268,7 @@ class Belt(Slider):
         return np.append(angle[once], 2.0 * np.pi), np.append(np.hypot(x, x_dot)[once], x[0])
 
     def inside(self, x: float, x_dot: float) -> float:
-        """Distance from the equilibrium as a share of that of the unstable cycle in line with it."""
+        """Distance from the equilibrium; 1: on the unstable cycle."""
         angle = np.arctan2(-x_dot, x - self.rest) % (2.0 * np.pi)
         return float(np.hypot(x - self.rest, x_dot) / np.interp(angle, *self.border))
 
@@ -264,11 +291,10 @@ class Belt(Slider):
 
 # --- pin on a disc with an L-mechanism (thesis chapter 7, Table 7.1) -----------------------------
 PHI, THETA = range(2)
-J = np.array([12e-4, 5e-4])  # kg m2
-K1 = K2 = K3 = 1000.0  # N/m; K1 as below
+J = np.array([12e-4, 5e-4])  # J_c and J_L, kg m2
+K1, K2, K3 = 1500.0, 1000.0, 1000.0  # N/m
 ARM = 0.1  # m: a0, b0, c0 and l2
 HALF = ARM**2 / (2.0 * ARM)  # b0^2 / (2 l2), m
-K1 = 1500.0
 
 
 class Pin(Slider):
@@ -276,8 +302,11 @@ class Pin(Slider):
 
     mu_s, mu_k = 0.4, 0.23
 
-    def __init__(self, Omega: float, N0: float, damping: float) -> None:
+    def __init__(
+        self, Omega: float, N0: float, damping: float, settles: tuple[float, ...] = ()
+    ) -> None:
         self.Omega, self.N0, self.c = Omega, N0, damping
+        self.settles = settles or (0.0, 0.0, Omega, 0.0)  # a start that ends in stick-slip
         self.max_step, self.atol = 2e-3, 1e-14
 
     def stretch(self, y: Vector) -> float:
@@ -312,9 +341,7 @@ class Pin(Slider):
 
     # --- sliding equilibrium ---------------------------------------------------------------------
     @cached_property
-    def rest(self) -> Vector:
-        """The sliding equilibrium."""
-
+    def equilibrium(self) -> Vector:  # type: ignore[override]
         def forces(q: Vector) -> Vector:
             y = np.array([*q, 0.0, 0.0])
             return np.array([self.turned(1.0, y), self.lever(y)])
@@ -322,45 +349,36 @@ class Pin(Slider):
         return np.array([*root(forces, np.zeros(2), tol=1e-14).x, 0.0, 0.0])
 
     @cached_property
-    def sliding(self) -> tuple[Vector, Vector]:
-        """Eigenvalues and eigenvectors of sliding at the equilibrium."""
-        phi, s, mu = self.rest[PHI], self.stretch(self.rest), self.mu_k
-        by_phi = (K1 + K3) * ARM**2 + 2 * K2 * HALF * (s + 2 * HALF * phi**2)
+    def jacobian(self) -> NDArray[np.float64]:  # type: ignore[override]
+        phi, s = self.equilibrium[PHI], self.stretch(self.equilibrium)
+        lever = 2 * HALF * phi  # of phi in the stretch
+        cylinder = (K1 + K3) * ARM**2 + 2 * K2 * HALF * (s + phi * lever)
+        crossed = K3 * ARM**2 + 2 * K2 * HALF * phi * ARM
+        pressed = ARM * self.mu_k * K2
         stiffness = np.array(
             [
-                [by_phi + ARM * mu * K2 * 2 * HALF * phi,
-                 K3 * ARM**2 + 2 * K2 * HALF * phi * ARM + ARM * mu * K2 * ARM],
-                [K3 * ARM**2 + K2 * ARM * 2 * HALF * phi, (K2 + K3) * ARM**2],
+                [cylinder + pressed * lever, crossed + pressed * ARM],
+                [K3 * ARM**2 + K2 * ARM * lever, (K2 + K3) * ARM**2],
             ]
-        )  # fmt: skip
-        jacobian = np.zeros((4, 4))
-        jacobian[:2, 2:] = np.eye(2)
-        jacobian[2:, :2] = -stiffness / J[:, None]
-        jacobian[2:, 2:] = -self.c * np.diag(1.0 / J)
-        return np.linalg.eig(jacobian)
-
-    def distance(self, y: Vector) -> float:
-        """|W^-1 (y - equilibrium)|, the square root of V."""
-        return float(np.linalg.norm(self._inverse @ (y - self.rest)))
-
-    @cached_property
-    def _inverse(self) -> Vector:
-        return np.linalg.inv(self.sliding[1])
+        )
+        damping = self.c * np.eye(2)
+        below = -np.hstack([stiffness, damping]) / J[:, None]
+        return np.vstack([np.hstack([np.zeros((2, 2)), np.eye(2)]), below])
 
     @cached_property
     def level(self) -> float:
         """Distance below which every motion slides to the equilibrium for ever."""
-        values, vectors = self.sliding
+        values, vectors, inverse = self.modes
         decay, reach = -np.max(values.real), np.linalg.norm(vectors, axis=1)
         if decay <= 0.0:
             return 0.0
-        pushes = np.linalg.norm(self._inverse, axis=0)[2:] / J
+        pushes = np.linalg.norm(inverse, axis=0)[2:] / J
 
         def spare(r: float) -> float:
             return min(
                 decay * r - float(pushes @ self._rest_of_force(r * reach)),
                 self.Omega - r * reach[2],
-                self.normal(self.rest) - K2 * self._rest_of_stretch(r * reach),
+                self.normal(self.equilibrium) - K2 * self._rest_of_stretch(r * reach),
             )
 
         return 0.999 * float(brentq(spare, 1e-9, 1e3))
@@ -368,11 +386,11 @@ class Pin(Slider):
     def _rest_of_stretch(self, away: Vector) -> float:
         """Bound of the change of the stretch for coordinates this far from the equilibrium, m."""
         a, b = away[:2]
-        return ARM * b + 2 * HALF * abs(self.rest[PHI]) * a + HALF * a**2
+        return ARM * b + 2 * HALF * abs(self.equilibrium[PHI]) * a + HALF * a**2
 
     def _rest_of_force(self, away: Vector) -> Vector:
         """Bound of the moments beyond those of `sliding`, N m."""
-        a, phi = away[PHI], abs(self.rest[PHI])
+        a, phi = away[PHI], abs(self.equilibrium[PHI])
         cylinder = 2 * K2 * HALF * (a * self._rest_of_stretch(away) + phi * HALF * a**2)
         return np.array([cylinder + ARM * self.mu_k * K2 * HALF * a**2, K2 * ARM * HALF * a**2])
 
@@ -429,11 +447,7 @@ class Pin(Slider):
 
     @cached_property
     def cycle(self) -> Vector:
-        """The stick-slip cycle's point of release, reached from the speed of the disc."""
-        return self.cycle_from(np.array([0.0, 0.0, self.Omega, 0.0]))
-
-    def cycle_from(self, y: Vector) -> Vector:
-        """The cycle that a motion settles on, of one stick a period."""
+        """Point of release of the stick-slip cycle, of one stick a period."""
         points: list[Vector] = []
 
         def repeats(y: Vector) -> bool:
@@ -441,9 +455,9 @@ class Pin(Slider):
             apart = [np.max(np.abs(p - y) / np.abs(y)) for p in points[-4:-1]]
             return len(apart) == 3 and max(apart) < REPEATS
 
-        kind = self.motion(y, repeats)
+        kind = self.motion(np.array(self.settles), repeats)
         if kind != PERIODIC:
-            raise RuntimeError(f"no cycle: {kind}")
+            raise RuntimeError(f"no cycle from {self.settles}: {kind}")
         return points[-1]
 
     def classify(self, *y: float) -> str:
@@ -452,6 +466,7 @@ class Pin(Slider):
 
         def near(y: Vector) -> bool:
             apart.append(float(np.max(np.abs(y / self.cycle - 1.0))))
-            return apart[-1] < NEAR and (apart[-1] < REPEATS or apart[-1:] < apart[-2:-1])
+            approaches = len(apart) > 1 and apart[-1] < apart[-2]
+            return apart[-1] < REPEATS or (apart[-1] < NEAR and approaches)
 
         return self.motion(np.array(y), near)
