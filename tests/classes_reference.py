@@ -42,6 +42,7 @@ Guard = Callable[[float, Vector], float]
 EQUILIBRIUM, PERIODIC, LOST = "equilibrium", "periodic", "contact_lost"
 RTOL = 1e-11
 MOST_TURNS = 20_000  # extrema of the slip velocity of one motion
+TURN = 8.0  # s: more than a period of the belt
 SMALL = 1e-5  # m/s, for the slope of a law
 NEAR = 1e-4  # of a cycle's point of release, relative to its size
 REPEATS = 1e-9
@@ -260,8 +261,9 @@ class Belt(Slider):
         """The unstable cycle about the equilibrium: angle, rad, rising, and distance, m."""
         y = np.array([self.cycle, 0.0])
         around = solve_ivp(
-            self.rate(1.0), (0.0, 7.0), y, "DOP853", rtol=RTOL, atol=self.atol, max_step=1e-3
-        )
+            self.rate(1.0), (0.0, TURN), y, "DOP853", np.linspace(0.0, TURN, 50_001), rtol=RTOL,
+            atol=self.atol, max_step=self.max_step,
+        )  # fmt: skip
         x, x_dot = around.y[0] - self.rest, around.y[1]
         angle = np.unwrap(np.arctan2(-x_dot, x))
         once = angle < 2.0 * np.pi
