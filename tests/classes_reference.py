@@ -117,9 +117,9 @@ class Slider:
         values, vectors = np.linalg.eig(self.jacobian)
         return values, vectors, np.linalg.inv(vectors)
 
-    def distance(self, y: Vector) -> float:
-        """|W^-1 (y - equilibrium)|: in linear sliding it falls at every instant."""
-        return float(np.linalg.norm(self.modes[2] @ (y - self.equilibrium)))
+    def distance(self, y: Vector) -> Vector:
+        """|W^-1 (y - equilibrium)| of states (..., n): in linear sliding it always falls."""
+        return np.linalg.norm((y - self.equilibrium) @ self.modes[2].T, axis=-1)
 
     def passage(self, sign: float, y: Vector, rises: bool) -> Passage:
         """To the greatest slip speed where it rises, else to the least or to zero."""
