@@ -33,7 +33,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq, minimize_scalar, root
 
 Vector = NDArray[np.float64]
 Rate = Callable[[float, Vector], Vector]
@@ -50,10 +50,24 @@ GRAZES = 1e-9  # m/s or rad/s: a zero of the slip velocity no deeper than this i
 FALLING, RISING = -1.0, 1.0
 
 
+@dataclass(frozen=True)
+class Path:
+    """A smooth motion up to the first of several events: which one, and every step till then."""
+
+    hit: int
+    times: Vector
+    states: NDArray[np.float64]  # (step, state)
+
+    @property
+    def end(self) -> Vector:
+        """The state at the event."""
+        return self.states[-1]
+
+
 def until(
     rate: Rate, y: Vector, guards: list[tuple[Guard, float]], max_step: float, atol: float
-) -> tuple[int, float, Vector]:
-    """The first guard that passes through zero in its direction, when, and the state then."""
+) -> Path:
+    """To the first guard that passes through zero in its direction."""
 
     def event(guard: Guard, direction: float) -> Guard:
         def value(t: float, y: Vector) -> float:
@@ -67,7 +81,7 @@ def until(
         rate, (0.0, 1e6), y, "DOP853", events=events, rtol=RTOL, atol=atol, max_step=max_step
     )
     times = [(when[0], n) for n, when in enumerate(found.t_events) if len(when)]
-    return min(times)[1], float(found.t[-1]), found.y[:, -1]
+    return Path(min(times)[1], found.t, found.y.T)
 
 
 @dataclass(frozen=True)
@@ -88,12 +102,14 @@ class Slider:
     jacobian : of sliding at it
     max_step : of the integration, s; far below the fastest period
     atol : its absolute tolerance
+    safe : normal force from which none is lost between two steps, N
     """
 
     equilibrium: Vector
     jacobian: NDArray[np.float64]
     max_step: float
     atol: float
+    safe: float
 
     def rate(self, sign: float) -> Rate:
         """State -> its rate while the slip velocity has this sign."""
@@ -117,9 +133,9 @@ class Slider:
         values, vectors = np.linalg.eig(self.jacobian)
         return values, vectors, np.linalg.inv(vectors)
 
-    def distance(self, y: Vector) -> float:
-        """|W^-1 (y - equilibrium)|: in linear sliding it falls at every instant."""
-        return float(np.linalg.norm(self.modes[2] @ (y - self.equilibrium)))
+    def distance(self, y: Vector) -> Vector:
+        """|W^-1 (y - equilibrium)| of states (..., n): in linear sliding it always falls."""
+        return np.linalg.norm((y - self.equilibrium) @ self.modes[2].T, axis=-1)
 
     def passage(self, sign: float, y: Vector, rises: bool) -> Passage:
         """To the greatest slip speed where it rises, else to the least or to zero."""
@@ -130,11 +146,33 @@ class Slider:
         words = ["lost", "greatest"] if rises else ["lost", "least", "zero"]
         step = self.max_step
         while True:
-            hit, time, end = until(self.rate(sign), y, guards, step, self.atol)
-            depth = -sign * self.slip(end) if words[hit] == "least" else -1.0
-            if depth <= GRAZES:
-                return Passage(end, time, "zero" if depth >= 0.0 else words[hit])
-            step = min(step, time) / 10.0
+            path = until(self.rate(sign), y, guards, step, self.atol)
+            if self.dips(self.rate(sign), path):
+                return Passage(path.end, path.times[-1], "lost")
+            word, depth = words[path.hit], -sign * self.slip(path.end)
+            if word != "least" or depth <= GRAZES:
+                grazes = word == "least" and depth >= 0.0
+                return Passage(path.end, path.times[-1], "zero" if grazes else word)
+            step = min(step, path.times[-1]) / 10.0
+
+    def dips(self, rate: Rate, path: Path) -> bool:
+        """Whether the normal force was lost and came back between two steps."""
+        forces = [self.normal(y) for y in path.states]
+        if min(forces) > self.safe:
+            return False
+        least = int(np.argmin(forces))
+        low, high = max(least - 1, 0), min(least + 1, len(forces) - 1)
+        times = path.times[low], path.times[high]
+        near = solve_ivp(
+            rate, times, path.states[low], "DOP853", rtol=RTOL, atol=self.atol, dense_output=True
+        )
+        found = minimize_scalar(
+            lambda t: self.normal(near.sol(t)),
+            bounds=times,
+            method="bounded",
+            options={"xatol": 1e-9 * (times[1] - times[0])},
+        )
+        return bool(found.fun < 0.0)
 
 
 # --- one mass on a belt (thesis 3.1), m = k = 1 --------------------------------------------------
@@ -160,7 +198,7 @@ class Belt(Slider):
 
     def __init__(self, law: Law, v: float, c: float) -> None:
         self.force, self.v, self.c = law.force, v, c
-        self.max_step, self.atol = 0.05, 1e-13
+        self.max_step, self.atol, self.safe = 0.05, 1e-13, 0.0
         self.rest = self.force(v)
         self.equilibrium = np.array([self.rest, 0.0])
         falls = (self.force(v - SMALL) - self.force(v + SMALL)) / (2.0 * SMALL)
@@ -243,9 +281,9 @@ class Belt(Slider):
         sticks: Guard = lambda t, y: self.slip(y)  # noqa: E731
         there, back = [(turned, RISING)], [(sticks, FALLING), (turned, FALLING)]
         rate, y = self.rate(1.0), np.array([x, 0.0])
-        y = until(rate, y, there, self.max_step, self.atol)[2]
-        hit, _, y = until(rate, y, back, self.max_step, self.atol)
-        return float(y[0] - x) if hit else np.inf
+        left = until(rate, y, there, self.max_step, self.atol).end
+        path = until(rate, left, back, self.max_step, self.atol)
+        return float(path.end[0] - x) if path.hit else np.inf
 
     @cached_property
     def cycle(self) -> float:
@@ -309,7 +347,7 @@ class Pin(Slider):
     ) -> None:
         self.Omega, self.N0, self.c = Omega, N0, damping
         self.settles = settles or (0.0, 0.0, Omega, 0.0)  # a start that ends in stick-slip
-        self.max_step, self.atol = 2e-3, 1e-14
+        self.max_step, self.atol, self.safe = 2e-3, 1e-14, 0.2 * N0
 
     def stretch(self, y: Vector) -> float:
         """Of spring k2 (7.7), m."""
@@ -408,8 +446,9 @@ class Pin(Slider):
 
         guards = [(lambda t, y: self.normal(y), FALLING), (spare(1.0), FALLING),
                   (spare(-1.0), FALLING)]  # fmt: skip
-        hit, time, end = until(rate, y, guards, self.max_step, self.atol)
-        return Passage(end, time, ("lost", "greatest", "least")[hit])
+        path = until(rate, y, guards, self.max_step, self.atol)
+        word = "lost" if self.dips(rate, path) else ("lost", "greatest", "least")[path.hit]
+        return Passage(path.end, path.times[-1], word)
 
     def sticks(self, y: Vector) -> bool:
         """Whether a pin without slip stays so."""
