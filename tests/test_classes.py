@@ -14,7 +14,7 @@ from functools import cache
 import classes_reference as reference
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from motions import analyse, motion
 from numpy.typing import NDArray
@@ -394,6 +394,7 @@ FROM_TO = {"stribeck": (1.0, 2.0), "hyperbolic": (3.0, 9.0)}  # m/s: round the b
 
 def belt_stays(law: str, speed: float, x: float, x_dot: float) -> None:
     """Speed and start are shares of their ranges."""
+    assume(abs(x) + abs(x_dot) > 1e-6)  # an unstable equilibrium itself is left by rounding
     low, high = FROM_TO[law]
     own = belt(law, low + (high - low) * speed)
     stays(on_a_belt(law, own.v), own, own.equilibrium + 1.2 * own.v * np.array([x, x_dot]))

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fiv_cli.analyses.decay import Decay
 from motions import analyse
 
 from fiv_cli.analyses.base import Outcome, Section, Start
-from fiv_cli.analyses.decay import Decay
 
 # Bilateral and stiff (thesis 6.4.2.2): below the critical 1.735 a stable equilibrium and a large
 # motion are both there.
