@@ -49,7 +49,7 @@ class LevelSet:
     vectors: Complex
     inverse: Complex
 
-    @property
+    @cached_property
     def free(self) -> NDArray[np.intp]:
         """Places of the states that no rigid contact determines."""
         return free_states(self.sliding)
@@ -93,7 +93,7 @@ class LevelSet:
                 slopes[:, column] += sign * found / (2.0 * steps[place])
         return self.sliding.field(self.equilibrium)[first : first + count], slopes
 
-    @property
+    @cached_property
     def is_bounded(self) -> bool:
         """Whether some switching function limits the level set."""
         return bool(np.any(self.shares > 0.0))
@@ -126,16 +126,19 @@ class LevelSet:
         other large, at every phase.
         """
         reach = float(self.weights @ amplitudes)
-        worst = 0.0
-        for shape in self._shapes:
-            away = reach * shape
-            state = self.equilibrium.copy()
-            state[self.free] += away
-            rates = self.sliding.rates(state)[self.free]
-            modal = np.abs(self.inverse @ rates - self.eigenvalues * (self.inverse @ away))
-            size = np.linalg.norm(self.weights * np.abs(self.inverse @ away))
-            worst = max(worst, float(np.linalg.norm(self.weights * modal) / size))
-        return worst / self.slowest
+        states = np.repeat(self.equilibrium[None, :], SAMPLES, axis=0)
+        states[:, self.free] += reach * self._shapes
+        rates = np.array([self.sliding.rates(state)[self.free] for state in states])
+        modal, sizes = self._modal_shapes
+        bent = np.abs(self.inverse @ rates.T - reach * self.eigenvalues[:, None] * modal)
+        norms = np.linalg.norm(self.weights[:, None] * bent, axis=0)
+        return float(np.max(norms / (reach * sizes))) / self.slowest
+
+    @cached_property
+    def _modal_shapes(self) -> tuple[Complex, Vector]:
+        """Modal amplitudes of `_shapes`, as columns, and their weighted sizes."""
+        modal = self.inverse @ self._shapes.T
+        return modal, np.linalg.norm(self.weights[:, None] * np.abs(modal), axis=0)
 
     @cached_property
     def _shapes(self) -> Real:
@@ -192,19 +195,21 @@ class Descent:
     Attributes
     ----------
     target : the level sets about it
-    times, amplitudes : of the looks since the slide began
+    times, amplitudes, sizes : of the looks since the slide began; sizes are weighted sums
     bent : smallest level at which sliding was found to be nonlinear
     """
 
     target: LevelSet
     times: list[float] = field(default_factory=list)
     amplitudes: list[Vector] = field(default_factory=list)
+    sizes: list[float] = field(default_factory=list)
     bent: float = np.inf
 
     def forget(self) -> None:
         """The slide was interrupted by an event."""
         self.times.clear()
         self.amplitudes.clear()
+        self.sizes.clear()
 
     def margin(self, time: float, state: Vector) -> float:
         """1 - V/c as soon as the slide is sure to end at the equilibrium; NaN before.
@@ -227,33 +232,29 @@ class Descent:
             self.bent = size
         self.times.append(time)
         self.amplitudes.append(found)
-        return 1.0 - level if self._falls() else float("nan")
+        self.sizes.append(size)
+        return 1.0 - level if level <= FALLEN and self._falls() else float("nan")
 
     def _falls(self) -> bool:
-        """Whether it has fallen over two successive stretches as the linear system does."""
+        """Whether it has fallen, over two successive stretches as the linear system does."""
         back = 1
         while 2 * back < len(self.times):
             looks = [len(self.times) - 1 - share * back for share in (2, 1, 0)]
-            both = self._agrees(looks[0], looks[1]) and self._agrees(looks[1], looks[2])
-            if both and self._is_down(looks[0]):
+            is_down = self.sizes[-1] <= FALLEN * self.sizes[looks[0]]
+            if is_down and self._agrees(looks[0], looks[1]) and self._agrees(looks[1], looks[2]):
                 return True
             back *= 2
         return False
 
-    def _is_down(self, since: int) -> bool:
-        """Whether the level is down to a share of what it was, or of c."""
-        weights = self.target.weights
-        before, now = (float(weights @ self.amplitudes[look]) for look in (since, -1))
-        level = self.target.level(self.amplitudes[-1])
-        return now <= FALLEN * before and level <= FALLEN
-
     def _agrees(self, first: int, last: int) -> bool:
         """Whether every leading mode changed at its own rate between two looks."""
         elapsed = self.times[last] - self.times[first]
+        if elapsed < self.target.period * (1.0 - 1e-9):
+            return False
         before, after = self.amplitudes[first], self.amplitudes[last]
         contributions = self.target.weights * before
         leading = contributions >= LEADING * np.max(contributions)
-        if elapsed < self.target.period * (1.0 - 1e-9) or np.any(after[leading] <= 0.0):
+        if np.any(after[leading] <= 0.0):
             return False
         rates = self.target.eigenvalues.real[leading]
         measured = np.log(after[leading] / before[leading]) / elapsed
