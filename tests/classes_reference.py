@@ -4,7 +4,7 @@ Three bistable systems, typed from the thesis (3.1 with 3.12 or a hyperbolic law
 7.17). A motion goes from extremum to extremum of the slip velocity with DOP853, so that no pair of
 zeros between two of them is missed. A class is told only where it is proved:
 
-*One mass on a belt, equilibrium.* With e(u) = F(u) convex, the damping force
+*One mass on a belt, equilibrium.* With F(u) convex, the damping force
 D(y) = c y - (F(v - y) - F(v)) is concave, so y D(y) > 0 for every velocity y below its first
 positive zero y*. The energy about the equilibrium falls at the rate y D(y); once it is below
 min(y*, v)^2/2 the velocity stays below y* and v for ever, and the motion ends at rest.
@@ -14,7 +14,7 @@ motions that ever stick is that of this point: it is followed once.
 
 *One mass on a belt, all starts at once.* The unstable cycle between the two is a closed curve of
 a plane flow that is unique forwards and backwards along it. Nothing crosses it: what is inside
-comes to rest, what is outside sticks.
+comes to rest, what is outside sticks. That there is one such cycle a campaign finds by integration.
 
 *Pin, equilibrium.* V = |W^-1 y|^2 with the eigenvectors W of sliding falls at least as fast as
 2 min|Re lambda| V in linear sliding. Below a level at which the rest of the force cannot make up
@@ -176,28 +176,25 @@ class Slider:
 
 
 # --- one mass on a belt (thesis 3.1), m = k = 1 --------------------------------------------------
-@dataclass(frozen=True)
-class Law:
-    """Friction force against slip speed u >= 0, N, convex and falling."""
-
-    force: Callable[[float], float]
+Law = Callable[[float], float]
+"""Friction force, N, against slip speed u >= 0, m/s: convex and falling."""
 
 
 def stribeck(N: float, mu_s: float, mu_k: float, v_s: float) -> Law:
     """3.12 with delta = 1."""
-    return Law(lambda u: N * (mu_k + (mu_s - mu_k) * np.exp(-u / v_s)))
+    return lambda u: N * (mu_k + (mu_s - mu_k) * np.exp(-u / v_s))
 
 
 def hyperbolic(N: float, mu_0: float, delta: float) -> Law:
     """mu_0 N / (1 + delta u)."""
-    return Law(lambda u: N * mu_0 / (1.0 + delta * u))
+    return lambda u: N * mu_0 / (1.0 + delta * u)
 
 
 class Belt(Slider):
     """State (x, x'); the slip velocity is v - x'."""
 
     def __init__(self, law: Law, v: float, c: float) -> None:
-        self.force, self.v, self.c = law.force, v, c
+        self.force, self.v, self.c = law, v, c
         self.max_step, self.atol, self.safe = 0.05, 1e-13, 0.0
         self.rest = self.force(v)
         self.equilibrium = np.array([self.rest, 0.0])
