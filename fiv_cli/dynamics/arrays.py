@@ -25,6 +25,9 @@ WORD = 8  # bytes of an integer, a float, an address
 # ever shorter steps, so a bound far above anything mechanical would only cost time.
 BOUND = 1e6
 
+# Steps after which a motion comes back for the first time (a step takes 0.1 us to 1 ms).
+FIRST_STRIDE = 1000
+
 Words = NDArray[np.int64]
 PLACES = kernel.Run.places()
 NO_SECTION = np.zeros(kernel.SECTION_WIDTH, np.int64)
@@ -119,7 +122,7 @@ def layout_of(system: System, solver: SolverSettings) -> Layout:
     floats[parts["tolerances"]] = solver.rtol, solver.step, BOUND
     floats[parts["parameters"]][-1 - system.n_contacts : -1] = 1.0  # signs of slip
     floats[parts["clock"]][kernel.TASK] = kernel.ENTER
-    block[parts["limits"]] = solver.max_steps, solver.max_events, 0
+    block[parts["limits"]] = min(solver.max_steps, FIRST_STRIDE), solver.max_events, 0
     return Layout(
         block,
         parts,
