@@ -25,8 +25,8 @@ WORD = 8  # bytes of an integer, a float, an address
 # ever shorter steps, so a bound far above anything mechanical would only cost time.
 BOUND = 1e6
 
-# Steps after which a motion comes back for the first time (a step takes 0.1 us to 1 ms).
-FIRST_STRIDE = 1000
+# Steps after which a motion comes back for the first time: 0.2 s where they are slow.
+FIRST_STRIDE = 4000
 
 Words = NDArray[np.int64]
 PLACES = kernel.Run.places()

@@ -293,7 +293,7 @@ class Motion:
 
     def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
         """Carry tangent vectors (rows) along from here on."""
-        self.stride = FIRST_STRIDE  # a step costs many times as much now
+        self.stride = FIRST_STRIDE // (1 + len(tangents))  # steps cost more now
         self._may_go_on()
         self.tangents = np.ascontiguousarray(tangents, dtype=float)
         self.arrays.show("tangents", self.tangents)
@@ -430,7 +430,7 @@ class Motion:
 def next_stride(stride: int, seconds: float) -> int:
     """Steps of the next call of the driver, after one that took so long."""
     share = CALL_SECONDS / max(seconds, 1e-9)
-    return max(FIRST_STRIDE, int(stride * min(share, 2.0)))
+    return max(1, int(stride * min(share, 2.0)))
 
 
 @cache
