@@ -104,6 +104,12 @@ def starting() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
+def disregard() -> None:
+    """The work is done, its exit code stands: no signal changes it while Python clears up."""
+    for number in NAMES:
+        signal.signal(number, signal.SIG_IGN)
+
+
 def finish() -> None:
     """Say which signal ended the program, and leave; nothing where none did."""
     if _noted:

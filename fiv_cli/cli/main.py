@@ -139,6 +139,7 @@ def main() -> NoReturn:
     except (ending.Ended, OSError):  # the latter: a terminal that is gone
         ending.finish()
         raise
+    ending.disregard()
     sys.exit(code)
 
 

@@ -8,6 +8,7 @@ import signal
 import time
 from collections.abc import Sequence
 from concurrent.futures import Future
+from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from typing import Any
 
@@ -65,6 +66,8 @@ class WorkerPool:
                 thread.join()
 
     def _start(self) -> None:
+        with ending.starting():  # on its own: where it starts this, Python unblocks signals
+            resource_tracker.ensure_running()
         self._context = Context()
         self._executor = process_executor.ProcessPoolExecutor(
             self.workers,
