@@ -80,10 +80,15 @@ def heeded() -> Iterator[None]:
     heed()
 
 
+def at_last(act: Callable[[], object]) -> None:
+    """Do `act` when a signal ends the process, which runs nothing that `atexit` holds."""
+    _last_acts.append(act)
+
+
 @contextmanager
 def last_act(act: Callable[[], object]) -> Iterator[None]:
     """Work that calls for `act` when the process is ended meanwhile; `act` takes no lock."""
-    _last_acts.append(act)
+    at_last(act)
     try:
         yield
     finally:
