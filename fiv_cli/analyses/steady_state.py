@@ -201,6 +201,8 @@ class _Response:
             self.last_event = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
         found = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
+        if found.values["attractor"] == "undecided" and found.status == "ok":
+            found.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
         found.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
         self._add_reference(found)
@@ -516,8 +518,10 @@ class _Response:
         found = self._cycle(self.section, lasting=True)
         if found is not None:
             return found
-        outcome.values["attractor"], outcome.reason = self._class_of(outcome)
-        outcome.carry = self._carry(outcome.values["attractor"])
+        told, outcome.reason = self._class_of(outcome)
+        outcome.values["attractor"] = told
+        if told != "undecided":
+            outcome.carry = self._carry(told)
         return outcome
 
     def _measure_window(self, until: float, with_exponent: bool = False) -> Outcome:
