@@ -236,7 +236,7 @@ class _Response:
                 last_point = self.motion.time
             found = self._rest() or (self._cycle(self.section) if self.count > before else None)
             if found is None and self._has_waited(last_point):
-                found = self._without_points(until)
+                found = self._without_points()
                 last_point = self.motion.time
             if found is not None:
                 return found
@@ -248,9 +248,9 @@ class _Response:
             return self.motion.time - last_point >= self.patience * (1.0 - 1e-12)
         return self._is_quiet()
 
-    def _without_points(self, until: float) -> Outcome | None:
+    def _without_points(self) -> Outcome | None:
         if self.excitation is not None:
-            return self._forced_sliding(until)
+            return self._forced_sliding()
         return self._neutral() if self.rests.is_neutral else None
 
     def _step(self, until: float, section: Section, measuring: bool = False) -> None:
@@ -363,21 +363,25 @@ class _Response:
         outcome.values["attractor"] = "undecided"
         return outcome
 
-    def _forced_sliding(self, until: float) -> Outcome | None:
-        """Does a motion that never sticks repeat with the excitation?"""
-        strobe = Section("phase")
+    def _forced_sliding(self) -> Outcome | None:
+        """Does a motion that never sticks repeat with the excitation? None: it sticks again.
+
+        Only a stroboscopic section has points of it, so it is followed so until its time is up.
+        """
+        strobe, t_max = Section("phase"), self.settings["t_max"]
         self.count = 0
-        self._start_measuring()
-        while self.motion.time < until and self._goes_on:
+        begun, energy = self._start_measuring(), self.motion.energy()
+        while self.motion.time < t_max and self._goes_on:
             before = self.count
-            self._step(until, strobe, measuring=True)
+            self._step(t_max, strobe, measuring=True)
             if np.any(self.motion.measures.shares[:, kernel.STICK] > 0.0):
-                break
+                self.count = 0
+                return None
             found = self._rest() or (self._cycle(strobe) if self.count > before else None)
             if found is not None:
                 return found
-        self.count = 0
-        return None
+        values = {"attractor": "undecided", "transient_used": begun} | self._measured(energy)
+        return self._ended() or Outcome(reason="slide_not_decided", values=values)
 
     # --- periodic ---------------------------------------------------------------------------------
     def _cycle(self, section: Section, lasting: bool = False) -> Outcome | None:
