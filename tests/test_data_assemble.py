@@ -213,8 +213,8 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(
     write_datasets(path, {"x": crossing_modes()}, {"title": "old"})
     before = path.read_bytes()
 
-    def full(*arguments: object, **named: object) -> None:
-        (tmp_path / ".a.nc.tmp").write_bytes(b"half")
+    def full(dataset: xr.Dataset, path: Path, **named: object) -> None:
+        path.write_bytes(b"half")
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", full)

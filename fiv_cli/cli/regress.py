@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -98,12 +97,19 @@ def _regress(sweep: Sweep, workers: int, regenerate: bool) -> bool:
         output = Path(scratch) / "result.nc"
         _run(sweep, output, workers)
         if regenerate:
-            shutil.copyfile(output, sweep.reference)
+            _store(output, sweep.reference)
             click.echo(f"{sweep.folder.name}: reference stored")
             return True
         differences = _differences(sweep, output)
     _print(sweep, differences)
     return not differences
+
+
+def _store(output: Path, reference: Path) -> None:
+    from fiv_cli.files import refuse_special, write_whole
+
+    refuse_special(reference, "DIR")
+    write_whole(reference, output.read_bytes())
 
 
 def _run(sweep: Sweep, output: Path, workers: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import json
 import os
@@ -16,6 +15,7 @@ import xarray as xr
 
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
+from fiv_cli.files import replacing
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
@@ -37,22 +37,17 @@ def write_datasets(
     StorageError
         no space or no permission; nothing is left behind.
     """
-    temporary = path.with_name(f".{path.name}.tmp")
     try:
         _check_space(path, datasets)
-        _write(temporary, datasets, attributes)
-        _check(temporary, datasets)
-        _sync(temporary)
-        temporary.replace(path)
+        with replacing(path) as temporary:
+            _write(temporary, datasets, attributes)
+            _check(temporary, datasets)
     except (OSError, RuntimeError) as error:
         raise StorageError(
             f"{path}: cannot be written: {_cause(error)}\n"
             "next: free some space or correct the permissions, then run the same command again; "
             "what is finished is kept"
         ) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 def read_datasets(path: Path) -> dict[str, xr.Dataset]:
@@ -186,14 +181,6 @@ def _check_space(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
     needed = sum(dataset.nbytes for dataset in datasets.values()) // 20
     if shutil.disk_usage(path.parent).free < needed:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-
-def _sync(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _cause(error: Exception) -> str:

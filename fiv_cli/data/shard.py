@@ -7,11 +7,9 @@ that cannot be read as it was written is an `UnreadableShard`: its points are si
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import io
 import json
-import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,6 +19,7 @@ import numpy as np
 
 from fiv_cli.data.block import Array, Block
 from fiv_cli.errors import StorageError
+from fiv_cli.files import write_whole
 
 FORMAT = "fiv shard"
 VERSION = 1
@@ -75,35 +74,14 @@ def write_atomically(path: Path, content: bytes) -> None:
     StorageError
         no space, no permission; nothing is left behind.
     """
-    temporary = path.with_name(f".{path.name}.tmp")
     try:
-        _write_synced(temporary, content)
-        temporary.replace(path)
-        _sync_folder(path.parent)
+        write_whole(path, content)
     except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
         raise StorageError(
             f"{path}: cannot be written: {error.strerror or error}\n"
             "next: free some space or correct the permissions, then run the same command again; "
             "what is finished is kept"
         ) from error
-
-
-def _write_synced(path: Path, content: bytes) -> None:
-    with path.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the rename itself durable."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _to_arrays(block: Block) -> dict[str, Array]:

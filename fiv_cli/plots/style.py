@@ -6,6 +6,7 @@ colour in every figure.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fiv_cli.errors import StorageError, UsageError
+from fiv_cli.files import refuse_special, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -126,7 +128,7 @@ def save(figure: Figure, path: str | Path) -> None:
 
     Raises
     ------
-    UsageError : another suffix
+    UsageError : another suffix, or what is there is no regular file
     StorageError : the file cannot be written
     """
     path = Path(path)
@@ -135,10 +137,13 @@ def save(figure: Figure, path: str | Path) -> None:
         raise UsageError(
             f"{path}: figures are written as {', '.join(UNDATED)}\nuse -o {path.stem or 'NAME'}.png"
         )
+    refuse_special(path)
+    image = io.BytesIO()
+    with looks():
+        figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with looks():
-            figure.savefig(path, metadata=UNDATED[suffix])
+        write_whole(path, image.getvalue(), durable=False)
     except OSError as error:
         raise StorageError(
             f"{path}: cannot be written ({error.strerror})\nchoose -o FIG"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from fiv_cli.data.netcdf import global_attributes
 from fiv_cli.errors import StorageError, StoreMismatchError, UsageError
+from fiv_cli.files import refuse_special
 
 RUN_SUFFIX = ".run"
 
@@ -22,14 +23,13 @@ def check_output(output: Path, fingerprint: str, fresh: bool) -> None:
     Raises
     ------
     UsageError
-        a folder, or a file that is no dataset of fiv.
+        a folder, a pipe or a device, or a file that is no dataset of fiv.
     StorageError
         its folder cannot be made or written.
     StoreMismatchError
         the dataset of another case, unless `fresh`.
     """
-    if output.is_dir():
-        raise UsageError(f"{output}: is a folder\nnext: name a file, -o {output}/NAME.nc")
+    refuse_special(output)
     if output.suffix == RUN_SUFFIX:
         raise UsageError(f"{output}: {RUN_SUFFIX} is the run directory\nnext: -o NAME.nc")
     _check_folder(output)

@@ -277,7 +277,8 @@ class _Pulse:
     def __enter__(self) -> _Pulse:
         if self._path is not None:
             with contextlib.suppress(OSError):  # a full disk: go on without
-                self._file = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+                flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW
+                self._file = os.open(self._path, flags)
         return self
 
     def __exit__(self, *exception: object) -> None:
