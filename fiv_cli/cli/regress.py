@@ -123,7 +123,7 @@ def _run(sweep: Sweep, output: Path, workers: int) -> None:
 
 def _differences(sweep: Sweep, output: Path) -> list[Difference]:
     from fiv_cli.data.compare import Tolerances, compare, read_tolerances
-    from fiv_cli.data.netcdf import read_datasets
+    from fiv_cli.data.reading import read_analyses
 
     if not sweep.reference.exists():
         raise UsageError(
@@ -131,7 +131,7 @@ def _differences(sweep: Sweep, output: Path) -> list[Difference]:
         )
     own = sweep.tolerances
     tolerances = read_tolerances(own) if own.exists() else Tolerances()
-    return compare(read_datasets(sweep.reference), read_datasets(output), tolerances)
+    return compare(read_analyses(sweep.reference), read_analyses(output), tolerances)
 
 
 def _print(sweep: Sweep, differences: Sequence[Difference]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
 import shutil
 from collections.abc import Mapping
@@ -19,6 +20,11 @@ from fiv_cli.files import replacing
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
+
+MOST_DEFLATED = 1040
+"""Deflate makes nothing smaller by more than this."""
+
+BARE_DIM = b"This is a netCDF dimension but not a netCDF variable"
 
 
 def write_datasets(
@@ -66,21 +72,23 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
         what = "is a folder" if path.is_dir() else "no such file"
         raise UsageError(f"{path}: {what}\nnext: name a dataset written by `fiv run`")
     try:
+        _refuse_false_sizes(path)
         return _read(path)
-    except (OSError, RuntimeError, ValueError) as error:
+    except Exception as error:  # a damaged file can fail in any way inside the libraries
         raise InputError(
-            f"{path}: not a NetCDF dataset ({error})\nnext: name a dataset written by `fiv run`"
+            f"{path}: not a NetCDF dataset, or a damaged one ({type(error).__name__}: {error})\n"
+            "next: name a dataset written by `fiv run`"
         ) from error
 
 
 def global_attributes(path: Path) -> dict[str, Any] | None:
-    """Global attributes of the file at `path`; None when it is not a NetCDF file."""
+    """Global attributes of the file at `path`; None when it is not a NetCDF file, or damaged."""
     import netCDF4
 
     try:
         with netCDF4.Dataset(path) as file:
             return {name: file.getncattr(name) for name in file.ncattrs()}
-    except (OSError, RuntimeError):
+    except Exception:  # as above
         return None
 
 
@@ -129,6 +137,38 @@ def _fill(variable: xr.Variable) -> Any:
     if variable.dtype == np.int32 and "ancillary_variables" in variable.attrs:
         return np.int32(INT_FILL)
     return None
+
+
+def _refuse_false_sizes(path: Path) -> None:
+    """ValueError where an array claims more than what is stored of it can hold.
+
+    Nothing of it is read for that: an array of a damaged size would be allocated first.
+    """
+    import h5py
+
+    sizes: dict[str, tuple[int, int]] = {}
+
+    def note(name: str, node: object) -> None:
+        if isinstance(node, h5py.Dataset) and not _is_bare_dim(node):
+            sizes[name] = (_claimed(node), node.id.get_storage_size())
+
+    with h5py.File(path, "r") as file:
+        file.visititems(note)
+    for name, (claimed, stored) in sizes.items():
+        if claimed > MOST_DEFLATED * stored + LARGE:
+            raise ValueError(f"{name} claims {claimed:,} bytes, and {stored:,} are stored")
+
+
+def _claimed(node: Any) -> int:
+    """Bytes that reading an array takes, at the least a chunk of it."""
+    one = node.dtype.itemsize
+    return max(math.prod(node.shape or ()), math.prod(node.chunks or ())) * one
+
+
+def _is_bare_dim(node: Any) -> bool:
+    """Whether this stands for a dim that no array carries the name of: it holds nothing."""
+    name = node.attrs.get("NAME", b"")
+    return isinstance(name, bytes) and name.startswith(BARE_DIM)
 
 
 def _read(path: Path) -> dict[str, xr.Dataset]:
