@@ -9,7 +9,7 @@ from typing import Any
 
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
 from fiv_cli.case.conditions import parse_condition
-from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.names import ascii_name, can_name_a_file, listed, suggest
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import (
@@ -50,7 +50,6 @@ _OWN_DIMS = (
     "l",
     "point",
 )
-_FILE_NAME = re.compile(r"[^/\\\0]+")
 _CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
 _OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
 _EXPECT_FORMS = (
@@ -94,7 +93,7 @@ def read_figures(
         taken = [figure.name for figure in figures]
         if table.name in taken:
             report.add((*place, "name"), f"the name {table.name!r} is taken", "unique names")
-        if table.name is not None and not _FILE_NAME.fullmatch(table.name):
+        if table.name is not None and not can_name_a_file(table.name):
             message = f"{table.name!r} cannot be part of the name of a file"
             report.add((*place, "name"), message, "one character at least, and no slash")
         given = {key: value for key, value in element.items() if key not in ("kind", "name")}

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from fiv_cli.cli.common import json_option, print_json
+from fiv_cli.errors import printable
 
 DIFFERENT = 5
 
@@ -42,7 +43,8 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
         print_json({"equal": not found, "differences": [asdict(one) for one in found]})
     else:
         for one in found:
-            click.echo(f"{one.what}: {one.text}" + (f" ({one.count})" if one.count > 1 else ""))
+            count = f" ({one.count})" if one.count > 1 else ""
+            click.echo(printable(f"{one.what}: {one.text}{count}"))
         if not found:
             click.echo(f"{first} and {second} agree")
     return DIFFERENT if found else 0

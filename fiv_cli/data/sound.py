@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.case.names import can_name_a_file
 from fiv_cli.case.structure import FigureTable
 
 if TYPE_CHECKING:
@@ -74,6 +75,8 @@ def _of_figures(text: object) -> Iterator[str]:
 def _is_figure(figure: Mapping[str, Any]) -> bool:
     settings = figure["settings"]
     if not isinstance(settings, dict) or not isinstance(figure["name"], str):
+        return False
+    if not can_name_a_file(figure["name"]):
         return False
     try:
         FigureTable.model_validate({**settings, "kind": figure["kind"]})

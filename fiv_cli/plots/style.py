@@ -9,12 +9,15 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 
 from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
@@ -123,6 +126,28 @@ def line_colours(count: int) -> list[Any]:
     return [ramp(0.92 * index / (count - 1)) for index in range(count)]
 
 
+def draw_broken_mathematics_as_it_stands(figure: Figure) -> None:
+    """Let every text of `figure` whose mathematics is broken be drawn letter by letter.
+
+    A title is the user's, a symbol the dataset's: neither may keep a figure from being drawn.
+    """
+    for axes in figure.axes:
+        axes.get_xticklabels(), axes.get_yticklabels()  # the labels of ticks are made when asked
+    for text in figure.findobj(Text):
+        if not _is_sound(text.get_text()):
+            text.set_parse_math(False)
+
+
+@cache
+def _is_sound(words: str) -> bool:
+    """Whether matplotlib can set the mathematics in `words`, if there is any."""
+    try:
+        MathTextParser("path").parse(words)
+    except ValueError:
+        return False
+    return True
+
+
 def save(figure: Figure, path: str | Path) -> None:
     """Write `figure` as PNG, SVG or PDF, by the suffix of `path`.
 
@@ -140,6 +165,7 @@ def save(figure: Figure, path: str | Path) -> None:
     refuse_special(path)
     image = io.BytesIO()
     with looks():
+        draw_broken_mathematics_as_it_stands(figure)
         figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
