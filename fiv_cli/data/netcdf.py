@@ -4,27 +4,23 @@ from __future__ import annotations
 
 import errno
 import json
-import math
 import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import xarray as xr
 
+from fiv_cli.data.hdf5 import refuse_false_sizes
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.files import replacing
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
-
-MOST_DEFLATED = 1040
-"""Deflate makes nothing smaller by more than this."""
-
-BARE_DIM = b"This is a netCDF dimension but not a netCDF variable"
 
 
 def write_datasets(
@@ -72,7 +68,8 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
         what = "is a folder" if path.is_dir() else "no such file"
         raise UsageError(f"{path}: {what}\nnext: name a dataset written by `fiv run`")
     try:
-        _refuse_false_sizes(path)
+        with h5py.File(path, "r") as file:
+            refuse_false_sizes(file)
         return _read(path)
     except Exception as error:  # a damaged file can fail in any way inside the libraries
         raise InputError(
@@ -137,38 +134,6 @@ def _fill(variable: xr.Variable) -> Any:
     if variable.dtype == np.int32 and "ancillary_variables" in variable.attrs:
         return np.int32(INT_FILL)
     return None
-
-
-def _refuse_false_sizes(path: Path) -> None:
-    """ValueError where an array claims more than what is stored of it can hold.
-
-    Nothing of it is read for that: an array of a damaged size would be allocated first.
-    """
-    import h5py
-
-    sizes: dict[str, tuple[int, int]] = {}
-
-    def note(name: str, node: object) -> None:
-        if isinstance(node, h5py.Dataset) and not _is_bare_dim(node):
-            sizes[name] = (_claimed(node), node.id.get_storage_size())
-
-    with h5py.File(path, "r") as file:
-        file.visititems(note)
-    for name, (claimed, stored) in sizes.items():
-        if claimed > MOST_DEFLATED * stored + LARGE:
-            raise ValueError(f"{name} claims {claimed:,} bytes, and {stored:,} are stored")
-
-
-def _claimed(node: Any) -> int:
-    """Bytes that reading an array takes, at the least a chunk of it."""
-    one = node.dtype.itemsize
-    return max(math.prod(node.shape or ()), math.prod(node.chunks or ())) * one
-
-
-def _is_bare_dim(node: Any) -> bool:
-    """Whether this stands for a dim that no array carries the name of: it holds nothing."""
-    name = node.attrs.get("NAME", b"")
-    return isinstance(name, bytes) and name.startswith(BARE_DIM)
 
 
 def _read(path: Path) -> dict[str, xr.Dataset]:

@@ -18,6 +18,7 @@ import h5py
 import numpy as np
 
 from fiv_cli.data.block import Array, Block
+from fiv_cli.data.hdf5 import refuse_false_sizes
 from fiv_cli.errors import StorageError
 from fiv_cli.files import write_whole
 
@@ -63,7 +64,10 @@ def read_shard(path: Path) -> tuple[Block, str]:
         the file is truncated, damaged, of another version, or not a shard.
     """
     arrays, analysis = _verified_arrays(path)
-    return _from_arrays(arrays), analysis
+    try:
+        return _from_arrays(arrays), analysis
+    except Exception as error:  # a checksum can be made for anything
+        raise UnreadableShard(f"it holds no block: {type(error).__name__}: {error}") from error
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -117,6 +121,8 @@ def _group(arrays: Mapping[str, Array], prefix: str) -> dict[str, Array]:
 def _verified_arrays(path: Path) -> tuple[dict[str, Array], str]:
     """What is stored at `path`; a damaged file can fail in any way, and none may end a run."""
     try:
+        if not path.is_file():
+            raise ValueError("no file")
         arrays, analysis, stored = _raw_arrays(path)
         intact = _checksum(arrays, analysis) == stored
     except Exception as error:
@@ -130,6 +136,7 @@ def _raw_arrays(path: Path) -> tuple[dict[str, Array], str, str]:
     with h5py.File(path, "r") as file:
         if file.attrs.get("format") != FORMAT or file.attrs.get("version") != VERSION:
             raise ValueError("not a shard of this version")
+        refuse_false_sizes(file)
         arrays = {name: file[name][()] for name in _datasets(file)}
         return arrays, str(file.attrs["analysis"]), str(file.attrs["checksum"])
 

@@ -61,6 +61,11 @@ class ChainState:
     attractor: str
     blocked: str = ""
 
+    def is_sound(self) -> bool:
+        """Whether it has the form that `plain` stores (a shard may be made by hand)."""
+        words = isinstance(self.attractor, str) and isinstance(self.blocked, str)
+        return words and isinstance(self.lost, bool) and isinstance(self.carry, dict | None)
+
     def plain(self) -> dict[str, Any]:
         """As plain data, for a shard."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
