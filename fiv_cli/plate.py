@@ -41,6 +41,10 @@ REFINEMENTS = (1, 2, 4, 8)  # times as many where these are too few: a small hol
 BRACKET = 1e-4  # half-width of the bracket about a Ritz value, relative
 
 
+class ModeNotFoundError(ValueError):
+    """No root of the determinant stands where the energies say that there is one."""
+
+
 @dataclass(frozen=True)
 class AnnularPlate:
     """A plate of uniform thickness, clamped at its inner and free at its outer edge.
@@ -117,6 +121,8 @@ def mode(plate: AnnularPlate, circles: int, diameters: int) -> PlateMode:
     ------
     ValueError
         when a number is negative or the radii are no annulus
+    ModeNotFoundError
+        the hole is too small for the numbers of a double
     """
     _check(plate, circles, diameters)
     return _mode(plate, circles, diameters)
@@ -235,7 +241,8 @@ def _wave_number(plate: AnnularPlate, circles: int, diameters: int) -> float:
     from scipy.optimize import brentq
 
     def determinant(beta: float) -> float:
-        return _determinant(plate, diameters, beta)
+        with np.errstate(all="ignore"):  # of a hole of next to nothing: NaN, and no root
+            return _determinant(plate, diameters, beta)
 
     for finer in REFINEMENTS:
         guess = float(ritz_wave_numbers(plate, diameters, circles + 1, finer)[circles])
@@ -243,7 +250,8 @@ def _wave_number(plate: AnnularPlate, circles: int, diameters: int) -> float:
         if determinant(low) * determinant(high) < 0.0:
             return float(brentq(determinant, low, high, xtol=1e-300, rtol=8.9e-16))
     named = f"mode ({circles}, {diameters})"
-    raise ValueError(f"{named} is not found: the hole, a/b = {plate.a / plate.b:.2g}, is too small")
+    hole = f"the hole, a/b = {plate.a / plate.b:.2g}"
+    raise ModeNotFoundError(f"{named} is not found: {hole}, is too small")
 
 
 # --- Rayleigh and Ritz ----------------------------------------------------------------------------

@@ -174,6 +174,16 @@ REASONS: tuple[Reason, ...] = (
         "shape has no scale; move r0, or leave the mode out",
     ),
     Reason("no_plate", "the radii make no disc with the slider on it: a < b and a <= r0 <= b"),
+    Reason(
+        "hole_too_small",
+        "the disc's hole is so small that a mode cannot be told from that of a disc without one "
+        "(the message names it): raise a, or leave the mode out",
+    ),
+    Reason(
+        "inexact_equilibrium",
+        "what is left of the forces at a supposed equilibrium is no rounding: the parameters are "
+        "too many orders of magnitude apart for it to be found; bring them closer",
+    ),
 )
 
 STATUS = FlagTable(
