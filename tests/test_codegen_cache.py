@@ -314,3 +314,15 @@ def test_a_full_disk_leaves_no_piece_behind(tmp_path, monkeypatch):
     cache.write("name.o", b"code")
     assert cache.read("name.o") is None
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_compiled_unchecked_has_a_key_of_its_own(tmp_path: Path) -> None:
+    """Under ``python -O`` the assertions of the translator are not there."""
+    program = "from fiv_cli.dynamics.compiled import DRIVER; print(DRIVER.key())"
+    keys = [
+        subprocess.run(
+            [sys.executable, *options, "-c", program], capture_output=True, text=True, check=True
+        ).stdout
+        for options in ([], ["-O"], [])
+    ]
+    assert keys[0] == keys[2] != keys[1]
