@@ -31,7 +31,7 @@ from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Parameter
 
 # What decides which variables there will be.
-DECIDE_VARIABLES = ("analyses", "axes", "law", "options", "parameters", "starts", "zips")
+DECIDE_VARIABLES = ("analyses", "axes", "law", "options")
 
 _AT_LINE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 

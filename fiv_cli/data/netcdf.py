@@ -14,10 +14,12 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from fiv_cli.data.hdf5 import refuse_false_sizes
+from fiv_cli.data.hdf5 import refuse_what_fiv_does_not_write
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.files import replacing
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
@@ -39,6 +41,8 @@ def write_datasets(
     StorageError
         no space or no permission; nothing is left behind.
     """
+    form = {name: _form(dataset) for name, dataset in datasets.items()}
+    attributes = {**attributes, "variables_json": form}
     try:
         _check_space(path, datasets)
         with replacing(path) as temporary:
@@ -69,7 +73,7 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
         raise UsageError(f"{path}: {what}\nnext: name a dataset written by `fiv run`")
     try:
         with h5py.File(path, "r") as file:
-            refuse_false_sizes(file)
+            refuse_what_fiv_does_not_write(file)
         return _read(path)
     except Exception as error:  # a damaged file can fail in any way inside the libraries
         raise InputError(
@@ -89,6 +93,12 @@ def global_attributes(path: Path) -> dict[str, Any] | None:
         return None
 
 
+def is_hdf5(path: Path) -> bool:
+    """Whether the file begins as those do that hold datasets."""
+    with path.open("rb") as file:
+        return file.read(len(SIGNATURE)) == SIGNATURE
+
+
 def to_attribute(value: Any) -> Any:
     """A value as NetCDF can hold it: tables as JSON, lists of names as lines; None is left out."""
     if isinstance(value, bool | np.bool_):
@@ -98,6 +108,11 @@ def to_attribute(value: Any) -> Any:
     if isinstance(value, tuple | list):
         return "\n".join(str(item) for item in value)
     return value
+
+
+def _form(dataset: xr.Dataset) -> dict[str, list[str]]:
+    """Variable -> its dims: by this a reader sees whether a file is as it was written."""
+    return {str(name): list(map(str, v.dims)) for name, v in dataset.variables.items()}
 
 
 def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:

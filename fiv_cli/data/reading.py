@@ -47,7 +47,7 @@ def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
             "write a dataset with: fiv run CASE"
         )
     for name, dataset in analyses.items():
-        fault = fault_of(dataset)
+        fault = fault_of(dataset, name)
         if fault:
             raise InputError(
                 f"{path}: a damaged dataset: {f'{name}: ' if name else ''}{fault}\n"

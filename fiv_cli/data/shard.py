@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 from fiv_cli.data.block import Array, Block
-from fiv_cli.data.hdf5 import refuse_false_sizes
+from fiv_cli.data.hdf5 import refuse_what_fiv_does_not_write
 from fiv_cli.errors import StorageError
 from fiv_cli.files import write_whole
 
@@ -136,7 +136,7 @@ def _raw_arrays(path: Path) -> tuple[dict[str, Array], str, str]:
     with h5py.File(path, "r") as file:
         if file.attrs.get("format") != FORMAT or file.attrs.get("version") != VERSION:
             raise ValueError("not a shard of this version")
-        refuse_false_sizes(file)
+        refuse_what_fiv_does_not_write(file)
         arrays = {name: file[name][()] for name in _datasets(file)}
         return arrays, str(file.attrs["analysis"]), str(file.attrs["checksum"])
 

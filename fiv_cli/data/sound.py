@@ -26,13 +26,15 @@ COUNTS = ("refined_levels", "points_run", "points_filled_in", "sample_size", "sa
 STATUSES = {"ok", "pending", "not_computed"}
 
 
-def fault_of(dataset: xr.Dataset) -> str:
+def fault_of(dataset: xr.Dataset, name: str) -> str:
     """The first thing found wrong with the dataset of one analysis; empty when it is sound."""
-    return next(_faults(dataset), "")
+    return next(_faults(dataset, name), "")
 
 
-def _faults(dataset: xr.Dataset) -> Iterator[str]:
+def _faults(dataset: xr.Dataset, analysis: str) -> Iterator[str]:
     yield from _of_attributes(dataset.attrs)
+    if "variables_json" in dataset.attrs:  # 0.1.0 did not write it
+        yield from _of_form(dataset, analysis)
     for name, variable in dataset.variables.items():
         yield from _of_variable(str(name), variable)
     yield from _of_status(dataset)
@@ -103,6 +105,22 @@ def _parsed(text: object) -> Any:
         return json.loads(text) if isinstance(text, str) else None
     except (ValueError, RecursionError):
         return None
+
+
+def _of_form(dataset: xr.Dataset, analysis: str) -> Iterator[str]:
+    """Every variable is there, over the dims over which it was written."""
+    forms = _parsed(dataset.attrs["variables_json"])
+    form = (
+        forms.get(analysis, next(iter(forms.values()), None)) if isinstance(forms, dict) else None
+    )
+    if not isinstance(form, dict):
+        yield "variables_json does not say what was written"
+        return
+    for name, dims in form.items():
+        if name not in dataset.variables:
+            yield f"{name} is missing"
+        elif list(dataset.variables[name].dims) != dims:
+            yield f"{name} does not lie over what it was written over, {dims}"
 
 
 # --- variables ------------------------------------------------------------------------------------
