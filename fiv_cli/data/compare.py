@@ -211,8 +211,10 @@ def _compare_variable(
         return
     if name in WORK and name not in tolerances.variables:
         return
-    owner = _ragged_owner(left, a)
-    if owner is not None:
+    owner, other = _ragged_owner(left, a), _ragged_owner(right, b)
+    if owner != other:
+        yield Difference(prefix + name, f"rows counted by {owner} against {other}")
+    elif owner is not None:
         yield from _compare_ragged(left, right, name, owner, classes, tolerances, prefix)
     elif not (name.endswith("_row_size") and "attractor" in left):
         yield from _compare_values(a, b, name, classes, tolerances, prefix)

@@ -10,16 +10,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import xarray as xr
 
-from fiv_cli.data.hdf5 import refuse_what_fiv_does_not_write
+from fiv_cli.data.hdf5 import read_attributes, read_groups
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.files import replacing
-
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
@@ -72,9 +69,7 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
         what = "is a folder" if path.is_dir() else "no such file"
         raise UsageError(f"{path}: {what}\nnext: name a dataset written by `fiv run`")
     try:
-        with h5py.File(path, "r") as file:
-            refuse_what_fiv_does_not_write(file)
-        return _read(path)
+        return read_groups(path)
     except Exception as error:  # a damaged file can fail in any way inside the libraries
         raise InputError(
             f"{path}: not a NetCDF dataset, or a damaged one ({type(error).__name__}: {error})\n"
@@ -84,19 +79,10 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
 
 def global_attributes(path: Path) -> dict[str, Any] | None:
     """Global attributes of the file at `path`; None when it is not a NetCDF file, or damaged."""
-    import netCDF4
-
     try:
-        with netCDF4.Dataset(path) as file:
-            return {name: file.getncattr(name) for name in file.ncattrs()}
+        return read_attributes(path)
     except Exception:  # as above
         return None
-
-
-def is_hdf5(path: Path) -> bool:
-    """Whether the file begins as those do that hold datasets."""
-    with path.open("rb") as file:
-        return file.read(len(SIGNATURE)) == SIGNATURE
 
 
 def to_attribute(value: Any) -> Any:
@@ -149,26 +135,6 @@ def _fill(variable: xr.Variable) -> Any:
     if variable.dtype == np.int32 and "ancillary_variables" in variable.attrs:
         return np.int32(INT_FILL)
     return None
-
-
-def _read(path: Path) -> dict[str, xr.Dataset]:
-    names = _groups(path)
-    root = _loaded(path, None)
-    if not names:
-        return {"": root}
-    return {name: _loaded(path, name).assign_attrs(root.attrs) for name in names}
-
-
-def _groups(path: Path) -> list[str]:
-    import netCDF4
-
-    with netCDF4.Dataset(path) as file:
-        return list(file.groups)
-
-
-def _loaded(path: Path, group: str | None) -> xr.Dataset:
-    with xr.open_dataset(path, engine="netcdf4", group=group, decode_times=False) as dataset:
-        return dataset.load()
 
 
 def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:

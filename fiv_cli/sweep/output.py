@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from fiv_cli.data.netcdf import global_attributes, is_hdf5
+from fiv_cli.data.hdf5 import is_hdf5
+from fiv_cli.data.netcdf import global_attributes
 from fiv_cli.errors import InputError, StorageError, StoreMismatchError, UsageError
 from fiv_cli.files import refuse_special
 
