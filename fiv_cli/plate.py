@@ -38,6 +38,7 @@ Matrix = NDArray[np.float64]
 
 EXTRA_TERMS = 16  # Ritz terms beyond twice the number of modes asked for
 REFINEMENTS = (1, 2, 4, 8)  # times as many where these are too few: a small hole, a < b/50
+SMALLEST_HOLE = 1e-15  # a/b; below, Bessel functions overflow at the hole
 BRACKET = 1e-4  # half-width of the bracket about a Ritz value, relative
 
 
@@ -144,6 +145,8 @@ def _check(plate: AnnularPlate, circles: int, diameters: int) -> None:
 
 @cache
 def _mode(plate: AnnularPlate, circles: int, diameters: int) -> PlateMode:
+    if plate.a < SMALLEST_HOLE * plate.b:
+        raise _not_found(plate, circles, diameters)
     beta = _wave_number(plate, circles, diameters)
     unscaled = PlateMode(plate, circles, diameters, beta, _null_vector(plate, diameters, beta))
     size = np.sqrt(orthogonality(unscaled, unscaled))
@@ -241,17 +244,19 @@ def _wave_number(plate: AnnularPlate, circles: int, diameters: int) -> float:
     from scipy.optimize import brentq
 
     def determinant(beta: float) -> float:
-        with np.errstate(all="ignore"):  # of a hole of next to nothing: NaN, and no root
-            return _determinant(plate, diameters, beta)
+        return _determinant(plate, diameters, beta)
 
     for finer in REFINEMENTS:
         guess = float(ritz_wave_numbers(plate, diameters, circles + 1, finer)[circles])
         low, high = guess * (1.0 - BRACKET), guess * (1.0 + BRACKET)
         if determinant(low) * determinant(high) < 0.0:
             return float(brentq(determinant, low, high, xtol=1e-300, rtol=8.9e-16))
-    named = f"mode ({circles}, {diameters})"
-    hole = f"the hole, a/b = {plate.a / plate.b:.2g}"
-    raise ModeNotFoundError(f"{named} is not found: {hole}, is too small")
+    raise _not_found(plate, circles, diameters)
+
+
+def _not_found(plate: AnnularPlate, circles: int, diameters: int) -> ModeNotFoundError:
+    named, share = f"mode ({circles}, {diameters})", f"{plate.a / plate.b:.2g}"
+    return ModeNotFoundError(f"{named} is not found: the hole, a/b = {share}, is too small")
 
 
 # --- Rayleigh and Ritz ----------------------------------------------------------------------------

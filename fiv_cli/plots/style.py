@@ -52,6 +52,8 @@ CLASSES = {
 PANEL = (6.4, 4.2)  # inches
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
+LONGEST_TEXT = 600  # characters
+IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 SETTINGS: dict[Any, Any] = {
     "font.size": 9.0,
@@ -126,16 +128,35 @@ def line_colours(count: int) -> list[Any]:
     return [ramp(0.92 * index / (count - 1)) for index in range(count)]
 
 
-def draw_broken_mathematics_as_it_stands(figure: Figure) -> None:
+def tame_texts(figure: Figure) -> None:
     """Let every text of `figure` whose mathematics is broken be drawn letter by letter.
 
-    A title is the user's, a symbol the dataset's: neither may keep a figure from being drawn.
+    A title is the user's, a symbol the dataset's: neither may keep a figure from being drawn, nor
+    take minutes by its length.
     """
     for axes in figure.axes:
         axes.get_xticklabels(), axes.get_yticklabels()  # the labels of ticks are made when asked
     for text in figure.findobj(Text):
+        if len(text.get_text()) > LONGEST_TEXT:
+            text.set_text(f"{text.get_text()[:LONGEST_TEXT]} ...")
         if not _is_sound(text.get_text()):
             text.set_parse_math(False)
+
+
+def refuse_the_immense(figure: Figure, path: Path) -> None:
+    """Refuse axes so long that no ticks can be set on them.
+
+    Raises
+    ------
+    UsageError
+    """
+    for axes in figure.axes:
+        for low, high in (axes.get_xlim(), axes.get_ylim()):
+            if not abs(low) < IMMENSE > abs(high):
+                raise UsageError(
+                    f"{path}: it would reach from {low:g} to {high:g}, which cannot be drawn\n"
+                    "next: choose a part with `select`, `xlim` or `ylim` in the [[figure]]"
+                )
 
 
 @cache
@@ -165,7 +186,8 @@ def save(figure: Figure, path: str | Path) -> None:
     refuse_special(path)
     image = io.BytesIO()
     with looks():
-        draw_broken_mathematics_as_it_stands(figure)
+        tame_texts(figure)
+        refuse_the_immense(figure, path)
         figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
