@@ -106,12 +106,18 @@ def _dataset(group: h5py.Group) -> xr.Dataset:
     nodes = {n: node for n, node in _members(group) if isinstance(node, h5py.Dataset)}
     numbered = {int(n.attrs["_Netcdf4Dimid"]): name for name, n in nodes.items() if n.is_scale}
     variables = {
-        name: xr.Variable(_dims(name, node, numbered), node[()], _attributes(node.attrs))
+        name: xr.Variable(_dims(name, node, numbered), _content(node), _attributes(node.attrs))
         for name, node in nodes.items()
         if not _is_bare_dim(node)
     }
     raw = xr.Dataset(variables, attrs=_attributes(group.attrs))
     return xr.decode_cf(raw, decode_times=False)
+
+
+def _content(node: Any) -> Any:
+    """The array; texts of any length as such."""
+    text = h5py.check_string_dtype(node.dtype)
+    return node.asstr()[()] if text is not None and text.length is None else node[()]
 
 
 def _dims(name: str, node: Any, numbered: Mapping[int, str]) -> tuple[str, ...]:

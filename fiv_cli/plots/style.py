@@ -186,8 +186,8 @@ def save(figure: Figure, path: str | Path) -> None:
     refuse_special(path)
     image = io.BytesIO()
     with looks():
-        tame_texts(figure)
         refuse_the_immense(figure, path)
+        tame_texts(figure)
         figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
