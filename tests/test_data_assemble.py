@@ -196,7 +196,7 @@ def test_a_file_reads_back_and_is_the_same_twice(tmp_path: Path) -> None:
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
     back = read_datasets(tmp_path / "a.nc")[""]
     form = json.loads(back.attrs.pop("variables_json"))["eigenvalues"]
-    assert form["eigenvector_real"] == ["Omega", "mode", "state"]
+    assert form["eigenvector_real"] == ["numbers", "Omega", "mode", "state"]
     assert back.attrs == {"title": "x", "extra": '{"k": 1}'}
     xr.testing.assert_equal(back["eigenvalue_imag"], dataset["eigenvalue_imag"])
 

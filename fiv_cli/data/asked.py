@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any
 
+from fiv_cli.analyses import get_analysis
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.lines import locate
 from fiv_cli.case.load import load_case
@@ -42,13 +43,19 @@ def load_checked(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
     try:
         case = load_case(path, overrides)
     except CaseError as error:
-        if error.case is None:
+        if error.case is None or not all(map(_is_complete, error.case.analyses)):
             raise
         told = {problem.path for problem in error.problems}
         further = [problem for problem in _problems(error.case) if problem.path not in told]
         raise CaseError(error.source, in_order([*error.problems, *further])) from None
     refuse_what_will_not_be_there(case)
     return case
+
+
+def _is_complete(spec: AnalysisSpec) -> bool:
+    """Whether nothing is missing that an analysis must be given."""
+    needed = [setting.name for setting in get_analysis(spec.kind).settings if setting.required]
+    return all(spec.settings.get(name) is not None for name in needed)
 
 
 def refuse_what_will_not_be_there(case: Case) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from fiv_cli.data.hdf5 import read_attributes, read_groups
+from fiv_cli.data.sound import form_of
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.files import replacing
@@ -38,7 +39,7 @@ def write_datasets(
     StorageError
         no space or no permission; nothing is left behind.
     """
-    form = {name: _form(dataset) for name, dataset in datasets.items()}
+    form = {name: form_of(dataset) for name, dataset in datasets.items()}
     attributes = {**attributes, "variables_json": form}
     try:
         _check_space(path, datasets)
@@ -94,11 +95,6 @@ def to_attribute(value: Any) -> Any:
     if isinstance(value, tuple | list):
         return "\n".join(str(item) for item in value)
     return value
-
-
-def _form(dataset: xr.Dataset) -> dict[str, list[str]]:
-    """Variable -> its dims: by this a reader sees whether a file is as it was written."""
-    return {str(name): list(map(str, v.dims)) for name, v in dataset.variables.items()}
 
 
 def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:

@@ -31,6 +31,21 @@ def fault_of(dataset: xr.Dataset, name: str) -> str:
     return next(_faults(dataset, name), "")
 
 
+def form_of(dataset: xr.Dataset) -> dict[str, list[str]]:
+    """Variable -> its kind and dims: by this a reader sees whether a file is as it was written."""
+    return {
+        str(name): [_kind(variable), *map(str, variable.dims)]
+        for name, variable in dataset.variables.items()
+    }
+
+
+def _kind(variable: xr.Variable) -> str:
+    """What a variable holds; a count with gaps is read as a number."""
+    if _is_flag(variable):
+        return "classes"
+    return "numbers" if variable.dtype.kind in "fiu" else "texts"
+
+
 def _faults(dataset: xr.Dataset, analysis: str) -> Iterator[str]:
     yield from _of_attributes(dataset.attrs)
     if "variables_json" in dataset.attrs:  # 0.1.0 did not write it
@@ -108,7 +123,7 @@ def _parsed(text: object) -> Any:
 
 
 def _of_form(dataset: xr.Dataset, analysis: str) -> Iterator[str]:
-    """Every variable is there, over the dims over which it was written."""
+    """Every variable is there, of the kind and over the dims that were written."""
     forms = _parsed(dataset.attrs["variables_json"])
     form = (
         forms.get(analysis, next(iter(forms.values()), None)) if isinstance(forms, dict) else None
@@ -116,11 +131,12 @@ def _of_form(dataset: xr.Dataset, analysis: str) -> Iterator[str]:
     if not isinstance(form, dict):
         yield "variables_json does not say what was written"
         return
-    for name, dims in form.items():
-        if name not in dataset.variables:
+    now = form_of(dataset)
+    for name, written in form.items():
+        if name not in now:
             yield f"{name} is missing"
-        elif list(dataset.variables[name].dims) != dims:
-            yield f"{name} does not lie over what it was written over, {dims}"
+        elif now[name] != written:
+            yield f"{name} is {now[name]}, and was written as {written}"
 
 
 # --- variables ------------------------------------------------------------------------------------
