@@ -195,7 +195,7 @@ def edit_known_attribute(file: h5py.File, rng: random.Random) -> None:
 
 def edit_flags(file: h5py.File, rng: random.Random) -> None:
     node = rng.choice([v for v in variables(file) if "flag_values" in v.attrs])
-    values, names = node.attrs["flag_values"], str(node.attrs["flag_meanings"]).split()
+    values, names = node.attrs["flag_values"], node.attrs["flag_meanings"].decode().split()
     choice = rng.randrange(6)
     if choice == 0:
         node.attrs["flag_values"] = values[:-1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from fiv_cli.models.base import (
@@ -72,6 +73,28 @@ BOUNCER = Model(
     options=(
         Option("contact", ("rigid", "compliant", "elastic"), "rigid", "how the contact gives way"),
     ),
+)
+
+
+# --- ... over a floor whose height is a state ---------------------------------------------------
+def _raised(symbols: Any, options: Options) -> Equations:
+    """The bouncer, closed where z is the height of a floor that nothing moves."""
+    found = _bouncer(symbols, options)
+    (contact,) = found.contacts
+    gap = symbols.coordinate("z") - symbols.coordinate("floor")
+    force = None if contact.normal_force is None else -symbols.parameter("k_c") * gap
+    return replace(
+        found,
+        accelerations={**found.accelerations, "floor": 0},
+        contacts=(replace(contact, gap=gap, normal_force=force),),
+    )
+
+
+RAISED_BOUNCER = replace(
+    BOUNCER,
+    name="raised-bouncer",
+    states=lambda options: _coordinates("x", "z", "floor"),
+    equations=_raised,
 )
 
 
@@ -213,4 +236,31 @@ BALL = Model(
     laws=("coulomb",),
     law_defaults={"mu_k": 0.0, "mu_s": 0.0},
     forcings=(Forcing("A", lambda p: p["omega"], "shaking of the table"),),
+)
+
+
+# --- a mass on a belt between two wells ----------------------------------------------------------
+def _double_well(symbols: Any, options: Options) -> Equations:
+    """m x'' + c x' + k (x^3 - x) = F_T: two stable sliding equilibria and one between them."""
+    p = symbols.parameter
+    x, x_dot = symbols.coordinate("x"), symbols.velocity("x")
+    force = -p("k") * (x**3 - x) - p("c") * x_dot
+    return Equations(
+        accelerations={"x": (force + symbols.tangential_force(0)) / p("m")},
+        contacts=(Contact(slip_velocity=p("v") - x_dot, slip_coordinate="x", normal_force=p("N")),),
+        kinetic_energy=p("m") * x_dot**2 / 2,
+        potential_energy=p("k") * (x**4 / 4 - x**2 / 2),
+    )
+
+
+DOUBLE_WELL = Model(
+    name="double-well",
+    title="mass on a belt between two wells",
+    reference="test suite",
+    numerics_version=1,
+    parameters=_parameters(m=1.0, k=1.0, c=0.2, N=0.5, v=2.0),
+    states=lambda options: _coordinates("x"),
+    equations=_double_well,
+    laws=("coulomb",),
+    law_defaults={"mu_s": 0.2, "mu_k": 0.1},
 )

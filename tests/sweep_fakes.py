@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import struct
+import sys
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -97,6 +99,22 @@ def counted(request: Request) -> Outcome:
     return answer(request)
 
 
+def hazy(request: Request) -> Outcome:
+    """`answer`, which cannot be told where N is 1, 4 or 5; there the motion goes on."""
+    outcome = answer(request)
+    if request.parameters["N"] in (1.0, 4.0, 5.0):
+        outcome.values["attractor"], outcome.reason = "undecided", "time_budget"
+    return outcome
+
+
+def ended(request: Request) -> Outcome:
+    """`hazy`, and where N = 4 nothing is left to go on from."""
+    outcome = hazy(request)
+    if request.parameters["N"] == 4.0:
+        outcome.carry = None
+    return outcome
+
+
 def slow(request: Request) -> Outcome:
     """`answer` after a tenth of a second."""
     time.sleep(0.1)
@@ -115,6 +133,20 @@ def deadly_once(request: Request) -> Outcome:
     mark = Path(os.environ["FIV_TEST_COUNT"])
     if request.parameters["N"] == 3.0 and request.parameters["v"] == 1.0 and not mark.exists():
         mark.write_text("died")
+        os.kill(os.getpid(), 9)
+    return answer(request)
+
+
+def breaking_off(request: Request) -> Outcome:
+    """Ends its process where N = 3 and v = 1, the first time only, in the midst of an answer."""
+    mark = Path(os.environ["FIV_TEST_COUNT"])
+    if request.parameters["N"] == 3.0 and request.parameters["v"] == 1.0 and not mark.exists():
+        mark.write_text("died")
+        frame = sys._getframe()
+        while "result_queue" not in frame.f_locals and frame.f_back is not None:
+            frame = frame.f_back
+        answers = frame.f_locals["result_queue"]._writer.fileno()
+        os.write(answers, struct.pack("!i", 1000) + b"the first of a thousand bytes")
         os.kill(os.getpid(), 9)
     return answer(request)
 

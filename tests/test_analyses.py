@@ -117,7 +117,7 @@ def test_divergence_is_an_answer() -> None:
 
 @pytest.mark.parametrize(
     ("budget", "reason"),
-    [({"max_events": 5}, "too_many_events"), ({"max_steps": 5}, "too_many_steps")],
+    [({"max_events": 2}, "too_many_events"), ({"max_steps": 5}, "too_many_steps")],
 )
 def test_budgets_are_reported(budget: Any, reason: str) -> None:
     found = respond(solver=SolverSettings(**budget))
@@ -179,7 +179,7 @@ def test_the_coulomb_cycle() -> None:
     assert found["x_dot_max"] == 1.0
     assert found["x_dot_min"] == pytest.approx(-sqrt(1 + 1.7**2), abs=1e-12)
     np.testing.assert_allclose(found["floquet_multiplier"], [1.0, 0.0], atol=1e-12)
-    assert found["lyapunov"] == -np.inf or found["lyapunov"] < -3.0
+    assert "lyapunov" not in found or -np.inf < found["lyapunov"] < -3.0
 
 
 @pytest.mark.parametrize(
@@ -191,7 +191,8 @@ def test_measures_are_those_of_the_samples(law: str, changes: Any) -> None:
     section = UPWARD if law.startswith("tanh") else Section("event")
     found = respond(law, section=section, t_max=4000.0, **changes).values
     assert found["attractor"] == "periodic"
-    begun, period = found["transient_used"], found["period"]
+    period = found["period"]
+    begun = found["transient_used"] + 40 * period  # the class is told before the motion has arrived
     end = begun + period
     settings = {"t_end": end, "sample": period / 20_000}
     moved = analyse("belt-1dof", law, "history", {}, settings, **changes).values

@@ -156,6 +156,62 @@ def test_a_rotation_is_regular(share: float) -> None:
     assert abs(regularity(values)) < 0.2
 
 
+def logistic(rate: float) -> Points:
+    """Iterates of the logistic map."""
+    return iterates(lambda x: rate * x * (1 - x), 0.31)
+
+
+def rotation(share: float) -> Points:
+    """An observable of a rotation of the circle, with a mean of its own."""
+    phase = 2 * np.pi * share * np.arange(1500)
+    return np.exp(np.cos(phase)) + np.sin(phase)
+
+
+SEQUENCES = {
+    "chaotic": logistic(3.9),
+    "weakly chaotic": logistic(3.6),
+    "periodic": logistic(3.55),
+    "on a torus": rotation(0.4142135624),
+}
+
+
+@pytest.mark.parametrize("name", SEQUENCES)
+@pytest.mark.parametrize(("size", "offset"), [(1e-6, 0.1), (1.0, -3.0), (1e4, 1e4)])
+def test_the_test_does_not_see_offset_and_size(name: str, size: float, offset: float) -> None:
+    values = SEQUENCES[name]
+    assert regularity(offset + size * values) == pytest.approx(regularity(values), abs=1e-8)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, 1.0])
+def test_small_chaos_on_a_large_mean_is_chaos(offset: float) -> None:
+    assert regularity(offset + 1e-6 * SEQUENCES["chaotic"]) > 0.9
+
+
+@pytest.mark.parametrize("share", [0.6180339887, 0.4142135624, 0.05, 0.271828])
+def test_a_rotation_with_a_mean_is_regular(share: float) -> None:
+    assert abs(regularity(5.0 + rotation(share))) < 0.2
+
+
+@pytest.mark.parametrize("count", [FEWEST, 137, 1024, 1500])
+@pytest.mark.parametrize("name", SEQUENCES)
+def test_the_test_is_that_of_its_definition(name: str, count: int) -> None:
+    """Every frequency and every lag in a loop, without a Fourier transform."""
+    values = SEQUENCES[name][:count]
+    centred, lags = values - np.mean(values), range(1, count // 10 + 1)
+    length, found = count - count // 10, []
+    for k in range(1, 41):
+        share = k * (np.sqrt(5.0) - 1.0) / 2.0 % 1.0
+        turning = np.pi / 5.0 * (1.0 + 3.0 * share) * np.arange(1, count + 1)
+        p, q = np.cumsum(centred * np.cos(turning)), np.cumsum(centred * np.sin(turning))
+        squares = [
+            np.mean((p[lag : lag + length] - p[:length]) ** 2)
+            + np.mean((q[lag : lag + length] - q[:length]) ** 2)
+            for lag in lags
+        ]
+        found.append(np.corrcoef(lags, squares)[0, 1])
+    assert regularity(values) == pytest.approx(np.median(found), abs=1e-12)
+
+
 def test_too_few_or_constant_values_say_nothing() -> None:
     assert np.isnan(regularity(np.arange(FEWEST - 1.0)))
     assert np.isnan(regularity(np.ones(500)))

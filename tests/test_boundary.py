@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import atan2, exp, sin, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from motions import analyse
 
-from fiv_cli.analyses.base import Outcome, Question, Start
+from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
 from fiv_cli.analyses.bisection import (
     MOST_LOOKS,
     Change,
     Found,
     Look,
+    confirmed_within,
     followed,
     hysteresis,
     scanned,
@@ -137,6 +140,25 @@ def test_a_bistable_range_has_its_two_ends_whatever_the_steps(reach: float) -> N
     (found,) = hysteresis(up.changes, back.changes, (0.0, 1.0))
     assert (found.low, found.high) == (return_.middle, loss.middle)
     assert (found.low_width, found.high_width) == (return_.width, loss.width)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.40, 0.72), (0.70, 0.735), (0.735, 0.74)])
+def test_a_branch_is_followed_through_looks_that_are_open(begin: float, end: float) -> None:
+    """They hand their state on; no step over them is as short as the branch needs."""
+    bare = bistable(-1.0, 2.0, 0.03)
+
+    def look(value: float, origin: Look | None) -> Look:
+        found = bare(value, origin if origin is not None else Look(value, True, "", "upper"))
+        lost = found.carry == "lower" or value > 0.741
+        found = Look(value, not lost, "", "lower" if lost else "upper")
+        is_open = begin < value < end
+        return Look(value, None, "undecided", found.carry) if is_open else found
+
+    found = followed(np.linspace(0.0, 1.0, 41).tolist(), look, WIDTH)
+    decided = [change for change in found.changes if change.decided]
+    (change,) = decided
+    assert holds(change, 0.741)
+    assert change.width == pytest.approx(WIDTH)
 
 
 def test_without_hysteresis_there_is_no_range() -> None:
@@ -278,6 +300,8 @@ def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path
     assert low == pytest.approx(6.838, abs=0.005)
     assert abs(high - 14.82922) <= 0.5 * exists["boundary_width"].item()
     assert (reached["boundary_width"] <= 0.006).all()
+    assert abs(high - 14.82922) <= exists["boundary_error"].item() <= 2.0 * 0.012
+    assert (reached["boundary_error"] <= 0.006).all()
     assert reached["boundary"].attrs["units"] == "rad s-1"
     assert reached["scan"].values.tolist() == [4.0, 6.0, 8.0, 10.0]
     assert reached["class_below"].values.ravel().tolist() == [1]
@@ -342,3 +366,56 @@ def test_a_start_that_continues_along_the_grid_is_refused() -> None:
     )
     with pytest.raises(CaseError, match="neighbour's end"):
         parse_case(text, "pin.toml", ())
+
+
+# --- how far a change may be off -----------------------------------------------------------------
+@pytest.mark.parametrize("shift", [0.0, 1e-9, -1e-9, 3e-5, -0.2])
+def test_closer_looks_find_a_change_within_what_is_said(shift: float) -> None:
+    (change,) = scanned([0.0, 0.5, 1.0], steps(0.3), WIDTH).changes
+    error = confirmed_within(change, steps(0.3 + shift), None, (0.0, 1.0))
+    assert abs(change.middle - (0.3 + shift)) <= error
+    assert error <= max(4.0 * (abs(shift) + change.width), WIDTH)
+
+
+def test_what_closer_looks_do_not_find_has_no_bound() -> None:
+    (change,) = scanned([0.0, 0.5, 1.0], steps(0.3), WIDTH).changes
+    assert np.isnan(confirmed_within(change, steps(), None, (0.0, 1.0)))
+    (wide,) = scanned([0.0, 0.25, 0.5, 0.75, 1.0], half_open(0.6, 2.0), WIDTH).changes
+    assert np.isnan(confirmed_within(wide, steps(0.6), None, (0.0, 1.0)))
+
+
+DAMPING = 0.005
+
+
+def fastest_slide(x: float) -> float:
+    """Greatest velocity of the damped Coulomb belt that slides from rest at `x`, in closed form.
+
+    A belt that moves faster is never caught up with; on a slower one stick-slip begins.
+    """
+    frequency = sqrt(1.0 - DAMPING**2 / 4)
+    when = atan2(2 * frequency, DAMPING) / frequency
+    amplitude = (2.3 - x) / frequency
+    return amplitude * exp(-DAMPING * when / 2) * sin(frequency * when)
+
+
+@pytest.mark.parametrize(
+    "solver",
+    [SolverSettings(rtol=rtol) for rtol in (1e-5, 1e-7, 1e-9, 1e-11, 1e-13)]
+    + [SolverSettings("rk4", step=step) for step in (0.1, 0.02)],
+    ids=lambda solver: f"{solver.method} {solver.rtol} {solver.step}",
+)
+@pytest.mark.parametrize("width", [1e-4, 1e-13])
+@pytest.mark.parametrize("x", [-2.7, -2.55])
+def test_the_error_of_a_boundary_is_bounded(solver: SolverSettings, width: float, x: float) -> None:
+    """However closely it is bisected; and by no more than a few times what the runs are worth."""
+    settings = {
+        "parameter": Varied("v"), "bracket": (4.5, 5.0), "of": Question(name="periodic"),
+        "scan": 3, "width": width, "follow": "none", "lyapunov": "never",
+    }  # fmt: skip
+    found = analyse(
+        "belt-1dof", "coulomb", "boundary", {"x": x}, settings, solver, c=DAMPING
+    ).values
+    (boundary,), (error,) = found["boundary"], found["boundary_error"]
+    assert abs(boundary - fastest_slide(x)) <= error
+    worth = 50.0 * max(solver.rtol, 1e-13) if solver.method == "taylor" else solver.step**2
+    assert error <= worth + width

@@ -103,7 +103,7 @@ def coefficients_of(built: System, parameters: dict[str, float]) -> Vector:
 
 def sizes(built: System) -> int:
     """Enough room for the output of any function."""
-    return 4 * (len(built.state_names) + 12) * (built.generated.order + 1)
+    return 4 * (len(built.state_names) + 12) * (built.generated.tangent_order + 1)
 
 
 @pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
@@ -112,7 +112,11 @@ def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes
     built = system(model, law, parameters=parameters)
     c = coefficients_of(built, parameters)
     state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
-    suffixes_of = {FLOW: ("_taylor", "_field"), TANGENT: ("_tangent",), JACOBIAN: ("_jacobian",)}
+    suffixes_of = {
+        FLOW: ("_taylor", "_field"),
+        TANGENT: ("_tangent", "_switching"),
+        JACOBIAN: ("_jacobian",),
+    }
     for part, suffixes in suffixes_of.items():
         functions = python_functions(built.generated.texts[part])
         for table in built.generated.states.values():
@@ -199,14 +203,14 @@ def test_the_jacobian_is_the_first_order_of_the_tangents(
 ) -> None:
     parameters = defaults(model, law, **changes)
     built = system(model, law, parameters=parameters)
-    c, n, order = coefficients_of(built, parameters), len(built.state_names), built.generated.order
-    state = np.cos(np.arange(2 * n) + 0.3)
+    c, n = coefficients_of(built, parameters), len(built.state_names)
+    size, state = built.generated.tangent_order + 1, np.cos(np.arange(2 * n) + 0.3)
     for index, table in built.generated.states.items():
         series, linear = np.zeros(sizes(built)), np.zeros(sizes(built))
         address = built.generated.address(f"{table.name}_tangent", TANGENT)
         compiled_call(address, c, 0.7, state, series)
         compiled_call(built.jacobians[index], c, 0.7, state, linear)
-        first = series[: 2 * n * (order + 1)].reshape(2 * n, -1)[:, :2]
+        first = series[: 2 * n * size].reshape(2 * n, -1)[:, :2]
         assert first.tobytes() == linear[: 4 * n].tobytes()
 
 
@@ -215,25 +219,33 @@ def test_tangents_are_directional_derivatives(model: Any, law: str, changes: Any
     """A complex step through the flow's series: no difference, no cancellation."""
     parameters = defaults(model, law, **changes)
     built = system(model, law, parameters=parameters)
-    c, n, order = coefficients_of(built, parameters), len(built.state_names), built.generated.order
+    c, n, size = (
+        coefficients_of(built, parameters),
+        len(built.state_names),
+        built.generated.order + 1,
+    )
     state, direction = np.cos(np.arange(n) + 0.3), np.sin(np.arange(n) + 1.1)
     flow = python_functions(built.generated.texts[FLOW], cmath)
     tangent = python_functions(built.generated.texts[TANGENT])
     step = 1e-30
     for table in built.generated.states.values():
-        outputs = len(table.guards) + table.has_angle
-        along = np.zeros(sizes(built), complex)
+        rows = n + len(table.guards) + table.has_angle
+        along, both, switching = np.zeros(sizes(built), complex), *np.zeros((2, sizes(built)))
         flow[f"{table.name}_taylor"](c, 0.7, state + 1j * step * direction, along)
-        both = np.zeros(sizes(built))
+        expected = (along.imag / step)[: rows * size].reshape(rows, size)
         tangent[f"{table.name}_tangent"](c, 0.7, np.concatenate([state, direction]), both)
-        size = order + 1
-        found = np.concatenate(
-            [both[n * size : 2 * n * size], both[(2 * n + outputs) * size :][: outputs * size]]
-        )
-        expected = along.imag[: (n + outputs) * size] / step
+        series = both[: 2 * n * (built.generated.tangent_order + 1)].reshape(2 * n, -1)
+        tangent[f"{table.name}_switching"](c, 0.7, np.concatenate([state, direction]), switching)
+        at_event = switching[: 4 * rows].reshape(2 * rows, 2)
         scale = np.max(np.abs(expected))
         assert scale > 0.0
-        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * scale)
+        pairs = (
+            (series[n:, :size], expected[:n]),
+            (at_event[n : 2 * n], expected[:n, :2]),
+            (at_event[n + rows :], expected[n:, :2]),
+        )
+        for found, wanted in pairs:
+            np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-12 * scale)
 
 
 # --- series ------------------------------------------------------------------------------------

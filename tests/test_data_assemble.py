@@ -216,11 +216,10 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(
     write_datasets(path, {"x": crossing_modes()}, {"title": "old"})
     before = path.read_bytes()
 
-    def full(dataset: xr.Dataset, path: Path, **named: object) -> None:
-        path.write_bytes(b"half")
+    def full(dataset: xr.Dataset, *arguments: object, **named: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    monkeypatch.setattr(xr.Dataset, "dump_to_store", full)
     with pytest.raises(StorageError, match="No space left"):
         write_datasets(path, {"x": crossing_modes()}, {"title": "new"})
     assert path.read_bytes() == before

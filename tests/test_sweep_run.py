@@ -83,6 +83,27 @@ def test_a_deleted_dataset_comes_back_without_a_run(tmp_path: Path) -> None:
     assert output.read_bytes() == before
 
 
+def test_a_dataset_that_is_there_is_not_made_again(tmp_path: Path) -> None:
+    output = tmp_path / "a.nc"
+    sweep(output)
+    content, written = output.read_bytes(), output.stat().st_ino
+    assert sweep(output).ran == 0
+    assert output.stat().st_ino == written
+    output.write_bytes(content + b"\0")
+    sweep(output)
+    assert output.read_bytes() == content
+
+
+def test_a_dataset_of_other_words_or_points_is_made_again(tmp_path: Path) -> None:
+    output = tmp_path / "a.nc"
+    sweep(output, max_points=7)
+    assert (read_datasets(output)[""]["status"] == 0).sum() == 7
+    sweep(output)
+    assert (read_datasets(output)[""]["status"] == 0).all()
+    sweep(output, sweep_fakes.BELT.replace("fake sweep", "a better title"))
+    assert read_datasets(output)[""].attrs["title"] == "a better title"
+
+
 def test_points_land_where_their_coordinates_say(tmp_path: Path) -> None:
     sweep(tmp_path / "a.nc")
     dataset = read_datasets(tmp_path / "a.nc")[""]
@@ -139,6 +160,31 @@ def test_a_chain_may_start_again_where_it_was_lost(tmp_path: Path) -> None:
     assert (dataset["status"] == 0).all()
     last = dataset["L_s"].sel(N=8.0)
     assert (last.sel(initial="up") == last.sel(initial="far")).all()
+
+
+@pytest.mark.parametrize("on_loss", ["stop", "restart"])
+def test_a_chain_goes_through_points_that_could_not_be_told(tmp_path: Path, on_loss: str) -> None:
+    """It hands on their states, and ends where the class changes from what was told before."""
+    text = sweep_fakes.CHAIN.replace('from = "far"', f'from = "far"\non_loss = "{on_loss}"')
+    sweep(tmp_path / "a.nc", text, executor="sweep_fakes:hazy")
+    sweep(tmp_path / "told.nc", text)
+    hazy, told = (read_datasets(tmp_path / name)[""] for name in ("a.nc", "told.nc"))
+    up = hazy.sel(initial="up", v=1.0)
+    last = 4 if on_loss == "stop" else 0
+    assert up["status"].values.tolist() == [0, 0, 0, 0, 0, 0, 0, last]
+    undecided = up["attractor"].values == up["attractor"].values[0]
+    assert np.flatnonzero(undecided).tolist() == [0, 3, 4]
+    np.testing.assert_array_equal(hazy["L_s"], told["L_s"])  # every state was handed on
+    for name, changes in {"one": {"chunk_points": 1}, "cut": {"max_points": 13}}.items():
+        for more in (changes, {}):
+            sweep(tmp_path / f"{name}.nc", text, executor="sweep_fakes:hazy", **more)
+        assert (tmp_path / f"{name}.nc").read_bytes() == (tmp_path / "a.nc").read_bytes()
+
+
+def test_a_chain_ends_where_nothing_is_left_to_go_on_from(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc", sweep_fakes.CHAIN, executor="sweep_fakes:ended")
+    up = read_datasets(tmp_path / "a.nc")[""].sel(initial="up", v=1.0)
+    assert up["status"].values.tolist() == [0, 0, 0, 0, 4, 4, 4, 4]
 
 
 def test_a_failed_point_loses_no_other_and_says_how_to_run_it_alone(tmp_path: Path) -> None:
@@ -293,11 +339,14 @@ def test_a_full_disk_is_a_clear_error_and_loses_nothing(
     assert sweep(output).ran == 20
 
 
-def test_a_worker_that_dies_once_costs_nothing(tmp_path: Path, count_file: Path) -> None:
+@pytest.mark.parametrize("executor", ["deadly_once", "breaking_off"])
+def test_a_worker_that_dies_once_costs_nothing(
+    tmp_path: Path, count_file: Path, executor: str
+) -> None:
     sweep(tmp_path / "a.nc")
     summary = sweep(
         tmp_path / "b.nc",
-        executor="sweep_fakes:deadly_once",
+        executor=f"sweep_fakes:{executor}",
         workers=2,
         in_process_below=0.0,
         chunk_points=4,

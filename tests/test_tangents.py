@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from small_models import BALL, BOUNCER, TWO_BOUNCERS
 
 from fiv_cli.analyses.base import Section, Start
-from fiv_cli.analyses.steady_state import _Exponent
+from fiv_cli.analyses.lyapunov import Exponent
 from fiv_cli.codegen.generate import FLOW, TANGENT
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion
@@ -89,7 +89,7 @@ def test_a_tangent_grows_through_impacts_by_the_largest_multiplier() -> None:
     phase = impact_phases()[1]
     start, begun = flying(phase)
     ball = motion(BALL, start=start, time=begun)
-    growth = _Exponent(ball, autonomous=False)
+    growth = Exponent(ball, autonomous=False)
     for period in range(1, 19):
         ball.run(begun + period * PERIOD)
         growth.update()

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class Look:
@@ -36,6 +38,9 @@ MOST_LOOKS = 300
 
 FINER = 8.0
 """How much shorter than the width asked for the last steps along a branch are."""
+
+WIDENING = 4.0
+"""Growth of the distance at which a change is looked for that closer looks find elsewhere."""
 
 Looking = Callable[[float, Look | None], Look]
 """Looks at a value, going on from an earlier look, or (None) from the start."""
@@ -192,12 +197,19 @@ class _Branch:
         for _ in range(MOST_LOOKS):
             value = _next_value(self.before, self.inside, self.off[-1], self.width / FINER)
             if value is not None:
-                self._take(self.look(value, self.origin))
+                self._take(self._look_on(value))
             elif not self._goes_on():
                 break
             if not self.off:
                 return self.before
         return Change(self.before, self.off[-1])
+
+    def _look_on(self, value: float) -> Look:
+        """A look that goes on from the nearest one behind it, an open one too."""
+        ahead = abs(value - self.before.value)
+        behind = [one for one in self.inside if abs(one.value - self.before.value) < ahead]
+        able = [one for one in behind if one.carry is not None]
+        return self.look(value, able[-1] if able else self.origin)
 
     def _take(self, found: Look) -> None:
         """Book a look on the way."""
@@ -220,7 +232,7 @@ class _Branch:
     def _goes_on(self) -> bool:
         """Whether the branch bears one more step, of what is left or of the width asked for."""
         for value in (self.off[-1].value, self._at_width()):
-            found = self.look(value, self.origin)
+            found = self._look_on(value)
             if found.answer == self.before.answer:
                 self._advance(found)
                 return True
@@ -232,6 +244,39 @@ class _Branch:
         """The value one width further on, or the target."""
         ahead = self.target.value - self.before.value
         return self.before.value + max(-self.width, min(self.width, ahead))
+
+
+def confirmed_within(
+    change: Change, look: Looking, origin: Look | None, limits: tuple[float, float]
+) -> float:
+    """Distance from the middle of a change within which closer looks find it, too.
+
+    Both sides are looked at again, and then ever farther from the middle until the answer is what
+    it was. NaN where a side is open, or the limits are reached before.
+
+    Parameters
+    ----------
+    look : closer than those that found the change
+    origin : what each look goes on from; None: the start
+    limits : values that may be looked at
+    """
+    if not change.decided:
+        return float("nan")
+    sides = (change.low, change.high)
+    return float(np.max([_held_from(side, change, look, origin, limits) for side in sides]))
+
+
+def _held_from(
+    side: Look, change: Change, look: Looking, origin: Look | None, limits: tuple[float, float]
+) -> float:
+    """Distance from the middle of a change at which the answer is that of a side of it."""
+    value, away = side.value, side.value - change.middle
+    while look(value, origin).answer != side.answer:
+        if value in limits:
+            return float("nan")
+        away *= WIDENING
+        value = min(max(change.middle + away, limits[0]), limits[1])
+    return abs(value - change.middle)
 
 
 def _next_value(before: Look, inside: Sequence[Look], after: Look, width: float) -> float | None:

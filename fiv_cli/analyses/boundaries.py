@@ -9,24 +9,40 @@ A run that is undecided, fails or runs out of budget has no answer, and none is 
 next to it is as wide as what was decided on both sides. Only where the question says so
 (``undecided = "counts"``) is a motion that is undecided when its time is up an answer: one that had
 not lost contact, or had not diverged, by then.
+
+How closely a change is bisected says nothing of the runs: near it they take ever longer to show
+their class, and errors of integration decide. So both sides are run again in shorter steps and
+with more time, and where an answer is another one then ever farther from the change: that far, and
+by what the closer runs may be wrong themselves, it may be off.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, friction_rises
-from fiv_cli.analyses.bisection import Change, Found, Look, Range, followed, hysteresis, scanned
+from fiv_cli.analyses.bisection import (
+    Change,
+    Found,
+    Look,
+    Range,
+    confirmed_within,
+    followed,
+    hysteresis,
+    scanned,
+)
 from fiv_cli.analyses.steady_state import steady_state
 from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"
 SUMMED = ("n_steps", "n_events")
+CLOSER = 1e-4  # share of the error of integration that a change is confirmed with
+LONGER = 2.0  # ... and growth of the time given
 LARGEST = 2**31 - 1  # what an integer variable of a dataset can hold
 WORST = ("energy_residual", "event_residual")
 GROWING = ("_max", "_rms", "L_s")  # of a motion that diverges they lie below no bound
@@ -64,6 +80,14 @@ class _Runs:
         if origin is not None:
             start = going_on(start, origin.carry)
         return steady_state(self.system, parameters, start, self.settings, self.solver)
+
+    def closer(self) -> _Runs:
+        """Runs that tell the class more closely, booked with these; a time asked for stays."""
+        longer = 1.0 if self.settings["of"].counts else LONGER
+        settings = {**self.settings, "t_max": longer * self.settings["t_max"]}
+        return replace(
+            self, settings=settings, solver=self.solver.with_error(CLOSER), count=0, undecided=0
+        )
 
     def _book(self, outcome: Outcome) -> None:
         if outcome.status != "ok":
@@ -124,6 +148,7 @@ def boundaries(
         key=lambda pair: pair[0].middle,
     )
     values = _crossings(listed) | _scans(passes, settings) | _bistable(passes, settings)
+    values["boundary_error"] = _errors(runs, listed)
     values |= {"n_runs": runs.count, "n_undecided": runs.undecided, **runs.totals}
     return _concluded(runs, passes, values, [change for change, _ in listed])
 
@@ -157,6 +182,23 @@ def _crossings(listed: Sequence[tuple[Change, str]]) -> dict[str, Any]:
         "found_going": _names(way for _, way in listed),
         "n_crossings": len(found),
     }
+
+
+def _errors(runs: _Runs, listed: Sequence[tuple[Change, str]]) -> NDArray[np.float64]:
+    """Distance from each change within which closer runs find it, too; NaN: they do not."""
+    closer = runs.closer()
+    errors = [_error(runs.settings["bracket"], closer, change, way) for change, way in listed]
+    runs.count += closer.count
+    return np.array(errors, dtype=float)
+
+
+def _error(bracket: tuple[float, float], closer: _Runs, change: Change, way: str) -> float:
+    """How far a change may be off: what closer runs say, and what is left of their own error."""
+    origin = None if way == "none" else change.before
+    if origin is not None and origin.carry is None:  # nothing to go on from
+        return float("nan")
+    away = confirmed_within(change, closer.look, origin, bracket)
+    return (1.0 + CLOSER) * away + closer.solver.rtol * float(np.max(np.abs(bracket)))
 
 
 def _names(words: Iterable[str]) -> NDArray[np.str_]:

@@ -4,41 +4,72 @@ Gottwald & Melbourne, SIAM J. Applied Dynamical Systems 8 (2009) 129: the growth
 square displacement of a sequence driven by the observable is uncorrelated with time for regular
 motion (K near 0) and perfectly correlated for chaos (K near 1). It uses nothing but the section
 set, so it is independent of the Lyapunov exponent.
+
+The mean of the observable is taken off first: it drives a turning of the sequence, which says
+nothing and hides what a small observable on a large mean does. Displacements of all lags come from
+one autocorrelation, by the Fourier transform.
 """
 
 from __future__ import annotations
+
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 FEWEST = 100  # section values below which the test says nothing
 FREQUENCIES = 40  # test frequencies, spread over (pi/5, 4 pi/5) away from resonances
+LONGEST_LAG = 10  # as a share of the sequence, one over this
+SMOOTH = 128  # a transform is as long as a multiple of this: a product of small primes
+
+Values = NDArray[np.float64]
+Paths = NDArray[np.complex128]
 
 
-def regularity(values: NDArray[np.float64]) -> float:
+def regularity(values: Values) -> float:
     """K of the 0-1 test: near 0 regular, near 1 chaotic; NaN for too few or constant values."""
     if len(values) < FEWEST or np.ptp(values) == 0.0:
         return float("nan")
+    paths = np.cumsum((values - np.mean(values)) * _turning(len(values)), axis=1)
+    return float(np.median(_correlations(_displacements(paths))))
+
+
+def _turning(count: int) -> Paths:
+    """exp(i c k) of every test frequency c, k = 1 ... count; shape (FREQUENCIES, count)."""
+    return _turns(1 << (count - 1).bit_length())[:, :count]
+
+
+@cache
+def _turns(count: int) -> Paths:
     golden = (np.sqrt(5.0) - 1.0) / 2.0
     shares = (np.arange(1, FREQUENCIES + 1) * golden) % 1.0
     frequencies = np.pi / 5.0 + 3.0 * np.pi / 5.0 * shares
-    return float(np.median([_correlation(values, c) for c in frequencies]))
+    return np.asarray(np.exp(1j * frequencies[:, None] * np.arange(1, count + 1)))
 
 
-def _correlation(values: NDArray[np.float64], frequency: float) -> float:
-    """Correlation of the mean square displacement with time, its oscillating part removed."""
-    steps = np.arange(1, len(values) + 1)
-    p = np.cumsum(values * np.cos(frequency * steps))
-    q = np.cumsum(values * np.sin(frequency * steps))
-    lags = range(1, len(values) // 10 + 1)
-    displacement = np.array([_mean_square(p, lag) + _mean_square(q, lag) for lag in lags])
-    oscillation = (1.0 - np.cos(np.array(lags) * frequency)) / (1.0 - np.cos(frequency))
-    smooth = displacement - np.mean(values) ** 2 * oscillation
-    if np.ptp(smooth) == 0.0:
-        return 0.0
-    return float(np.corrcoef(lags, smooth)[0, 1])
+def _displacements(paths: Paths) -> Values:
+    """Mean square displacement of each path at lags 1, 2, ...; shape (paths, lags).
+
+    |b - a|^2 is |b|^2 + |a|^2 - 2 Re(b a*), and the last is the correlation of the path with its
+    first nine tenths.
+    """
+    count = paths.shape[1]
+    lags = count // LONGEST_LAG
+    length = count - lags
+    squares = np.cumsum(np.abs(paths) ** 2, axis=1)
+    starts = squares[:, length - 1 : length]
+    ends = squares[:, length : length + lags] - squares[:, :lags]
+    room = -(-count // SMOOTH) * SMOOTH
+    spectrum = np.fft.fft(paths, room)
+    spectrum *= np.conj(np.fft.fft(paths[:, :length], room))
+    shared = np.fft.ifft(spectrum)[:, 1 : lags + 1].real
+    return np.asarray((starts + ends - 2.0 * shared) / length)
 
 
-def _mean_square(path: NDArray[np.float64], lag: int) -> float:
-    length = len(path) - len(path) // 10
-    return float(np.mean((path[lag : lag + length] - path[:length]) ** 2))
+def _correlations(displacements: Values) -> Values:
+    """Correlation of each row with the lag; 0 where nothing changes."""
+    lags = np.arange(displacements.shape[1], dtype=float)
+    lags -= np.mean(lags)
+    changes = displacements - np.mean(displacements, axis=1, keepdims=True)
+    sizes = np.sqrt(np.sum(changes**2, axis=1) * np.sum(lags**2))
+    return np.asarray(np.divide(changes @ lags, sizes, out=np.zeros(len(sizes)), where=sizes > 0.0))

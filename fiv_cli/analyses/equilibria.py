@@ -275,6 +275,8 @@ def _undetermined(reduction: Reduction, values: Vector) -> bool:
 
     There the denominator has a real root that is one of every numerator too.
     """
+    if len(reduction.denominator) == 1:
+        return False
     roots = _roots(values[list(reduction.denominator)])
     real = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
     return any(

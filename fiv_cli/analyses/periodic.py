@@ -181,15 +181,14 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
 
 def _projection(motion: Motion) -> Matrix:
     """Derivative of the state where a motion is by the state asked for, by differentiated code."""
-    n, order = len(motion.y), motion.system.generated.order
+    n = len(motion.y)
     index = kernel.state_index(motion.kinds, len(motion.kinds))
-    address = motion.system.tangent_table[index, kernel.TANGENT]
-    series = np.zeros_like(motion.layout.shared["work"])
-    matrix = np.zeros((n, n))
+    address = motion.system.jacobians[index]
+    series, matrix = np.zeros(4 * n), np.zeros((n, n))
     for column in range(n):
         joined = np.concatenate([motion.y, np.eye(n)[column]])
         call_generated(address, motion.coefficients, motion.time, joined, series)
-        matrix[:, column] = series[n * (order + 1) : 2 * n * (order + 1) : order + 1]
+        matrix[:, column] = series[2 * n :: 2]
     return matrix
 
 
@@ -300,7 +299,7 @@ def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
             return None
         step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
         if np.max(np.abs(step)) <= CONVERGED:
-            return unknowns if np.max(np.abs(values)) <= CLOSED else None
+            return unknowns + step if np.max(np.abs(values)) <= CLOSED else None
         step /= max(1.0, float(np.max(np.abs(step))))
         moved = _shortened(conditions, unknowns, step, float(np.linalg.norm(values)))
         if moved is None:
@@ -352,9 +351,7 @@ class Cycle:
     @property
     def nontrivial(self) -> NDArray[np.complex128]:
         """The multipliers without that of the flow's direction."""
-        if not self.autonomous:
-            return self.multipliers
-        return np.delete(self.multipliers, np.argmin(np.abs(self.multipliers - 1.0)))
+        return self.multipliers[is_nontrivial(self.multipliers, self.autonomous)]
 
     @property
     def stable(self) -> bool:
@@ -371,6 +368,20 @@ class Cycle:
         """Its events in order, whichever comes first."""
         turned = [self.events[i:] + self.events[:i] for i in range(max(len(self.events), 1))]
         return min(turned)
+
+
+def sorted_multipliers(monodromy: Matrix) -> NDArray[np.complex128]:
+    """Eigenvalues of a monodromy matrix, largest first, of a pair the upper one first."""
+    multipliers = np.linalg.eigvals(monodromy).astype(np.complex128)
+    return multipliers[np.lexsort((-multipliers.imag, -np.abs(multipliers)))]
+
+
+def is_nontrivial(multipliers: NDArray[np.complex128], autonomous: bool) -> NDArray[np.bool_]:
+    """Which multipliers are not 1 because the flow's own direction is."""
+    kept = np.ones(len(multipliers), bool)
+    if autonomous:
+        kept[np.argmin(np.abs(multipliers - 1.0))] = False
+    return kept
 
 
 def extents(extremes: Matrix) -> Vector:
@@ -396,7 +407,7 @@ def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cy
     cycle = describe(problem, conditions.anchor_of(found), conditions.period_of(problem, found))
     if cycle is None:
         return None
-    share = _repeats(problem, cycle)
+    share = repeats(problem, cycle.points, cycle.scales, cycle.period)
     return cycle if share == 1 else close(problem, cycle.anchor, period / share, cycle.scales)
 
 
@@ -411,13 +422,11 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
     points, extremes = _watched(problem, anchor, period)
     if is_at_rest(extremes, len(problem.system.coordinates)):
         return None
-    multipliers = np.linalg.eigvals(around.monodromy).astype(np.complex128)
-    order = np.lexsort((-multipliers.imag, -np.abs(multipliers)))
     return Cycle(
         anchor=replace(anchor, state=around.begun),
         period=period,
         residual=float(np.max(np.abs(around.state - around.begun) / extents(extremes))),
-        multipliers=multipliers[order],
+        multipliers=sorted_multipliers(around.monodromy),
         autonomous=problem.excitation is None,
         times=around.times,
         events=around.events,
@@ -448,14 +457,21 @@ def aim_phase(motion: Motion, section: Section, excitation: float | None) -> Non
         motion.clock[kernel.NEXT_PHASE] = offset + turns * excitation
 
 
-def _repeats(problem: Problem, cycle: Cycle) -> int:
-    """How many times the true period goes into the one that was found."""
-    count = len(cycle.points)
+def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:
+    """How many times the true period goes into the one that was found.
+
+    Parameters
+    ----------
+    points : at the section, in order; shape (multiplicity, n_states)
+    scales : extent of the motion in every state
+    period : s
+    """
+    count = len(points)
     for share in range(count, 1, -1):
-        if count % share or not _may_be_shared(problem, cycle.period, share):
+        if count % share or not _may_be_shared(problem, period, share):
             continue
-        apart = np.abs(np.roll(cycle.points, count // share, axis=0) - cycle.points)
-        if np.max(apart / cycle.scales) <= SAME_POINT:
+        apart = np.abs(np.roll(points, count // share, axis=0) - points)
+        if np.max(apart / scales) <= SAME_POINT:
             return share
     return 1
 

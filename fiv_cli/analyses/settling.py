@@ -16,11 +16,27 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.native import Floats, Floats2, Library, native, words_of
 
 SETTLED = 1e-8  # relative to the largest value of each state at the section
+LEAST = float(np.finfo(float).tiny)  # a scale that is none
 SMALLEST = 1e-7  # a state below this share of the largest one is judged by that: it is rounding
 LONGEST = 64  # longest period looked for, in section points
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
 FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
 DISTINCT = 1e-6  # points of one period lie further apart than this: else the period is shorter
+
+
+@native
+def _take_scales(points: Floats2, scales: Floats) -> None:
+    """Largest value of each state; of one that is rounding, a share of the largest of all."""
+    for i in range(points.shape[1]):
+        scales[i] = LEAST
+    for row in range(points.shape[0]):
+        for i in range(points.shape[1]):
+            scales[i] = max(scales[i], abs(points[row, i]))
+    largest = 0.0
+    for i in range(points.shape[1]):
+        largest = max(largest, scales[i])
+    for i in range(points.shape[1]):
+        scales[i] = max(scales[i], SMALLEST * largest)
 
 
 @native
@@ -74,8 +90,10 @@ def _least_period(points: Floats2, scales: Floats, count: int, m: int) -> int:
 
 @native
 def _settled_period(
-    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float
+    points: Floats2, scales: Floats, longest: int, tolerance: float, remaining: float
 ) -> int:
+    count = points.shape[0]
+    _take_scales(points, scales)
     for m in range(1, min(longest, (count - 1) // 2) + 1):
         if _distance(points, scales, count - 1, m) > tolerance:
             continue
@@ -84,17 +102,17 @@ def _settled_period(
             continue
         before = _repetition(points, scales, count - m, m)
         rate = now / before if before > 0.0 else 0.0
-        if now <= FLOOR or (rate < 1.0 and now * rate / (1.0 - rate) <= tolerance):
+        if now <= FLOOR or (rate < 1.0 and now * rate / (1.0 - rate) <= remaining):
             shorter = count >= 3 * m + 1 and _shrinking_divisor(points, scales, count, m)
             return 0 if shorter else _least_period(points, scales, count, m)
     return 0
 
 
 @native
-def _lasting_period(
-    points: Floats2, scales: Floats, count: int, longest: int, tolerance: float
-) -> int:
+def _lasting_period(points: Floats2, scales: Floats, longest: int, tolerance: float) -> int:
+    count = points.shape[0]
     half = count // 2
+    _take_scales(points, scales)
     for m in range(1, min(longest, half // 4) + 1):
         whole = half // m * m  # over all of it, too, nothing has moved
         if _distance(points, scales, count - 1, whole) > tolerance:
@@ -127,27 +145,25 @@ def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     return _asked(_lasting_period, points, tolerance)
 
 
-def _asked(kernel: Callable[..., int], points: NDArray[np.float64], tolerance: float) -> int:
-    points = np.ascontiguousarray(points)
-    given = (*words_of(points), *words_of(_scales(points)))
-    return int(SETTLING.function(kernel)(*given, len(points), LONGEST, tolerance))
+def _asked(kernel: Callable[..., int], points: NDArray[np.float64], *tolerances: float) -> int:
+    points, scales = np.ascontiguousarray(points), np.empty(points.shape[1])
+    given = (*words_of(points), *words_of(scales))
+    return int(SETTLING.function(kernel)(*given, LONGEST, *tolerances))
 
 
-def _scales(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Largest value of each state; of one that is rounding, a share of the largest of all."""
-    scales = np.max(np.abs(points), axis=0)
-    scales = np.maximum(scales, max(SMALLEST * np.max(scales), np.finfo(float).tiny))
-    return np.asarray(scales, np.float64)
-
-
-def settled_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
+def settled_period(
+    points: NDArray[np.float64], tolerance: float = SETTLED, remaining: float | None = None
+) -> int:
     """Section points per period of a settled map; 0 when it has not settled.
 
     Parameters
     ----------
     points : section points, oldest first; shape (count, n). Two columns of an excitation's phase
         (cosine, sine) belong to them on a forced system
+    tolerance : of the repetition, over the largest value of each state
+    remaining : of what its improvement leaves to come; as `tolerance` when left out
     """
     if len(points) < 3:
         return 0
-    return _asked(_settled_period, points, tolerance)
+    left = tolerance if remaining is None else remaining
+    return _asked(_settled_period, points, tolerance, left)

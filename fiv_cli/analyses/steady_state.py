@@ -1,21 +1,21 @@
 """The steady state reached from a start: its class, L_s, period, section, exponents.
 
-A run ends as soon as its answer is known: the return map has settled (periodic), stick-slip has
-died and the sliding equilibrium is stable (equilibrium), the motion has diverged or lost contact.
-When half of the time budget has not brought that, the other half is measured as a window, with
-the largest Lyapunov exponent carried along; beyond periodic, a class needs that exponent and the
-0-1 test of the section set to agree, and is ``undecided`` otherwise.
+A run ends as soon as its class is known, on the grounds of ``grounds.py``: a slide that a stable
+equilibrium keeps, a cycle that Newton's method confirms, a motion that has diverged or lost
+contact. When half of the time budget has not brought that, the other half is measured as a
+window, with the largest Lyapunov exponent carried along; what is not known then is ``undecided``.
 
 Definitions: L_s is the mean of the sum of (X - X_e)^2 over the displacement states (thesis 6.20),
-on discs those of the slider (6.42), integrated along whole periods, or along the window.
-Stick-slip has died when every contact has slipped without an event for the longest of 4 s, three
-revolutions of disc or excitation, and three periods of the slowest mode of the sliding
-equilibrium.
+on discs those of the slider (6.42), integrated along whole periods, or along the window. X_e is
+the equilibrium that was reached or, of a motion that does not rest, the first one of the point
+(`L_s_reference_index`), from which an ``equilibrium`` start is offset too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,26 +32,41 @@ from fiv_cli.analyses.common import (
     stopped,
     trust,
 )
-from fiv_cli.analyses.decay import Decay
+from fiv_cli.analyses.confirm import Confirmed, confirm
+from fiv_cli.analyses.grounds import (
+    CHAOTIC,
+    CLOSER,
+    GROWN,
+    HURWITZ,
+    NEARLY,
+    REGULAR,
+    RESTING,
+    SIGNIFICANT,
+)
+from fiv_cli.analyses.level_set import Descent, LevelSet, level_set, slides_freely
 from fiv_cli.analyses.linearisation import free_jacobian
-from fiv_cli.analyses.settling import lasting_period, settled_period
+from fiv_cli.analyses.lyapunov import Exponent
+from fiv_cli.analyses.periodic import (
+    Problem,
+    begin,
+    extents,
+    is_nontrivial,
+    repeats,
+    tightened,
+)
+from fiv_cli.analyses.settling import SETTLED, lasting_period, settled_period
+from fiv_cli.analyses.stationarity import drift
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
-QUIET_TIME = 4.0  # s; see the module's docstring
-QUIET_PERIODS = 3.0
+PATIENCE = 4.0  # s; ... the longest of which passes between two looks at a motion, or before one
+REVOLUTIONS = 3.0  # ... without section points is asked what it is without them
 CHUNK = 16  # section points between two looks at the return map
 BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
 KEPT = 4096  # section points kept
 SHOWN = 512  # section values stored of a motion that is not periodic
-NEAR = 1e-6  # distance from an equilibrium, relative to its size, that counts as being there
-NEUTRAL = 1e-9  # growth rate below this share of the frequency: neither grows nor decays
-REGULAR, CHAOTIC = 0.3, 0.7  # what the 0-1 test must say
-SIGNIFICANT = 3.0  # standard errors
-RESTING = 1e-3  # an exponent smaller than this per excitation or section period counts as zero
-GROWN = 5.0  # ... and so does one by which a distance changes by less than e^5 over the window
-STEADY = 0.9  # a section set whose spread falls below this share of itself is still settling
+SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
 
 def steady_state(
@@ -64,11 +79,11 @@ def steady_state(
     """The steady state that `start` leads to."""
     unexcited = sliding(system, parameters)
     solutions = equilibria(unexcited)
-    equilibrium = solutions[0] if solutions else None
-    motion = start_motion(system, parameters, start, solver, equilibrium)
+    motion = start_motion(system, parameters, start, solver, next(iter(solutions), None))
     if isinstance(motion, Outcome):
         return motion
-    return _Response(system, parameters, settings, unexcited, equilibrium, motion).outcome()
+    problem = Problem(system, parameters, tightened(solver), settings["section"])
+    return _Response(problem, settings, solver, Rests(unexcited, solutions), motion).outcome()
 
 
 def from_least(values: Vector) -> Vector:
@@ -76,59 +91,106 @@ def from_least(values: Vector) -> Vector:
     return np.roll(values, -int(np.argmin(values)))
 
 
+class Rests:
+    """The sliding equilibria of a point, and what slides to them.
+
+    Parameters
+    ----------
+    unexcited : the system without its excitation, in sliding
+    solutions : its equilibria, shape (n_states,) each
+    """
+
+    def __init__(self, unexcited: Sliding, solutions: list[Vector]) -> None:
+        self.unexcited = unexcited
+        self.solutions = solutions
+
+    @property
+    def first(self) -> Vector | None:
+        """The one that growing loads lead to."""
+        return self.solutions[0] if self.solutions else None
+
+    @cached_property
+    def eigenvalues(self) -> NDArray[np.complex128] | None:
+        """Of sliding at the first equilibrium, 1/s."""
+        if self.first is None:
+            return None
+        return np.linalg.eigvals(free_jacobian(self.unexcited, self.first)).astype(complex)
+
+    @cached_property
+    def natural_period(self) -> float:
+        """The longest one at the first equilibrium, s; infinite where nothing oscillates."""
+        turning = np.abs(self.eigenvalues.imag) if self.eigenvalues is not None else np.zeros(0)
+        return float(2 * np.pi / np.min(turning[turning > 0.0], initial=np.inf)) or np.inf
+
+    @property
+    def is_neutral(self) -> bool:
+        """Whether the first equilibrium neither attracts nor repels."""
+        if self.eigenvalues is None:
+            return False
+        frequency = float(np.max(np.abs(self.eigenvalues)))
+        return abs(float(np.max(self.eigenvalues.real))) <= HURWITZ * frequency
+
+    @cached_property
+    def level_sets(self) -> list[LevelSet]:
+        """About every stable one."""
+        found = (
+            level_set(self.unexcited, y, free_jacobian(self.unexcited, y), number)
+            for number, y in enumerate(self.solutions, start=1)
+        )
+        return [one for one in found if one is not None]
+
+
 class _Response:
     """One run on its way to a steady state."""
 
     def __init__(
         self,
-        system: System,
-        parameters: Mapping[str, float],
+        problem: Problem,
         settings: Mapping[str, Any],
-        unexcited: Sliding,
-        equilibrium: Vector | None,
+        solver: SolverSettings,
+        rests: Rests,
         motion: Motion,
     ) -> None:
-        self.system = system
-        self.settings = settings
-        self.equilibrium = equilibrium
-        self.motion = motion
-        forcing = system.model.active_forcing(parameters)
-        known = system.known(parameters)
-        self.excitation = None if forcing is None else 2 * np.pi / forcing.frequency(known)
-        jacobian = None if equilibrium is None else unexcited.jacobian(equilibrium)
-        self.eigenvalues = (
-            None
-            if equilibrium is None
-            else np.linalg.eigvals(free_jacobian(unexcited, equilibrium))
-        )
-        self.quiet = self._quiet_time(parameters)
-        self.decay = (
-            None
-            if equilibrium is None or jacobian is None
-            else Decay(jacobian, equilibrium, self.quiet)
-        )
+        self.problem, self.system, self.solver = problem, problem.system, solver
+        self.settings, self.rests, self.motion = settings, rests, motion
+        self.excitation = problem.excitation
+        self.patience = self._patience()
         self.last_event = motion.time
         self.section: Section = settings["section"]
-        self.observed = system.state_names.index(settings["observe"] or system.state_names[0])
+        names = self.system.state_names
+        self.observed = names.index(settings["observe"] or names[0])
         self.times = np.zeros(KEPT)
-        self.points = np.zeros((KEPT, len(system.state_names)))
+        self.points = np.zeros((KEPT, len(names)))
         self.count = 0
         self.stop: Stop = Stop.REACHED
         self.exponent_error = 0.0
+        self.nearness = NEARLY  # repetition of the section that is worth an attempt to close it
+        self.waiting_until = 0.0  # ... and the time before which it is not
+        self.is_unconfirmed = False  # the section repeated, and no cycle was found
+        self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
 
-    def _quiet_time(self, parameters: Mapping[str, float]) -> float:
-        """Time without an event after which stick-slip has died, s."""
+    def _patience(self) -> float:
+        """The longest of 4 s, three revolutions of disc or excitation, three natural periods, s."""
         turning = self.system.model.revolution
-        spans = [QUIET_TIME]
+        spans = [PATIENCE]
         if turning is not None:
-            spans.append(QUIET_PERIODS * 2 * np.pi / abs(turning(parameters)))
+            spans.append(REVOLUTIONS * 2 * np.pi / abs(turning(self.problem.parameters)))
         if self.excitation is not None:
-            spans.append(QUIET_PERIODS * self.excitation)
-        if self.eigenvalues is not None:
-            slow = np.abs(self.eigenvalues.imag)
-            slow = slow[slow > 0.0]
-            spans += [QUIET_PERIODS * 2 * np.pi / float(np.min(slow))] if len(slow) else []
+            spans.append(REVOLUTIONS * self.excitation)
+        if np.isfinite(self.rests.natural_period):
+            spans.append(REVOLUTIONS * self.rests.natural_period)
         return max(spans)
+
+    @cached_property
+    def descents(self) -> list[Descent]:
+        """Slides down to the stable equilibria, of which an excitation leaves nothing but those
+        that do not feel it."""
+        parameters = self.problem.parameters
+        return [
+            Descent(target)
+            for target in self.rests.level_sets
+            if self.excitation is None or slides_freely(self.system, parameters, target)
+        ]
 
     # --- the course of a run ----------------------------------------------------------------------
     def outcome(self) -> Outcome:
@@ -138,8 +200,11 @@ class _Response:
             self.stop = self.motion.run(min(transient, t_max))
             self.last_event = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
-        found = self._ended() or self._settle(half) or self._window(t_max)
-        found.values |= trust(self.motion)
+        found = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
+        if found.values["attractor"] == "undecided" and found.status == "ok":
+            found.carry = self._carry("undecided")  # the motion goes on, whatever it is
+        spent = trust(self.motion)
+        found.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
         self._add_reference(found)
         return found
 
@@ -153,39 +218,43 @@ class _Response:
         outcome.values["transient_used"] = self.motion.time
         return outcome
 
+    @property
+    def _goes_on(self) -> bool:
+        return self.stop in (Stop.REACHED, Stop.SECTION_FULL)
+
     def _settle(self, until: float) -> Outcome | None:
-        """Go on until the return map settles or stick-slip dies; None when neither does."""
+        """Go on until the class is known; None when it is not by then."""
         last_point = self.motion.time
-        while self.motion.time < until and self.stop in (Stop.REACHED, Stop.SECTION_FULL):
-            before = self.count
-            quiet = self._step(min(self.motion.time + self.quiet, until), self.section)
+        shortest = min(self.rests.natural_period, self.patience)
+        span = shortest
+        while self.motion.time < until and self._goes_on:
+            before, events = self.count, self.motion.n_events
+            self._step(min(self.motion.time + span, until), self.section)
+            # Where stick-slip goes on there is nothing to look at before section points are full.
+            span = min(2.0 * span, self.patience) if self.motion.n_events > events else shortest
             if self.count > before:
                 last_point = self.motion.time
-            period = settled_period(self._map_points()) if self.count > before else 0
-            if period:
-                return self._periodic_from_section(period)
-            # An excited motion may reverse, or pass from sector to sector, and never stick.
-            pointless = self.motion.time - last_point >= self.quiet * (1.0 - 1e-12)
-            if quiet or (self.excitation is not None and pointless):
-                found = self._after_stick_slip(until)
+            found = self._rest() or (self._cycle(self.section) if self.count > before else None)
+            if found is None and self._has_waited(last_point):
+                found = self._without_points(until)
                 last_point = self.motion.time
-            else:
-                found = self._at_rest()
             if found is not None:
                 return found
         return self._ended()
 
-    def _at_rest(self) -> Outcome | None:
-        """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
-        sticking = bool(np.all(self.motion.kinds == kernel.STICK))
-        if not sticking or self.excitation is not None or np.any(self.motion.rates() != 0.0):
-            return None
-        outcome = self._resting_values(self.motion.y, sticking=True)
-        outcome.reason = "stuck"
-        return outcome
+    def _has_waited(self, last_point: float) -> bool:
+        """Whether nothing tells that stick-slip goes on."""
+        if self.excitation is not None:  # it may reverse, or pass from sector to sector, in slip
+            return self.motion.time - last_point >= self.patience * (1.0 - 1e-12)
+        return self._is_quiet()
 
-    def _step(self, until: float, section: Section, measuring: bool = False) -> bool:
-        """Run on, keeping section points; whether all contacts slipped without an event."""
+    def _without_points(self, until: float) -> Outcome | None:
+        if self.excitation is not None:
+            return self._forced_sliding(until)
+        return self._neutral() if self.rests.is_neutral else None
+
+    def _step(self, until: float, section: Section, measuring: bool = False) -> None:
+        """Run on, keeping section points."""
         if self.count + CHUNK > KEPT:
             self._forget_oldest()
         room = (
@@ -198,12 +267,20 @@ class _Response:
         self.count += self.motion.n_sections
         if self.motion.n_events != events:
             self.last_event = self.motion.time
-        return self._is_quiet()
+            if self.excitation is None:  # else a border of the sector, which is no surface
+                for descent in self.descents:
+                    descent.forget()
+
+    def _is_sliding(self) -> bool:
+        """Whether all contacts slip the way they do at an equilibrium."""
+        first = -1 - self.system.n_contacts
+        signs = self.motion.parameters[first:-1] == self.rests.unexcited.parameters[first:-1]
+        return bool(np.all(self.motion.kinds == kernel.SLIP) and np.all(signs))
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
-        slipping = bool(np.all(self.motion.kinds == kernel.SLIP))
-        return slipping and self.motion.time - self.last_event >= self.quiet * (1.0 - 1e-12)
+        waited = self.motion.time - self.last_event >= self.patience * (1.0 - 1e-12)
+        return waited and bool(np.all(self.motion.kinds == kernel.SLIP))
 
     def _forget_oldest(self) -> None:
         half = KEPT // 2
@@ -222,7 +299,7 @@ class _Response:
         self.motion.clock[kernel.NEXT_PHASE] = offset + turns * period
 
     def _strobe_period(self) -> float:
-        return self.excitation if self.excitation is not None else self.quiet
+        return self.excitation if self.excitation is not None else self.patience
 
     def _map_points(self) -> NDArray[np.float64]:
         """Section points, with the phase of the excitation where there is one."""
@@ -234,46 +311,33 @@ class _Response:
         # Shifted by 2: a sine that is always zero must not be judged by its rounding.
         return np.column_stack([points, reach * (2 + np.cos(phase)), reach * (2 + np.sin(phase))])
 
-    # --- stick-slip has died ----------------------------------------------------------------------
-    def _after_stick_slip(self, until: float) -> Outcome | None:
-        if self.excitation is not None:
-            return self._forced_sliding(until)
-        if self.equilibrium is None or self.eigenvalues is None:
+    # --- at rest ----------------------------------------------------------------------------------
+    def _rest(self) -> Outcome | None:
+        """The equilibrium that the motion is at, or cannot but slide to."""
+        if not self.motion.started:
             return None
-        growth = float(np.max(self.eigenvalues.real))
-        frequency = float(np.max(np.abs(self.eigenvalues)))
-        if growth < -NEUTRAL * frequency:
-            return self._at_equilibrium()
-        if abs(growth) <= NEUTRAL * frequency:
-            return self._neutral()
-        return None
+        if self._is_sliding():
+            for descent in self.descents:
+                margin = descent.margin(self.motion.time, self.motion.y)
+                if not np.isnan(margin):
+                    return self._at_equilibrium(descent.target, margin)
+        return self._stuck()
 
-    def _at_equilibrium(self) -> Outcome | None:
-        """Stable, and nothing but slip left: the motion decays to it.
-
-        Without stick (of the law, or in a contact that only slides) there are no events that could
-        die: there the motion must have arrived, or decay as it does only near the equilibrium.
-        """
-        assert self.equilibrium is not None
-        never_sticks = self.system.law.capacity is None or all(self.system.generated.smooth)
-        if never_sticks and not self._arrives(self.equilibrium):
-            return None
-        outcome = self._resting_values(self.equilibrium, sticking=False)
-        outcome.values["L_s"] = 0.0
+    def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
+        outcome = self._resting_values(target.equilibrium, sticking=False)
+        reached = {"equilibrium_index": target.number, "L_s_reference_index": target.number}
+        outcome.values |= reached | {"L_s": 0.0, "decay_margin": margin}
         return outcome
 
-    def _arrives(self, equilibrium: Vector) -> bool:
-        assert self.decay is not None
-        decays = self.decay.confirms(self.motion.time, self.motion.y)
-        return decays or self._is_near(equilibrium)
-
-    def _is_near(self, equilibrium: Vector) -> bool:
-        assert self.eigenvalues is not None
-        n = len(self.system.coordinates)
-        size = float(np.max(np.abs(equilibrium)))
-        away = np.abs(self.motion.y - equilibrium)
-        speed = size * float(np.max(np.abs(self.eigenvalues)))
-        return bool(np.all(away[:n] <= NEAR * size) and np.all(away[n : 2 * n] <= NEAR * speed))
+    def _stuck(self) -> Outcome | None:
+        """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
+        sticking = bool(np.all(self.motion.kinds == kernel.STICK))
+        if not sticking or self.excitation is not None or np.any(self.motion.rates() != 0.0):
+            return None
+        outcome = self._resting_values(self.motion.y, sticking=True)
+        outcome.values["decay_margin"] = 1.0
+        outcome.reason = "stuck"
+        return outcome
 
     def _resting_values(self, state: Vector, sticking: bool) -> Outcome:
         values: dict[str, Any] = {
@@ -294,7 +358,7 @@ class _Response:
 
     def _neutral(self) -> Outcome:
         """Undamped sliding: what is found depends on the start, so it is no attractor."""
-        outcome = self._measure_window(self.motion.time + self.quiet)
+        outcome = self._measure_window(self.motion.time + self.patience)
         outcome.reason = "neutral_oscillation"
         outcome.values["attractor"] = "undecided"
         return outcome
@@ -304,41 +368,80 @@ class _Response:
         strobe = Section("phase")
         self.count = 0
         self._start_measuring()
-        while self.motion.time < until and self.stop in (Stop.REACHED, Stop.SECTION_FULL):
+        while self.motion.time < until and self._goes_on:
             before = self.count
             self._step(until, strobe, measuring=True)
             if np.any(self.motion.measures.shares[:, kernel.STICK] > 0.0):
                 break
-            period = settled_period(self._map_points()) if self.count > before else 0
-            if period and self.stop == Stop.SECTION_FULL:
-                return self._periodic(period, strobe)
+            found = self._rest() or (self._cycle(strobe) if self.count > before else None)
+            if found is not None:
+                return found
         self.count = 0
         return None
 
     # --- periodic ---------------------------------------------------------------------------------
-    def _periodic(self, multiplicity: int, section: Section) -> Outcome:
-        """Measure one period from a section point on."""
+    def _cycle(self, section: Section, lasting: bool = False) -> Outcome | None:
+        """The cycle that the section points settle on, once it is confirmed."""
+        if self.motion.time < self.waiting_until:
+            return None
+        points = self._map_points()
+        multiplicity = settled_period(points, self.nearness, remaining=np.inf)
+        if lasting and not multiplicity:
+            multiplicity = lasting_period(points)
+        if not multiplicity:
+            return None
+        span = self.times[self.count - 1] - self.times[self.count - 1 - multiplicity]
+        cycle = confirm(self.problem, self.motion, float(span))
+        found = None if cycle is None else self._measured_cycle(cycle, multiplicity, section)
+        if found is None:
+            self._wait()
+        return found
+
+    def _wait(self) -> None:
+        """No cycle yet: wait until the section repeats more closely, at last for longer."""
+        if self.nearness > SETTLED:
+            self.nearness = max(self.nearness * CLOSER, SETTLED)
+            return
+        self.is_unconfirmed = True
+        self.waiting_until = 2.0 * self.motion.time
+
+    def _measured_cycle(
+        self, cycle: Confirmed, multiplicity: int, section: Section
+    ) -> Outcome | None:
+        """Measure one period on the cycle, from a section point on; None: not the section's."""
+        before = self.motion
+        self.motion = begin(replace(self.problem, solver=self.solver), cycle.anchor)
+        self._next_points(1, section)
         begun = self._start_measuring()
         energy = self.motion.energy()
         points = self._next_points(multiplicity, section, measuring=True)
-        period = self.motion.time - begun
-        if self.stop != Stop.SECTION_FULL or period <= 0.0:
-            return self._ended() or Outcome(
-                reason="not_converged", values={"attractor": "undecided"}
-            )
-        values = self._measured(energy) | {
+        period, full = self.motion.time - begun, self.stop == Stop.SECTION_FULL
+        scales = extents(self.motion.measures.extremes[:2])
+        share = repeats(self.problem, points, scales, period) if full else 1
+        if not full or abs(period - cycle.period) > SAME_PERIOD * cycle.period or share > 1:
+            shorter = confirm(self.problem, self.motion, period / share) if share > 1 else None
+            self.motion, self.stop = before, Stop.REACHED
+            if shorter is None:
+                return None
+            return self._measured_cycle(shorter, multiplicity // share, section)
+        self.spent = {"n_steps": before.n_steps, "n_events": before.n_events}
+        values = {"multiplicity": multiplicity, "transient_used": before.time}
+        values |= self._measured(energy) | self._described(cycle, period)
+        shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
+        carry = self._carry("periodic")
+        return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
+
+    def _described(self, cycle: Confirmed, period: float) -> dict[str, Any]:
+        """What is known of a cycle beside its measures; `period` is that at the section, s."""
+        values: dict[str, Any] = {
             "attractor": "periodic",
             "period": period,
-            "multiplicity": multiplicity,
             "response_frequency": 1.0 / period,
-            "transient_used": begun,
+            "cycle_residual": cycle.residual,
         }
         if self.excitation is not None:
             values["period_ratio"] = period / self.excitation
-        shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
-        values |= self._floquet(multiplicity, section, period)
-        carry = self._carry("periodic")
-        return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
+        return values | self._floquet(cycle)
 
     def _next_points(
         self, count: int, section: Section, measuring: bool = False
@@ -353,8 +456,8 @@ class _Response:
 
     def _start_measuring(self) -> float:
         reference = np.zeros(len(self.system.coordinates))
-        if self.equilibrium is not None:
-            reference = self.equilibrium[: len(reference)].copy()
+        if self.rests.first is not None:
+            reference = self.rests.first[: len(reference)].copy()
         counted = self.system.model.vibration or self.system.coordinates
         reference[[name not in counted for name in self.system.coordinates]] = np.nan
         self.motion.start_measuring(reference)
@@ -378,7 +481,7 @@ class _Response:
             "separation_fraction": fractions[2],
             "energy_residual": balance(motion, energy_before).residual,
         }
-        if self.equilibrium is None:
+        if self.rests.first is None:
             values["L_s"] = float("nan")
         least, greatest, squares = measures.extremes
         for i, name in enumerate(self.system.state_names):
@@ -387,30 +490,17 @@ class _Response:
             values[f"{name}_rms"] = float(np.sqrt(squares[i] / time))
         return values
 
-    def _floquet(self, multiplicity: int, section: Section, period: float) -> dict[str, Any]:
-        """Multipliers of the periodic motion, by tangents over one more period."""
+    def _floquet(self, cycle: Confirmed) -> dict[str, Any]:
+        """Multipliers, and the exponent of the largest nontrivial one where there is one."""
         if self.settings["lyapunov"] == "never":
             return {}
-        n = len(self.system.state_names)
-        self.motion.carry_tangents(np.eye(n))
-        self._next_points(multiplicity, section)
-        monodromy = self.motion.tangents.T.copy()
-        self.motion.carry_tangents(np.zeros((0, n)))
-        if self.stop != Stop.SECTION_FULL or not np.all(np.isfinite(monodromy)):
-            return {}
-        multipliers = np.linalg.eigvals(monodromy).astype(complex)
-        multipliers = multipliers[np.lexsort((-multipliers.imag, -np.abs(multipliers)))]
-        modulus = np.abs(multipliers)
-        nontrivial = multipliers
-        if self.excitation is None:
-            nontrivial = np.delete(multipliers, np.argmin(np.abs(multipliers - 1.0)))
-        largest = float(np.max(np.abs(nontrivial), initial=0.0))
-        exponent = np.log(largest) / period if largest > 0.0 else -np.inf
-        return {
-            "floquet_multiplier": modulus,
-            "floquet_multiplier_real": multipliers.real,
-            "floquet_multiplier_imag": multipliers.imag,
-            "lyapunov": float(exponent),
+        kept = is_nontrivial(cycle.multipliers, autonomous=self.excitation is None)
+        largest = float(np.max(np.abs(cycle.multipliers[kept]), initial=0.0))
+        exponent = {"lyapunov": float(np.log(largest) / cycle.period)} if largest > 0.0 else {}
+        return exponent | {
+            "floquet_multiplier": np.abs(cycle.multipliers),
+            "floquet_multiplier_real": cycle.multipliers.real,
+            "floquet_multiplier_imag": cycle.multipliers.imag,
         }
 
     # --- not periodic -----------------------------------------------------------------------------
@@ -419,33 +509,29 @@ class _Response:
         self.count = 0
         with_exponent = self.settings["lyapunov"] != "never"
         outcome = self._measure_window(t_max, with_exponent)
+        if "attractor" in outcome.values:
+            return outcome
         ended = self._ended()
         if ended is not None:
             return ended
-        points = self._map_points()
-        period = settled_period(points) or lasting_period(points)
-        if period:
-            return self._periodic_from_section(period)
-        dead = self._is_quiet() and self.excitation is None
-        found = self._after_stick_slip(t_max) if dead else None
+        self.waiting_until = 0.0
+        found = self._cycle(self.section, lasting=True)
         if found is not None:
             return found
-        outcome.values["attractor"], outcome.reason = self._class_of(outcome)
-        outcome.carry = self._carry(outcome.values["attractor"])
+        told, outcome.reason = self._class_of(outcome)
+        outcome.values["attractor"] = told
+        if told != "undecided":
+            outcome.carry = self._carry(told)
         return outcome
-
-    def _periodic_from_section(self, period: int) -> Outcome:
-        """Go to the next section point and measure a period from there."""
-        if self.stop != Stop.SECTION_FULL:
-            self._next_points(1, self.section)
-        return self._periodic(period, self.section)
 
     def _measure_window(self, until: float, with_exponent: bool = False) -> Outcome:
         begun = self._start_measuring()
         energy = self.motion.energy()
-        exponent = _Exponent(self.motion, self.excitation is None) if with_exponent else None
+        exponent = Exponent(self.motion, self.excitation is None) if with_exponent else None
         for goal in np.linspace(begun, until, BLOCKS + 1)[1:]:
-            self._run_to(float(goal))
+            found = self._measure_to(float(goal))
+            if found is not None:
+                return found
             if exponent is not None:
                 exponent.update()
         if exponent is not None:
@@ -454,41 +540,53 @@ class _Response:
             return Outcome(reason="time_budget", values={"attractor": "undecided"})
         values = self._measured(energy) | {"transient_used": begun}
         if exponent is not None:
-            values["lyapunov"] = exponent.mean
+            values |= {"lyapunov": exponent.mean} if np.isfinite(exponent.mean) else {}
             self.exponent_error = exponent.error
         shown = self.points[: self.count, self.observed][-SHOWN:].copy()
         return Outcome(values=values, ragged={"section_value": shown})
 
-    def _run_to(self, goal: float) -> None:
-        """Measure up to `goal`, keeping section points."""
-        while self.motion.time < goal and self.stop in (Stop.REACHED, Stop.SECTION_FULL):
+    def _measure_to(self, goal: float) -> Outcome | None:
+        """Measure up to `goal`, keeping section points; the class as soon as it is known."""
+        while self.motion.time < goal and self._goes_on:
+            before = self.count
             self._step(goal, self.section, measuring=True)
+            found = self._rest() or (self._cycle(self.section) if self.count > before else None)
+            if found is not None:
+                return found
+        return None
 
     def _class_of(self, outcome: Outcome) -> tuple[str, str]:
-        """Two agreeing tests, or undecided."""
+        """A stationary section and two agreeing tests, or undecided."""
+        if self.is_unconfirmed:
+            return "undecided", "cycle_not_confirmed"
+        if self._is_quiet() and self.excitation is None:
+            return "undecided", "slide_not_decided"
         if self.count == 0:
             return "undecided", "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
         regular = regularity(self.points[: self.count, self.observed])
         if not (np.isfinite(exponent) and np.isfinite(regular)):
             return "undecided", "time_budget"
+        moved = drift(self._map_points())
+        outcome.values["section_drift"] = moved
+        if moved != 0.0:
+            return "undecided", "section_drifts"
+        return self._by_two_tests(exponent, regular)
+
+    def _by_two_tests(self, exponent: float, regular: float) -> tuple[str, str]:
+        """What Lyapunov exponent and 0-1 test say together of a stationary section."""
         window = self.times[self.count - 1] - self.times[0]
         uncertain, most = SIGNIFICANT * self.exponent_error, RESTING * max(self.count - 1, 1)
         # On a torus neighbours drift apart in proportion to time, and never approach.
-        drift = GROWN + np.log(self.count)
-        threshold = max(uncertain, min(most, drift) / window)
+        apart = GROWN + np.log(self.count)
+        threshold = max(uncertain, min(most, apart) / window)
         if exponent > threshold and regular > CHAOTIC:
             return "chaotic", ""
         if exponent < -max(uncertain, min(most, GROWN) / window):  # it settles
             return "undecided", "time_budget"
         if abs(exponent) > threshold or regular >= REGULAR:
             return "undecided", "tests_disagree"
-        return ("quasiperiodic", "") if self._keeps_its_spread() else ("undecided", "time_budget")
-
-    def _keeps_its_spread(self) -> bool:
-        """Whether the section set is as wide at the end as before: a slow spiral is not."""
-        before, after = np.array_split(self.points[: self.count, self.observed], 2)
-        return bool(STEADY < np.std(after) / np.std(before) < 1.0 / STEADY)
+        return "quasiperiodic", ""
 
     # --- what is handed on ------------------------------------------------------------------------
     def _carry(self, attractor: str) -> dict[str, Any]:
@@ -504,63 +602,8 @@ class _Response:
         }
 
     def _add_reference(self, outcome: Outcome) -> None:
-        if self.equilibrium is not None:
-            outcome.values["L_s_reference"] = self.equilibrium[: len(self.system.coordinates)]
-
-
-class _Exponent:
-    """The largest nontrivial Lyapunov exponent, from one tangent vector.
-
-    On an autonomous system the direction of the flow is trivial; the vector is kept orthogonal
-    to it, so that its growth is that of the next direction. Saltation at events is the driver's.
-    """
-
-    def __init__(self, motion: Motion, autonomous: bool) -> None:
-        self.motion = motion
-        self.autonomous = autonomous
-        n = len(motion.y)
-        self.scales = np.maximum(np.abs(motion.y), 1e-300)
-        self.begun = motion.time
-        self.growths: list[float] = []
-        self.spans: list[float] = []
-        self.last = motion.time
-        # A fixed direction without symmetry, so that no invariant subspace is met by accident.
-        vector = np.cos(1.0 + np.arange(n) * 2.0**0.5)
-        motion.carry_tangents(self._normalised(vector)[0][None, :])
-
-    def _normalised(self, vector: Vector) -> tuple[Vector, float]:
-        if self.autonomous:
-            flow = self.motion.rates()
-            size = float(flow @ flow)
-            vector = vector - (vector @ flow) / size * flow if size > 0.0 else vector
-        norm = float(np.linalg.norm(vector))
-        return (vector / norm if norm > 0.0 else vector), norm
-
-    def update(self) -> None:
-        """Book the growth since the last call."""
-        vector, norm = self._normalised(self.motion.tangents[0])
-        span = self.motion.time - self.last
-        if span > 0.0:
-            self.growths.append(float(np.log(norm)) if norm > 0.0 else -np.inf)
-            self.spans.append(span)
-            self.last = self.motion.time
-            self.motion.carry_tangents(vector[None, :])
-
-    def release(self) -> None:
-        """Stop carrying the tangent."""
-        self.motion.carry_tangents(np.zeros((0, len(self.motion.y))))
-
-    @property
-    def mean(self) -> float:
-        """1/s."""
-        return float(np.sum(self.growths) / np.sum(self.spans)) if self.spans else float("nan")
-
-    @property
-    def error(self) -> float:
-        """Standard error of `mean`, from the scatter of blocks; 0 where it is not finite."""
-        if not np.all(np.isfinite(self.growths)):
-            return 0.0
-        groups = np.array_split(np.arange(len(self.growths)), min(16, max(len(self.growths), 1)))
-        growths, spans = np.array(self.growths), np.array(self.spans)
-        rates = np.array([growths[g].sum() / spans[g].sum() for g in groups if len(g)])
-        return float(np.std(rates) / np.sqrt(max(len(rates) - 1, 1)))
+        if not self.rests.solutions:
+            return
+        number = outcome.values.setdefault("L_s_reference_index", 1)
+        reference = self.rests.solutions[number - 1][: len(self.system.coordinates)]
+        outcome.values["L_s_reference"] = reference

@@ -30,9 +30,11 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
+from fiv_cli import ending
 from fiv_cli.files import write_whole
 
 VARIABLE = "FIV_CACHE_DIR"  # of the environment: the folder, if not in the user's cache folder
@@ -76,7 +78,9 @@ def replace_for_this_run(why: str) -> Path:
     """Let compiled code go to a temporary folder, or nowhere, and say so in one line."""
     try:
         root = Path(tempfile.mkdtemp(prefix="fiv-cache-"))
-        atexit.register(shutil.rmtree, root, ignore_errors=True)
+        remove = partial(shutil.rmtree, root, ignore_errors=True)
+        atexit.register(remove)
+        ending.at_last(remove)
     except OSError:
         root = NONE
     os.environ[VARIABLE] = str(root)

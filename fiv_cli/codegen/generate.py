@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 
 FLOW, TANGENT, JACOBIAN = "flow", "tangent", "jacobian"
 
-IMPACT_ORDER = 1  # of the series of the state after an impact: its value and its rate
+EVENT_ORDER = 1  # of series at an event or after an impact: a value and its rate
+# A tangent has no offset, as a motion may have, that small terms are small against: with as many
+# terms as the motion it would fall short of most steps by a little, and take two.
+TANGENT_EXTRA = 2
 JACOBIAN_ORDER = 1  # the first coefficient of a tangent is its rate: a column of the Jacobian
 
 # Functions with a plateau, and the weight of their argument in what limits a step (see
@@ -82,6 +85,11 @@ class Generated:
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
     _engines: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def tangent_order(self) -> int:
+        """Order of the series of tangents."""
+        return self.order + TANGENT_EXTRA
 
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
@@ -188,6 +196,7 @@ def _make(
         tangent += _tangent_text(derivation, state, order, coefficients)
         jacobian += _jacobian_text(derivation, state, coefficients)
     flow += sums("state", len(derivation.state_names), order)
+    tangent += sums("moved", len(derivation.state_names), order + TANGENT_EXTRA)
     flow += value_and_slope("value_and_slope", order)
     flow += bernstein("bernstein", order)
     flow += constants("coefficients", coefficients.nodes, derivation.parameter_names)
@@ -253,10 +262,13 @@ def _flow_text(
 def _tangent_text(
     derivation: Derivation, state: ContactState, order: int, coefficients: Any
 ) -> list[str]:
+    graph, name = derivation.graph, state.name
+    step = _step_with_tangents(graph, state, [], order + TANGENT_EXTRA, coefficients)
+    lines = step.text(f"{name}_tangent", f"series with a tangent vector, {name}")
     switching = [guard.node for guard in state.guards]
     switching += [] if state.angle is None else [state.angle]
-    step = _step_with_tangents(derivation.graph, state, switching, order, coefficients)
-    lines = step.text(f"{state.name}_tangent", f"series with a tangent vector, {state.name}")
+    step = _step_with_tangents(graph, state, switching, EVENT_ORDER, coefficients)
+    lines += step.text(f"{name}_switching", f"switching, with a tangent vector, {name}")
     for contact in sorted(state.impacts):
         lines += _impact_tangent_text(derivation, state, contact, coefficients)
     return lines
@@ -273,7 +285,7 @@ def _impact_tangent_text(
 ) -> list[str]:
     """State after an impact and its tangent, each with its rate along the flow before it."""
     after = _after_impact(state, contact)
-    step = _step_with_tangents(derivation.graph, state, after, IMPACT_ORDER, coefficients)
+    step = _step_with_tangents(derivation.graph, state, after, EVENT_ORDER, coefficients)
     name = f"{state.name}_impact_tangent_{contact}"
     return step.text(name, "state after a plastic impact, with a tangent vector")
 

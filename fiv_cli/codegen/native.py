@@ -82,7 +82,8 @@ def call_generated(
     address: int, coefficients: Floats, time: float, state: Floats, out: Floats
 ) -> None:
     """Call the generated function at `address` with the data of the arrays."""
-    generated_function(address)(coefficients.ctypes.data, time, state.ctypes.data, out.ctypes.data)
+    function = generated_function(address)
+    function(address_of(coefficients), time, address_of(state), address_of(out))
 
 
 @cache

@@ -1,10 +1,12 @@
 """What a publication says, held against a dataset: confirmed, contradicted or undetermined.
 
 A claim selects points, and each point is a *hit*, a *miss* or *open*. Open is what the dataset
-cannot answer: a point that was not computed, or one whose class is undecided. The verdict needs
-a number of hits (all of the points, one, or a share): it is confirmed when the hits suffice even
-if every open point were a miss, contradicted when they would not suffice even if every open point
-were a hit, and undetermined in between.
+cannot answer: a point that was not computed, or one whose class is undecided; of a share that is
+an interval, one whose two ends say different things. The verdict needs a number of hits (all of
+the points, one, or a share): it is confirmed when the hits suffice even if every open point were a
+miss, contradicted when they would not suffice even if every open point were a hit, and undetermined
+in between. Open points that are no more than `HANDFUL` of them all leave the verdict to the rest;
+the finding counts them.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from fiv_cli.data import select
 from fiv_cli.data.known import unknown_points
 from fiv_cli.data.reading import flag_names, name_of_only, numbers
 from fiv_cli.data.reductions import reduced
-from fiv_cli.data.shares import SHARE, with_share
+from fiv_cli.data.shares import HIGH, LOW, SHARE, with_share
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,6 +33,9 @@ if TYPE_CHECKING:
     Analyses = Mapping[str, xr.Dataset]
 
 CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermined"
+
+# Share of the points that may be open without leaving a claim undetermined that the rest decides.
+HANDFUL = 0.005
 
 # Counterexamples that a finding names; the rest is counted.
 NAMED_MISSES = 3
@@ -83,6 +88,7 @@ class _Values:
     Attributes
     ----------
     values : shape (n,)
+    low, high : ends of the interval that holds the value; equal where it is known, shape (n,)
     open : the value is not known, shape (n,)
     row : flat index of the grid point (and start) of each value, shape (n,)
     rows : array over the grid (and start) that `row` counts in C order
@@ -92,6 +98,8 @@ class _Values:
     open: np.ndarray
     row: np.ndarray
     rows: xr.DataArray
+    low: np.ndarray
+    high: np.ndarray
 
 
 def evaluate(
@@ -151,11 +159,12 @@ def _judge(trial: _Trial, holds: str | float) -> Verdict:
     points, hits, unknown = trial.hit.size, int(trial.hit.sum()), int(trial.open.sum())
     if points == 0:
         return Verdict(UNDETERMINED, "nothing to try it on")
-    needed = _needed(holds, points)
+    handful = unknown <= HANDFUL * points
+    needed = _needed(holds, points - unknown if handful else points)
     verdict = UNDETERMINED
     if hits >= needed:
         verdict = CONFIRMED
-    elif hits + unknown < needed:
+    elif handful or hits + unknown < needed:
         verdict = CONTRADICTED
     return Verdict(verdict, _finding(trial, hits, points, unknown), hits, points, unknown)
 
@@ -238,18 +247,21 @@ def _count_classes(found: _Values, classes: Mapping[int, str]) -> str:
 def _try_value(variable: str, expect: Mapping[str, Any], part: xr.Dataset) -> _Trial:
     """``{ value, tolerance }``: each value lies within the (absolute) tolerance."""
     found = _values(part, variable)
-    hit = np.abs(found.values - float(expect["value"])) <= float(expect["tolerance"])
-    return _trial(found, hit, _range(found, part[variable]))
+    value, tolerance = float(expect["value"]), float(expect["tolerance"])
+    least, greatest = value - tolerance, value + tolerance
+    hit = (found.low >= least) & (found.high <= greatest)
+    missed = (found.high < least) | (found.low > greatest) | np.isnan(found.values)
+    return _trial(found, hit, _range(found, part[variable]), ~hit & ~missed)
 
 
 def _range(found: _Values, variable: xr.DataArray) -> str:
     """The values found, from least to greatest, with their unit."""
-    known = found.values[~found.open & ~np.isnan(found.values)]
+    known = ~found.open & ~np.isnan(found.values)
     unit = str(variable.attrs.get("units", "1"))
     unit = "" if unit == "1" else f" {unit}"
-    if known.size == 0:
+    if not known.any():
         return "no value found"
-    low, high = known.min(), known.max()
+    low, high = found.low[known].min(), found.high[known].max()
     span = f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
     return f"found {span}{unit}"
 
@@ -264,6 +276,9 @@ def _try_interval(variable: str, expect: Mapping[str, Any], part: xr.Dataset) ->
     found = _values(part, variable, allow_undecided=undecided)
     if "of" in expect:
         found = _axis_values_where(found, str(expect["of"]), variable, part)
+    wide = found.low < found.high
+    values = np.where(wide, np.nan, found.values)
+    found = _exact(values, found.open | wide, found.row, found.rows)
     low, high = (float(bound) for bound in expect["interval"])
     tolerance = float(expect["tolerance"])
     ends = (
@@ -307,7 +322,7 @@ def _axis_values_where(found: _Values, name: str, variable: str, part: xr.Datase
     place = np.unravel_index(found.row, found.rows.shape)[found.rows.dims.index(axis.dims[0])]
     values = axis.values[place].astype(float)
     wanted = found.open | ((found.values == code) != negated)
-    return _Values(values[wanted], found.open[wanted], found.row[wanted], found.rows)
+    return _exact(values[wanted], found.open[wanted], found.row[wanted], found.rows)
 
 
 def _one_axis(part: xr.Dataset) -> xr.DataArray:
@@ -329,14 +344,18 @@ def _one_axis(part: xr.Dataset) -> xr.DataArray:
 def _try_monotonic(variable: str, expect: str, part: xr.Dataset) -> _Trial:
     """Each step along the one axis left goes the right way; labels are lines of their own."""
     axis = _one_axis(part)
-    array, unknown = _lines_along(part, variable, str(axis.dims[0]))
-    steps, open_ = _steps(array, unknown, 1.0 if expect == "increasing" else -1.0)
-    known = _Values(array.ravel(), unknown.ravel(), np.arange(array.size), part[variable])
+    ends = [_lines_along(part, name, str(axis.dims[0])) for name in _ends_of(part, variable)]
+    (low, unknown), (high, _) = ends
+    least, greatest, open_ = _steps(low, high, unknown, expect == "increasing")
+    open_ |= (least <= 0.0) & (greatest > 0.0)
+    known = _Values(
+        low.ravel(), unknown.ravel(), np.arange(low.size), part[variable], low.ravel(), high.ravel()
+    )
     return _Trial(
-        (steps > 0).ravel() & ~open_.ravel(),
+        (least > 0.0).ravel() & ~open_.ravel(),
         open_.ravel(),
         _range(known, part[variable]),
-        np.arange(steps.size),
+        np.arange(least.size),
         lambda step: _step_name(axis, step),
         "steps",
     )
@@ -352,11 +371,18 @@ def _lines_along(part: xr.Dataset, variable: str, dim: str) -> tuple[np.ndarray,
     return array.values.reshape(shape), unknown.values.reshape(shape)
 
 
-def _steps(lines: np.ndarray, unknown: np.ndarray, sense: float) -> tuple[np.ndarray, np.ndarray]:
-    """Steps between neighbours times `sense`, and which are open: an end of them has no value."""
-    missing = unknown | ~np.isfinite(lines)
-    known = np.where(missing, np.nan, lines)
-    return sense * np.diff(known, axis=-1), missing[:, 1:] | missing[:, :-1]
+def _steps(
+    low: np.ndarray, high: np.ndarray, unknown: np.ndarray, rising: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Least and greatest steps between neighbours in the sense asked for, and which are open.
+
+    A step is open where an end of it has no value.
+    """
+    missing = unknown | ~np.isfinite(low)
+    below, above = np.where(missing, np.nan, low), np.where(missing, np.nan, high)
+    least, greatest = below[:, 1:] - above[:, :-1], above[:, 1:] - below[:, :-1]
+    least, greatest = (least, greatest) if rising else (-greatest, -least)
+    return least, greatest, missing[:, 1:] | missing[:, :-1]
 
 
 def _step_name(axis: xr.DataArray, step: int) -> str:
@@ -378,11 +404,12 @@ def _try_less_than(
     else:
         bounds, missing = _other_values(claim, str(bound), found, other)
         open_ = found.open | missing
-    hit = (found.values < bounds) & ~open_
+    hit = (found.high < bounds) & ~open_
     return _trial(
-        _Values(found.values, open_, found.row, found.rows),
+        replace(found, open=open_),
         hit,
         f"{_range(found, part[claim.variable])}, against {_span(bounds)}",
+        ~hit & (found.low < bounds),
     )
 
 
@@ -440,10 +467,13 @@ def _reindexed(array: xr.DataArray, dim: str, axis: xr.DataArray) -> xr.DataArra
     return array.reindex({dim: axis.values}, method="nearest", tolerance=tolerance)
 
 
-def _trial(found: _Values, hit: np.ndarray, text: str) -> _Trial:
+def _trial(
+    found: _Values, hit: np.ndarray, text: str, between: np.ndarray | bool = False
+) -> _Trial:
+    """A trial; `between`: where the two ends of an interval say different things."""
     return _Trial(
         hit & ~found.open,
-        found.open,
+        found.open | between,
         text,
         found.row,
         lambda row: point_name(found.rows, row),
@@ -480,7 +510,20 @@ def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _
     unknown = unknown_points(part, variable, allow_undecided).values.ravel()[row]
     flat = array.values.ravel()
     kept = ~np.isnan(flat) | unknown if own else np.ones(flat.shape, bool)
-    return _Values(flat[kept], unknown[kept], row[kept], rows)
+    if variable == SHARE:
+        low, high = (part[name].transpose(*rows.dims).values.ravel() for name in (LOW, HIGH))
+        return _Values(flat, unknown, row, rows, low, high)
+    return _exact(flat[kept], unknown[kept], row[kept], rows)
+
+
+def _exact(values: np.ndarray, unknown: np.ndarray, row: np.ndarray, rows: xr.DataArray) -> _Values:
+    """Values that are no intervals."""
+    return _Values(values, unknown, row, rows, values, values)
+
+
+def _ends_of(part: xr.Dataset, variable: str) -> tuple[str, str]:
+    """The variables that hold the two ends of the interval of a variable."""
+    return (LOW, HIGH) if variable == SHARE else (variable, variable)
 
 
 def _ragged_values(
@@ -492,12 +535,8 @@ def _ragged_values(
     known = ~unknown[row]
     open_rows = np.flatnonzero(unknown)
     values = np.concatenate([part[variable].values[known], np.full(open_rows.size, np.nan)])
-    return _Values(
-        values,
-        np.arange(values.size) >= known.sum(),
-        np.concatenate([row[known], open_rows]),
-        rows,
-    )
+    unknown = np.arange(values.size) >= known.sum()
+    return _exact(values, unknown, np.concatenate([row[known], open_rows]), rows)
 
 
 def _grid_dims(part: xr.Dataset) -> tuple[str, ...]:

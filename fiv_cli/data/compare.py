@@ -30,7 +30,10 @@ SAMPLED = ("L_s", "stick_fraction", "slip_fraction", "separation_fraction")
 NOT_NUMBERS = ("status", "reason")
 """Compared exactly, at every point."""
 
-WORK = ("n_steps", "n_events", "energy_residual", "event_residual", "residual", "transient_used")
+WORK = (
+    *("n_steps", "n_events", "energy_residual", "event_residual", "residual", "transient_used"),
+    *("decay_margin", "cycle_residual", "section_drift"),
+)
 """Says how an answer was reached; it is left out unless a tolerance is given."""
 
 

@@ -175,6 +175,21 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason("no_plate", "the radii make no disc with the slider on it: a < b and a <= r0 <= b"),
     Reason(
+        "slide_not_decided",
+        "the motion slides, but its time was up before its level fell as that of the linearised "
+        "system does (near a border, or growing): raise t_max",
+    ),
+    Reason(
+        "cycle_not_confirmed",
+        "the section repeats, but Newton's method finds no stable cycle of the motion's own there "
+        "(an event that grazes, a multiplier of 1): raise t_max, or choose another section",
+    ),
+    Reason(
+        "section_drifts",
+        "the first and the second half of the section points differ by more than sampling "
+        "explains, so the motion is still on its way: raise t_max or transient",
+    ),
+    Reason(
         "hole_too_small",
         "the disc's hole is so small that a mode cannot be told from that of a disc without one "
         "(the message names it): raise a, or leave the mode out",

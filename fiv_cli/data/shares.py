@@ -3,6 +3,9 @@
 The share of phases and starts from which stick-slip survives is one number at each speed and
 preload; the share of a plane of speeds and preloads in which it exists is an area. A share
 divided by the share at a reference point is a ratio of areas.
+
+A point without an answer may satisfy the condition or not: a share over such points is an interval,
+from none of them to all.
 """
 
 from __future__ import annotations
@@ -16,8 +19,8 @@ from fiv_cli.data import select
 from fiv_cli.data.known import is_class, unknown_points
 from fiv_cli.data.reading import flag_names
 
-# The variable that a share becomes.
-SHARE = "share"
+# The variables that a share becomes: the middle of the interval, and its ends.
+SHARE, LOW, HIGH = "share", "share_low", "share_high"
 
 
 def with_share(dataset: xr.Dataset, variable: str, share: Mapping[str, Any]) -> xr.Dataset:
@@ -33,8 +36,9 @@ def with_share(dataset: xr.Dataset, variable: str, share: Mapping[str, Any]) -> 
 
     Returns
     -------
-    xr.Dataset : ``share`` and ``status`` over the axes that are left. A share is known where all
-        of its points are; elsewhere the status is that of the first point without an answer
+    xr.Dataset : ``share_low``, ``share_high``, the ``share`` in the middle, and ``status`` over the
+        axes that are left. Where no point at all has an answer the shares are NaN, and the status
+        is that of the first point
 
     Raises
     ------
@@ -44,11 +48,21 @@ def with_share(dataset: xr.Dataset, variable: str, share: Mapping[str, Any]) -> 
         raise select.SelectionError(f"{variable}: no variable of the dataset")
     dims = [str(select.axis_of(dataset, name).dims[0]) for name in share["over"]]
     missing = unknown_points(dataset, variable, "undecided" in share["of"])
-    counted = hits(dataset[variable], share["of"]).where(~missing).mean(dims, skipna=False)
-    found = xr.Dataset({SHARE: counted, "status": _status(dataset["status"], missing, dims)})
-    found[SHARE].attrs = {"units": "1", "long_name": _words(variable, share["of"])}
-    reference = share.get("relative_to", {})
-    return _relative(found, reference).assign_attrs(dataset.attrs)
+    held = hits(dataset[variable], share["of"])
+    found = xr.Dataset(
+        {
+            LOW: held.where(~missing, 0.0).mean(dims).where(~missing.all(dims)),
+            HIGH: held.where(~missing, 1.0).mean(dims).where(~missing.all(dims)),
+            "status": _status(dataset["status"], missing, dims),
+        }
+    )
+    found = _relative(found, share.get("relative_to", {}))
+    found = found.assign({SHARE: 0.5 * (found[LOW] + found[HIGH])})
+    words = _words(variable, share["of"])
+    words += " over that of the reference" if "relative_to" in share else ""
+    for name, end in ((SHARE, ""), (LOW, ", at least"), (HIGH, ", at most")):
+        found[name].attrs = {"units": "1", "long_name": words + end}
+    return found.assign_attrs(dataset.attrs)
 
 
 def hits(array: xr.DataArray, of: str) -> xr.DataArray:
@@ -65,14 +79,14 @@ def hits(array: xr.DataArray, of: str) -> xr.DataArray:
 
 
 def _status(status: xr.DataArray, missing: xr.DataArray, dims: Sequence[str]) -> xr.DataArray:
-    """Status "ok" where every point along `dims` is known, else what the first other one says."""
+    """Status "ok" where a point along `dims` is known, else what the first one says."""
     stacked = status.stack(counted=dims).transpose(..., "counted")
     first = missing.stack(counted=dims).transpose(*stacked.dims).argmax("counted")
     names = {name: code for code, name in flag_names(status.attrs).items()}
     shown = stacked.isel(counted=first).drop_vars(["counted", *dims], errors="ignore")
     # a point of undecided class has been computed, and is yet no answer
     pending = xr.where(shown == names["ok"], names["pending"], shown)
-    found = xr.where(missing.any(dims), pending, names["ok"])
+    found = xr.where(missing.all(dims), pending, names["ok"])
     return found.astype(status.dtype).assign_attrs(status.attrs)
 
 
@@ -82,10 +96,10 @@ def _relative(found: xr.Dataset, reference: Mapping[str, Any]) -> xr.Dataset:
         return found
     part = select.subset(found, reference, nearest=False)
     dims = [str(select.axis_of(found, name).dims[0]) for name in reference]
-    whole = part[SHARE].isel(dict.fromkeys(dims, 0), drop=True)
-    ratio = (found[SHARE] / whole.where(whole > 0.0)).transpose(*found[SHARE].dims)
-    ratio.attrs = found[SHARE].attrs | {"long_name": "share over that of the reference"}
-    return found.assign({SHARE: ratio})
+    whole = part.isel(dict.fromkeys(dims, 0), drop=True)
+    ends = ((LOW, HIGH), (HIGH, LOW))
+    ratios = {name: found[name] / whole[by].where(whole[by] > 0.0) for name, by in ends}
+    return found.assign({n: ratio.transpose(*found[n].dims) for n, ratio in ratios.items()})
 
 
 def _words(variable: str, of: str) -> str:

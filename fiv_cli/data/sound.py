@@ -14,6 +14,7 @@ import numpy as np
 
 from fiv_cli.case.names import can_name_a_file
 from fiv_cli.case.structure import FigureTable
+from fiv_cli.data.flags import ATTRACTOR, CONTACT_STATE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +25,14 @@ COUNTS = ("refined_levels", "points_run", "points_filled_in", "sample_size", "sa
 
 # What a class or a count must have among its names for the rest to make sense.
 STATUSES = {"ok", "pending", "not_computed"}
+
+# Classes that are drawn and counted by their names; to other tables a later fiv may add.
+CLOSED = {
+    "attractor": ATTRACTOR.codes,
+    "contact_state": CONTACT_STATE.codes,
+    "event_from": CONTACT_STATE.codes,
+    "event_to": CONTACT_STATE.codes,
+}
 
 
 def fault_of(dataset: xr.Dataset, name: str) -> str:
@@ -106,8 +115,9 @@ def _of_refinement(attributes: Mapping[str, Any]) -> Iterator[str]:
     for name in COUNTS:
         if not _is_count(attributes.get(name)):
             yield f"the attribute {name} of the refinement is no count"
-    if not isinstance(attributes.get("refined_from"), str):
-        yield "the attribute refined_from of the refinement is no text"
+    for name in ("refined_of", "refined_from"):
+        if not isinstance(attributes.get(name), str):
+            yield f"the attribute {name} of the refinement is no text"
 
 
 def _is_count(value: object) -> bool:
@@ -168,6 +178,8 @@ def _of_flag(name: str, variable: xr.Variable) -> Iterator[str]:
         yield f"{name}: its classes are no whole numbers"
     elif not len(codes) == len(names) == len(set(codes.tolist())) == len(set(names)) > 0:
         yield f"{name}: {len(codes)} flag_values do not go with {len(names)} flag_meanings"
+    elif not set(names) <= set(CLOSED.get(name, names)):
+        yield f"{name} names classes that there are not"
     elif not np.isin(variable.values, codes).all():
         yield f"{name} holds a number that no class has"
 

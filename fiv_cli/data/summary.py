@@ -16,8 +16,12 @@ from fiv_cli.data.refined import described
 if TYPE_CHECKING:
     import xarray as xr
 
-# How far to trust a number: the greatest is the worst.
-TRUST = ("energy_residual", "event_residual", "residual", "transient_used", "n_steps", "n_events")
+# How far to trust a number: the greatest is the worst, but for margins, of which it is the least.
+TRUST = (
+    *("decay_margin", "cycle_residual", "section_drift", "energy_residual", "event_residual"),
+    *("residual", "transient_used", "n_steps", "n_events"),
+)
+MARGINS = ("decay_margin",)
 
 # Flags of which every class is counted.
 COUNTED = (
@@ -124,13 +128,13 @@ def _range(variable: xr.DataArray) -> dict[str, Any]:
 
 
 def _worst(dataset: xr.Dataset, name: str) -> dict[str, Any]:
-    """The greatest value and the point where it occurs; nothing where none is known."""
+    """The worst value and the point where it occurs; nothing where none is known."""
     values = numbers(dataset[name])
     ragged = select.row_sizes(dataset, name)
     flat = np.abs(values.values.ravel())
     if not np.isfinite(flat).any():
         return {}
-    place = int(np.nanargmax(flat))
+    place = int(np.nanargmin(flat) if name in MARGINS else np.nanargmax(flat))
     row = values if ragged is None else ragged
     index = place if ragged is None else int(select.row_of_each(ragged)[place])
     units = str(values.attrs.get("units", dataset[name].attrs.get("units", "1")))

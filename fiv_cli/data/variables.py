@@ -284,6 +284,15 @@ def _response(
             ("state",),
             comment=_mixed(states),
         ),
+        Variable(
+            "L_s_reference_index",
+            "1",
+            "number of that equilibrium among the solutions of `equilibrium`, from 1",
+            kind="int",
+            comment="the one reached; of a motion that does not rest, the first, from which a "
+            "start of kind `equilibrium` is offset too",
+        ),
+        _EQUILIBRIUM_REACHED,
         Variable("L_s_window", "s", "window of L_s, of extremes and of fractions"),
         Variable("period", "s", "period of the attractor", symbol="T"),
         Variable("multiplicity", "1", "section points per period", kind="int"),
@@ -296,9 +305,42 @@ def _response(
         *_extremes(states),
         Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
         *_multipliers(),
+        *_grounds(),
         *_solver_trust(),
         Variable("event_residual", "1", "largest switching function left at an event"),
         Variable("transient_used", "s", "time simulated before the steady state was accepted"),
+    ]
+
+
+_EQUILIBRIUM_REACHED = Variable(
+    "equilibrium_index",
+    "1",
+    "number of the equilibrium reached, among the solutions of `equilibrium`, from 1",
+    kind="int",
+)
+
+
+def _grounds() -> list[Variable]:
+    """By how much a class meets its grounds (`analyses/grounds.py`)."""
+    return [
+        Variable(
+            "decay_margin",
+            "1",
+            "share of the way to the nearest switching surface that a slide to rest leaves free",
+            comment="of the level set through the motion when its class was told; equilibria only",
+        ),
+        Variable(
+            "cycle_residual",
+            "1",
+            "miss of the cycle after a period, over its extent",
+            comment="of the cycle that Newton's method found; periodic motions only",
+        ),
+        Variable(
+            "section_drift",
+            "1",
+            "difference between the halves of the section set, over its spread; 0: stationary",
+            comment="of means and spreads, the largest beyond what sampling explains",
+        ),
     ]
 
 
@@ -308,9 +350,13 @@ def _boundary(
     varied, along = settings["parameter"], ("crossing",)
     way = "direction in which it was met; none: every run begins at the start"
     unit, classes = varied.unit, "class of the steady state"
+    bisected = "width of the interval that it was bisected to"
+    confirmed = "distance within which runs in shorter steps and with more time find it; missing "
+    confirmed += "where a side is open or they do not find it"
     return [
         Variable("boundary", unit, f"{varied.name} at which the answer changes", along),
-        Variable("boundary_width", unit, "width of the interval that holds it", along),
+        Variable("boundary_width", unit, bisected, along, comment="no bound of its error"),
+        Variable("boundary_error", unit, "how far it may be off", along, comment=confirmed),
         Variable("class_below", "1", f"{classes} below", along, "flag", "attractor"),
         Variable("class_above", "1", f"{classes} above", along, "flag", "attractor"),
         Variable("answer_below", "1", "answer to the question below", along, "flag", "answer"),
@@ -331,7 +377,7 @@ def _way_back(unit: str, classes: str) -> list[Variable]:
     """What a bracket followed up and down again has besides."""
     back = f"{classes} there on the way down"
     end = "end of a range in which the way up and the way down differ"
-    known = "width of the interval that holds it; missing where it is the end of the bracket"
+    known = "width of the interval that it was bisected to; missing at the end of the bracket"
     return [
         Variable("scan_class_back", "1", back, ("scan",), "flag", "attractor"),
         Variable("bistable_low", unit, f"lower {end}", ("range",)),
@@ -367,6 +413,7 @@ def _spectrum(
         Variable("mode_frequency", "Hz", "frequency of the mode", mode, comment=pair),
         Variable("mode_growth", "rad s-1", "growth rate of the mode", mode, comment=pair),
         Variable("unstable_frequency", "Hz", "frequency of the growing mode", mode, comment=pair),
+        *_grounds(),
         *_solver_trust(),
         Variable("event_residual", "1", "largest switching function left at an event"),
         Variable("transient_used", "s", "time simulated before the steady state was accepted"),
@@ -429,6 +476,9 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
     kind += "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
     kind += "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
     kind += "closed (round to its first cycle)"
+    off = "how far it may be off"
+    again = "what it was bisected to, and what cycles of ten times the error of integration move "
+    again += "it by; missing where these do not show it"
     return [
         Variable("branch_value", varied.unit, f"{name} along the branch", ragged=branch),
         Variable("branch_period", "s", "period along the branch", ragged=branch),
@@ -443,9 +493,16 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
             varied.unit,
             f"{name} where the branch changes or ends",
             ragged=end,
-            comment="in the order of the branch, within cycle_end_width",
+            comment="in the order of the branch, within cycle_end_error",
         ),
-        Variable("cycle_end_width", varied.unit, "half the bracket of the end", ragged=end),
+        Variable(
+            "cycle_end_width",
+            varied.unit,
+            "half the bracket that it was bisected to",
+            ragged=end,
+            comment="no bound of its error",
+        ),
+        Variable("cycle_end_error", varied.unit, off, ragged=end, comment=again),
         Variable("cycle_end_kind", "1", "what happens", (), "flag", "cycle_end", end, comment=kind),
         Variable("cycle_end_direction", "1", f"1: {name} rising, -1: falling", (), "int", "", end),
         Variable(
@@ -456,7 +513,10 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
             for side in ("lowest", "highest")
             for variable in (
                 Variable(f"cycle_{side}", varied.unit, f"{side} {name} of the branch"),
-                Variable(f"cycle_{side}_width", varied.unit, "half the bracket of it"),
+                Variable(
+                    f"cycle_{side}_width", varied.unit, "half the bracket that it was bisected to"
+                ),
+                Variable(f"cycle_{side}_error", varied.unit, off, comment=again),
                 Variable(f"cycle_{side}_kind", "1", "what is there", (), "flag", "cycle_end"),
             )
         ),

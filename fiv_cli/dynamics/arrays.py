@@ -6,6 +6,7 @@ every point of a sweep, so a new one copies one block, frame included.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -24,6 +25,11 @@ WORD = 8  # bytes of an integer, a float, an address
 # A state (m, rad, and those per s) beyond this has diverged. Growth in a nonlinear contact ends in
 # ever shorter steps, so a bound far above anything mechanical would only cost time.
 BOUND = 1e6
+ROUNDING = 1e-16
+FASTEST = 3.0  # squares and powers, of nonlinear laws too, against the states
+
+# Steps after which a motion comes back for the first time: 0.2 s where they are slow.
+FIRST_STRIDE = 4000
 
 Words = NDArray[np.int64]
 PLACES = kernel.Run.places()
@@ -119,7 +125,7 @@ def layout_of(system: System, solver: SolverSettings) -> Layout:
     floats[parts["tolerances"]] = solver.rtol, solver.step, BOUND
     floats[parts["parameters"]][-1 - system.n_contacts : -1] = 1.0  # signs of slip
     floats[parts["clock"]][kernel.TASK] = kernel.ENTER
-    block[parts["limits"]] = solver.max_steps, solver.max_events, 0
+    block[parts["limits"]] = min(solver.max_steps, FIRST_STRIDE), solver.max_events, 0
     return Layout(
         block,
         parts,
@@ -159,7 +165,11 @@ def _tables(system: System, solver: SolverSettings) -> dict[str, NDArray[Any]]:
     if solver.method == "rk4":
         config[kernel.METHOD] = kernel.METHOD_RK4
     names = {name: getattr(tables, name) for name in ("table", "impacts", "guards", "ends")}
-    return {**names, "config": config, "quadrature": gauss_nodes(system.generated.order // 2 + 3)}
+    return {
+        **names,
+        "config": config,
+        "quadrature": quadratures(system.generated.order, solver.rtol),
+    }
 
 
 def _scratch(system: System) -> dict[str, NDArray[Any]]:
@@ -171,7 +181,7 @@ def _scratch(system: System) -> dict[str, NDArray[Any]]:
     options[:, kernel.ONE_WAY] = system.generated.smooth
     return {
         "series": np.zeros(rows * (order + 1)),
-        "work": np.zeros(rows * (order + 1)),
+        "work": np.zeros(rows * (system.generated.tangent_order + 1)),
         "stages": np.zeros((SCRATCH_ROWS, width)),
         "polynomial": np.zeros(order + 1),
         "pieces": roots.scratch(),
@@ -199,7 +209,41 @@ def _not_asked_for(system: System) -> dict[str, NDArray[Any]]:
 
 
 @cache
-def gauss_nodes(count: int) -> Vector:
-    """Gauss-Legendre nodes and weights on [0, 1]; shape (count, 2)."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return np.ascontiguousarray(np.stack([0.5 * (nodes + 1.0), 0.5 * weights], axis=1))
+def quadratures(order: int, rtol: float) -> Vector:
+    """Gauss-Lobatto nodes and weights on [0, 1] of rules of 1 to `order` / 2 + 2 nodes.
+
+    The third column is the share of a step that a rule integrates to rounding: a step is as long
+    as keeps the last term of the series of an oscillation below `rtol`, and what is integrated
+    oscillates FASTEST times as fast. The rule of most nodes takes the rest.
+
+    Returns
+    -------
+    array, shape (rows, 3)
+        The rule of k nodes begins in row k (k - 1) / 2.
+    """
+    phase = FASTEST * (rtol * math.factorial(order)) ** (1.0 / order)
+    rules, most = [np.zeros((1, 3))], order // 2 + 2
+    for count in range(2, most + 1):
+        nodes, weights = lobatto(count)
+        reach = lobatto_reach(count) / phase if count < most else np.inf
+        rules.append(np.column_stack([nodes, weights, np.full(count, reach)]))
+    return np.concatenate(rules)
+
+
+def lobatto_reach(count: int) -> float:
+    """Phase over which a rule integrates an oscillation to rounding, by its error term, rad."""
+    power = 2 * count - 2
+    missed = count * (count - 1) ** 3 * math.factorial(count - 2) ** 4
+    error = missed / ((power + 1) * math.factorial(power) ** 3)
+    return float((ROUNDING / error) ** (1.0 / power))
+
+
+def lobatto(count: int) -> tuple[Vector, Vector]:
+    """Gauss-Lobatto nodes and weights on [0, 1], both ends among the nodes."""
+    legendre = np.polynomial.legendre.Legendre.basis(count - 1)
+    inner = np.sort(legendre.deriv().roots().real)
+    for _ in range(2):
+        inner -= legendre.deriv()(inner) / legendre.deriv(2)(inner)
+    nodes = np.concatenate([[-1.0], inner, [1.0]])
+    weights = 1.0 / (count * (count - 1) * legendre(nodes) ** 2)
+    return 0.5 * (nodes + 1.0), weights

@@ -32,7 +32,7 @@ from fiv_cli.codegen.native import (
     inlined,
     native,
 )
-from fiv_cli.dynamics.roots import NO_ROOT, first_root
+from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
 
 # Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
 SLIP, STICK, SEPARATION = 0, 1, 2
@@ -42,14 +42,15 @@ VELOCITY, CAPACITY_UP, CAPACITY_DOWN, NORMAL, GAP, JAMMING = 0, 1, 2, 3, 4, 5
 CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
 
 # table[state, ...]
-TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS = 0, 1, 2, 3, 4, 5
-TABLE_WIDTH = 6
+TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS, SWITCHING, MOVED = range(8)
+TABLE_WIDTH = 8
 
 # config[...]
 N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, STATE, METHOD = range(8)
 VALUE_AND_SLOPE, BERNSTEIN = 8, 9
 ZONE_START, ZONE_WIDTH, ZONE_CONTACT = 10, 11, 12  # parameter slots of the sector; -1: none
-CONFIG_WIDTH = 13
+TANGENT_ORDER = 13
+CONFIG_WIDTH = 14
 METHOD_TAYLOR, METHOD_RK4 = 0, 1
 
 # clock[...]
@@ -100,7 +101,11 @@ LAYER = 2.0  # ... and the change that is always allowed
 GRAZING = 1e-5  # a switching function that falls slower than this share of its scale may graze
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
+LAST_DIGITS = 1e-10  # a gap this small against what states make it up is none at a start
+SAME_INSTANT = 1e-9  # two events within this share of a step may be one
 BISECTIONS = 80
+TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
+FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
@@ -198,15 +203,6 @@ def series_value(series: Floats, offset: int, order: int, x: float) -> float:
     for k in range(order - 3 + order % 2, 0, -2):
         odd = odd * square + series[offset + k]
     return even + x * odd
-
-
-@native
-def series_slope(series: Floats, offset: int, order: int, x: float) -> float:
-    """Derivative of the series that begins at `offset`."""
-    value = 0.0
-    for k in range(order, 0, -1):
-        value = value * x + k * series[offset + k]
-    return value
 
 
 @native
@@ -360,6 +356,31 @@ def fill(run: Run) -> None:
         run.clock[FILLED_FOR] = wanted
 
 
+@native
+def zeros_at_start(run: Run, index: int, guard: int) -> int:
+    """How many of a switching function's value and rate are zero to rounding: 0, 1 or 2.
+
+    Rounding is a share of what the states, one after the other, add to it.
+    """
+    n, order = run.config[N_STATES], run.config[ORDER]
+    taylor, t, zeros = run.table[index, TAYLOR], run.clock[TIME], 0
+    while zeros < 2:
+        place, scale = (n + guard) * (order + 1) + zeros, 0.0
+        call_generated(taylor, run.coefficients, t, run.y, run.work)
+        value = run.work[place]
+        for i in range(n):
+            state = run.y[i]
+            if value != 0.0 and state != 0.0:
+                run.y[i] = 0.0
+                call_generated(taylor, run.coefficients, t, run.y, run.work)
+                scale += abs(run.work[place] - value)
+                run.y[i] = state
+        if not abs(value) <= LAST_DIGITS * scale:
+            return zeros
+        zeros += 1
+    return zeros
+
+
 @inlined
 def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool) -> bool:
     """Whether a candidate contact state can follow: every switching function leads positive.
@@ -389,6 +410,8 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
             known_zeros = 1
         if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
             known_zeros = 1
+        if run.clock[TASK] == ENTER and (kind == GAP or kind == NORMAL):
+            known_zeros = zeros_at_start(run, index, g)
         if kind == VELOCITY and contact == trigger_contact:
             sign = run.parameters[run.config[N_PARAMETERS] - 1 - contacts + contact]
             released = trigger_kind == (CAPACITY_UP if sign > 0.0 else CAPACITY_DOWN)
@@ -659,56 +682,105 @@ def take_samples(run: Run, index: int, tau: float, out: Floats) -> None:
 
 
 @native
-def take_measures(run: Run, index: int, tau: float, out: Floats) -> None:
-    """Integrate the measures along the step of length tau by Gauss quadrature.
+def take_measures(run: Run, index: int, tau: float, end: Floats) -> None:
+    """Integrate the measures along the step of length tau, which ends at the state `end`.
 
     Where the reference is NaN the coordinate does not count. extremes is (3, n): least and
     greatest value, integral of the square; shares is (contacts, 3): time in slip, stick,
     separation.
     """
-    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
+    n, contacts, t = run.config[N_STATES], run.config[N_CONTACTS], run.clock[TIME]
     energies = contact_outputs(run.table, index, n) + PER_CONTACT * contacts
-    t = run.clock[TIME]
-    last_x = 0.0
     run.measures[M_TIME] += tau
     for i in range(contacts):
         run.shares[i, run.kinds[i]] += tau
-    for i in range(n):  # an impact may have left a velocity at its extreme
-        run.extremes[0, i] = min(run.extremes[0, i], run.y[i])
-        run.extremes[1, i] = max(run.extremes[1, i], run.y[i])
-    for node in range(run.quadrature.shape[0] + 1):
-        at_end = node == run.quadrature.shape[0]
-        x = tau if at_end else run.quadrature[node, 0] * tau
-        weight = 0.0 if at_end else run.quadrature[node, 1] * tau
-        state_after(run, index, t, x, out)
+    count = nodes_needed(run, tau)
+    first, x = count * (count - 1) // 2, 0.0
+    for node in range(count):
+        last_x, x = x, run.quadrature[first + node, 0] * tau
+        weight = run.quadrature[first + node, 1] * tau
+        here = run.stages[5 + node % 2]
+        if node == 0:
+            call_generated(run.table[index, FIELD], run.coefficients, t, run.y, here)
+        elif node == count - 1:
+            call_generated(run.table[index, FIELD], run.coefficients, t + x, end, here)
+        else:
+            state_after(run, index, t, x, run.stages[4])
+            call_generated(run.table[index, FIELD], run.coefficients, t + x, run.stages[4], here)
         for i in range(n):
-            value = out[i]
+            value = here[i]
             run.extremes[0, i] = min(run.extremes[0, i], value)
             run.extremes[1, i] = max(run.extremes[1, i], value)
             run.extremes[2, i] += weight * value * value
-            if i < run.config[N_COORDINATES] and run.reference[i] == run.reference[i]:
-                off = value - run.reference[i]
+        for i in range(run.config[N_COORDINATES]):
+            if run.reference[i] == run.reference[i]:
+                off = here[i] - run.reference[i]
                 run.measures[M_SPREAD] += weight * (off * off)
-            if run.config[METHOD] == METHOD_TAYLOR:
-                offset = i * (order + 1)
-                before = series_slope(run.series, offset, order, last_x)
-                if before * series_slope(run.series, offset, order, x) < 0.0:
-                    low, high = last_x, x
-                    for _ in range(BISECTIONS):
-                        middle = 0.5 * (low + high)
-                        if before * series_slope(run.series, offset, order, middle) > 0.0:
-                            low = middle
-                        else:
-                            high = middle
-                    value = series_value(run.series, offset, order, 0.5 * (low + high))
-                    run.extremes[0, i] = min(run.extremes[0, i], value)
+        run.measures[M_OTHER] += weight * here[energies + OTHER_POWER]
+        run.measures[M_FRICTION] += weight * here[energies + FRICTION_POWER]
+        run.measures[M_DRIVE] += weight * here[energies + DRIVE_POWER]
+        if node > 0 and run.config[METHOD] == METHOD_TAYLOR:
+            look_for_turns(run, run.stages[6 - node % 2], here, last_x, x)
+
+
+@inlined
+def nodes_needed(run: Run, tau: float) -> int:
+    """Nodes of the quadrature that integrates over this part of a step to rounding."""
+    count = FEWEST_NODES
+    share = tau / run.clock[LAST_STEP]
+    while run.quadrature[count * (count - 1) // 2, 2] < share:
+        count += 1
+    return count
+
+
+@inlined
+def look_for_turns(run: Run, before: Floats, after: Floats, low: float, high: float) -> None:
+    """Extremes that lie between two nodes, whose field outputs are given.
+
+    Only a turn that can pass the extreme known so far is located.
+    """
+    n, order = run.config[N_STATES], run.config[ORDER]
+    for i in range(n):
+        rise, fall = before[n + i], after[n + i]
+        if rise * fall < 0.0:
+            reach = (abs(rise) + abs(fall)) * (high - low)
+            if rise > 0.0:
+                if max(before[i], after[i]) + reach > run.extremes[1, i]:
+                    value = turning_value(run, i * (order + 1), low, high, rise, fall)
                     run.extremes[1, i] = max(run.extremes[1, i], value)
-        last_x = x
-        if not at_end:
-            call_generated(run.table[index, FIELD], run.coefficients, t + x, out, run.stages[0])
-            run.measures[M_OTHER] += weight * run.stages[0, energies + OTHER_POWER]
-            run.measures[M_FRICTION] += weight * run.stages[0, energies + FRICTION_POWER]
-            run.measures[M_DRIVE] += weight * run.stages[0, energies + DRIVE_POWER]
+            elif min(before[i], after[i]) - reach < run.extremes[0, i]:
+                value = turning_value(run, i * (order + 1), low, high, rise, fall)
+                run.extremes[0, i] = min(run.extremes[0, i], value)
+
+
+@native
+def turning_value(
+    run: Run, offset: int, low: float, high: float, at_low: float, at_high: float
+) -> float:
+    """Value of a series where it turns, between two times at which its slope is known.
+
+    Secant steps on the slope, kept inside the bracket. About the turn the value is a parabola: what
+    the last step would still change of it is half of slope times step.
+    """
+    series, found = run.series[offset:], run.polynomial
+    enough = TURNED * (abs(at_low) + abs(at_high)) * (high - low)
+    x, before, at_before = chord(low, high, at_low, at_high), high, at_high
+    change = 0.0
+    for _ in range(BISECTIONS):
+        call_generated(run.config[VALUE_AND_SLOPE], series, x, series, found)
+        slope = found[1]
+        if slope * at_low > 0.0:
+            low = x
+        else:
+            high = x
+        new = x - slope * (x - before) / (slope - at_before)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        change = 0.5 * slope * (new - x)
+        if abs(change) <= enough:
+            break
+        x, before, at_before = new, x, slope
+    return found[0] + change
 
 
 @native
@@ -718,30 +790,26 @@ def move_tangents(run: Run, index: int, tau: float, joined: Floats) -> None:
     The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
     where these are fast its series needs shorter steps.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
+    n, order, t = run.config[N_STATES], run.config[TANGENT_ORDER], run.clock[TIME]
+    c, moved, series = run.coefficients, run.table[index, MOVED], run.work
+    tangent, series_of_tangent = joined[n:], run.work[n * (order + 1) :]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
-            joined[n + i] = run.tangents[row, i]
+            tangent[i] = run.tangents[row, i]
         done = 0.0
         while done < tau:
-            call_generated(
-                run.table[index, TANGENT],
-                run.coefficients,
-                run.clock[TIME] + done,
-                joined,
-                run.work,
-            )
-            part = min(
-                step_size(run.work, 2 * n, order, run.tolerances[RTOL], tau - done), tau - done
-            )
-            if done + part == done:
-                part = tau - done
-            for i in range(2 * n):
-                joined[i] = series_value(run.work, i * (order + 1), order, part)
-            done = tau if part >= tau - done else done + part
+            call_generated(run.table[index, TANGENT], c, t + done, joined, series)
+            rest = tau - done
+            part = step_size(series, 2 * n, order, run.tolerances[RTOL], rest)
+            if part >= rest or done + part == done:
+                part, done = rest, tau
+            else:
+                done += part
+                call_generated(moved, c, part, series, joined)
+            call_generated(moved, c, part, series_of_tangent, tangent)
         for i in range(n):
-            run.tangents[row, i] = joined[n + i]
+            run.tangents[row, i] = tangent[i]
 
 
 @native
@@ -753,19 +821,19 @@ def switching_rates(
     A trajectory displaced by a tangent vector d meets the switching function g later by
     -dg(d) / g'; what the delay does to the state after the event is `saltate`'s.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
+    n = run.config[N_STATES]
     outputs = run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
             joined[n + i] = run.tangents[row, i]
         call_generated(
-            run.table[index, TANGENT], run.coefficients, run.clock[TIME], joined, run.work
+            run.table[index, SWITCHING], run.coefficients, run.clock[TIME], joined, run.work
         )
-        for i in range(n):
-            rates[i] = run.work[i * (order + 1) + 1]
-        speed = run.work[(2 * n + entry) * (order + 1) + 1]
-        change = run.work[(2 * n + outputs + entry) * (order + 1)]
+        for i in range(n):  # rows of value and rate: y, tangent, switching, tangent of switching
+            rates[i] = run.work[2 * i + 1]
+        speed = run.work[2 * (2 * n + entry) + 1]
+        change = run.work[2 * (2 * n + outputs + entry)]
         delays[row] = -change / speed if speed != 0.0 else 0.0
 
 
@@ -797,27 +865,40 @@ def saltate(run: Run, rates: Floats, delays: Floats) -> None:
 
 
 @native
-def enter_zone(run: Run, angle: float) -> None:
-    """Set the sector that `angle` lies in and its borders."""
+def rounding_of_angle(border: float) -> float:
+    """How close to a border of the sector an angle is on it."""
+    return ZERO * (2.0 * np.pi + abs(border))
+
+
+@native
+def enter_zone(run: Run, angle: float) -> bool:
+    """Set the sector that `angle` lies in and its borders; whether it lies on the lower one.
+
+    On a border, to rounding, it is the sector above it; what moves down goes on below.
+    """
     run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = -np.inf, np.inf
     zone_slot = run.config[N_PARAMETERS] - 1
     run.parameters[zone_slot] = 0.0
     if run.config[ZONE_START] < 0:
-        return
+        return False
     width = run.parameters[run.config[ZONE_WIDTH]]
     if width <= 0.0:
-        return
+        return False
     turn = 2.0 * np.pi
     if width >= turn:
         run.parameters[zone_slot] = 1.0
-        return
+        return False
     start = run.parameters[run.config[ZONE_START]]
+    rounding = rounding_of_angle(angle)
     base = start + turn * np.floor((angle - start) / turn)
-    if angle - base < width:
+    if angle - base >= turn - rounding:
+        base += turn
+    if angle - base < width - rounding:
         run.parameters[zone_slot] = 1.0
         run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base, base + width
     else:
         run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base + width, base + turn
+    return angle - run.clock[ZONE_LOW] <= rounding
 
 
 @native
@@ -827,20 +908,22 @@ def starts_open(run: Run, contact: int) -> bool:
     apart = len(run.table) - 1  # the state in which every contact is open
     if run.table[apart, TAYLOR] == 0:
         return False
-    call_generated(run.table[apart, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series)
     for g in range(run.table[apart, N_GUARDS]):
         if run.guards[apart, g, 0] == GAP and run.guards[apart, g, 1] == contact:
-            offset = (n + g) * (order + 1)
-            gap, rate = run.series[offset], run.series[offset + 1]
-            return gap > 0.0 or (gap == 0.0 and rate > 0.0)
+            zeros = zeros_at_start(run, apart, g)
+            call_generated(
+                run.table[apart, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
+            )
+            return zeros < 2 and run.series[(n + g) * (order + 1) + zeros] > 0.0
     return False
 
 
 @native
-def set_out(run: Run) -> None:
+def set_out(run: Run) -> bool:
     """Slip signs, contacts at rest and open ones, and the sector, of the initial state.
 
-    A contact whose kind is STICK takes on the drive's velocity.
+    A contact whose kind is STICK takes on the drive's velocity. Returns whether the angle lies on
+    the lower border of its sector.
     """
     n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
     first_sign = run.config[N_PARAMETERS] - 1 - contacts
@@ -874,7 +957,7 @@ def set_out(run: Run) -> None:
     if run.table[0, HAS_ANGLE] == 1:
         call_generated(run.table[0, FIELD], run.coefficients, run.clock[TIME], run.y, field)
         angle = field[2 * n + run.table[0, N_GUARDS]]
-    enter_zone(run, angle)
+    return enter_zone(run, angle)
 
 
 @native
@@ -883,7 +966,7 @@ def away_from_border(
 ) -> int:
     """Known zeros of ``factor * series + shift`` that begins at zero and rises; 0 otherwise."""
     value = factor * series[offset] + shift
-    if abs(value) > ZERO * (abs(series[offset]) + abs(shift)):
+    if abs(value) > rounding_of_angle(shift):
         return 0
     scale = series_scale(series, offset + 1, order - 1, step) * step
     power = step
@@ -946,6 +1029,26 @@ def begin_step(run: Run, index: int) -> float:
 
 
 @native
+def on_section(run: Run, value: float, step: float) -> bool:
+    """Whether the section's state is zero to rounding, where it has this value in a step."""
+    if run.section[SECTION_KIND] != SECTION_ZERO or run.config[METHOD] != METHOD_TAYLOR:
+        return False
+    order = run.config[ORDER]
+    offset = run.section[SECTION_STATE] * (order + 1)
+    return abs(value) <= ZERO * series_scale(run.series, offset, order, step)
+
+
+@native
+def coincides(run: Run, hit: int, step: float, root: float, fraction: float) -> bool:
+    """Whether the section is met on an event: the slip velocity may be the section's state."""
+    if hit < 0 or fraction - root > SAME_INSTANT:
+        return False
+    order = run.config[ORDER]
+    offset = run.section[SECTION_STATE] * (order + 1)
+    return on_section(run, series_value(run.series, offset, order, fraction * step), step)
+
+
+@native
 def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, float]:
     """The first switching function to fall to zero in a step.
 
@@ -979,16 +1082,20 @@ def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, fl
             if run.section[SECTION_KIND] != SECTION_ZERO:
                 continue
             entry = run.section[SECTION_STATE]
-            row, strip = entry, run.strips[last]
-            if strip == 0:
-                value = run.y[entry]
-            elif taylor:
-                value = run.series[entry * (order + 1) + 1]
+            row, strip = entry, min(run.strips[last], order)
+            if taylor:
+                while strip < order and run.series[row * (order + 1) + strip] == 0.0:
+                    strip += 1
+                value = run.series[row * (order + 1) + strip] if strip < order else 0.0
             else:
-                call_generated(run.table[index, FIELD], run.coefficients, t, run.y, run.stages[0])
-                value = run.stages[0, n + entry]
+                value = run.y[entry] if strip == 0 else 0.0
+                if value == 0.0:
+                    state_after(run, index, t, 0.5 * fraction * step, run.stages[3])
+                    value = run.stages[3, entry]
+            if value == 0.0:  # it stays at zero: a mass that sticks to a drive at rest
+                continue
             factor = 1.0 if value > 0.0 else -1.0
-            sign_before = factor if value != 0.0 else 0.0
+            sign_before = factor
         if taylor:
             root = located(run, row * (order + 1), order, step, strip, factor, shift)
         else:
@@ -996,7 +1103,7 @@ def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, fl
         if check < n_guards + 2:
             if root < fraction or (root == 1.0 and hit < 0):
                 fraction, hit = root, check
-        elif 0.0 < root < fraction:
+        elif 0.0 < root < fraction and not coincides(run, hit, step, root, fraction):
             fraction, hit, crossing = root, check, -factor
     return hit, fraction, sign_before, crossing
 
@@ -1049,17 +1156,21 @@ def collide(run: Run, index: int, contact: int, joined: Floats, rates: Floats) -
 
 
 @native
-def section_at_event(run: Run, sign_before: float) -> None:
-    """Whether the section lies on the event, and is to be kept."""
+def section_at_event(run: Run, sign_before: float, is_met: bool) -> None:
+    """Whether the section lies on the event, and is to be kept.
+
+    It is where the state passes zero, and where it comes to stay at zero: when it goes on from
+    there (`sign_before` is 0) it does not count again.
+    """
     order, entry = run.config[ORDER], run.section[SECTION_STATE]
-    offset = entry * (order + 1)
-    slope = run.series[offset + 1]
-    if abs(run.y[entry]) > ZERO * series_scale(run.series, offset, order, run.clock[LAST_STEP]):
+    offset, step = entry * (order + 1), run.clock[LAST_STEP]
+    if not is_met and abs(run.y[entry]) > ZERO * series_scale(run.series, offset, order, step):
         return
-    run.strips[len(run.strips) - 1] = 1
-    crossing = 1 if slope > 0.0 else -1
+    lead = leading(run.series, offset, order, step, 1)
+    run.strips[len(run.strips) - 1] = abs(lead) - 1 if lead != 0 else order + 1
     wanted = run.section[SECTION_DIRECTION]
-    if sign_before * slope < 0.0 and (wanted == 0 or wanted == crossing):
+    passes = sign_before != 0.0 and sign_before * lead <= 0.0
+    if passes and (wanted == 0 or wanted == -sign_before):
         keep_section(run)
         run.section_states[run.counters[SECTIONS] - 1, entry] = 0.0
 
@@ -1101,11 +1212,52 @@ def take_up(run: Run) -> None:
 
 
 @native
+def heading(run: Run) -> int:
+    """The way the sector's angle goes on: the sign of its first non-vanishing derivative, or 0.
+
+    Where the contact sticks, the way it would be released: that of the force demanded of it.
+    """
+    n, order, contact = run.config[N_STATES], run.config[ORDER], run.config[ZONE_CONTACT]
+    index = state_index(run.kinds, run.config[N_CONTACTS])
+    step = run.clock[FIRST_STEP] if run.clock[FIRST_STEP] < ENDLESS else 0.0
+    if run.table[index, HAS_ANGLE] == 1:
+        offset = (n + run.table[index, N_GUARDS]) * (order + 1)
+        return leading(run.series, offset + 1, order - 1, step, run.options[contact, AT_REST])
+    for k in range(order + 1):
+        run.polynomial[k] = 0.0
+    for g in range(run.table[index, N_GUARDS]):
+        kind, offset = run.guards[index, g, 0], (n + g) * (order + 1)
+        if run.guards[index, g, 1] == contact and (kind == CAPACITY_UP or kind == CAPACITY_DOWN):
+            sign = 1.0 if kind == CAPACITY_DOWN else -1.0
+            for k in range(order + 1):
+                run.polynomial[k] += sign * run.series[offset + k]
+    return leading(run.polynomial, 0, order, step, 0)
+
+
+@native
+def decide_on_border(run: Run) -> bool:
+    """Decide the contact state on the lower border of a sector; False: there is none.
+
+    The motion begins in the sector that it goes on into, above if it stays for ever.
+    """
+    contacts = run.config[N_CONTACTS]
+    first_sign = run.config[N_PARAMETERS] - 1 - contacts
+    for i in range(contacts):
+        run.options[i, BEFORE] = code_of(run.kinds[i], run.parameters[first_sign + i])
+    if decide(run, -1, -1, True) and heading(run) >= 0:
+        return True
+    cross_border(run, False)
+    for i in range(contacts):
+        run.kinds[i] = kind_of(run.options[i, BEFORE])
+        run.parameters[first_sign + i] = -1.0 if run.options[i, BEFORE] == CODE_SLIP_MINUS else 1.0
+    return decide(run, -1, -1, True)
+
+
+@native
 def enter(run: Run) -> bool:
     """Decide the contact state where the motion begins or a force jumps; False: there is none."""
-    if run.clock[TASK] == ENTER:
-        set_out(run)
-    if not decide(run, -1, -1, True):
+    on_border = run.clock[TASK] == ENTER and set_out(run)
+    if not (decide_on_border(run) if on_border else decide(run, -1, -1, True)):
         return False
     take_up(run)
     run.counters[CHAINED] = 0
@@ -1157,13 +1309,14 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         if run.counters[SAMPLED] < len(run.sample_times):
             take_samples(run, index, tau, joined)
         if measuring:
-            take_measures(run, index, tau, joined)
+            take_measures(run, index, tau, out)
         if with_tangents:
             move_tangents(run, index, tau, joined)
         for i in range(n):
             run.y[i] = out[i]
             if not abs(out[i]) < run.tolerances[BOUND]:
                 return DIVERGED
+        was_on_section = run.strips[last] > 0
         for g in range(last + 1):
             run.strips[g] = 0
         if hit < 0:
@@ -1190,6 +1343,9 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         run.counters[CHAINED] = run.counters[CHAINED] + 1 if t + tau <= t else 0
         if run.counters[CHAINED] > CHAIN_CAP:
             return CHATTERING
+        if was_on_section and fraction <= SAME_INSTANT:  # what led here is counted
+            sign_before = 0.0
+        is_met = on_section(run, out[run.section[SECTION_STATE]], step)
         border = hit >= n_guards
         trigger_kind, trigger_contact = -1, run.config[ZONE_CONTACT]
         if not border:
@@ -1219,7 +1375,7 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         if with_tangents:
             saltate(run, rates, delays)
         if run.section[SECTION_KIND] == SECTION_ZERO:
-            section_at_event(run, sign_before)
+            section_at_event(run, sign_before, is_met)
         book_event(run, trigger_contact, impacted or border, residual)
         if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
             return SECTION_FULL

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+LEAST_RTOL = 1e-14  # shorter steps only add rounding
+RK4_ORDER = 4
 
 
 @dataclass(frozen=True)
@@ -11,7 +14,8 @@ class Section:
 
     Attributes
     ----------
-    kind : "event" (a transition), "zero" (a velocity passes zero) or "phase" (stroboscopic)
+    kind : "event" (a transition), "zero" (a velocity passes zero, or comes to rest there) or
+        "phase" (stroboscopic)
     event : "slip->stick" or "stick->slip" when kind is "event"
     state : velocity state, e.g. ``x1_dot``, when kind is "zero"
     direction : "up", "down" or "both" when kind is "zero"
@@ -45,3 +49,8 @@ class SolverSettings:
     step: float = 1e-3
     max_events: int = 1_000_000
     max_steps: int = 50_000_000
+
+    def with_error(self, share: float) -> SolverSettings:
+        """The same with an error of integration of about this share of its own."""
+        rtol = max(self.rtol * share, LEAST_RTOL)
+        return replace(self, rtol=rtol, step=self.step * share ** (1 / RK4_ORDER))

@@ -146,8 +146,10 @@ class System:
 
         table = self.tables.table.copy()
         for index, state in self.generated.states.items():
-            name = f"{state.name}_tangent"
-            table[index, kernel.TANGENT] = self.generated.address(name, TANGENT_TEXT)
+            for place, kind in ((kernel.TANGENT, "tangent"), (kernel.SWITCHING, "switching")):
+                name = f"{state.name}_{kind}"
+                table[index, place] = self.generated.address(name, TANGENT_TEXT)
+            table[index, kernel.MOVED] = self.generated.address("moved", TANGENT_TEXT)
         return table
 
     @cached_property
@@ -254,6 +256,7 @@ def _config(generated: Generated) -> NDArray[np.int64]:
     config[kernel.N_STATES] = len(generated.state_names)
     config[kernel.N_CONTACTS] = len(generated.smooth)
     config[kernel.ORDER] = generated.order
+    config[kernel.TANGENT_ORDER] = generated.tangent_order
     config[kernel.N_PARAMETERS] = len(generated.parameter_names)
     config[kernel.N_COORDINATES] = len(generated.coordinates)
     config[kernel.COEFFICIENTS] = generated.address("coefficients")

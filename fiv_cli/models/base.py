@@ -175,7 +175,7 @@ class Zone:
 
     Attributes
     ----------
-    angle : SymPy expression, rad, taken modulo 2 pi
+    angle : SymPy expression, rad, taken modulo 2 pi; it grows where the slip velocity is positive
     start, width : parameter names, rad
     contact : index of the contact whose sticking freezes the angle
     """

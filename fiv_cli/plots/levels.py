@@ -1,7 +1,8 @@
 """Lines along which a variable over two parameters has a stated value: borders of regions.
 
 Between the points of the grid the variable is taken to be linear. On a share of starts, say, the
-line at 0.5 is the border of the region in which half of them or more do it.
+line at 0.5 is the border of the region in which half of them or more do it. A share that is an
+interval has a line for each end: the border is known where the two are one.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from fiv_cli.data.reading import flag_names
+from fiv_cli.data.shares import HIGH, LOW, SHARE
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
 
@@ -39,19 +41,30 @@ def levels_of(array: xr.DataArray, settings: Mapping[str, Any]) -> list[float]:
     return found
 
 
+def ends_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
+    """The variable, or the two ends of the interval that a share is."""
+    if array.name != SHARE or dataset[LOW].equals(dataset[HIGH]):
+        return [array]
+    return [dataset[LOW], dataset[HIGH]]
+
+
 def draw(
     ax: Axes,
     places: tuple[np.ndarray, np.ndarray],
-    plane: np.ndarray,
+    planes: Sequence[np.ndarray],
     levels: Sequence[float],
     colour: str,
 ) -> None:
-    """Lines of one plane, shape (points along y, points along x), where it reaches the levels."""
+    """Lines of a plane, shape (points along y, points along x), where its ends reach the levels."""
     for level, dashes in zip(levels, STYLES, strict=False):
-        if not _beside(plane, level):
-            ax.contour(
-                *places, plane, levels=[level], colors=[colour], linestyles=dashes, linewidths=1.5
-            )
+        for plane in planes:
+            if not _beside(plane, level):
+                looks: dict[str, Any] = {
+                    "colors": [colour],
+                    "linestyles": dashes,
+                    "linewidths": 1.5,
+                }
+                ax.contour(*places, plane, levels=[level], **looks)
 
 
 def _beside(plane: np.ndarray, level: float) -> str:
@@ -67,20 +80,20 @@ def _beside(plane: np.ndarray, level: float) -> str:
 def overlay(
     ax: Axes,
     array: xr.DataArray,
-    planes: Sequence[tuple[str, np.ndarray]],
+    planes: Sequence[tuple[str, Sequence[np.ndarray]]],
     places: tuple[np.ndarray, np.ndarray],
     levels: Sequence[float],
 ) -> None:
-    """The lines of several planes (label, values) in one panel: a colour for each plane, a kind of
-    line for each level."""
+    """The lines of several planes (label, values of each end) in one panel: a colour for each
+    plane, a kind of line for each level."""
     if not levels:
         raise UsageError("maps are overlaid as lines, and no `level` says which")
     colours = style.line_colours(len(planes))
-    for (_, plane), colour in zip(planes, colours, strict=True):
-        draw(ax, places, plane, levels, colour)
+    for (_, ends), colour in zip(planes, colours, strict=True):
+        draw(ax, places, ends, levels, colour)
     handles = [
-        Line2D([], [], color=colour, label=_entry(label, plane, levels))
-        for (label, plane), colour in zip(planes, colours, strict=True)
+        Line2D([], [], color=colour, label=_entry(label, ends, levels))
+        for (label, ends), colour in zip(planes, colours, strict=True)
     ]
     handles += [
         Line2D([], [], color=style.BLACK, ls=dashes, label=_words(array, level))
@@ -91,9 +104,9 @@ def overlay(
     ax.figure.legend(handles=handles, loc="outside lower center", ncols=2)
 
 
-def _entry(label: str, plane: np.ndarray, levels: Sequence[float]) -> str:
+def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> str:
     """The label of a plane; of one without a line it says on which side of the levels it lies."""
-    sides = {_beside(plane, level) for level in levels}
+    sides = {_beside(plane, level) for plane in ends for level in levels}
     side = next(iter(sides)) if len(sides) == 1 else ""
     return points.joined(label, side and f"{side} everywhere" if side != "not known" else side)
 

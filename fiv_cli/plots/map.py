@@ -79,10 +79,15 @@ def _placed(
     array: xr.DataArray,
     plane_axes: tuple[xr.DataArray, xr.DataArray],
     panel: points.Line,
-) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Where the points of one panel lie, and their numbers; NaN where there is no answer."""
+) -> tuple[tuple[np.ndarray, np.ndarray], list[np.ndarray]]:
+    """Where the points of one panel lie, and their numbers (of an interval, at each end).
+
+    NaN where there is no answer.
+    """
     x, y = (points.positions(axis) for axis in plane_axes)
-    return (x, y), _plane(numbers(array).where(_computed(dataset)), panel, plane_axes)
+    known = _computed(dataset)
+    ends = (numbers(end).where(known) for end in levels.ends_of(dataset, array))
+    return (x, y), [_plane(end, panel, plane_axes) for end in ends]
 
 
 def _how_run(dataset: xr.Dataset) -> str:
@@ -202,12 +207,9 @@ def _paint_classes(
         place = np.searchsorted(sorted(present), classes).astype(float)
         place[~_plane(known, line, plane_axes)] = np.nan
         order = [colours[list(present).index(code)] for code in sorted(present)]
-        looks = {
-            "cmap": ListedColormap(order),
-            "norm": BoundaryNorm(_edges(len(order)), len(order)),
-        }
-        if order:
-            _mesh(ax, plane_axes, place, **looks)
+        if order:  # else nothing has a class, and all is hatched
+            norm = BoundaryNorm(_edges(len(order)), len(order))
+            _mesh(ax, plane_axes, place, cmap=ListedColormap(order), norm=norm)
         hatch(ax, np.isnan(place))
     handles = [
         Patch(color=colour, label=name.replace("_", " "))

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Start
 from fiv_cli.analyses.execute import Request
 from fiv_cli.data.block import Block, pack
@@ -40,6 +41,7 @@ from fiv_cli.sweep.points import (
 )
 
 EXECUTOR = "fiv_cli.analyses.execute:execute"
+UNDECIDED = "undecided"  # the class of a motion that could not be told
 
 _PR_SET_PDEATHSIG = 1
 
@@ -52,7 +54,7 @@ class ChainState:
     ----------
     lost : the class that is followed was lost
     carry : `Outcome.carry` of the neighbour; None where it was lost
-    attractor : class of the neighbour
+    attractor : class that is followed, of the last point that could be told; empty: none yet
     blocked : reason why nothing after it can be run now (an outer circumstance); empty: none
     """
 
@@ -162,9 +164,13 @@ def lost_point(task: Task, reason: str, message: str) -> Result:
 
 
 def initialise(parent: int) -> None:
-    """Prepare a worker process: it must not outlive its parent, and the parent handles Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    """Prepare a worker process: it must not outlive its parent, which heeds what asks for an end.
+
+    Until here such signals were blocked (see `ending.starting`).
+    """
+    for number in (signal.SIGINT, signal.SIGHUP):  # a terminal sends them to all its processes
+        signal.signal(number, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ending.NAMES)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it died before the line above took effect
@@ -177,6 +183,7 @@ def _run_segment(
     entry = template.entries[segment.entry]
     state, previous = segment.state, segment.previous
     for values in segment.values:
+        ending.heed()
         pulse.beat()
         key = point_key(template, values, entry, previous)
         outcome = _guarded(template, values, entry, state, execute)
@@ -245,17 +252,21 @@ def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
 def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
     """State of a chain after a point; the class is lost when it changes or nothing is carried.
 
-    A point that failed for an outer reason is run again on resume; until then nothing behind it
-    is run, so that what stands behind it never depends on that failure.
+    A point that is undecided, its motion going on when its time was up, ends nothing: the class
+    followed stays that of the points before it. A point that failed for an outer reason is run
+    again on resume; until then nothing behind it is run, so that what stands behind it never
+    depends on that failure.
     """
     attractor = str(outcome.values.get("attractor", ""))
-    followed = before is not None and not before.lost
-    changed = followed and before is not None and attractor != before.attractor
+    told = "" if attractor == UNDECIDED else attractor
+    followed = "" if before is None or before.lost else before.attractor
+    changed = told != followed and "" not in (told, followed)
     lost = outcome.status != "ok" or outcome.carry is None or changed
     blocked = "" if before is None else before.blocked
     if outcome.status == "failed" and is_retried(outcome.reason):
         blocked = outcome.reason
-    return ChainState(lost, None if lost else _stored_form(outcome.carry), attractor, blocked)
+    carry = None if lost else _stored_form(outcome.carry)
+    return ChainState(lost, carry, told or followed, blocked)
 
 
 def _stored_form(carry: Any) -> dict[str, Any]:

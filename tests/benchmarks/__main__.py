@@ -5,11 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from tests.benchmarks import against_scipy, discs, processes
+from tests.benchmarks import against_scipy, discs, maps, processes, steps
 
 BENCHMARKS: dict[str, Callable[[], None]] = {
     "scipy": against_scipy.report,
     "discs": discs.report,
+    "steps": steps.report,
+    "maps": maps.report,
     "cold": processes.report_cold,
     "warm": processes.report_warm,
     "workers": processes.report_workers,

@@ -1,0 +1,66 @@
+"""Does the set of section points stay where it is?
+
+Means and spreads of the two halves are compared. How far they may differ by chance is told by how
+far the partial sums of each half wander about their mean: of a quasi-periodic sequence these are
+bounded, and what is left of a turn at the ends is all that its means differ by; of a random one
+they wander as a bridge does, correlated or not. A mean that creeps at a constant rate differs by
+4 times what its partial sums explain, however slowly it creeps. One that has all but arrived creeps
+steadily enough in the last half of the set, which is asked too, and leaves a spread that is a share
+of what it was.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.grounds import NEGLIGIBLE, WANDERING
+
+FEWEST = 32  # section points below which nothing is said
+PARTS = (1, 2)  # of which the last is asked
+SHRUNK = 0.5  # a half whose spread is below this share of the other's is not of the same set
+STILL = 1e-9  # spread, over its values, of a state that does not move
+
+
+def drift(points: NDArray[np.float64]) -> float:
+    """Largest difference between the halves of a section set, in its spread; 0: stationary.
+
+    A difference that sampling may bring about counts as none; NaN: too few points.
+
+    Parameters
+    ----------
+    points : section points, oldest first; shape (count, n)
+    """
+    if len(points) < FEWEST:
+        return float("nan")
+    lasts = (points[-len(points) // share :] for share in PARTS)
+    return max(_drift(last) for last in lasts if len(last) >= FEWEST)
+
+
+def _drift(points: NDArray[np.float64]) -> float:
+    spread = np.std(points, axis=0)
+    moving = spread > STILL * np.max(np.abs(points), axis=0)
+    shown = (points[:, moving] - np.mean(points[:, moving], axis=0)) / spread[moving]
+    found = [_difference(column) for column in (*shown.T, *(shown**2).T)]
+    return max((*found, *map(_shrinking, shown.T)), default=0.0)
+
+
+def _shrinking(values: NDArray[np.float64]) -> float:
+    """Difference between the spreads of two halves; 0 unless one is a share of the other."""
+    half = len(values) // 2
+    less, more = sorted((float(np.std(values[:half])), float(np.std(values[-half:]))))
+    return more - less if less < SHRUNK * more else 0.0
+
+
+def _difference(values: NDArray[np.float64]) -> float:
+    """Difference between the means of two halves; 0 where sampling explains it."""
+    half = len(values) // 2
+    before, after = values[:half], values[-half:]
+    apart = abs(float(np.mean(after) - np.mean(before)))
+    sampling = _wandering(before) + _wandering(after)
+    return 0.0 if apart <= max(WANDERING * sampling, NEGLIGIBLE) else apart
+
+
+def _wandering(values: NDArray[np.float64]) -> float:
+    """Range of the partial sums about the mean, over the number of values."""
+    return float(np.ptp(np.cumsum(values - np.mean(values)))) / len(values)

@@ -1,0 +1,53 @@
+"""Whole maps of `configs/` through the command, against another version of it.
+
+FIV_BASELINE names the other version's `fiv`. Both run the same case file from nothing stored, on
+one worker, their code compiled before; processor times of the whole processes are compared.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+BASELINE = "FIV_BASELINE"
+CONFIGS = Path(__file__).parents[2] / "configs"
+CASES = ("ch3/fig_3_06", "ch7/fig_7_06_reached", "ch7/fig_7_17", "ch6/fig_6_09")
+DONE = (0, 4)  # exit codes of a finished run
+
+
+def report() -> None:
+    """Print how much less processor time each map takes than with the other version."""
+    other = os.environ.get(BASELINE)
+    if other is None:
+        print(f"maps: {BASELINE} names no fiv to compare with")
+        return
+    own = str(Path(sys.executable).with_name("fiv"))
+    print("whole maps, one worker, processor time")
+    for case in CASES:
+        before, now = seconds(other, case), seconds(own, case)
+        ratio = f"{before:.1f} s before, {now:.1f} s now: {before / now:.2f} times as fast"
+        print(f"  {case}: {ratio}", flush=True)
+
+
+def seconds(command: str, case: str) -> float:
+    """Processor time of a run of a case with this `fiv`, s."""
+    _run(command, case, "--max-points", "1")  # what is compiled is kept
+    begun = _processor()
+    _run(command, case)
+    return _processor() - begun
+
+
+def _run(command: str, case: str, *options: str) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        given = ["run", "-q", "--workers", "1", *options, str(CONFIGS / f"{case}.toml")]
+        done = subprocess.run([command, *given], cwd=folder, stdout=subprocess.DEVNULL)
+    assert done.returncode in DONE, f"{command} ends with {done.returncode}"
+
+
+def _processor() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
