@@ -850,7 +850,7 @@ def test_libraries_of_other_entries_have_other_keys(own_cache: Path, tmp_path: P
     first, second = library_of(module, "taken"), library_of(module, "taken", "step")
     assert first.function(module.taken)(1.0) == 4.0
     assert second.function(module.step)(1.0) == 3.0
-    with pytest.raises(AssertionError, match="does not hold"):
+    with pytest.raises(KernelError, match="does not hold"):
         first.function(module.step)
 
 
@@ -863,7 +863,7 @@ def test_code_of_a_file_edited_since_its_import_is_not_kept(
     library = library_of(module, "taken")
     Path(str(module.__file__)).write_text(TWICE.format(factor=55))
     assert library.function(module.taken)(2.0) == 7.0
-    assert not own_cache.exists()
+    assert not any(own_cache.iterdir())
     assert not library.is_warm()
 
 

@@ -119,9 +119,9 @@ class Frame:
         for name, array in arrays.items():
             element, depth = ARRAYS[cls.__annotations__[name]]
             expected = np.float64 if element is float else np.int64
-            assert array.dtype == expected and array.ndim == depth and array.flags.c_contiguous, (
-                name
-            )
+            suits = array.dtype == expected and array.ndim == depth and array.flags.c_contiguous
+            if not suits:
+                raise KernelError(f"{name} is no array that a frame can hold")
             words[places[name] : places[name] + 1 + depth] = words_of(array)
         return words
 
@@ -154,9 +154,14 @@ class Library:
         self._engine: Any = None
 
     def key(self) -> str:
-        """Hash of the sources, what is asked of them, the compiler and the processor."""
+        """Hash of the sources, what is asked of them, the compiler and the processor.
+
+        And of whether kernels are checked: under ``python -O`` the assertions of the translator
+        are not there, and what it made of an unsound kernel must not be found without it.
+        """
         asked = map(symbol, self.entries)
-        return store.content_key([self._sources, machine_description(), *asked])
+        checked = f"checked: {__debug__}"
+        return store.content_key([self._sources, machine_description(), checked, *asked])
 
     def is_warm(self) -> bool:
         """Whether this user's cache holds the object code."""
@@ -165,7 +170,8 @@ class Library:
     def function(self, entry: Any) -> Any:
         """The compiled kernel, to be called with addresses of frames or data, and scalars."""
         if entry not in self._functions:
-            assert entry in self.entries, f"{self.name} does not hold {symbol(entry)}"
+            if entry not in self.entries:
+                raise KernelError(f"{self.name} does not hold {symbol(entry)}")
             address = self._loaded().get_function_address(symbol(entry))
             self._functions[entry] = _prototype(entry)(address)
         return self._functions[entry]
