@@ -237,7 +237,7 @@ REDUCED = [
         ("analysis.history.t_end=1.0",),
         {0: CONFIRMED, 1: CONTRADICTED, 2: CONTRADICTED},
     ),
-    ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=10.0"), {4: CONFIRMED}),
+    ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=40.0"), {4: CONFIRMED}),
     (
         "ch6/fig_6_11",
         ("grid.mu_k=[0.55, 1.3]",),

@@ -59,7 +59,11 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
         found = {"claims": [asdict(entry) for entry in ledger], "classes": undecided.as_plain()}
         print_json(found)
     else:
-        click.echo(printable("\n".join([*lines(ledger), undecided.line()])))
+        click.echo(
+            printable(
+                "\n".join([*lines(ledger), *([undecided.line()] if undecided.points else [])])
+            )
+        )
     if strict:
         _demand(ledger)
 
