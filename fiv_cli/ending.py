@@ -1,27 +1,142 @@
-"""A signal that asks the program to end, remembered.
+"""Signals that ask the program to end: noted, and heeded at safe points.
 
-An exception that a signal handler raises is lost when it strikes in a finalizer or in a callback
-of a library: Python prints it and goes on. So the handler leaves a note as well, and whatever
-runs for long calls `heed` between its steps.
+An exception that a signal handler raises strikes anywhere: within a lock of a library, which then
+waits for itself, or within a finalizer, where it is lost. So the handlers only take note. A
+watching thread, which also runs while the main thread is in compiled code, ends the process at
+once where there is nothing to put in order. Within `heeded` it leaves that to the work itself,
+which calls `heed` between its steps; it steps in where no such point is reached in time, or when
+a second signal comes. To be ended at any instant is safe: files appear whole or not at all.
+
+A signal that was ignored on entry (a job in the background, ``nohup``) stays ignored.
 """
 
 from __future__ import annotations
 
-_asked: list[BaseException] = []
+import contextlib
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from select import select
+from typing import NoReturn
+
+PATIENCE = 3.0
+"""Seconds in which a safe point must be reached."""
+
+NAMES: dict[int, str] = {
+    signal.SIGINT: "interrupted",
+    signal.SIGTERM: "terminated",
+    signal.SIGHUP: "hung up",
+}
+"""Signals that ask for an end, and what the program then is."""
+
+_SHOW_CURSOR = b"\x1b[?25h"  # a progress bar hides it
+
+_noted: list[int] = []
+_heeding: list[object] = []
+_last_acts: list[Callable[[], object]] = []
+_starting = threading.Lock()
 
 
-def ask(exception: BaseException) -> None:
-    """Note that the program must end with `exception`."""
-    _asked.append(exception)
+class Ended(BaseException):
+    """A signal asked the program to end."""
+
+
+@cache
+def take_over() -> None:
+    """From here on signals that ask for an end are noted, and watched for."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    for number in NAMES:
+        if signal.getsignal(number) != signal.SIG_IGN:  # else: ignored on entry
+            signal.signal(number, lambda number, frame: _noted.append(number))
+    threading.Thread(target=_watch, args=(reader,), daemon=True).start()
 
 
 def heed() -> None:
-    """Raise what was asked for, if anything was.
+    """A safe point: raise what was asked for, if anything was.
 
     Raises
     ------
-    SystemExit, KeyboardInterrupt
+    Ended
         the program was asked to end.
     """
-    if _asked:
-        raise _asked[0]
+    if _noted:
+        raise Ended(NAMES[_noted[0]])
+
+
+@contextmanager
+def heeded() -> Iterator[None]:
+    """Work that calls `heed` often, and has something to say when it is ended."""
+    heed()
+    _heeding.append(None)
+    try:
+        yield
+    finally:
+        _heeding.pop()
+    heed()
+
+
+def at_last(act: Callable[[], object]) -> None:
+    """Do `act` when a signal ends the process, which runs nothing that `atexit` holds."""
+    _last_acts.append(act)
+
+
+@contextmanager
+def last_act(act: Callable[[], object]) -> Iterator[None]:
+    """Work that calls for `act` when the process is ended meanwhile; `act` takes no lock."""
+    at_last(act)
+    try:
+        yield
+    finally:
+        _last_acts.remove(act)
+
+
+@contextmanager
+def starting() -> Iterator[None]:
+    """Processes are being started: nothing ends this one before it knows them.
+
+    They begin with the signals blocked, so that none strikes while they import.
+    """
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, NAMES)
+    try:
+        with _starting:
+            yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
+def disregard() -> None:
+    """The work is done, its exit code stands: no signal changes it while Python clears up."""
+    for number in NAMES:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def finish() -> None:
+    """Say which signal ended the program, and leave; nothing where none did."""
+    if _noted:
+        _leave_for(_noted[0])
+
+
+def _leave_for(number: int) -> NoReturn:
+    """End the process without running anything more of it but the last acts."""
+    with contextlib.suppress(OSError):  # a terminal that is gone
+        show_cursor = _SHOW_CURSOR if os.isatty(2) else b""
+        os.write(2, show_cursor + f"{NAMES[number]}\n".encode())
+    _starting.acquire(timeout=PATIENCE)
+    for act in reversed(_last_acts):
+        with contextlib.suppress(Exception):
+            act()
+    os._exit(128 + number)
+
+
+def _watch(reader: int) -> None:
+    """Wait for a signal, then for the main thread to heed it."""
+    while (number := os.read(reader, 1)[0]) not in NAMES:
+        pass
+    if _heeding:
+        select([reader], [], [], PATIENCE)
+    _leave_for(number)

@@ -127,6 +127,9 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("cases", nargs="*", metavar="CASE")
     parser.add_argument("--workers", type=int, default=2)
     given = parser.parse_args(arguments)
+    unknown = set(given.cases) - {path.stem for path in cases(given.cases)}
+    if unknown:
+        parser.error(f"no case with an analysis response: {', '.join(sorted(unknown))}")
     total = 0
     for path in cases(given.cases):
         for line, changed in ask(path, given.folder, given.workers):

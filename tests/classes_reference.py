@@ -4,7 +4,7 @@ Three bistable systems, typed from the thesis (3.1 with 3.12 or a hyperbolic law
 7.17). A motion goes from extremum to extremum of the slip velocity with DOP853, so that no pair of
 zeros between two of them is missed. A class is told only where it is proved:
 
-*One mass on a belt, equilibrium.* With e(u) = F(u) convex, the damping force
+*One mass on a belt, equilibrium.* With F(u) convex, the damping force
 D(y) = c y - (F(v - y) - F(v)) is concave, so y D(y) > 0 for every velocity y below its first
 positive zero y*. The energy about the equilibrium falls at the rate y D(y); once it is below
 min(y*, v)^2/2 the velocity stays below y* and v for ever, and the motion ends at rest.
@@ -14,7 +14,7 @@ motions that ever stick is that of this point: it is followed once.
 
 *One mass on a belt, all starts at once.* The unstable cycle between the two is a closed curve of
 a plane flow that is unique forwards and backwards along it. Nothing crosses it: what is inside
-comes to rest, what is outside sticks.
+comes to rest, what is outside sticks. That there is one such cycle a campaign finds by integration.
 
 *Pin, equilibrium.* V = |W^-1 y|^2 with the eigenvectors W of sliding falls at least as fast as
 2 min|Re lambda| V in linear sliding. Below a level at which the rest of the force cannot make up
@@ -33,7 +33,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq, minimize_scalar, root
 
 Vector = NDArray[np.float64]
 Rate = Callable[[float, Vector], Vector]
@@ -50,10 +50,24 @@ GRAZES = 1e-9  # m/s or rad/s: a zero of the slip velocity no deeper than this i
 FALLING, RISING = -1.0, 1.0
 
 
+@dataclass(frozen=True)
+class Path:
+    """A smooth motion up to the first of several events: which one, and every step till then."""
+
+    hit: int
+    times: Vector
+    states: NDArray[np.float64]  # (step, state)
+
+    @property
+    def end(self) -> Vector:
+        """The state at the event."""
+        return self.states[-1]
+
+
 def until(
     rate: Rate, y: Vector, guards: list[tuple[Guard, float]], max_step: float, atol: float
-) -> tuple[int, float, Vector]:
-    """The first guard that passes through zero in its direction, when, and the state then."""
+) -> Path:
+    """To the first guard that passes through zero in its direction."""
 
     def event(guard: Guard, direction: float) -> Guard:
         def value(t: float, y: Vector) -> float:
@@ -67,7 +81,7 @@ def until(
         rate, (0.0, 1e6), y, "DOP853", events=events, rtol=RTOL, atol=atol, max_step=max_step
     )
     times = [(when[0], n) for n, when in enumerate(found.t_events) if len(when)]
-    return min(times)[1], float(found.t[-1]), found.y[:, -1]
+    return Path(min(times)[1], found.t, found.y.T)
 
 
 @dataclass(frozen=True)
@@ -88,12 +102,14 @@ class Slider:
     jacobian : of sliding at it
     max_step : of the integration, s; far below the fastest period
     atol : its absolute tolerance
+    safe : normal force from which none is lost between two steps, N
     """
 
     equilibrium: Vector
     jacobian: NDArray[np.float64]
     max_step: float
     atol: float
+    safe: float
 
     def rate(self, sign: float) -> Rate:
         """State -> its rate while the slip velocity has this sign."""
@@ -117,9 +133,9 @@ class Slider:
         values, vectors = np.linalg.eig(self.jacobian)
         return values, vectors, np.linalg.inv(vectors)
 
-    def distance(self, y: Vector) -> float:
-        """|W^-1 (y - equilibrium)|: in linear sliding it falls at every instant."""
-        return float(np.linalg.norm(self.modes[2] @ (y - self.equilibrium)))
+    def distance(self, y: Vector) -> Vector:
+        """|W^-1 (y - equilibrium)| of states (..., n): in linear sliding it always falls."""
+        return np.linalg.norm((y - self.equilibrium) @ self.modes[2].T, axis=-1)
 
     def passage(self, sign: float, y: Vector, rises: bool) -> Passage:
         """To the greatest slip speed where it rises, else to the least or to zero."""
@@ -130,37 +146,56 @@ class Slider:
         words = ["lost", "greatest"] if rises else ["lost", "least", "zero"]
         step = self.max_step
         while True:
-            hit, time, end = until(self.rate(sign), y, guards, step, self.atol)
-            depth = -sign * self.slip(end) if words[hit] == "least" else -1.0
-            if depth <= GRAZES:
-                return Passage(end, time, "zero" if depth >= 0.0 else words[hit])
-            step = min(step, time) / 10.0
+            path = until(self.rate(sign), y, guards, step, self.atol)
+            if self.dips(self.rate(sign), path):
+                return Passage(path.end, path.times[-1], "lost")
+            word, depth = words[path.hit], -sign * self.slip(path.end)
+            if word != "least" or depth <= GRAZES:
+                grazes = word == "least" and depth >= 0.0
+                return Passage(path.end, path.times[-1], "zero" if grazes else word)
+            step = min(step, path.times[-1]) / 10.0
+
+    def dips(self, rate: Rate, path: Path) -> bool:
+        """Whether the normal force was lost and came back between two steps."""
+        forces = [self.normal(y) for y in path.states]
+        if min(forces) > self.safe:
+            return False
+        least = int(np.argmin(forces))
+        low, high = max(least - 1, 0), min(least + 1, len(forces) - 1)
+        times = path.times[low], path.times[high]
+        near = solve_ivp(
+            rate, times, path.states[low], "DOP853", rtol=RTOL, atol=self.atol, dense_output=True
+        )
+        found = minimize_scalar(
+            lambda t: self.normal(near.sol(t)),
+            bounds=times,
+            method="bounded",
+            options={"xatol": 1e-9 * (times[1] - times[0])},
+        )
+        return bool(found.fun < 0.0)
 
 
 # --- one mass on a belt (thesis 3.1), m = k = 1 --------------------------------------------------
-@dataclass(frozen=True)
-class Law:
-    """Friction force against slip speed u >= 0, N, convex and falling."""
-
-    force: Callable[[float], float]
+Law = Callable[[float], float]
+"""Friction force, N, against slip speed u >= 0, m/s: convex and falling."""
 
 
 def stribeck(N: float, mu_s: float, mu_k: float, v_s: float) -> Law:
     """3.12 with delta = 1."""
-    return Law(lambda u: N * (mu_k + (mu_s - mu_k) * np.exp(-u / v_s)))
+    return lambda u: N * (mu_k + (mu_s - mu_k) * np.exp(-u / v_s))
 
 
 def hyperbolic(N: float, mu_0: float, delta: float) -> Law:
     """mu_0 N / (1 + delta u)."""
-    return Law(lambda u: N * mu_0 / (1.0 + delta * u))
+    return lambda u: N * mu_0 / (1.0 + delta * u)
 
 
 class Belt(Slider):
     """State (x, x'); the slip velocity is v - x'."""
 
     def __init__(self, law: Law, v: float, c: float) -> None:
-        self.force, self.v, self.c = law.force, v, c
-        self.max_step, self.atol = 0.05, 1e-13
+        self.force, self.v, self.c = law, v, c
+        self.max_step, self.atol, self.safe = 0.05, 1e-13, 0.0
         self.rest = self.force(v)
         self.equilibrium = np.array([self.rest, 0.0])
         falls = (self.force(v - SMALL) - self.force(v + SMALL)) / (2.0 * SMALL)
@@ -243,9 +278,9 @@ class Belt(Slider):
         sticks: Guard = lambda t, y: self.slip(y)  # noqa: E731
         there, back = [(turned, RISING)], [(sticks, FALLING), (turned, FALLING)]
         rate, y = self.rate(1.0), np.array([x, 0.0])
-        y = until(rate, y, there, self.max_step, self.atol)[2]
-        hit, _, y = until(rate, y, back, self.max_step, self.atol)
-        return float(y[0] - x) if hit else np.inf
+        left = until(rate, y, there, self.max_step, self.atol).end
+        path = until(rate, left, back, self.max_step, self.atol)
+        return float(path.end[0] - x) if path.hit else np.inf
 
     @cached_property
     def cycle(self) -> float:
@@ -309,7 +344,7 @@ class Pin(Slider):
     ) -> None:
         self.Omega, self.N0, self.c = Omega, N0, damping
         self.settles = settles or (0.0, 0.0, Omega, 0.0)  # a start that ends in stick-slip
-        self.max_step, self.atol = 2e-3, 1e-14
+        self.max_step, self.atol, self.safe = 2e-3, 1e-14, 0.2 * N0
 
     def stretch(self, y: Vector) -> float:
         """Of spring k2 (7.7), m."""
@@ -408,8 +443,9 @@ class Pin(Slider):
 
         guards = [(lambda t, y: self.normal(y), FALLING), (spare(1.0), FALLING),
                   (spare(-1.0), FALLING)]  # fmt: skip
-        hit, time, end = until(rate, y, guards, self.max_step, self.atol)
-        return Passage(end, time, ("lost", "greatest", "least")[hit])
+        path = until(rate, y, guards, self.max_step, self.atol)
+        word = "lost" if self.dips(rate, path) else ("lost", "greatest", "least")[path.hit]
+        return Passage(path.end, path.times[-1], word)
 
     def sticks(self, y: Vector) -> bool:
         """Whether a pin without slip stays so."""

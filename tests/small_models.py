@@ -237,3 +237,30 @@ BALL = Model(
     law_defaults={"mu_k": 0.0, "mu_s": 0.0},
     forcings=(Forcing("A", lambda p: p["omega"], "shaking of the table"),),
 )
+
+
+# --- a mass on a belt between two wells ----------------------------------------------------------
+def _double_well(symbols: Any, options: Options) -> Equations:
+    """m x'' + c x' + k (x^3 - x) = F_T: two stable sliding equilibria and one between them."""
+    p = symbols.parameter
+    x, x_dot = symbols.coordinate("x"), symbols.velocity("x")
+    force = -p("k") * (x**3 - x) - p("c") * x_dot
+    return Equations(
+        accelerations={"x": (force + symbols.tangential_force(0)) / p("m")},
+        contacts=(Contact(slip_velocity=p("v") - x_dot, slip_coordinate="x", normal_force=p("N")),),
+        kinetic_energy=p("m") * x_dot**2 / 2,
+        potential_energy=p("k") * (x**4 / 4 - x**2 / 2),
+    )
+
+
+DOUBLE_WELL = Model(
+    name="double-well",
+    title="mass on a belt between two wells",
+    reference="test suite",
+    numerics_version=1,
+    parameters=_parameters(m=1.0, k=1.0, c=0.2, N=0.5, v=2.0),
+    states=lambda options: _coordinates("x"),
+    equations=_double_well,
+    laws=("coulomb",),
+    law_defaults={"mu_s": 0.2, "mu_k": 0.1},
+)

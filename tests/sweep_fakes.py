@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import struct
+import sys
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -131,6 +133,20 @@ def deadly_once(request: Request) -> Outcome:
     mark = Path(os.environ["FIV_TEST_COUNT"])
     if request.parameters["N"] == 3.0 and request.parameters["v"] == 1.0 and not mark.exists():
         mark.write_text("died")
+        os.kill(os.getpid(), 9)
+    return answer(request)
+
+
+def breaking_off(request: Request) -> Outcome:
+    """Ends its process where N = 3 and v = 1, the first time only, in the midst of an answer."""
+    mark = Path(os.environ["FIV_TEST_COUNT"])
+    if request.parameters["N"] == 3.0 and request.parameters["v"] == 1.0 and not mark.exists():
+        mark.write_text("died")
+        frame = sys._getframe()
+        while "result_queue" not in frame.f_locals and frame.f_back is not None:
+            frame = frame.f_back
+        answers = frame.f_locals["result_queue"]._writer.fileno()
+        os.write(answers, struct.pack("!i", 1000) + b"the first of a thousand bytes")
         os.kill(os.getpid(), 9)
     return answer(request)
 

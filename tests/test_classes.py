@@ -14,11 +14,10 @@ from functools import cache
 import classes_reference as reference
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from motions import analyse, motion
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
 from fiv_cli.dynamics.settings import Section
@@ -200,17 +199,17 @@ def test_a_boundary_lies_where_the_unstable_cycle_meets_the_start() -> None:
         own = belt("stribeck", v)
         return own.cycle - own.rest - 0.8
 
-    place = brentq(beyond, 1.2, 1.5, xtol=1e-9)
-    assert place == pytest.approx(1.29086, abs=1e-5)
+    place, known = 1.29086, 1e-5
+    assert beyond(place - known) < 0.0 < beyond(place + known)
     of = on_a_belt("stribeck", 1.3)
     start = Start("beside", "equilibrium", {"x": 0.8})
-    low, high, width = 1.16, 1.7, 1e-5
+    low, high, width = 1.16, 1.7, 1e-5  # m/s; the width is a share of the bracket
     asked = {
         "parameter": Varied("v"), "bracket": (low, high), "of": Question(name=EQUILIBRIUM),
         "width": width, "t_max": PATIENT,
     }  # fmt: skip
     found = analyse(of.model, of.law, "boundary", start, asked, **of.parameters)
-    assert found.values["boundary"] == pytest.approx([place], abs=width * (high - low))
+    assert found.values["boundary"] == pytest.approx([place], abs=known + width * (high - low))
 
 
 # --- pin on a disc -------------------------------------------------------------------------------
@@ -279,16 +278,45 @@ class Pin:
 
 
 PINS = [
-    Pin("damped", reference.Pin(2.0, 30.0, 0.01), (0.1, 0.08, 2.4, 8.0), ()),
-    Pin("usual", reference.Pin(5.0, 30.0, 0.001), (0.1, 0.08, 6.0, 8.0), ()),
+    Pin(
+        "damped",
+        reference.Pin(2.0, 30.0, 0.01),
+        (0.1, 0.08, 2.4, 8.0),
+        (
+            Line((-0.1, 0.1, 0.0, 0.0), 0.1764348044),
+            Line((0.0, 0.0, -2.0, 0.0), 1.7541636828),
+            Line((0.05, 0.0, 0.0, 5.0), 0.6413043239),
+        ),
+    ),
+    Pin(
+        "usual",
+        reference.Pin(5.0, 30.0, 0.001),
+        (0.1, 0.08, 6.0, 8.0),
+        (
+            Line((-0.1, 0.1, 0.0, 0.0), 0.4069695489),
+            Line((0.0, 0.0, -5.0, 0.0), 1.2717460436),
+            Line((0.05, 0.0, 0.0, 5.0), 0.9014517397),
+        ),
+    ),
     Pin(
         "fast",
         reference.Pin(8.0, 30.0, 0.001, (-0.1, 0.0, -10.0, 0.0)),
         (0.12, 0.08, 12.0, 8.0),
-        (),
+        (
+            Line((-0.1, 0.1, 0.0, 0.0), 0.6488222914),
+            Line((0.0, 0.0, -8.0, 0.0), 1.4046302172),
+            Line((-0.1, 0.0, -4.0, 0.0), 1.6783133578),
+        ),
     ),
     Pin(
-        "light", reference.Pin(2.0, 8.0, 0.001, (-0.02, 0.0, -3.0, 0.0)), (0.1, 0.05, 6.0, 5.0), ()
+        "light",
+        reference.Pin(2.0, 8.0, 0.001, (-0.02, 0.0, -3.0, 0.0)),
+        (0.1, 0.05, 6.0, 5.0),
+        (
+            Line((-0.1, 0.1, 0.0, 0.0), 0.5223943126),
+            Line((0.0, 0.0, -2.0, 0.0), 1.4539514351),
+            Line((0.05, 0.0, 0.0, 5.0), 1.5002349352, beyond=reference.LOST),
+        ),
     ),
 ]
 every_pin = pytest.mark.parametrize("pin", PINS, ids=lambda pin: pin.name)
@@ -301,7 +329,7 @@ def test_classes_on_both_sides_of_the_pin_s_borders(pin: Pin) -> None:
 
 @every_pin
 def test_classes_of_the_pin_all_over_its_basins(pin: Pin) -> None:
-    starts = pin.around(6)
+    starts = pin.around(3)
     assert_true(pin.system.compared(starts, [pin.own.classify(*start) for start in starts]))
 
 
@@ -310,7 +338,8 @@ LONGER = 10.0
 FINE = 30  # samples of a period
 BETWEEN = 1.01  # what lies between two samples, relative
 ROUNDING = 1e-9  # of the distance of the unloaded state from the equilibrium
-SAME = 1e-5  # of a cycle's section points, relative to its size
+NEARBY, SAME = 1e-2, 1e-5  # distance from a cycle's section points, relative to its size
+KEPT = 500  # later section points looked at
 
 
 def stays_at_rest(system: Bistable, own: reference.Slider, start: Starts, decided: float) -> None:
@@ -322,7 +351,7 @@ def stays_at_rest(system: Bistable, own: reference.Slider, start: Starts, decide
     later = moved.values["time"] >= decided
     states = np.column_stack([moved.values[name][later] for name in system.states])
     floor = ROUNDING * own.distance(np.zeros(len(own.equilibrium)))
-    distance = np.array([max(own.distance(state), floor) for state in states])
+    distance = np.maximum(own.distance(states), floor)
     turns = [np.max(turn) for turn in np.array_split(distance, len(distance) // FINE)]
     assert np.max(moved.ragged["event_time"], initial=0.0) <= decided, start
     assert max(turns) <= BETWEEN * turns[0], start
@@ -330,21 +359,21 @@ def stays_at_rest(system: Bistable, own: reference.Slider, start: Starts, decide
 
 
 def stays_periodic(system: Bistable, start: Starts, told: Outcome) -> None:
-    """Every later section point is one of those told."""
+    """Every later section point is near one of those told, and the last ones are the same."""
     values = dict(zip(system.states, map(float, start), strict=True))
     decided = told.values["transient_used"] + told.values["period"]
     moved = motion(
         system.model, system.law, values, SolverSettings(), None, 0.0, **system.parameters
     )
     moved.run(decided)
-    room = np.zeros(500), np.zeros((500, len(system.states)))
+    room = np.zeros(KEPT), np.zeros((KEPT, len(system.states)))
     moved.run(LONGER * decided, Section("event"), room)
     points = room[1][: moved.n_sections, 0]
-    cycle, size = told.ragged["section_value"], told.values[f"{system.states[0]}_max"]
-    size -= told.values[f"{system.states[0]}_min"]
-    apart = np.min(np.abs(points[:, None] - cycle), axis=1)
+    least, greatest = (told.values[f"{system.states[0]}_{end}"] for end in ("min", "max"))
+    apart = np.min(np.abs(points[:, None] - told.ragged["section_value"]), axis=1)
     assert len(points) > 0, start
-    assert np.max(apart) <= SAME * size, start
+    assert np.max(apart) <= NEARBY * (greatest - least), start
+    assert np.max(apart[-len(told.ragged["section_value"]) :]) <= SAME * (greatest - least), start
 
 
 def stays(system: Bistable, own: reference.Slider, start: Starts) -> None:
@@ -365,6 +394,7 @@ FROM_TO = {"stribeck": (1.0, 2.0), "hyperbolic": (3.0, 9.0)}  # m/s: round the b
 
 def belt_stays(law: str, speed: float, x: float, x_dot: float) -> None:
     """Speed and start are shares of their ranges."""
+    assume(abs(x) + abs(x_dot) > 1e-6)  # an unstable equilibrium itself is left by rounding
     low, high = FROM_TO[law]
     own = belt(law, low + (high - low) * speed)
     stays(on_a_belt(law, own.v), own, own.equilibrium + 1.2 * own.v * np.array([x, x_dot]))

@@ -14,6 +14,7 @@ from typing import Any
 
 import click
 import pytest
+from disturbed import by_default
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
@@ -183,7 +184,8 @@ class TestExitCodes:
             "main.cli = Waiting()\n"
             "main.main()\n"
         )
-        done = subprocess.run([sys.executable, "-c", script], check=False, timeout=60)
+        command = [sys.executable, "-c", script]
+        done = subprocess.run(command, check=False, timeout=60, preexec_fn=by_default)
         assert done.returncode == 143
 
     def test_a_reader_that_goes_away_is_no_trouble(self) -> None:

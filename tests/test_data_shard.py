@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 
 import h5py
@@ -117,6 +119,39 @@ def test_foreign_files_are_unreadable(tmp_path: Path) -> None:
     for path in (text, other, tmp_path / "missing.h5", tmp_path):
         with pytest.raises(UnreadableShard):
             read_shard(path)
+
+
+def test_shards_of_the_version_before_are_read(tmp_path: Path) -> None:
+    """A dataset of its own for each array; the checksum is over names, types, shapes and bytes."""
+    path, packed = tmp_path / "a.h5", block()
+    write_shard(path, packed, "response")
+    arrays = dict(sorted(_arrays_of(path).items()))
+    digest = hashlib.sha256(b"response")
+    for name, array in arrays.items():
+        digest.update(f"{name}|{array.dtype.str}|{array.shape}|".encode() + array.tobytes())
+    with h5py.File(path, "w") as file:
+        file.attrs.update({"format": "fiv shard", "version": 1, "analysis": "response"})
+        file.attrs["checksum"] = digest.hexdigest()
+        for name, array in arrays.items():
+            file[name] = array
+    back, analysis = read_shard(path)
+    assert analysis == "response"
+    assert_equal(back, packed)
+    with h5py.File(path, "r+") as file:
+        file["values/L_s"][0] = 0.2
+    with pytest.raises(UnreadableShard, match="checksum"):
+        read_shard(path)
+
+
+def _arrays_of(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of a shard by name."""
+    with h5py.File(path) as file:
+        table, content = json.loads(file["header"][()].tobytes()), file["content"][()].tobytes()
+    arrays, begin = {}, 0
+    for name, kind, shape in table:
+        arrays[name] = np.ndarray(shape, kind, content, begin)
+        begin += -(-arrays[name].nbytes // 8) * 8
+    return arrays
 
 
 def test_a_folder_that_is_not_there_is_a_storage_error(tmp_path: Path) -> None:

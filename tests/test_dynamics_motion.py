@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import Motion, Stop, samples_at
+from fiv_cli.dynamics import motion as dynamics_motion
+from fiv_cli.dynamics.motion import Motion, Stop, next_stride, samples_at
 from fiv_cli.dynamics.settings import Section
 
 EVENTS = 50  # events for which two computations must agree one by one
@@ -476,6 +477,41 @@ def test_budgets(budget: Any, stop: Stop) -> None:
     begun = motion("belt-1dof", solver=SolverSettings(rtol=1e-13, **budget))
     assert begun.run(1e5) == stop
     assert 7 in (begun.n_events, begun.n_steps)
+
+
+@pytest.mark.parametrize("steps", [1, 13])
+@pytest.mark.parametrize("name", MOTIONS)
+def test_a_motion_in_pieces_has_the_bits_of_one_in_one(
+    name: str, steps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The driver comes back to Python every so often, to be ended there."""
+
+    def bits(stride: int) -> tuple[list[bytes], int]:
+        model, law, start, changes, t_end, _ = MOTIONS[name]
+        begun = motion(model, law, start, **changes)
+        size = len(begun.system.state_names)
+        begun.start_measuring(np.zeros(len(begun.system.coordinates)))
+        begun.carry_tangents(np.eye(size))
+        begun.stride = begun.limits[kernel.MAX_STEPS] = stride
+        taken = samples_at(begun.system, np.linspace(0.0, t_end / 4, 101))
+        sections = np.zeros(40), np.zeros((40, size))
+        stop = begun.run(
+            t_end / 4, Section("event", "slip->stick", contact=1), sections, taken, True
+        )
+        arrays = [begun.y, begun.clock, begun.counters, begun.kinds, begun.ledger, begun.tangents,
+                  begun.measures.totals, begun.measures.extremes, begun.measures.shares,
+                  *sections, taken.states, taken.outputs, taken.codes]  # fmt: skip
+        return [array.tobytes() for array in arrays], stop
+
+    monkeypatch.setattr(dynamics_motion, "next_stride", lambda stride, seconds: stride)
+    assert bits(steps) == bits(10**9)
+
+
+def test_a_call_of_the_driver_takes_a_tenth_of_a_second() -> None:
+    assert next_stride(4000, 0.2) == 2000
+    assert next_stride(4000, 0.08) == 5000
+    assert next_stride(4000, 1e-6) == 8000  # never much more at once
+    assert next_stride(1, 10.0) == 1
 
 
 def test_divergence_is_noticed() -> None:

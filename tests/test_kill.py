@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from disturbed import by_default
 
 CASE = """
 schema = 1
@@ -94,7 +95,11 @@ def running(tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]:
     """A run in mid-flight, its workers at work."""
     (tmp_path / "case.toml").write_text(CASE)
     process = subprocess.Popen(
-        command(), cwd=tmp_path, stderr=subprocess.DEVNULL, start_new_session=True
+        command(),
+        cwd=tmp_path,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        preexec_fn=by_default,
     )
     try:
         wait_for(lambda: stored(tmp_path) >= 2 and workers_of(process.pid), "no progress")

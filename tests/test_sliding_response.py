@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 from motions import analyse
 
 from fiv_cli.analyses.base import Outcome, Section, Start
-from fiv_cli.analyses.decay import Decay
 
 # Bilateral and stiff (thesis 6.4.2.2): below the critical 1.735 a stable equilibrium and a large
 # motion are both there.
@@ -28,13 +26,13 @@ def slide(offset: float, section: Section, t_max: float) -> Outcome:
 
 @pytest.mark.parametrize("section", [EVENT, TURNING])
 def test_a_slide_near_the_equilibrium_is_known_long_before_it_arrives(section: Section) -> None:
-    """At a decay of 0.05 1/s arriving takes some 200 s."""
+    """At a decay of 0.05 1/s arriving takes some 200 s, and halving, which is asked for, 14 s."""
     found = slide(1e-3, section, 400.0)
     assert found.values["attractor"] == "equilibrium" and found.values["L_s"] == 0.0
-    assert found.values["transient_used"] < 15.0
+    assert 14.0 < found.values["transient_used"] < 25.0
 
 
-@pytest.mark.parametrize(("section", "reason"), [(EVENT, "no_section_points"), (TURNING, None)])
+@pytest.mark.parametrize(("section", "reason"), [(EVENT, "slide_not_decided"), (TURNING, None)])
 def test_a_slide_far_out_does_not_end_at_the_stable_equilibrium(
     section: Section, reason: str | None
 ) -> None:
@@ -51,31 +49,3 @@ def test_stick_slip_that_died_is_seen_through_a_section_at_velocity_zero() -> No
     found = analyse("belt-1dof", "coulomb", "response", start, turning, c=0.05)
     assert found.values["attractor"] == "equilibrium"
     assert found.values["transient_used"] < 40.0
-
-
-# --- the test of decay ----------------------------------------------------------------------------
-RATE, SPIN = -0.05, 3.0
-SPIRAL = np.array([[RATE, SPIN], [-SPIN, RATE]])
-REST = np.array([2.0, -1.0])
-
-
-def confirmed(rate: float, span: float = 4.0, looks: int = 3) -> list[bool]:
-    """What a spiral of amplitude 0.3 that decays at `rate` is taken for, look by look."""
-    decay = Decay(SPIRAL, REST, 4.0)
-    times = span * np.arange(looks)
-    turned = np.stack([np.cos(SPIN * times), -np.sin(SPIN * times)], axis=1)
-    states = REST + 0.3 * np.exp(rate * times)[:, None] * turned
-    return [decay.confirms(t, y) for t, y in zip(times, states, strict=True)]
-
-
-def test_two_looks_confirm_the_rate_of_the_eigenvalue() -> None:
-    assert confirmed(RATE) == [False, True, True]
-
-
-@pytest.mark.parametrize("rate", [0.0, 0.02, 0.5 * RATE, 2.0 * RATE])
-def test_another_rate_confirms_nothing(rate: float) -> None:
-    assert not any(confirmed(rate))
-
-
-def test_looks_too_close_together_are_waited_for() -> None:
-    assert confirmed(RATE, span=1.0, looks=6) == [False, False, False, False, True, False]

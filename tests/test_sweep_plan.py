@@ -11,7 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
-from fiv_cli.sweep.points import exclusion, parameters_at, request_at, resolve_start
+from fiv_cli.sweep.points import (
+    exclusion,
+    parameters_at,
+    point_key,
+    request_at,
+    resolve_start,
+)
 
 HEAD = 'schema = 1\n[model]\nname = "belt-1dof"\n'
 SLOPE = '[friction]\nlaw = "linear-slope"\n[[analysis]]\nkind = "response"\n'
@@ -111,6 +117,22 @@ def test_a_chain_keeps_its_keys_when_it_grows_at_its_far_end_only() -> None:
     short = chain_keys(1.0, 2.0, 3.0)
     assert chain_keys(1.0, 2.0, 3.0, 4.0)[:3] == short
     assert not set(chain_keys(0.5, 1.0, 2.0, 3.0)) & set(short)
+
+
+def test_keys_made_together_are_those_of_the_points() -> None:
+    """With axes of numbers and of laws, points on their own and chains."""
+    plan = plan_of(sweep_fakes.CHAIN.replace("v = [", 'friction = ["coulomb", "stribeck"]\nv = ['))
+    keys, entries = plan.keys(), plan.template.entries
+    (chains,) = plan.chain_sets()
+    for position in plan.single_positions():
+        values, index = plan.point(int(position))
+        assert keys[position].tobytes() == point_key(plan.template, values, entries[index])
+    for chain in chains.positions:
+        previous = b""
+        for position in chain:
+            values, index = plan.point(int(position))
+            previous = point_key(plan.template, values, entries[index], previous)
+            assert keys[position].tobytes() == previous
 
 
 def test_random_starts_are_those_of_the_point_wherever_it_lies() -> None:

@@ -83,6 +83,27 @@ def test_a_deleted_dataset_comes_back_without_a_run(tmp_path: Path) -> None:
     assert output.read_bytes() == before
 
 
+def test_a_dataset_that_is_there_is_not_made_again(tmp_path: Path) -> None:
+    output = tmp_path / "a.nc"
+    sweep(output)
+    content, written = output.read_bytes(), output.stat().st_ino
+    assert sweep(output).ran == 0
+    assert output.stat().st_ino == written
+    output.write_bytes(content + b"\0")
+    sweep(output)
+    assert output.read_bytes() == content
+
+
+def test_a_dataset_of_other_words_or_points_is_made_again(tmp_path: Path) -> None:
+    output = tmp_path / "a.nc"
+    sweep(output, max_points=7)
+    assert (read_datasets(output)[""]["status"] == 0).sum() == 7
+    sweep(output)
+    assert (read_datasets(output)[""]["status"] == 0).all()
+    sweep(output, sweep_fakes.BELT.replace("fake sweep", "a better title"))
+    assert read_datasets(output)[""].attrs["title"] == "a better title"
+
+
 def test_points_land_where_their_coordinates_say(tmp_path: Path) -> None:
     sweep(tmp_path / "a.nc")
     dataset = read_datasets(tmp_path / "a.nc")[""]
@@ -318,11 +339,14 @@ def test_a_full_disk_is_a_clear_error_and_loses_nothing(
     assert sweep(output).ran == 20
 
 
-def test_a_worker_that_dies_once_costs_nothing(tmp_path: Path, count_file: Path) -> None:
+@pytest.mark.parametrize("executor", ["deadly_once", "breaking_off"])
+def test_a_worker_that_dies_once_costs_nothing(
+    tmp_path: Path, count_file: Path, executor: str
+) -> None:
     sweep(tmp_path / "a.nc")
     summary = sweep(
         tmp_path / "b.nc",
-        executor="sweep_fakes:deadly_once",
+        executor=f"sweep_fakes:{executor}",
         workers=2,
         in_process_below=0.0,
         chunk_points=4,

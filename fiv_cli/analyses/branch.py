@@ -145,6 +145,8 @@ class End:
     kind : see the constants of this module
     direction : 1 where the parameter was rising along the branch, else -1
     goes_on : whether the branch was followed beyond
+    last, length : the last point before it, and the step from there within which it lies; None
+        where it was not bracketed so
     """
 
     value: float
@@ -152,6 +154,8 @@ class End:
     kind: str
     direction: int
     goes_on: bool
+    last: Point | None = None
+    length: float = 0.0
 
 
 # --- the branch's equations ----------------------------------------------------------------------
@@ -340,22 +344,22 @@ def follow(
     round_corners : whether a branch of other cycles that begins at an end is gone on with
     """
     walk = _Walk(first, round_corners)
-    if first.value == line.bracket[_way(first) > 0]:
-        return [], [End(first.value, 0.0, AT_EDGE, _way(first), False)]
+    if first.value == line.bracket[way_of(first) > 0]:
+        return [], [End(first.value, 0.0, AT_EDGE, way_of(first), False)]
     for _ in range(TRIES * most):
         if len(walk.points) >= most:
             break
         there = step(line, walk.here, walk.length)
         if there is not None:
             last = _advance(line, first, walk, there)
-        elif _is_close(line, walk.here, walk.length):
+        elif is_close(line, walk.here, walk.length):
             last = _turn(line, walk)
         else:
             walk.length, walk.in_a_row = 0.5 * walk.length, 0
             continue
         if last is not None:
             return walk.points, [*walk.ends, last]
-    return walk.points, [*walk.ends, End(walk.here.value, 0.0, BUDGET, _way(walk.here), False)]
+    return walk.points, [*walk.ends, End(walk.here.value, 0.0, BUDGET, way_of(walk.here), False)]
 
 
 @dataclass
@@ -388,7 +392,7 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
         if end is not None:
             walk.ends.append(end)
         if there is walk.here:  # what was found lies on another branch: this one may end here
-            return _turn(line, walk) if _is_close(line, there, walk.length) else None
+            return _turn(line, walk) if is_close(line, there, walk.length) else None
     if walk.in_a_row >= PATIENCE:
         walk.length = min(LONGER * walk.length, LONGEST)
     walk.here = there
@@ -413,9 +417,9 @@ def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | N
     """The end that the last point has reached: an edge of the bracket, rest, or the first point."""
     here = points[-1]
     if here.value in line.bracket:
-        return End(here.value, 0.0, AT_EDGE, _way(here), False)
+        return End(here.value, 0.0, AT_EDGE, way_of(here), False)
     if len(points) > 1 and _passes(line, first, points[-2], here):
-        return End(first.value, 0.0, CLOSED, _way(here), False)
+        return End(first.value, 0.0, CLOSED, way_of(here), False)
     sizes = [float(np.max(p.cycle.scales / first.cycle.scales)) for p in points[-2:]]
     if sizes[-1] > SHRUNK or len(points) < 2 or sizes[1] >= sizes[0]:
         return None
@@ -424,13 +428,13 @@ def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | N
     rest = share * (here.value - points[-2].value)
     if abs(rest) > line.width:
         return None
-    return End(here.value + rest, abs(rest), AT_REST, _way(here), False)
+    return End(here.value + rest, abs(rest), AT_REST, way_of(here), False)
 
 
 def _passes(line: Continuation, first: Point, before: Point, here: Point) -> bool:
     """Whether the branch has come round to its first cycle, the way that it set out."""
     low, high = sorted((before.value, here.value))
-    if not low <= first.value <= high or _way(here) != _way(first):
+    if not low <= first.value <= high or way_of(here) != way_of(first):
         return False
     problem, cycle = line.at(first.value), here.cycle
     again = close(problem, cycle.anchor, cycle.period, cycle.scales)
@@ -440,16 +444,16 @@ def _passes(line: Continuation, first: Point, before: Point, here: Point) -> boo
     return bool(np.max(apart) <= SAME)
 
 
-def _is_close(line: Continuation, here: Point, length: float) -> bool:
+def is_close(line: Continuation, here: Point, length: float) -> bool:
     """Whether a step this long stays within what an end is bracketed to."""
-    return _reach(line, here, length) <= line.width or length < SHORTEST
+    return reach_of(line, here, length) <= line.width or length < SHORTEST
 
 
-def _way(point: Point) -> int:
+def way_of(point: Point) -> int:
     return 1 if point.slope > 0.0 else -1
 
 
-def _reach(line: Continuation, here: Point, length: float) -> float:
+def reach_of(line: Continuation, here: Point, length: float) -> float:
     """Change of the parameter over a stretch of the branch."""
     return length * abs(here.slope) * line.span
 
@@ -470,16 +474,16 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
             continue
         if middle is not None:
             there, away = middle, length
-        if _is_close(line, here, length):
+        if is_close(line, here, length):
             break
         length *= 0.5
     found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
     if not found:
         return None, here, length
-    reach = _reach(line, here, length)
-    value = here.value + 0.5 * _way(here) * reach
+    reach = reach_of(line, here, length)
+    value, kind = here.value + 0.5 * way_of(here) * reach, _kind_of_change(here, there)
     return (
-        End(value, 0.5 * reach, _kind_of_change(here, there), _way(here), True),
+        End(value, 0.5 * reach, kind, way_of(here), True, here, length),
         there,
         max(length, FIRST * SHRUNK),
     )
@@ -499,7 +503,7 @@ def _begins_at(line: Continuation, there: Point, here: Point) -> bool:
 def _kind_of_change(here: Point, there: Point) -> str:
     if here.cycle.signature != there.cycle.signature:
         return GRAZING
-    if _way(here) != _way(there):
+    if way_of(here) != way_of(there):
         return FOLD
     before, after = here.cycle.nontrivial, there.cycle.nontrivial
     crossing = min((*before, *after), key=lambda multiplier: abs(abs(multiplier) - 1.0))
@@ -513,8 +517,9 @@ def _kind_of_change(here: Point, there: Point) -> str:
 def _last_end(line: Continuation, here: Point, length: float) -> End:
     """What ends the branch between a cycle and the failure `length` after it."""
     kind = _kind_of_end(line, here)
-    reach = _reach(line, here, length)
-    return End(here.value + 0.5 * _way(here) * reach, 0.5 * reach, kind, _way(here), False)
+    reach = reach_of(line, here, length)
+    value = here.value + 0.5 * way_of(here) * reach
+    return End(value, 0.5 * reach, kind, way_of(here), False, here, length)
 
 
 def _kind_of_end(line: Continuation, here: Point) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.analyses.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
+from fiv_cli.analyses.end_error import end_error
 from fiv_cli.analyses.first_guess import Guess, guesses, returns
 from fiv_cli.analyses.periodic import Anchor, Cycle, Problem, close, tightened
 from fiv_cli.dynamics.motion import Motion
@@ -168,17 +169,15 @@ def _add_branch(
     width = settings["width"] * (bracket[1] - bracket[0])
     line = Continuation(problem, varied, bracket, width)
     points, ends = _both_ways(line, cycle, value)
-    outcome.ragged |= _branch_arrays(points, observed) | _end_arrays(ends)
-    if ends:
-        lowest = min(ends, key=lambda end: end.value)
-        highest = max(ends, key=lambda end: end.value)
+    errors = [end_error(line, end) for end in ends]
+    outcome.ragged |= _branch_arrays(points, observed) | _end_arrays(ends, errors)
+    for side, extreme in (("lowest", np.argmin), ("highest", np.argmax)) if ends else ():
+        place = int(extreme([end.value for end in ends]))
         outcome.values |= {
-            "cycle_lowest": lowest.value,
-            "cycle_lowest_width": lowest.width,
-            "cycle_lowest_kind": lowest.kind,
-            "cycle_highest": highest.value,
-            "cycle_highest_width": highest.width,
-            "cycle_highest_kind": highest.kind,
+            f"cycle_{side}": ends[place].value,
+            f"cycle_{side}_width": ends[place].width,
+            f"cycle_{side}_error": errors[place],
+            f"cycle_{side}_kind": ends[place].kind,
         }
 
 
@@ -211,10 +210,11 @@ def _branch_arrays(points: list[Point], observed: int) -> dict[str, Any]:
     }
 
 
-def _end_arrays(ends: list[End]) -> dict[str, Any]:
+def _end_arrays(ends: list[End], errors: list[float]) -> dict[str, Any]:
     return {
         "cycle_end": np.array([end.value for end in ends]),
         "cycle_end_width": np.array([end.width for end in ends]),
+        "cycle_end_error": np.array(errors),
         "cycle_end_kind": [end.kind for end in ends],
         "cycle_end_direction": np.array([end.direction for end in ends], dtype=int),
         "cycle_end_goes_on": ["yes" if end.goes_on else "no" for end in ends],

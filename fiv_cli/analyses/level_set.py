@@ -24,6 +24,7 @@ Complex = NDArray[np.complex128]
 
 DIFFERENCE = 1e-3  # step of a central difference, over the size of the equilibrium
 UNSEEN = 1e-3  # weight of a mode that no switching function sees, over the largest weight
+ROUNDING = 1e-12  # of rates, over those of the equilibrium's size, and far below LINEAR
 PHASES = 4  # of an excitation, at which sliding is compared with that of the unexcited system
 SAME = 1e-9  # ... to this share
 SEED = 7411  # of the points of a level set that are looked at
@@ -125,7 +126,7 @@ class LevelSet:
         Looked at in `SAMPLES` points with the weighted sum of `amplitudes`: one mode after the
         other large, at every phase.
         """
-        reach = float(self.weights @ amplitudes)
+        reach = max(float(self.weights @ amplitudes), self._rounding)
         states = np.repeat(self.equilibrium[None, :], SAMPLES, axis=0)
         states[:, self.free] += reach * self._shapes
         rates = np.array([self.sliding.rates(state)[self.free] for state in states])
@@ -133,6 +134,12 @@ class LevelSet:
         bent = np.abs(self.inverse @ rates.T - reach * self.eigenvalues[:, None] * modal)
         norms = np.linalg.norm(self.weights[:, None] * bent, axis=0)
         return float(np.max(norms / (reach * sizes))) / self.slowest
+
+    @cached_property
+    def _rounding(self) -> float:
+        """Weighted amplitude below which rounding of the rates passes for their nonlinear part."""
+        whole = self.weights @ np.abs(self.inverse @ self.equilibrium[self.free])
+        return float(ROUNDING * whole * np.max(np.abs(self.eigenvalues)) / self.slowest)
 
     @cached_property
     def _modal_shapes(self) -> tuple[Complex, Vector]:

@@ -318,7 +318,7 @@ def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
             return None
         step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
         if np.max(np.abs(step)) <= CONVERGED:
-            return unknowns if np.max(np.abs(values)) <= CLOSED else None
+            return unknowns + step if np.max(np.abs(values)) <= CLOSED else None
         step /= max(1.0, float(np.max(np.abs(step))))
         moved = _shortened(conditions, unknowns, step, float(np.linalg.norm(values)))
         if moved is None:

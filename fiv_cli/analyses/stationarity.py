@@ -4,7 +4,9 @@ Means and spreads of the two halves are compared. How far they may differ by cha
 far the partial sums of each half wander about their mean: of a quasi-periodic sequence these are
 bounded, and what is left of a turn at the ends is all that its means differ by; of a random one
 they wander as a bridge does, correlated or not. A mean that creeps at a constant rate differs by
-4 times what its partial sums explain, however slowly it creeps.
+4 times what its partial sums explain, however slowly it creeps. One that has all but arrived creeps
+steadily enough in the last half of the set, which is asked too, and leaves a spread that is a share
+of what it was.
 """
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.grounds import NEGLIGIBLE, WANDERING
 
 FEWEST = 32  # section points below which nothing is said
+PARTS = (1, 2)  # of which the last is asked
+SHRUNK = 0.5  # a half whose spread is below this share of the other's is not of the same set
 STILL = 1e-9  # spread, over its values, of a state that does not move
 
 
@@ -29,10 +33,23 @@ def drift(points: NDArray[np.float64]) -> float:
     """
     if len(points) < FEWEST:
         return float("nan")
+    lasts = (points[-len(points) // share :] for share in PARTS)
+    return max(_drift(last) for last in lasts if len(last) >= FEWEST)
+
+
+def _drift(points: NDArray[np.float64]) -> float:
     spread = np.std(points, axis=0)
     moving = spread > STILL * np.max(np.abs(points), axis=0)
     shown = (points[:, moving] - np.mean(points[:, moving], axis=0)) / spread[moving]
-    return float(max((_difference(column) for column in (*shown.T, *(shown**2).T)), default=0.0))
+    found = [_difference(column) for column in (*shown.T, *(shown**2).T)]
+    return max((*found, *map(_shrinking, shown.T)), default=0.0)
+
+
+def _shrinking(values: NDArray[np.float64]) -> float:
+    """Difference between the spreads of two halves; 0 unless one is a share of the other."""
+    half = len(values) // 2
+    less, more = sorted((float(np.std(values[:half])), float(np.std(values[-half:]))))
+    return more - less if less < SHRUNK * more else 0.0
 
 
 def _difference(values: NDArray[np.float64]) -> float:

@@ -507,7 +507,7 @@ class _Response:
         self.count = 0
         with_exponent = self.settings["lyapunov"] != "never"
         outcome = self._measure_window(t_max, with_exponent)
-        if outcome.values.get("attractor") == "equilibrium":
+        if "attractor" in outcome.values:
             return outcome
         ended = self._ended()
         if ended is not None:
@@ -525,9 +525,9 @@ class _Response:
         energy = self.motion.energy()
         exponent = Exponent(self.motion, self.excitation is None) if with_exponent else None
         for goal in np.linspace(begun, until, BLOCKS + 1)[1:]:
-            rest = self._measure_to(float(goal))
-            if rest is not None:
-                return rest
+            found = self._measure_to(float(goal))
+            if found is not None:
+                return found
             if exponent is not None:
                 exponent.update()
         if exponent is not None:
@@ -542,12 +542,13 @@ class _Response:
         return Outcome(values=values, ragged={"section_value": shown})
 
     def _measure_to(self, goal: float) -> Outcome | None:
-        """Measure up to `goal`, keeping section points; the equilibrium where it goes to one."""
+        """Measure up to `goal`, keeping section points; the class as soon as it is known."""
         while self.motion.time < goal and self._goes_on:
+            before = self.count
             self._step(goal, self.section, measuring=True)
-            rest = self._rest()
-            if rest is not None:
-                return rest
+            found = self._rest() or (self._cycle(self.section) if self.count > before else None)
+            if found is not None:
+                return found
         return None
 
     def _class_of(self, outcome: Outcome) -> tuple[str, str]:

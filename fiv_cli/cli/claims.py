@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fiv_cli.case.case import Case, ClaimSpec
+    from fiv_cli.data.undecided import Undecided
 
 NOT_RUN = "not run"
 DEFAULT = Path("configs")
@@ -43,18 +44,23 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
 
     DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
     or undetermined (points it needs are not computed or undecided); a case whose dataset is not
-    there is "not run", with the command that computes it. Nothing is computed here.
+    there is "not run", with the command that computes it. Nothing is computed here. The last
+    line counts the points of the datasets that have no class, and why.
 
     \b
     Examples:
       fiv claims configs/ch7
       fiv claims configs/ch7/fig_7_06.toml --json
     """
-    ledger = [entry for path in case_files(paths or (DEFAULT,)) for entry in judge(path)]
+    from fiv_cli.data.undecided import Undecided
+
+    undecided = Undecided()
+    ledger = [e for path in case_files(paths or (DEFAULT,)) for e in judge(path, undecided)]
     if as_json:
-        print_json({"claims": [asdict(entry) for entry in ledger]})
+        found = {"claims": [asdict(entry) for entry in ledger], "classes": undecided.as_plain()}
+        print_json(found)
     else:
-        click.echo("\n".join(lines(ledger)))
+        click.echo("\n".join([*lines(ledger), undecided.line()]))
     if strict:
         _demand(ledger)
 
@@ -93,14 +99,13 @@ def _is_case(file: Path) -> bool:
         return True  # broken: loading it says where
 
 
-def judge(path: Path) -> list[Entry]:
-    """The ledger of one case file."""
+def judge(path: Path, undecided: Undecided) -> list[Entry]:
+    """The ledger of one case file; its points without a class are counted in `undecided`."""
     from fiv_cli.case.load import load_case
 
     case = load_case(path)
-    if not case.claims:
-        return []
     analyses, missing = _dataset_of(case)
+    undecided.add((analyses or {}).values())
     return [_entry(path, claim, analyses, missing) for claim in case.claims]
 
 

@@ -9,9 +9,12 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import click
+
+from fiv_cli import ending
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -58,7 +61,9 @@ def _compile_for_once(why: str) -> None:
     from fiv_cli.codegen.cache import VARIABLE
 
     folder = tempfile.mkdtemp(prefix="fiv-cache-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    remove = partial(shutil.rmtree, folder, ignore_errors=True)
+    atexit.register(remove)
+    ending.at_last(remove)
     os.environ[VARIABLE] = folder
     click.echo(
         f"{why}; it is compiled for this run only, which takes up to a minute\n"

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import signal
 import sys
 import traceback
 from collections.abc import Sequence
@@ -22,7 +21,6 @@ from fiv_cli.errors import FivError
 
 INTERNAL_ERROR = 1
 INTERRUPTED = 130
-TERMINATED = 143
 # What a shell reports of a program whose reader went away (128 + SIGPIPE).
 READER_GONE = 141
 USAGE = 2
@@ -61,7 +59,7 @@ Exit codes:
   0  done                            5  a difference (diff, regress, verify, claims)
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
-  3  an input file is invalid        130 Ctrl-C    143 SIGTERM
+  3  an input file is invalid        129 SIGHUP    130 Ctrl-C    143 SIGTERM
   4  finished, but some points failed or ran out of budget
 
 \b
@@ -135,10 +133,14 @@ def cli() -> None:
 
 def main() -> NoReturn:
     """The console script."""
-    signal.signal(signal.SIGTERM, _terminate)
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _interrupt)
-    sys.exit(run(sys.argv[1:]))
+    ending.take_over()
+    try:
+        code = run(sys.argv[1:])
+    except (ending.Ended, OSError):  # the latter: a terminal that is gone
+        ending.finish()
+        raise
+    ending.disregard()
+    sys.exit(code)
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -223,13 +225,3 @@ def _silence(stream: Any) -> None:
     devnull = os.open(os.devnull, os.O_WRONLY)
     os.dup2(devnull, stream.fileno())
     os.close(devnull)
-
-
-def _terminate(number: int, frame: object) -> NoReturn:
-    ending.ask(SystemExit(TERMINATED))
-    raise SystemExit(TERMINATED)
-
-
-def _interrupt(number: int, frame: object) -> NoReturn:
-    ending.ask(KeyboardInterrupt())
-    raise KeyboardInterrupt

@@ -7,11 +7,13 @@ import subprocess
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from fiv_cli import ending
 from fiv_cli.cli.common import provide_cache
 from fiv_cli.errors import UsageError
 
@@ -94,7 +96,10 @@ def find_sweeps(folder: Path) -> list[Sweep]:
 
 def _regress(sweep: Sweep, workers: int, regenerate: bool) -> bool:
     """Run one sweep; True when it agrees."""
-    with tempfile.TemporaryDirectory(prefix="fiv-regress-") as scratch:
+    with (
+        tempfile.TemporaryDirectory(prefix="fiv-regress-") as scratch,
+        ending.last_act(partial(shutil.rmtree, scratch, ignore_errors=True)),
+    ):
         output = Path(scratch) / "result.nc"
         _run(sweep, output, workers)
         if regenerate:

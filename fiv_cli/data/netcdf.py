@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from xarray.backends import NetCDF4DataStore
 
+from fiv_cli import ending
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
 
@@ -39,11 +41,12 @@ def write_datasets(
     """
     temporary = path.with_name(f".{path.name}.tmp")
     try:
-        _check_space(path, datasets)
-        _write(temporary, datasets, attributes)
-        _check(temporary, datasets)
-        _sync(temporary)
-        temporary.replace(path)
+        with ending.last_act(temporary.unlink):
+            _check_space(path, datasets)
+            _write(temporary, datasets, attributes)
+            _check(temporary, datasets)
+            _sync(temporary)
+            temporary.replace(path)
     except (OSError, RuntimeError) as error:
         raise StorageError(
             f"{path}: cannot be written: {_cause(error)}\n"
@@ -100,22 +103,46 @@ def to_attribute(value: Any) -> Any:
     return value
 
 
+class _Later:
+    """Holds arrays back until everything is defined.
+
+    A file that changes between being defined and being filled goes through all that it has each
+    time: hundreds of groups would take minutes.
+    """
+
+    def __init__(self) -> None:
+        self._parts: list[tuple[Any, Any]] = []
+
+    def add(self, source: Any, target: Any, region: Any = None) -> None:
+        """As xarray's writers: `target` is where `source` goes."""
+        self._parts.append((target, source))
+
+    def write(self) -> None:
+        """Fill what was defined."""
+        for target, source in self._parts:
+            target[...] = source
+
+
 def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:
+    """All groups into one file that is opened once: each opening reads all that it has."""
+    import netCDF4
+
     clean = {name: to_attribute(v) for name, v in attributes.items() if v is not None}
-    if len(datasets) == 1:
-        (dataset,) = datasets.values()
-        _write_group(path, dataset.assign_attrs(clean), None, "w")
-        return
-    _write_group(path, xr.Dataset(attrs=clean), None, "w")
-    for name, dataset in datasets.items():
-        _write_group(path, dataset, name, "a")
+    later = _Later()
+    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+        if len(datasets) == 1:
+            (dataset,) = datasets.values()
+            _define(file, dataset.assign_attrs(clean), later)
+        else:
+            _define(file, xr.Dataset(attrs=clean), later)
+            for name, dataset in datasets.items():
+                _define(file.createGroup(name), dataset, later)
+        later.write()
 
 
-def _write_group(path: Path, dataset: xr.Dataset, group: str | None, mode: Any) -> None:
+def _define(group: Any, dataset: xr.Dataset, later: _Later) -> None:
     encoding = {str(name): _encoding(variable) for name, variable in dataset.variables.items()}
-    dataset.to_netcdf(
-        path, mode=mode, group=group, engine="netcdf4", format="NETCDF4", encoding=encoding
-    )
+    dataset.dump_to_store(NetCDF4DataStore(group), encoding=encoding, writer=later)
 
 
 def _encoding(variable: xr.Variable) -> dict[str, Any]:
@@ -158,17 +185,14 @@ def _loaded(path: Path, group: str | None) -> xr.Dataset:
 
 def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
     """Read back what was written, one variable at a time."""
-    for name, dataset in datasets.items():
-        group = None if len(datasets) == 1 else name
-        with xr.open_dataset(
-            path,
-            engine="netcdf4",
-            group=group,
-            decode_times=False,
-            mask_and_scale=False,
-            cache=False,
-        ) as written:
-            _check_group(written, dataset)
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        for name, dataset in datasets.items():
+            group = file if len(datasets) == 1 else file.groups[name]
+            store = NetCDF4DataStore(group)  # not to be closed: that closes the file
+            options: Any = {"decode_times": False, "mask_and_scale": False, "cache": False}
+            _check_group(xr.open_dataset(store, **options), dataset)
 
 
 def _check_group(written: xr.Dataset, dataset: xr.Dataset) -> None:

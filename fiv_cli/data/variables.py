@@ -476,6 +476,9 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
     kind += "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
     kind += "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
     kind += "closed (round to its first cycle)"
+    off = "how far it may be off"
+    again = "what it was bisected to, and what cycles of ten times the error of integration move "
+    again += "it by; missing where these do not show it"
     return [
         Variable("branch_value", varied.unit, f"{name} along the branch", ragged=branch),
         Variable("branch_period", "s", "period along the branch", ragged=branch),
@@ -490,9 +493,16 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
             varied.unit,
             f"{name} where the branch changes or ends",
             ragged=end,
-            comment="in the order of the branch, within cycle_end_width",
+            comment="in the order of the branch, within cycle_end_error",
         ),
-        Variable("cycle_end_width", varied.unit, "half the bracket of the end", ragged=end),
+        Variable(
+            "cycle_end_width",
+            varied.unit,
+            "half the bracket that it was bisected to",
+            ragged=end,
+            comment="no bound of its error",
+        ),
+        Variable("cycle_end_error", varied.unit, off, ragged=end, comment=again),
         Variable("cycle_end_kind", "1", "what happens", (), "flag", "cycle_end", end, comment=kind),
         Variable("cycle_end_direction", "1", f"1: {name} rising, -1: falling", (), "int", "", end),
         Variable(
@@ -503,7 +513,10 @@ def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
             for side in ("lowest", "highest")
             for variable in (
                 Variable(f"cycle_{side}", varied.unit, f"{side} {name} of the branch"),
-                Variable(f"cycle_{side}_width", varied.unit, "half the bracket of it"),
+                Variable(
+                    f"cycle_{side}_width", varied.unit, "half the bracket that it was bisected to"
+                ),
+                Variable(f"cycle_{side}_error", varied.unit, off, comment=again),
                 Variable(f"cycle_{side}_kind", "1", "what is there", (), "flag", "cycle_end"),
             )
         ),

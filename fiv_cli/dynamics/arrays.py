@@ -28,6 +28,9 @@ BOUND = 1e6
 ROUNDING = 1e-16
 FASTEST = 3.0  # squares and powers, of nonlinear laws too, against the states
 
+# Steps after which a motion comes back for the first time: 0.2 s where they are slow.
+FIRST_STRIDE = 4000
+
 Words = NDArray[np.int64]
 PLACES = kernel.Run.places()
 NO_SECTION = np.zeros(kernel.SECTION_WIDTH, np.int64)
@@ -122,7 +125,7 @@ def layout_of(system: System, solver: SolverSettings) -> Layout:
     floats[parts["tolerances"]] = solver.rtol, solver.step, BOUND
     floats[parts["parameters"]][-1 - system.n_contacts : -1] = 1.0  # signs of slip
     floats[parts["clock"]][kernel.TASK] = kernel.ENTER
-    block[parts["limits"]] = solver.max_steps, solver.max_events, 0
+    block[parts["limits"]] = min(solver.max_steps, FIRST_STRIDE), solver.max_events, 0
     return Layout(
         block,
         parts,

@@ -6,14 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache, cached_property
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli import ending
 from fiv_cli.codegen.names import rate_of
 from fiv_cli.codegen.native import address_of, call_generated
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.arrays import NO_SECTION, PLACES, MotionArrays, layout_of
+from fiv_cli.dynamics.arrays import FIRST_STRIDE, NO_SECTION, PLACES, MotionArrays, layout_of
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
@@ -38,6 +40,7 @@ class Stop(IntEnum):
 
 
 INFINITE = float("inf")
+CALL_SECONDS = 0.1  # that a call of the driver may take
 STOPS = tuple(Stop)  # by their numbers
 
 # Reasons of the outcomes of motions that could not go on.
@@ -149,6 +152,7 @@ class Motion:
             arrays.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
         self.is_lost = False  # no contact state is consistent with the initial state
         self.is_entered = False  # a contact state was seen to be decided
+        self.stride = FIRST_STRIDE  # steps of a call of the driver
 
     @property
     def clock(self) -> Vector:
@@ -294,6 +298,8 @@ class Motion:
 
     def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
         """Carry tangent vectors (rows) along from here on."""
+        self.stride = FIRST_STRIDE // (1 + len(tangents))  # steps cost more now
+        self._may_go_on()
         self.tangents = np.ascontiguousarray(tangents, dtype=float)
         self.arrays.show("tangents", self.tangents)
         if len(tangents):
@@ -381,8 +387,22 @@ class Motion:
         """Call the driver."""
         driver = DRIVER.function(kernel.advance)
         code = driver(self.arrays.address, t_stop, phase_interval, measuring)
+        while code == kernel.STEP_BUDGET and self._may_go_on():
+            begun = perf_counter()
+            code = driver(self.arrays.address, t_stop, phase_interval, measuring)
+            self.stride = next_stride(self.stride, perf_counter() - begun)
         self.samples.count = self.arrays.frame.item(self.layout.n_sampled)
         return STOPS[code]
+
+    def _may_go_on(self) -> bool:
+        """Whether steps are left; the driver comes back every so often, to be ended here.
+
+        What it goes on from is all in the arrays, so a motion in pieces has the bits of one in one.
+        """
+        ending.heed()
+        done, limit = self.n_steps, self.solver.max_steps
+        self.limits[kernel.MAX_STEPS] = min(done + self.stride, limit)
+        return done < limit
 
     @property
     def n_sections(self) -> int:
@@ -410,6 +430,12 @@ class Motion:
         first = kernel.contact_outputs(self.tables.table, index, len(self.y))
         first += kernel.PER_CONTACT * self.system.n_contacts
         return float(out[first + kernel.KINETIC] + out[first + kernel.POTENTIAL])
+
+
+def next_stride(stride: int, seconds: float) -> int:
+    """Steps of the next call of the driver, after one that took so long."""
+    share = CALL_SECONDS / max(seconds, 1e-9)
+    return max(1, int(stride * min(share, 2.0)))
 
 
 @cache

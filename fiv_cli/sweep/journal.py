@@ -3,6 +3,7 @@
 STEM.run/   identity.json  what the stored points belong to
             case.toml      the case as it is run, overrides as comments
             shards/        one file per finished chunk; all that is needed for the dataset
+            dataset.json   what the dataset was made from, see `receipt`
             run.log        what happened, with dates
             lock           see `lock`
 """
@@ -221,6 +222,10 @@ class Journal:
         for path, positions in self.records[index].shards:
             block, _ = read_shard(path)
             yield np.where((positions >= 0) & wanted[positions], positions, -1), block
+
+    def shards(self) -> list[Path]:
+        """The files that hold what is stored, in the order in which they count."""
+        return [path for record in self.records for path, _ in record.shards]
 
     def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
         """(position, what) of failed points for different reasons, at most `limit`."""

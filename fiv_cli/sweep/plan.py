@@ -38,7 +38,10 @@ from fiv_cli.sweep.points import (
     Values,
     exclusion,
     expand_starts,
+    keys_along,
+    keys_at,
     parameters_at,
+    place_digests,
     point_key,
     request_at,
     resolve_start,
@@ -121,14 +124,18 @@ class AnalysisPlan:
 
     def keys(self) -> NDArray[np.uint8]:
         """Keys of all points, (size, 32)."""
-        keys = np.empty((self.size, KEY_BYTES), np.uint8)
-        for position in self.single_positions():
-            keys[position] = np.frombuffer(self._key(int(position), b""), np.uint8)
+        entries = self.template.entries
+        places = place_digests(self.template, [_choices_of(dim) for dim in self.layout.dims])
+        keys = np.empty((len(places), len(entries), KEY_BYTES), np.uint8)
+        for index, entry in enumerate(entries):
+            if not _continues(entry):
+                own = b"".join(keys_at(places, entry))
+                keys[:, index] = np.frombuffer(own, np.uint8).reshape(-1, KEY_BYTES)
         for chains in self.chain_sets():
-            for chain in chains.positions:
-                for position, key in zip(chain, self._chain_keys(chain), strict=True):
-                    keys[position] = np.frombuffer(key, np.uint8)
-        return keys
+            for chain in chains.positions // len(entries):
+                along = keys_along([places[i] for i in chain], entries[chains.entry])
+                keys[chain, chains.entry] = np.frombuffer(along, np.uint8).reshape(-1, KEY_BYTES)
+        return keys.reshape(-1, KEY_BYTES)
 
     def keys_of(self, positions: Positions) -> NDArray[np.uint8]:
         """Keys of points that start on their own, (any number, 32)."""
@@ -348,6 +355,11 @@ def _choices(dims: list[Dim]) -> Iterator[dict[str, Any]]:
             for dim, index in zip(dims, indices, strict=True)
             for axis in dim.axes
         }
+
+
+def _choices_of(dim: Dim) -> list[Values]:
+    """The values along a dim: of each axis one."""
+    return list(zip(*(axis.values for axis in dim.axes), strict=True))
 
 
 def _continues(entry: StartEntry | None) -> bool:

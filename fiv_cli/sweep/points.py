@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -139,6 +140,27 @@ def place_digest(template: Template, values: Values) -> bytes:
     for value in values:
         digest.update(_packed(value))
     return digest.digest()
+
+
+def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> list[bytes]:
+    """`place_digest` of all points of a grid in C order, from the values along its dims."""
+    packed = [[b"".join(map(_packed, values)) for values in dim] for dim in dims]
+    bases = (b"".join((template.base, *pieces)) for pieces in product(*packed))
+    return [hashlib.sha256(base).digest() for base in bases]
+
+
+def keys_at(places: Sequence[bytes], entry: StartEntry | None) -> Iterator[bytes]:
+    """`point_key` of points of these `place_digests` that start on their own."""
+    own = b"" if entry is None else entry.identity.encode()
+    return (hashlib.sha256(place + own).digest() for place in places)
+
+
+def keys_along(places: Sequence[bytes], entry: StartEntry | None) -> bytes:
+    """`point_key` of the points of a chain, one after the other."""
+    own, keys = b"" if entry is None else entry.identity.encode(), [b""]
+    for place in places:
+        keys.append(hashlib.sha256(place + own + keys[-1]).digest())
+    return b"".join(keys)
 
 
 def point_key(

@@ -28,6 +28,7 @@ from fiv_cli.sweep.output import check_output, run_folder
 from fiv_cli.sweep.plan import AnalysisPlan, Plan, counted, make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
+from fiv_cli.sweep.receipt import is_made, made_from, write_receipt
 from fiv_cli.sweep.scheduler import Scheduler
 
 if TYPE_CHECKING:
@@ -110,13 +111,18 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
 
 
 def write_dataset(journal: Journal, output: Path) -> None:
-    """Assemble the dataset from the shards of a journal."""
+    """Assemble the dataset from the shards of a journal, unless it is there already."""
     case = journal.plan.case
+    attributes = provenance(case, fingerprint(case))
+    sources = made_from(journal.shards(), attributes)
+    if is_made(journal.folder, output, sources):
+        return
     datasets = {
         analysis.layout.name: _assembled(journal, index)
         for index, analysis in enumerate(journal.plan.analyses)
     }
-    write_datasets(output, datasets, provenance(case, fingerprint(case)))
+    write_datasets(output, datasets, attributes)
+    write_receipt(journal.folder, output, sources)
 
 
 def _assembled(journal: Journal, index: int) -> xr.Dataset:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,10 +22,12 @@ from fiv_cli.data.flags import STATUS
 from fiv_cli.errors import FivError
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.policy import Policy
-from fiv_cli.sweep.pool import WorkerPool
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
 from fiv_cli.sweep.worker import Result, last_beat, lost_point, run_task
+
+if TYPE_CHECKING:
+    from fiv_cli.sweep.pool import WorkerPool
 
 MANY_SHARDS = 400
 """A long run makes its chunks longer rather than many more than this."""
@@ -131,9 +134,9 @@ class Scheduler:
         try:
             if left:
                 self._prepare([i for i, queue in enumerate(queues) if queue.left])
-            for index, queue in enumerate(queues):
-                self._drain_and_refine(index, queue)
-            ending.heed()
+            with ending.heeded():
+                for index, queue in enumerate(queues):
+                    self._drain_and_refine(index, queue)
         finally:
             self._close()
             self.progress.end()
@@ -172,7 +175,7 @@ class Scheduler:
         while (queue.left and not self._full()) or self._flights or self._holding():
             ending.heed()
             if self._pool is None and self._wants_workers(pace, queue):
-                self._pool = WorkerPool(self.policy.workers)
+                self._pool = _started_pool(self.policy.workers)
             if self._pool is None:
                 self._run_here(index, queue, pace)
             else:
@@ -232,8 +235,9 @@ class Scheduler:
         except BrokenExecutor:
             self._repair(index, queue, pace, pool)
             return
-        done, _ = wait(self._flights, timeout=1.0, return_when=FIRST_COMPLETED)
-        broken = False
+        done, _ = wait(self._flights, timeout=0.2, return_when=FIRST_COMPLETED)
+        ending.heed()  # before workers that were ended with this process count as dead
+        broken = not done and pool.has_lost_a_worker()
         for future in done:
             if isinstance(future.exception(), BrokenExecutor):
                 broken = True
@@ -267,7 +271,7 @@ class Scheduler:
     def _repair(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
         """After a worker died: take its jobs back, and run alone what may have killed it."""
         noticed = time.time()
-        pool.close()
+        pool.stop()
         flights, self._flights = self._flights, {}
         begun = False
         for future, flight in flights.items():
@@ -309,3 +313,10 @@ class Scheduler:
         for flight in self._flights.values():
             flight.heartbeat.unlink(missing_ok=True)
         self._flights.clear()
+
+
+def _started_pool(workers: int) -> WorkerPool:
+    """A pool; joblib is imported only where there is one."""
+    from fiv_cli.sweep.pool import WorkerPool
+
+    return WorkerPool(workers)

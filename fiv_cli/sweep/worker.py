@@ -20,6 +20,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Start
 from fiv_cli.analyses.execute import Request
 from fiv_cli.data.block import Block, pack
@@ -158,9 +159,13 @@ def lost_point(task: Task, reason: str, message: str) -> Result:
 
 
 def initialise(parent: int) -> None:
-    """Prepare a worker process: it must not outlive its parent, and the parent handles Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    """Prepare a worker process: it must not outlive its parent, which heeds what asks for an end.
+
+    Until here such signals were blocked (see `ending.starting`).
+    """
+    for number in (signal.SIGINT, signal.SIGHUP):  # a terminal sends them to all its processes
+        signal.signal(number, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ending.NAMES)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it died before the line above took effect
@@ -173,6 +178,7 @@ def _run_segment(
     entry = template.entries[segment.entry]
     state, previous = segment.state, segment.previous
     for values in segment.values:
+        ending.heed()
         pulse.beat()
         key = point_key(template, values, entry, previous)
         outcome = _guarded(template, values, entry, state, execute)

@@ -1,0 +1,50 @@
+"""The receipt of a dataset: from what it was made, and what came of it.
+
+Of a finished run that is given again nothing is assembled anew: the receipt says whether the file
+that is there is, to the last byte, what would be written.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import fiv_cli
+from fiv_cli.data.shard import write_atomically
+from fiv_cli.errors import StorageError
+
+NAME = "dataset.json"
+
+
+def made_from(shards: Iterable[Path], attributes: Mapping[str, Any]) -> str:
+    """Digest of all that decides a dataset: shards, global attributes, the program itself."""
+    digest = hashlib.sha256(json.dumps(attributes, default=str).encode())
+    program = sorted(Path(fiv_cli.__file__).parent.rglob("*.py"))
+    for path in (*shards, *program):
+        digest.update(f"{path.name}|".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def is_made(folder: Path, output: Path, sources: str) -> bool:
+    """Whether the dataset at `output` was made from `sources` and is as it was then."""
+    try:
+        receipt = json.loads((folder / NAME).read_text(encoding="utf-8"))
+        return bool(receipt == _receipt(output, sources))
+    except (OSError, ValueError):
+        return False
+
+
+def write_receipt(folder: Path, output: Path, sources: str) -> None:
+    """Note what the dataset at `output` was made from; without the note it is made again."""
+    try:
+        write_atomically(folder / NAME, json.dumps(_receipt(output, sources)).encode())
+    except (OSError, StorageError):
+        return
+
+
+def _receipt(output: Path, sources: str) -> dict[str, str]:
+    with output.open("rb") as file:
+        return {"made_from": sources, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}

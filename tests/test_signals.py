@@ -1,0 +1,274 @@
+"""Whatever asks a run to end, and whenever: it ends, alone, quietly, and loses nothing finished."""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import signal
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from disturbed import ENDING, PATIENCE, Run, ignoring, wait_for
+
+SEED = 20
+WORKERS = ("--time-limit", "600")  # starts workers at once
+POINTS = """
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = { start = 0.5, stop = 2.0, num = 10 }
+N = { start = 5.0, stop = 20.0, num = 40 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { x = 10.0 }
+[[analysis]]
+kind = "response"
+transient = 1000.0
+t_max = 2000.0
+"""
+ENDLESS = (
+    POINTS.replace("num = 10", "num = 2")
+    .replace("num = 40", "num = 2")
+    .replace("transient = 1000.0\nt_max = 2000.0", "transient = 1e9\nt_max = 2e9")
+    .replace("[[initial]]", "[solver]\nmax_steps = 1000000000000\n[[initial]]")
+)
+
+
+def grouped(count: int) -> str:
+    """A case of so many analyses of two points."""
+    head, _, _ = POINTS.partition("N = ")
+    analyses = (f'[[analysis]]\nkind = "equilibrium"\nname = "a{i}"\n' for i in range(count))
+    return head.replace("10", "2") + "".join(analyses)
+
+
+GROUPS = grouped(60)
+
+
+def run(folder: Path, text: str, *options: str, **named: object) -> Run:
+    """`fiv run` of a case in `folder`."""
+    (folder / "case.toml").write_text(text)
+    return Run(("run", "case.toml", "-o", "a.nc", *options), folder, **named)  # type: ignore[arg-type]
+
+
+def finished(folder: Path, text: str, *options: str) -> bytes:
+    """The dataset of a run that nobody disturbs."""
+    with run(folder, text, *options) as undisturbed:
+        assert undisturbed.code(120.0) == 0, undisturbed.said
+    return (folder / "a.nc").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def datasets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Case text -> its dataset."""
+    return {t: finished(tmp_path_factory.mktemp("undisturbed"), t) for t in (POINTS, GROUPS)}
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run directory with all the points of GROUPS."""
+    folder = tmp_path_factory.mktemp("stored")
+    finished(folder, GROUPS)
+    return folder / "a.run"
+
+
+# --- one fault each -------------------------------------------------------------------------------
+def test_without_any_other_program(tmp_path: Path, datasets: dict[str, bytes]) -> None:
+    """No `pgrep`, no `ps`, no psutil: as in an image with Python alone."""
+    (tmp_path / "psutil.py").write_text("raise ImportError")
+    bare = {"PATH": "", "PYTHONPATH": str(tmp_path)}
+    with run(tmp_path, POINTS, *WORKERS, environment=bare) as alone:
+        assert alone.code() == 0
+    assert (tmp_path / "a.nc").read_bytes() == datasets[POINTS]
+
+
+@pytest.mark.parametrize("number", ENDING)
+def test_a_long_integration_is_ended(tmp_path: Path, number: signal.Signals) -> None:
+    with run(tmp_path, ENDLESS, "--workers", "1") as endless:
+        wait_for(lambda: "0 already stored" in endless.said, "it does not begin")
+        time.sleep(0.5)  # into compiled code
+        endless.send(number)
+        assert endless.code(10.0) == 128 + number
+        assert "the same command goes on from here" in endless.said
+
+
+@pytest.mark.parametrize(("number", "pause"), [*zip(ENDING, (0.1, 0.0, 0.3), strict=True)])
+def test_while_the_dataset_is_written(
+    tmp_path: Path, stored: Path, number: signal.Signals, pause: float
+) -> None:
+    shutil.copytree(stored, tmp_path / "a.run")
+    with run(tmp_path, GROUPS, "--workers", "1") as writing:
+        wait_for(lambda: list(tmp_path.glob(".a.nc*")), "nothing is written")
+        time.sleep(pause)
+        writing.send(number)
+        assert writing.code(10.0) == 128 + number
+        assert "Traceback" not in writing.said
+    assert not list(tmp_path.glob("*a.nc*"))
+
+
+@pytest.mark.parametrize("pause", [0.02, 0.05, 0.08])
+def test_a_second_ctrl_c(tmp_path: Path, pause: float) -> None:
+    with run(tmp_path, POINTS, *WORKERS) as impatient:
+        wait_for(lambda: len(impatient.processes()) >= 3, "no workers")
+        time.sleep(10 * pause)  # they import, then compute
+        impatient.send(signal.SIGINT, to_all=True)
+        time.sleep(pause)
+        impatient.send(signal.SIGINT, to_all=True)
+        assert impatient.code(10.0) == 130
+        assert "Traceback" not in impatient.said
+
+
+def test_what_is_ignored_on_entry_stays_ignored(tmp_path: Path, datasets: dict[str, bytes]) -> None:
+    with run(tmp_path, POINTS, *WORKERS, entry=ignoring) as background:
+        wait_for(lambda: len(background.processes()) >= 3, "no workers")
+        for number in ENDING:
+            background.send(number, to_all=True)
+        assert background.code() == 0
+    assert (tmp_path / "a.nc").read_bytes() == datasets[POINTS]
+
+
+def test_nothing_is_left_in_shared_memory(tmp_path: Path) -> None:
+    with run(tmp_path, POINTS, *WORKERS) as killed:
+        wait_for(lambda: list(tmp_path.glob("a.run/shards/*.h5")), "no progress")
+        killed.send(signal.SIGKILL, to_all=True)
+        assert killed.code() == -9
+        assert not list(Path("/dev/shm").glob(f"*-{killed.process.pid}-*"))
+
+
+@pytest.mark.campaign
+def test_hundreds_of_analyses(tmp_path: Path) -> None:
+    """They did not come to an end when each was written into a file opened anew."""
+    with run(tmp_path, grouped(300)) as many:
+        assert many.code(90.0) == 0
+    with xr.open_dataset(tmp_path / "a.nc", group="a299") as last:
+        assert last["status"].values.tolist() == [0, 0]
+
+
+# --- at any instant -------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Scene:
+    """A run to be disturbed.
+
+    Attributes
+    ----------
+    text : its case
+    options : of `fiv run`
+    cold : nothing is compiled yet
+    stored : all points are stored, only the dataset is missing
+    when : whether the part has begun that is to be disturbed
+    seconds : in which a signal comes after that
+    """
+
+    text: str
+    options: tuple[str, ...]
+    when: Callable[[Run, Path], bool]
+    seconds: float
+    cold: bool = False
+    stored: bool = False
+
+
+def _listens(run: Run, folder: Path) -> bool:
+    return run.listens()
+
+
+def _computes(run: Run, folder: Path) -> bool:
+    return "already stored" in run.said
+
+
+def _stores(run: Run, folder: Path) -> bool:
+    return bool(list(folder.glob("a.run/shards/*.h5")))
+
+
+def _assembles(run: Run, folder: Path) -> bool:
+    return run.process.poll() is not None or "0 to run" in run.said
+
+
+ONE, TWO = ("--workers", "1"), ("--workers", "2", *WORKERS)
+SCENES = {
+    "importing": Scene(POINTS, TWO, _listens, 0.8),
+    "compiling": Scene(POINTS, ONE, _listens, 8.0, cold=True),
+    "computing": Scene(POINTS, ONE, _computes, 2.0),
+    "starting workers": Scene(POINTS, TWO, _computes, 2.0),
+    "storing": Scene(POINTS, TWO, _stores, 1.0),
+    "assembling": Scene(GROUPS, ONE, _assembles, 1.5, stored=True),
+}
+SHARES = (2, 1, 2, 3, 3, 3)  # of the trials
+NUMBERS = (*ENDING, signal.SIGKILL)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Signals at an instant."""
+
+    scene: str
+    numbers: tuple[signal.Signals, ...]
+    instant: float
+    pause: float
+    to_all: bool
+
+
+def trials(seed: int, count: int, scenes: dict[str, Scene] = SCENES) -> list[Trial]:
+    """Random trials."""
+    chance = random.Random(seed)
+    shares = [share for name, share in zip(SCENES, SHARES, strict=True) if name in scenes]
+    return [
+        Trial(
+            name := chance.choices(list(scenes), shares)[0],
+            tuple(chance.choices(NUMBERS, k=chance.choice((1, 2)))),
+            chance.uniform(0.0, scenes[name].seconds),
+            chance.uniform(0.02, 0.08),
+            chance.random() < 0.5,
+        )
+        for _ in range(count)
+    ]
+
+
+def assert_survives(trial: Trial, folder: Path, datasets: dict[str, bytes], stored: Path) -> bool:
+    """Disturb a run, then let it go on; whether it was ended before it had finished."""
+    scene = SCENES[trial.scene]
+    if scene.stored:
+        shutil.copytree(stored, folder / "a.run")
+    own = {"FIV_CACHE_DIR": str(folder / "cache")} if scene.cold else {}
+    with run(folder, scene.text, *scene.options, environment=own) as disturbed:
+        wait_for(lambda: scene.when(disturbed, folder), f"{trial}: never begins")
+        time.sleep(trial.instant)
+        for number in trial.numbers:
+            disturbed.send(number, trial.to_all)
+            time.sleep(trial.pause)
+        code = disturbed.code(PATIENCE)
+        assert "Traceback" not in disturbed.said, f"{trial}: {disturbed.said}"
+        expected = {0} | {-9 if n == signal.SIGKILL else 128 + n for n in trial.numbers}
+        assert code in expected, f"{trial}: {code}: {disturbed.said}"
+    assert finished(folder, scene.text, *scene.options) == datasets[scene.text], trial
+    assert not list(folder.glob(".*")), trial
+    return code != 0
+
+
+QUICK = {name: scene for name, scene in SCENES.items() if not scene.cold}
+
+
+@pytest.mark.parametrize("trial", trials(SEED, 10, QUICK), ids=lambda trial: trial.scene)
+def test_signals_at_any_instant(
+    tmp_path: Path, datasets: dict[str, bytes], stored: Path, trial: Trial
+) -> None:
+    assert_survives(trial, tmp_path, datasets, stored)
+
+
+@pytest.mark.campaign
+def test_two_hundred_times(tmp_path: Path, datasets: dict[str, bytes], stored: Path) -> None:
+    seed = int(os.environ.get("FIV_TEST_SEED", SEED))
+    print(f"seed {seed} (FIV_TEST_SEED)")
+    ended = 0
+    for number, trial in enumerate(trials(seed, 200)):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        ended += assert_survives(trial, folder, datasets, stored)
+        shutil.rmtree(folder)
+    print(f"{ended} of 200 were ended before they had finished")
+    assert ended > 120
