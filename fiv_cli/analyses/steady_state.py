@@ -274,13 +274,17 @@ class _Response:
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
         first = -1 - self.system.n_contacts
-        signs = self.motion.parameters[first:-1] == self.rests.unexcited.parameters[first:-1]
-        return bool(np.all(self.motion.kinds == kernel.SLIP) and np.all(signs))
+        ways = (one.parameters[first:-1].tolist() for one in (self.motion, self.rests.unexcited))
+        return self._all_contacts(kernel.SLIP) and next(ways) == next(ways)
+
+    def _all_contacts(self, kind: int) -> bool:
+        """Whether every contact is of this kind."""
+        return all(one == kind for one in self.motion.kinds.tolist())
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
         waited = self.motion.time - self.last_event >= self.patience * (1.0 - 1e-12)
-        return waited and bool(np.all(self.motion.kinds == kernel.SLIP))
+        return waited and self._all_contacts(kernel.SLIP)
 
     def _forget_oldest(self) -> None:
         half = KEPT // 2
@@ -331,8 +335,9 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
-        sticking = bool(np.all(self.motion.kinds == kernel.STICK))
-        if not sticking or self.excitation is not None or np.any(self.motion.rates() != 0.0):
+        if self.excitation is not None or not self._all_contacts(kernel.STICK):
+            return None
+        if np.any(self.motion.rates() != 0.0):
             return None
         outcome = self._resting_values(self.motion.y, sticking=True)
         outcome.values["decay_margin"] = 1.0
