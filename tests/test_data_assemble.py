@@ -214,10 +214,10 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(
     before = path.read_bytes()
 
     def full(*arguments: object, **named: object) -> None:
-        (tmp_path / ".a.nc.tmp").write_bytes(b"half")
+        assert len(list(tmp_path.iterdir())) == 2  # the new file is open
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    monkeypatch.setattr(xr.Dataset, "dump_to_store", full)
     with pytest.raises(StorageError, match="No space left"):
         write_datasets(path, {"x": crossing_modes()}, {"title": "new"})
     assert path.read_bytes() == before
