@@ -194,7 +194,8 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
     try:
         yield
     except BaseException as error:
-        why = error if isinstance(error, ending.Ended) else f"stopped by {type(error).__name__}"
+        asked = isinstance(error, ending.Ended)
+        why = str(error) if asked else f"stopped by {type(error).__name__}"
         log(f"{why} after {scheduler.ran} points")
         for line in _summed_up(journal, output, scheduler.ran, time.monotonic() - begun).lines():
             note(line)
