@@ -216,7 +216,8 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(
     write_datasets(path, {"x": crossing_modes()}, {"title": "old"})
     before = path.read_bytes()
 
-    def full(dataset: xr.Dataset, *arguments: object, **named: object) -> None:
+    def full(*arguments: object, **named: object) -> None:
+        assert len(list(tmp_path.iterdir())) == 2  # the new file is open
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(xr.Dataset, "dump_to_store", full)

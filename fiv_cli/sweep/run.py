@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import fiv_cli
+from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
 from fiv_cli.data.assemble import assemble
@@ -195,7 +196,9 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
     try:
         yield
     except BaseException as error:
-        log(f"stopped by {type(error).__name__} after {scheduler.ran} points")
+        asked = isinstance(error, ending.Ended)
+        why = str(error) if asked else f"stopped by {type(error).__name__}"
+        log(f"{why} after {scheduler.ran} points")
         for line in _summed_up(journal, output, scheduler.ran, time.monotonic() - begun).lines():
             note(line)
         note("what is finished is kept; the same command goes on from here")
