@@ -150,7 +150,7 @@ REDUCED = [
         (
             "grid.mu_s=[0.23, 0.3, 0.35, 0.4]",
             "grid.mu_k=[0.2, 0.23, 0.35]",
-            "grid.Omega=[1.0, 4.0, 8.0]",
+            "grid.Omega=[1.0, 2.0, 4.0, 8.0]",
             "grid.N0=[30.0]",
         ),
         {0: CONFIRMED, 1: CONFIRMED, 4: CONFIRMED},
