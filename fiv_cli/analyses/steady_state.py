@@ -568,10 +568,9 @@ class _Response:
         """A stationary section and two agreeing tests, or undecided."""
         if self.is_unconfirmed:
             return "undecided", "cycle_not_confirmed"
-        if self._is_quiet() and self.excitation is None:
-            return "undecided", "slide_not_decided"
         if self.count == 0:
-            return "undecided", "no_section_points"
+            slides = self._is_quiet() and self.excitation is None
+            return "undecided", "slide_not_decided" if slides else "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
         regular = regularity(self.points[: self.count, self.observed])
         if not (np.isfinite(exponent) and np.isfinite(regular)):
