@@ -2,51 +2,28 @@
 
 from __future__ import annotations
 
-import ctypes
-from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from watched import SMALL, watched
 
-from fiv_cli.codegen.native import ARRAYS
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics import motion as motions_of
+from fiv_cli.dynamics.compiled import advance_at
 
 
 class PlainDriver:
-    """Stands for the compiled driver: the same function, on the arrays that the frame shows."""
+    """Stands for the compiled driver: the same function, run by Python."""
 
     def __init__(self) -> None:
         self.calls = 0
 
-    def function(self, entry: Callable[..., int]) -> Callable[..., int]:
-        """The kernel, to be called as its compiled form is."""
-
-        def call(address: int, *given: Any) -> int:
-            self.calls += 1
-            with np.errstate(all="ignore"):
-                return entry(arrays_at(address), *given)
-
-        return call
-
-
-def arrays_at(address: int) -> SimpleNamespace:
-    """The arrays of a frame by name."""
-    count = len(kernel.Run.words({}))
-    words = list((ctypes.c_int64 * count).from_address(address))
-    shown = {}
-    for name, place in kernel.Run.places().items():
-        element, depth = ARRAYS[kernel.Run.__annotations__[name]]
-        start, shape = words[place], words[place + 1 : place + 1 + depth]
-        if kernel.Run.__annotations__[name].startswith("Own"):
-            start += address
-        kind = ctypes.c_double if element is float else ctypes.c_int64
-        data = (kind * int(np.prod(shape))).from_address(start)
-        shown[name] = np.frombuffer(data, kind).reshape(shape)
-    return SimpleNamespace(**shown)
+    def function(self, *given: Any) -> int:
+        """As the compiled form is called."""
+        self.calls += 1
+        with np.errstate(all="ignore"):
+            return advance_at(*given)
 
 
 @pytest.mark.parametrize("name", SMALL)

@@ -91,7 +91,7 @@ def _announce_kernels(announce: Callable[[str], None]) -> None:
     from fiv_cli.dynamics.compiled import DRIVER
 
     if not DRIVER.is_warm():
-        announce("compiling the integrator (once per user, a few seconds)")
+        announce("compiling the integrator (once per user, up to half a minute)")
 
 
 @dataclass(frozen=True, eq=False)
