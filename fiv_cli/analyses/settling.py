@@ -150,6 +150,11 @@ _LASTING = Compiled("lasting", _FILES, partial(
 ))  # fmt: skip
 
 
+def load_settling(announce: Callable[[str], None]) -> None:
+    """Have `settled_period` at hand; `announce` is called with a sentence if it is compiled."""
+    _SETTLED.load(announce, "compiling the search for periods (once per user, a few seconds)")
+
+
 def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
     """Section points per period of a map that has repeated itself all through its second half.
 

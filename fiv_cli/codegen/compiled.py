@@ -44,6 +44,12 @@ class Compiled:
         """Whether this user's cache holds the machine code."""
         return store.find_folder(self._folder()) is not None
 
+    def load(self, announce: Callable[[str], None], sentence: str) -> None:
+        """Have the entry at hand; `announce` is called with the sentence if it must be compiled."""
+        if "function" not in vars(self) and not self.is_warm():
+            announce(sentence)
+        _ = self.function
+
     @cached_property
     def function(self) -> Callable[..., Any]:
         """The compiled entry."""

@@ -39,3 +39,8 @@ def _declare(**options: bool) -> Callable[..., Any]:
 
 FILES = (FOLDER / "kernel.py", FOLDER / "roots.py", FOLDER / "compiled.py")
 DRIVER = Compiled("driver", FILES, _declare)
+
+
+def load_driver(announce: Callable[[str], None]) -> None:
+    """Have the driver at hand; `announce` is called with a sentence if it must be compiled."""
+    DRIVER.load(announce, "compiling the integrator (once per user, up to half a minute)")
