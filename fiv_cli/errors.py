@@ -16,12 +16,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+LONGEST_LINE = 4000  # characters of a line that are shown
+
+
+def printable(text: str) -> str:
+    """`text` for a terminal: what would steer it is escaped, and no line is endless."""
+    return "\n".join(map(_shown, text.split("\n")))
+
+
+def _shown(line: str) -> str:
+    rest = len(line) - LONGEST_LINE
+    if rest > 0:
+        line = f"{line[:LONGEST_LINE]} ... and {rest:,} more characters"
+    if line.isprintable():
+        return line
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
 
 
 class FivError(Exception):
     """Base of the tree; carries the exit code of the command that it ends."""
 
     exit_code = 1
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 class UsageError(FivError):
@@ -78,11 +98,19 @@ def _place(problem: Problem) -> str:
 
 
 class CaseError(InputError):
-    """A case file is invalid; holds every problem found, not only the first."""
+    """A case file is invalid; holds every problem found, not only the first.
 
-    def __init__(self, source: str, problems: Sequence[Problem]) -> None:
+    Attributes
+    ----------
+    source : the file, as given
+    problems : everything wrong in it
+    case : the case as it would be without, where all names in it were understood; else None
+    """
+
+    def __init__(self, source: str, problems: Sequence[Problem], case: Any = None) -> None:
         self.source = source
         self.problems = tuple(problems)
+        self.case = case
         super().__init__("\n".join(self._lines()))
 
     def _lines(self) -> list[str]:

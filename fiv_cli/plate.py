@@ -38,7 +38,12 @@ Matrix = NDArray[np.float64]
 
 EXTRA_TERMS = 16  # Ritz terms beyond twice the number of modes asked for
 REFINEMENTS = (1, 2, 4, 8)  # times as many where these are too few: a small hole, a < b/50
+SMALLEST_HOLE = 1e-15  # a/b; below, Bessel functions overflow at the hole
 BRACKET = 1e-4  # half-width of the bracket about a Ritz value, relative
+
+
+class ModeNotFoundError(ValueError):
+    """No root of the determinant stands where the energies say that there is one."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +122,8 @@ def mode(plate: AnnularPlate, circles: int, diameters: int) -> PlateMode:
     ------
     ValueError
         when a number is negative or the radii are no annulus
+    ModeNotFoundError
+        the hole is too small for the numbers of a double
     """
     _check(plate, circles, diameters)
     return _mode(plate, circles, diameters)
@@ -138,6 +145,8 @@ def _check(plate: AnnularPlate, circles: int, diameters: int) -> None:
 
 @cache
 def _mode(plate: AnnularPlate, circles: int, diameters: int) -> PlateMode:
+    if plate.a < SMALLEST_HOLE * plate.b:
+        raise _not_found(plate, circles, diameters)
     beta = _wave_number(plate, circles, diameters)
     unscaled = PlateMode(plate, circles, diameters, beta, _null_vector(plate, diameters, beta))
     size = np.sqrt(orthogonality(unscaled, unscaled))
@@ -242,8 +251,12 @@ def _wave_number(plate: AnnularPlate, circles: int, diameters: int) -> float:
         low, high = guess * (1.0 - BRACKET), guess * (1.0 + BRACKET)
         if determinant(low) * determinant(high) < 0.0:
             return float(brentq(determinant, low, high, xtol=1e-300, rtol=8.9e-16))
-    named = f"mode ({circles}, {diameters})"
-    raise ValueError(f"{named} is not found: the hole, a/b = {plate.a / plate.b:.2g}, is too small")
+    raise _not_found(plate, circles, diameters)
+
+
+def _not_found(plate: AnnularPlate, circles: int, diameters: int) -> ModeNotFoundError:
+    named, share = f"mode ({circles}, {diameters})", f"{plate.a / plate.b:.2g}"
+    return ModeNotFoundError(f"{named} is not found: the hole, a/b = {share}, is too small")
 
 
 # --- Rayleigh and Ritz ----------------------------------------------------------------------------

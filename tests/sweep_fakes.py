@@ -145,8 +145,10 @@ def breaking_off(request: Request) -> Outcome:
         frame = sys._getframe()
         while "result_queue" not in frame.f_locals and frame.f_back is not None:
             frame = frame.f_back
-        answers = frame.f_locals["result_queue"]._writer.fileno()
-        os.write(answers, struct.pack("!i", 1000) + b"the first of a thousand bytes")
+        answers = frame.f_locals["result_queue"]
+        answers._wlock.acquire()
+        begun = struct.pack("!i", 1000) + b"the first of a thousand bytes"
+        os.write(answers._writer.fileno(), begun)
         os.kill(os.getpid(), 9)
     return answer(request)
 

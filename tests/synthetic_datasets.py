@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import tomllib
+
 import numpy as np
 import xarray as xr
 
@@ -38,6 +41,22 @@ def codes(table, names):
     return np.vectorize(lookup.__getitem__, otypes=[np.int8])(np.asarray(names))
 
 
+def read_figures(text):
+    """The figures of a case as a dataset holds them: named, their settings apart."""
+    tables = tomllib.loads(text).get("figure", [])
+    kinds = [table["kind"] for table in tables]
+    return [
+        {
+            "name": table.get(
+                "name", kind + (f"-{1 + kinds[:i].count(kind)}" if i and kind in kinds[:i] else "")
+            ),
+            "kind": kind,
+            "settings": {k: v for k, v in table.items() if k not in ("kind", "name")},
+        }
+        for i, (table, kind) in enumerate(zip(tables, kinds, strict=True))
+    ]
+
+
 def attributes(figures="", title="A sweep", reference="Figure 7.6"):
     """Global attributes of a dataset."""
     return {
@@ -46,6 +65,7 @@ def attributes(figures="", title="A sweep", reference="Figure 7.6"):
         "model": "pin-on-disc",
         "law": "coulomb",
         "case": f'schema = 1\ntitle = "{title}"\n{figures}',
+        "figures_json": json.dumps(read_figures(figures)),
     }
 
 

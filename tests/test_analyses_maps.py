@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.chaos import FEWEST, regularity
-from fiv_cli.analyses.settling import SETTLED, lasting_period, settled_period
+from fiv_cli.analyses.settling import LONGEST, SETTLED, lasting_period, settled_period
 
 Points = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ def test_every_spiral_ends_in_one_fixed_point(modulus: float, turn: float, begin
 
 
 @pytest.mark.parametrize("multiplier", [0.6, -0.6, -0.9])
-@pytest.mark.parametrize("period", [1, 2, 3, 5, 8, 17, 32, 64])
+@pytest.mark.parametrize("period", [1, 2, 3, 5, 8, 17, 32, 64, 300])
 def test_periods_are_found(period: int, multiplier: float) -> None:
     """A cycle of distinct points that is approached at a rate per turn of the cycle."""
     count = 600 * period // 2 + 600
@@ -74,14 +74,14 @@ def test_periods_are_found(period: int, multiplier: float) -> None:
 
 @given(share=st.floats(0.01, 0.49), amplitude=st.floats(0.01, 10.0))
 def test_a_rotation_does_not_settle_unless_it_closes(share: float, amplitude: float) -> None:
-    closes = any(abs(share * m - round(share * m)) < 1e-6 for m in range(1, 65))
+    closes = any(abs(share * m - round(share * m)) < 1e-6 for m in range(1, LONGEST + 1))
     angle = 2 * np.pi * share * np.arange(300)
     points = amplitude * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     if not closes:
         assert settled_period(points) == 0
 
 
-@pytest.mark.parametrize(("p", "q"), [(1, 3), (2, 5), (3, 8), (7, 30), (13, 64)])
+@pytest.mark.parametrize(("p", "q"), [(1, 3), (2, 5), (3, 8), (7, 30), (13, 64), (101, 300)])
 def test_a_rational_rotation_has_the_period_of_its_denominator(p: int, q: int) -> None:
     angle = 2 * np.pi * p / q * np.arange(3 * q + 2)
     assert settled_period(np.stack([np.cos(angle), np.sin(angle)], axis=1)) == q

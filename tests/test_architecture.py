@@ -24,6 +24,7 @@ FLOORS = {
     "__main__": 8,
     "ending": 0,
     "errors": 0,
+    "files": 1,
     "fourier": 0,
     "friction": 1,
     "models": 1,

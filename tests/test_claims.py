@@ -380,9 +380,8 @@ def test_the_first_analysis_with_the_variable_is_meant():
 
 
 def test_a_claim_may_name_the_only_analysis():
-    """A file of one analysis does not say its name; the case in it does."""
-    case = '[[analysis]]\nkind = "response"\n'
-    dataset = sweep(THREE).assign_attrs(case=case)
+    """A file of one analysis does not say its name; its attributes do."""
+    dataset = sweep(THREE).assign_attrs(analyses_json='{"response": {}}')
     verdict = tried(dataset, "attractor", "equilibrium", {"mu_k": 0.3}, analysis="response")
     assert verdict.verdict == CONFIRMED
 

@@ -7,7 +7,11 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
+import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
@@ -86,13 +90,115 @@ def test_a_damaged_file_is_not_there(own_cache: Path, damage: bytes) -> None:
     assert cache.read("name") is None
 
 
-def test_a_cache_that_cannot_be_written_is_done_without(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_cache_that_cannot_be_written_is_replaced_for_this_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("FIV_CACHE_DIR", str(tmp_path / "file" / "cache"))
     cache.write("name", b"content")
+    assert cache.read("name") == b"content"
+    assert os.environ["FIV_CACHE_DIR"] != str(tmp_path / "file" / "cache")
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_without_any_folder_nothing_is_kept(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A root that is read only, no home and no folder for temporary files."""
+
+    def nowhere(*arguments: object, **named: object) -> NoReturn:
+        raise RuntimeError("Could not determine home directory.")
+
+    def read_only(*arguments: object, **named: object) -> NoReturn:
+        raise FileNotFoundError("No usable temporary directory found")
+
+    monkeypatch.setenv("FIV_CACHE_DIR", "")
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", nowhere)
+    monkeypatch.setattr(tempfile, "mkdtemp", read_only)
+    cache.write("name", b"content")
     assert cache.read("name") is None
+    assert capsys.readouterr().err.count("no home folder") == 1
+
+
+def open_to_others(path: Path) -> None:
+    path.chmod(path.stat().st_mode | 0o020)
+
+
+def linked(path: Path) -> None:
+    path.rename(path.with_name("elsewhere"))
+    path.symlink_to(path.with_name("elsewhere"))
+
+
+@pytest.mark.parametrize("change", [open_to_others, linked])
+def test_code_that_others_may_have_written_is_not_read(
+    own_cache: Path, change: Callable[[Path], None]
+) -> None:
+    cache.write("name", b"content")
+    change(own_cache / "name")
+    assert cache.read("name") is None
+
+
+def test_two_users_do_not_share_a_cache(own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither the folder of another user is taken, nor a file of theirs in one's own."""
+    cache.write("name", b"content")
+    another = os.geteuid() + 1
+    monkeypatch.setattr(cache.os, "geteuid", lambda: another)
+    assert "belongs to another user" in cache._trouble(own_cache)
+    with pytest.raises(PermissionError):
+        cache._own_content(own_cache / "name")
+
+
+def test_a_folder_that_others_can_write_to_is_not_used(
+    own_cache: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cache.write("name", b"content")
+    open_to_others(own_cache)
+    assert cache.read("name") is None
+    cache.write("name", b"for this run")
+    assert cache.read("name") == b"for this run"
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert str(own_cache) in said
+    assert [path.name for path in own_cache.iterdir()] == ["name"]
+
+
+def test_the_cache_is_closed_to_others_whatever_the_umask(own_cache: Path) -> None:
+    before = os.umask(0)
+    try:
+        cache.write("name", b"content")
+    finally:
+        os.umask(before)
+    assert own_cache.stat().st_mode & 0o777 == 0o700
+    assert (own_cache / "name").stat().st_mode & 0o777 == 0o600
+
+
+def aged(path: Path, days: float) -> None:
+    """Let a file have been used so many days ago."""
+    then = time.time() - 86400.0 * days
+    os.utime(path, (then, then))
+
+
+def test_what_nobody_has_used_for_long_goes(own_cache: Path) -> None:
+    for name in ("old", "used", "new"):
+        cache.write(name, b"content")
+    aged(own_cache / "old", 100.0)
+    aged(own_cache / "used", 100.0)
+    assert cache.read("used") == b"content"
+    cache.write("another", b"content")
+    assert {path.name for path in own_cache.iterdir()} == {"used", "new", "another"}
+
+
+def test_of_too_much_goes_what_was_used_longest_ago(
+    own_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """But never what was used within a week, however much it is."""
+    monkeypatch.setattr(cache, "KEPT_BYTES", 3000)
+    for number, days in enumerate((30.0, 20.0, 10.0, 5.0, 4.0, 3.0, 2.0)):
+        cache.write(f"{number}", bytes(1000))
+        aged(own_cache / f"{number}", days)
+    cache.write("new", bytes(1000))
+    assert {path.name for path in own_cache.iterdir()} == {"3", "4", "5", "6", "new"}
 
 
 def test_keys_tell_parts_from_their_concatenation() -> None:

@@ -150,7 +150,7 @@ REDUCED = [
         (
             "grid.mu_s=[0.23, 0.3, 0.35, 0.4]",
             "grid.mu_k=[0.2, 0.23, 0.35]",
-            "grid.Omega=[1.0, 4.0, 8.0]",
+            "grid.Omega=[1.0, 2.0, 4.0, 8.0]",
             "grid.N0=[30.0]",
         ),
         {0: CONFIRMED, 1: CONFIRMED, 4: CONFIRMED},
@@ -237,7 +237,7 @@ REDUCED = [
         ("analysis.history.t_end=1.0",),
         {0: CONFIRMED, 1: CONTRADICTED, 2: CONTRADICTED},
     ),
-    ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=10.0"), {4: CONFIRMED}),
+    ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=40.0"), {4: CONFIRMED}),
     (
         "ch6/fig_6_11",
         ("grid.mu_k=[0.55, 1.3]",),

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 from motions import analyse, defaults, system
 
-from fiv_cli.analyses.equilibria import all_equilibria, equilibria, sliding
+from fiv_cli.analyses.equilibria import (
+    all_equilibria,
+    equilibria,
+    relative_residual,
+    sliding,
+)
 from fiv_cli.codegen.reduce import derive_statics
 from fiv_cli.data.flags import reason_code
 from fiv_cli.friction import get_law
@@ -299,3 +304,29 @@ def test_the_analysis_says_why_there_is_none() -> None:
     found = analyse("belt-5dof", "coulomb", "equilibrium", F=-1.0)
     assert (found.status, found.reason) == ("failed", "contact_would_pull")
     assert (found.values["n_solutions"], found.values["n_pulling"]) == (0, 1)
+
+
+APART = {
+    "M": 1.7832251493666335e-06, "m": 3.647218110796836e-12, "k1": 0.00012150711402465643,
+    "k5": 9202002.341400677, "k_nl": 3319456779.97991, "l2": 24.804895070347268,
+}  # fmt: skip
+
+
+def test_what_leaves_forces_over_is_no_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Springs eleven orders of magnitude apart: what Newton's steps end at is none."""
+    found = analyse("belt-5dof", "coulomb", "equilibrium", **APART)
+    assert (found.status, found.reason) == ("failed", "inexact_equilibrium")
+    monkeypatch.setattr("fiv_cli.analyses.equilibria.EXACT", np.inf)
+    (left,) = analyse("belt-5dof", "coulomb", "equilibrium", **APART).values["residual"]
+    assert left > 1e-9
+
+
+@pytest.mark.parametrize(
+    "model", ["belt-5dof", "pin-on-disc", "flutter-2dof", "disc-rigid-contact"]
+)
+def test_of_an_equilibrium_no_force_is_left_but_rounding(model: str) -> None:
+    parameters = defaults(model, "coulomb")
+    state = sliding(system(model, "coulomb", parameters=parameters), parameters)
+    for solution in equilibria(state):
+        assert relative_residual(state, solution) < 1e-14
+        assert relative_residual(state, solution * (1.0 + 1e-6)) > 1e-8

@@ -197,3 +197,55 @@ def test_modes_that_only_pass_do_not_merge() -> None:
     at = np.linspace(0.0, 1.0, 40)
     marks = coupling_points(at, np.stack([-0.001 + 2j + 0 * at, -0.001 + 1j + 2j * at], axis=1))
     assert np.all(np.isnan(marks))
+
+
+# --- axes without an order ------------------------------------------------------------------------
+def zipped(friction: list[float], stiffness: list[float]) -> xr.Dataset:
+    """The flutter model along two axes that advance together."""
+    found = [
+        analyse("flutter-2dof", "coulomb", "eigenvalues", mu_k=mu, k1=k1).values
+        for mu, k1 in zip(friction, stiffness, strict=True)
+    ]
+    dims = ("k1_mu_k", "mode")
+    parts = {
+        name: (dims + ("state",) * ("vector" in name), np.array([f[name] for f in found]))
+        for name in ("eigenvalue_real", "eigenvalue_imag", "eigenvector_real", "eigenvector_imag")
+    }
+    parts["coupling_point"] = (
+        dims,
+        np.full((len(found), len(found[0]["eigenvalue_real"])), np.nan),
+    )
+    axes = {"k1": ("k1_mu_k", stiffness), "mu_k": ("k1_mu_k", friction)}
+    return xr.Dataset(parts, coords=axes)
+
+
+def eigenvalues_of(dataset: xr.Dataset) -> list[list[tuple[float, float]]]:
+    """The eigenvalues of each point, whatever their numbers."""
+    parts = (dataset[f"eigenvalue_{part}"].values for part in ("real", "imag"))
+    return [sorted(zip(*row, strict=True)) for row in zip(*parts, strict=True)]
+
+
+def test_of_axes_that_advance_together_one_in_order_is_followed() -> None:
+    """The first repeats a value, which once took all eigenvalues away."""
+    dataset = zipped([4.0, 4.1, 4.4, 4.5], [1.0, 1.0, 1.0, 1.0])
+    found = follow_modes(dataset)
+    assert found["coupling_point"].attrs["along"] == "mu_k"
+    places = np.unique(found["coupling_point"].values[np.isfinite(found["coupling_point"].values)])
+    assert len(places) == 1 and 4.1 < places[0] < 4.4
+    assert eigenvalues_of(found) == eigenvalues_of(dataset)
+
+
+def test_along_axes_without_an_order_nothing_is_followed() -> None:
+    dataset = zipped([4.4, 4.1, 4.1, 4.5], [1.0, 1.0, 2.0, 1.0])
+    assert follow_modes(dataset).identical(dataset)
+
+
+def test_a_failure_to_follow_keeps_the_eigenvalues(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*arguments: object) -> None:
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    monkeypatch.setattr("fiv_cli.data.follow.coupling_points", fails)
+    dataset = zipped([4.0, 4.4], [1.0, 2.0])
+    found = follow_modes(dataset)
+    xr.testing.assert_equal(found, dataset)
+    assert "numbered on their own" in found["eigenvalue_real"].attrs["comment"]

@@ -160,3 +160,24 @@ def test_one_plate_in_a_figure(dataset: xr.Dataset) -> None:
     with pytest.raises(UsageError, match="h varies"):
         drawing.draw(two, FigureSpec("x", "mode-shape", {}))
     drawing.draw(two, FigureSpec("x", "mode-shape", {"select": {"h": 2e-3}}))
+
+
+@pytest.mark.parametrize(
+    ("model", "kind", "settings"),
+    [
+        ("annular-plate", "plate", {"n_r": 3}),
+        ("disc-rigid-contact", "equilibrium", {"system": "original"}),
+    ],
+)
+@pytest.mark.parametrize("share", [1e-9, 1e-100])
+def test_a_hole_of_next_to_nothing_has_a_reason_of_its_own(
+    model: str, kind: str, settings: dict[str, object], share: float
+) -> None:
+    """A mode with diameters is then that of a disc without a hole, to the last bit."""
+    options = get_model(model).default_options() | {"modes": "0,1 0,3"}
+    law = "coulomb" if get_model(model).contacts else "none"
+    parameters = defaults(model, law) if get_model(model).contacts else dict(DEFAULTS)
+    parameters["a"] = share * parameters["b"]
+    found = execute(Request(model, law, options, parameters, kind, settings))
+    assert (found.status, found.reason) == ("failed", "hole_too_small")
+    assert "is too small" in found.message

@@ -248,6 +248,27 @@ def test_a_map_colours_classes_alike_everywhere_and_names_them():
     assert len(set(zip(place[known].tolist(), truth[known].tolist(), strict=True))) == 3
 
 
+def test_a_map_of_which_nothing_has_a_class_is_hatched_all_over():
+    dataset = data.stability_map()
+    dataset["attractor"] = dataset["attractor"].copy(data=np.full_like(dataset["attractor"], -1))
+    drawn = draw(dataset, figure("map"))
+    assert not any(isinstance(c, QuadMesh) for ax in drawn.axes for c in ax.collections)
+
+
+def test_values_that_reach_too_far_are_refused_in_words(tmp_path):
+    dataset = data.bifurcation()
+    dataset["L_s"] = dataset["L_s"] * 0.0 + 1e307
+    with pytest.raises(UsageError, match=r"reach from .*e\+307, which cannot be drawn"):
+        save(draw(dataset, figure("curve", variable="L_s")), tmp_path / "a.png")
+
+
+def test_a_title_may_be_as_long_as_it_likes(tmp_path):
+    dataset = data.bifurcation().assign_attrs(title="a" * 100_000)
+    drawn = draw(dataset, figure("curve", variable="L_s", title="$\\mu^$ " + "b" * 100_000))
+    save(drawn, tmp_path / "a.png")
+    assert len(drawn._suptitle.get_text()) < 1000
+
+
 def test_a_map_of_numbers_has_a_colour_bar_with_unit():
     drawn = draw(data.stability_map(), figure("map", variable="L_s"))
     assert drawn.axes[-1].get_ylabel() == "$L_s$ (rad$^{2}$)"

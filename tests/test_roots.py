@@ -51,12 +51,12 @@ def declared(**options: bool) -> Callable[..., float]:
     """What numba makes of it."""
     from numba import cfunc
 
-    from fiv_cli.codegen.kernels import ENTRY, register, register_frame
+    from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
 
     register_frame(Sought, sought_at)
     register(roots)
     signature = "float64(int64, int64, float64, float64, int64, int64, int64)"
-    compiled: Callable[..., float] = cfunc(signature, **ENTRY, **options)(first_root_at).ctypes
+    compiled: Callable[..., float] = cfunc(signature, **OPTIONS, **options)(first_root_at).ctypes
     return compiled
 
 

@@ -108,9 +108,9 @@ def test_bins_reach_up_to_the_highest_frequency(settings: Any, count: int, last:
 
 def test_a_chaotic_motion_is_windowed() -> None:
     """Its lines carry the variance that the response measures, within its own scatter."""
-    settings = {"f_max": 1.0, "resolution": 0.01, "t_max": 3000.0}
+    settings = {"f_max": 1.0, "resolution": 0.01, "t_max": 6000.0}
     found = analyse("belt-2mass", "stribeck", "spectrum", {}, settings, D=0.1)
-    measured = analyse("belt-2mass", "stribeck", "response", {}, {"t_max": 3000.0}, D=0.1)
+    measured = analyse("belt-2mass", "stribeck", "response", {}, {"t_max": 6000.0}, D=0.1)
     assert found.values["attractor"] == measured.values["attractor"] == "chaotic"
     assert "period" not in found.values and found.carry is not None
     total = found.values["mean"] ** 2 + 0.5 * np.sum(found.values["amplitude"] ** 2)

@@ -136,7 +136,7 @@ def test_keys_made_together_are_those_of_the_points() -> None:
 
 
 def test_random_starts_are_those_of_the_point_wherever_it_lies() -> None:
-    def starts(axis: str) -> dict[tuple[float, str], dict[str, float]]:
+    def starts(axis: str, more: str = "") -> dict[tuple[float, str], dict[str, float]]:
         plan = plan_of(
             f"""{HEAD}[grid]
 k = {axis}
@@ -146,7 +146,7 @@ kind = "random"
 count = 3
 seed = 7
 box = {{ x = [-1.0, 1.0], x_dot = [0.0, 2.0] }}
-{RESPONSE}"""
+{RESPONSE}{more}"""
         )
         found = {}
         for position in range(plan.size):
@@ -162,6 +162,7 @@ box = {{ x = [-1.0, 1.0], x_dot = [0.0, 2.0] }}
     assert all(many[point] == start for point, start in few.items())
     assert len({str(start) for start in many.values()}) == len(many)
     assert all(-1 <= s["x"] <= 1 and 0 <= s["x_dot"] <= 2 for s in many.values())
+    assert few == starts("[1.0, 2.0]", "t_max = 77.0\n[solver]\nrtol = 1e-6\n")
 
 
 def test_a_start_takes_parameters_and_axes() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import sweep_fakes
 
-from fiv_cli.data import shard
+from fiv_cli import files
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
 from fiv_cli.sweep.lock import hold, holder
@@ -282,7 +282,7 @@ def test_a_stop_at_any_write_loses_only_what_was_in_flight(
         pass
 
     calls = iter(range(1000))
-    genuine = {"fsync": os.fsync, "replace": Path.replace, "write": shard._write_synced}
+    genuine = {"fsync": os.fsync, "replace": Path.replace, "write": files._fill}
 
     def strike() -> None:
         if next(calls) == number:
@@ -295,17 +295,17 @@ def test_a_stop_at_any_write_loses_only_what_was_in_flight(
         genuine["write"](path, content)
 
     if step == "fsync":
-        monkeypatch.setattr(shard.os, "fsync", lambda fd: (strike(), genuine["fsync"](fd)))
+        monkeypatch.setattr(files.os, "fsync", lambda fd: (strike(), genuine["fsync"](fd)))
     elif step == "replace":
         monkeypatch.setattr(
             Path, "replace", lambda self, to: (strike(), genuine["replace"](self, to))[1]
         )
     elif step == "write":
-        monkeypatch.setattr(shard, "_write_synced", half_written)
+        monkeypatch.setattr(files, "_fill", half_written)
     else:
         monkeypatch.setattr(
-            shard,
-            "_write_synced",
+            files,
+            "_fill",
             lambda path, content: (strike(), genuine["write"](path, content)),
         )
     with pytest.raises(Killed):
@@ -320,7 +320,7 @@ def test_a_full_disk_is_a_clear_error_and_loses_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     output = tmp_path / "a.nc"
-    genuine = shard._write_synced
+    genuine = files._fill
     shards = iter(range(100))
 
     def full(path: Path, content: bytes) -> None:
@@ -329,7 +329,7 @@ def test_a_full_disk_is_a_clear_error_and_loses_nothing(
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         genuine(path, content)
 
-    monkeypatch.setattr(shard, "_write_synced", full)
+    monkeypatch.setattr(files, "_fill", full)
     with pytest.raises(StorageError, match="No space left on device") as caught:
         sweep(output, chunk_points=5)
     assert caught.value.exit_code == 2

@@ -1,8 +1,8 @@
 """Is a motion whose section repeats on its way to a cycle of its own?
 
-What is asked, and the numbers, are in ``grounds.py``. The return map is differentiated once, near
-the motion; the steps of Newton's method that follow use that derivative (chords), so that a
-motion that is all but closed costs the tangents of one period.
+What is asked, and the numbers, are in ``grounds.py``. The return map is differentiated near the
+motion; the steps of Newton's method that follow use that derivative (chords). The multipliers are
+those of the cycle itself: it is gone round once more with tangents, unless the motion was on it.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ DERIVATIVES = 3  # of the return map at most
 SETTLED = 1e-10  # last correction, over the extent of the motion
 SLOW = 0.1  # a chord step that leaves more than this of the last one asks for a new derivative
 FAINT = 1e-3  # a displacement (velocity) below this share of the largest is judged by that
+ON_IT = 1e-8  # distance from the cycle that multipliers do not notice
 ROUNDING = 1e-9  # of the extent: a distance that says nothing
 
 
@@ -83,7 +84,9 @@ def _closed(problem: Problem, conditions: Shooting) -> Confirmed | None:
         inverse = np.asarray(np.linalg.pinv(conditions.jacobian(found), rcond=RANK), np.float64)
         unknowns, found, settled = _chords(problem, conditions, unknowns, found, inverse)
         if settled and found is not None:
-            return _own(problem, conditions, unknowns, (first, derived, found))
+            moved = float(np.max(np.abs(unknowns - conditions.start)))
+            last = derived if moved <= ON_IT else conditions.around(problem, unknowns)
+            return None if last is None else _own(problem, conditions, unknowns, first, last)
         found = conditions.around(problem, unknowns)
     return None
 
@@ -109,14 +112,10 @@ def _chords(
 
 
 def _own(
-    problem: Problem,
-    conditions: Shooting,
-    unknowns: Vector,
-    passages: tuple[Passage, Passage, Passage],
+    problem: Problem, conditions: Shooting, unknowns: Vector, first: Passage, last: Passage
 ) -> Confirmed | None:
-    """The cycle, where the motion itself comes to it."""
-    first, derived, last = passages
-    multipliers = sorted_multipliers(derived.monodromy)
+    """The cycle gone round in `last`, where the motion itself, gone on in `first`, comes to it."""
+    multipliers = sorted_multipliers(last.monodromy)
     nontrivial = is_nontrivial(multipliers, autonomous=problem.excitation is None)
     largest = float(np.max(np.abs(multipliers[nontrivial]), initial=0.0))
     gap = _distance(first.state, first.begun, conditions.scales)

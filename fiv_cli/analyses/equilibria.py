@@ -33,6 +33,7 @@ STALLED = 1e-8
 SAME_SOLUTION = 1e-8
 # A root whose imaginary part is below this share of itself is tried as a real one.
 NEARLY_REAL = 1e-3
+EXACT = 1e-9  # what is left of the forces at an equilibrium; of those of the thesis 4e-16
 COMMON_ROOT = 1e-9  # a numerator below this share of its terms vanishes
 LOAD_STEPS = 8  # in which the loads grow from zero
 # Newton starts, as multiples of the first solution: other real solutions of the spring forces.
@@ -180,9 +181,23 @@ def all_equilibria(state: Sliding) -> Equilibria:
     reduced = (_reduced(state, reduction) for reduction in state.statics.reductions)
     found = next((one for one in reduced if one is not None), None) or _search(state)
     held = [y for y in found.states if _is_held(state, y)]
+    if not all(relative_residual(state, y) <= EXACT for y in held):
+        return Equilibria(reason="inexact_equilibrium")
     pulling = len(found.states) - len(held)
     reason = "" if held else "contact_would_pull" if pulling else found.reason
     return Equilibria(_in_order(state, held), pulling, found.n_complex, found.certified, reason)
+
+
+def relative_residual(state: Sliding, y: Vector) -> float:
+    """What is left of the equations at `y` over the forces that balance there, the worst of all.
+
+    The forces of an equation: what each displacement contributes, and the loads.
+    """
+    rows = len(state.system.coordinates) + np.array(state.free)
+    left = np.abs(state.rates(y)[rows])
+    forces = np.abs(state.slopes(y, state.free)[rows]) @ np.abs(y[state.free])
+    forces += np.abs(state.rates(np.zeros(len(y)))[rows])
+    return float(np.max(left / np.where(left > 0.0, forces, 1.0), initial=0.0))
 
 
 def why_none(state: Sliding) -> str:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.dynamics.schedule import STEADY, Schedule
 from fiv_cli.errors import StorageError
+from fiv_cli.plate import ModeNotFoundError
 
 if TYPE_CHECKING:
     from fiv_cli.dynamics.system import System
@@ -70,6 +71,8 @@ def execute(request: Request) -> Outcome:
         return analysis.run(
             system, request.parameters, request.start, request.settings, request.solver
         )
+    except ModeNotFoundError as error:
+        return Outcome(status="failed", reason="hole_too_small", message=str(error))
     except Exception as error:
         return Outcome(
             status="failed",

@@ -52,7 +52,7 @@ REACH = 10.0  # distance to the cycle over what the contraction leaves of the ga
 NEIGHBOUR = 1e-2  # ... and over the extent of the motion
 
 # --- quasi-periodic, chaotic
-WANDERING = 2.5  # 4.4 standard errors of a random set; a constant creep has 4
+WANDERING = 3.0  # between 2.3, which one random set in a thousand reaches, and the 4 of a creep
 NEGLIGIBLE = 1e-3  # of the spread: a difference of halves that is none
 REGULAR, CHAOTIC = 0.3, 0.7  # what the 0-1 test must say
 SIGNIFICANT = 3.0  # standard errors of an exponent

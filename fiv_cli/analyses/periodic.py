@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -181,13 +181,32 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
 
 def _projection(motion: Motion) -> Matrix:
     """Derivative of the state where a motion is by the state asked for, by differentiated code."""
-    n = len(motion.y)
     index = kernel.state_index(motion.kinds, len(motion.kinds))
-    address = motion.system.jacobians[index]
-    series, matrix = np.zeros(4 * n), np.zeros((n, n))
+    if not _is_constrained(motion.system, index):
+        return np.eye(len(motion.y))
+    return _tangents_at(motion.system, index, motion.coefficients, motion.time, motion.y)
+
+
+@cache
+def _is_constrained(system: System, index: int) -> bool:
+    """Whether a contact state determines entries of the state, which then do not count."""
+    n, coefficients = len(system.state_names), np.zeros(max(system.generated.n_coefficients, 1))
+    return not np.array_equal(
+        _tangents_at(system, index, coefficients, 0.0, np.zeros(n)), np.eye(n)
+    )
+
+
+def _tangents_at(
+    system: System, index: int, coefficients: Vector, time: float, state: Vector
+) -> Matrix:
+    """What a contact state leaves of tangents along each entry of the state, as columns."""
+    n, address = len(state), system.jacobians[index]
+    series, matrix, joined = np.zeros(4 * n), np.zeros((n, n)), np.zeros(2 * n)
+    joined[:n] = state
     for column in range(n):
-        joined = np.concatenate([motion.y, np.eye(n)[column]])
-        call_generated(address, motion.coefficients, motion.time, joined, series)
+        joined[n:] = 0.0
+        joined[n + column] = 1.0
+        call_generated(address, coefficients, time, joined, series)
         matrix[:, column] = series[2 * n :: 2]
     return matrix
 

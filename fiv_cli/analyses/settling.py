@@ -21,7 +21,7 @@ from fiv_cli.codegen.memory import Floats, Floats2, native
 SETTLED = 1e-8  # relative to the largest value of each state at the section
 LEAST = float(np.finfo(float).tiny)  # a scale that is none
 SMALLEST = 1e-7  # a state below this share of the largest one is judged by that: it is rounding
-LONGEST = 64  # longest period looked for, in section points
+LONGEST = 512  # longest period looked for, in section points: a turn of a disc may hold hundreds
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
 FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
 DISTINCT = 1e-6  # points of one period lie further apart than this: else the period is shorter
@@ -133,10 +133,10 @@ def _lasting_period(points: Floats2, scales: Floats, longest: int, tolerance: fl
 def _declare(kernel: Callable[..., int], signature: str, **options: bool) -> Callable[..., int]:
     from numba import njit
 
-    from fiv_cli.codegen.kernels import ENTRY, register
+    from fiv_cli.codegen.kernels import OPTIONS, register
 
     register(sys.modules[__name__])
-    compiled: Callable[..., int] = njit(signature, **ENTRY, **options)(kernel)
+    compiled: Callable[..., int] = njit(signature, **OPTIONS, **options)(kernel)
     return compiled
 
 

@@ -236,7 +236,7 @@ class _Response:
                 last_point = self.motion.time
             found = self._rest() or (self._cycle(self.section) if self.count > before else None)
             if found is None and self._has_waited(last_point):
-                found = self._without_points(until)
+                found = self._without_points()
                 last_point = self.motion.time
             if found is not None:
                 return found
@@ -248,9 +248,9 @@ class _Response:
             return self.motion.time - last_point >= self.patience * (1.0 - 1e-12)
         return self._is_quiet()
 
-    def _without_points(self, until: float) -> Outcome | None:
+    def _without_points(self) -> Outcome | None:
         if self.excitation is not None:
-            return self._forced_sliding(until)
+            return self._forced_sliding()
         return self._neutral() if self.rests.is_neutral else None
 
     def _step(self, until: float, section: Section, measuring: bool = False) -> None:
@@ -274,13 +274,17 @@ class _Response:
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
         first = -1 - self.system.n_contacts
-        signs = self.motion.parameters[first:-1] == self.rests.unexcited.parameters[first:-1]
-        return bool(np.all(self.motion.kinds == kernel.SLIP) and np.all(signs))
+        ways = (one.parameters[first:-1].tolist() for one in (self.motion, self.rests.unexcited))
+        return self._all_contacts(kernel.SLIP) and next(ways) == next(ways)
+
+    def _all_contacts(self, kind: int) -> bool:
+        """Whether every contact is of this kind."""
+        return all(one == kind for one in self.motion.kinds.tolist())
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
         waited = self.motion.time - self.last_event >= self.patience * (1.0 - 1e-12)
-        return waited and bool(np.all(self.motion.kinds == kernel.SLIP))
+        return waited and self._all_contacts(kernel.SLIP)
 
     def _forget_oldest(self) -> None:
         half = KEPT // 2
@@ -331,8 +335,9 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
-        sticking = bool(np.all(self.motion.kinds == kernel.STICK))
-        if not sticking or self.excitation is not None or np.any(self.motion.rates() != 0.0):
+        if self.excitation is not None or not self._all_contacts(kernel.STICK):
+            return None
+        if np.any(self.motion.rates() != 0.0):
             return None
         outcome = self._resting_values(self.motion.y, sticking=True)
         outcome.values["decay_margin"] = 1.0
@@ -363,21 +368,25 @@ class _Response:
         outcome.values["attractor"] = "undecided"
         return outcome
 
-    def _forced_sliding(self, until: float) -> Outcome | None:
-        """Does a motion that never sticks repeat with the excitation?"""
-        strobe = Section("phase")
+    def _forced_sliding(self) -> Outcome | None:
+        """Does a motion that never sticks repeat with the excitation? None: it sticks again.
+
+        Only a stroboscopic section has points of it, so it is followed so until its time is up.
+        """
+        strobe, t_max = Section("phase"), self.settings["t_max"]
         self.count = 0
-        self._start_measuring()
-        while self.motion.time < until and self._goes_on:
+        begun, energy = self._start_measuring(), self.motion.energy()
+        while self.motion.time < t_max and self._goes_on:
             before = self.count
-            self._step(until, strobe, measuring=True)
+            self._step(t_max, strobe, measuring=True)
             if np.any(self.motion.measures.shares[:, kernel.STICK] > 0.0):
-                break
+                self.count = 0
+                return None
             found = self._rest() or (self._cycle(strobe) if self.count > before else None)
             if found is not None:
                 return found
-        self.count = 0
-        return None
+        values = {"attractor": "undecided", "transient_used": begun} | self._measured(energy)
+        return self._ended() or Outcome(reason="slide_not_decided", values=values)
 
     # --- periodic ---------------------------------------------------------------------------------
     def _cycle(self, section: Section, lasting: bool = False) -> Outcome | None:
@@ -559,10 +568,9 @@ class _Response:
         """A stationary section and two agreeing tests, or undecided."""
         if self.is_unconfirmed:
             return "undecided", "cycle_not_confirmed"
-        if self._is_quiet() and self.excitation is None:
-            return "undecided", "slide_not_decided"
         if self.count == 0:
-            return "undecided", "no_section_points"
+            slides = self._is_quiet() and self.excitation is None
+            return "undecided", "slide_not_decided" if slides else "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
         regular = regularity(self.points[: self.count, self.observed])
         if not (np.isfinite(exponent) and np.isfinite(regular)):

@@ -64,7 +64,8 @@ def differences(stored: Mapping[str, Any], case: Case) -> list[str]:
 
     The stored document may be of one analysis (it then names one) or of all.
     """
-    names = list(stored.get("analyses", {}))
+    analyses = stored.get("analyses")
+    names = list(analyses) if isinstance(analyses, dict) else []
     one = next((spec for spec in case.analyses if [spec.name] == names), None)
     now = document(case, one if len(case.analyses) > 1 else None)
     return list(_compare(dict(stored), now, ""))

@@ -28,6 +28,7 @@ class _Walk:
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
+        self.counted = self.passed = 0  # up to where lines are counted, and how many there are
         self.lines: dict[Path, int] = {}
         self.counts: dict[Path, int] = {}
 
@@ -145,7 +146,9 @@ class _Walk:
         return match.group()
 
     def line(self) -> int:
-        return self.text.count("\n", 0, self.at) + 1
+        self.passed += self.text.count("\n", self.counted, self.at)
+        self.counted = self.at
+        return self.passed + 1
 
 
 def _unquoted(key: str) -> str:

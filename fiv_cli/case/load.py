@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any
@@ -25,10 +24,14 @@ from fiv_cli.case.solver import read_solver
 from fiv_cli.case.starts import read_starts
 from fiv_cli.case.structure import CaseTable, HeaderTable
 from fiv_cli.case.tables import keys_of, read_table
+from fiv_cli.case.toml import MOST_BYTES, TooMuchError, parse_toml, too_large
 from fiv_cli.dynamics.schedule import STEADY
 from fiv_cli.errors import CaseError, Problem, UsageError
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Parameter
+
+# What decides which variables there will be.
+DECIDE_VARIABLES = ("analyses", "axes", "law", "options")
 
 _AT_LINE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
@@ -52,12 +55,12 @@ def parse_case(text: str, source: str, overrides: Sequence[str] = ()) -> Case:
     parsed = [parse_override(override) for override in overrides]
     try:
         document, places, unplaced = apply_overrides(_toml(text, source), parsed)
-        report = Report(source, locate(text), places)
-    except RecursionError:
+    except RecursionError:  # of paths of --set, which are no text of the case
         raise CaseError(source, [Problem("case", "tables or lists nest too deeply")]) from None
+    report = Report(source, locate(text), places)
     report.add_problems(unplaced)
     case = _build(document, report, source, text, tuple(overrides))
-    report.raise_if_any()
+    report.raise_if_any(case if report.is_sure_of(*DECIDE_VARIABLES) else None)
     if case is None:
         raise AssertionError("a case without problems was not built")
     return case
@@ -65,7 +68,11 @@ def parse_case(text: str, source: str, overrides: Sequence[str] = ()) -> Case:
 
 def _read(source: str) -> str:
     try:
-        return FilePath(source).read_bytes().decode("utf-8-sig")
+        with FilePath(source).open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
+            raise _too_much(source, too_large(len(content)))
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         problem = Problem("case", "is not UTF-8 text", "a TOML file in UTF-8", line=line)
@@ -90,9 +97,15 @@ def _nearby(source: str) -> str:
 
 def _toml(text: str, source: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
+        return parse_toml(text)
+    except TooMuchError as error:
+        raise _too_much(source, error) from None
     except ValueError as error:  # TOMLDecodeError, or an integer too long to read
         raise CaseError(source, [_syntax_problem(str(error), text)]) from None
+
+
+def _too_much(source: str, error: TooMuchError) -> CaseError:
+    return CaseError(source, [Problem("case", error.message, error.allowed, line=error.line)])
 
 
 def _syntax_problem(message: str, text: str) -> Problem:

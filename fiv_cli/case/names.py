@@ -42,6 +42,11 @@ def ascii_name(name: str) -> str:
     return ".".join(_SYNONYMS.get(part, part) for part in parts)
 
 
+def can_name_a_file(name: str) -> bool:
+    """Whether `name` can be part of the name of a file, and be shown."""
+    return bool(name) and name.isprintable() and not {"/", "\\"} & set(name)
+
+
 def suggest(name: str, known: Collection[str]) -> str:
     """A "did you mean" for `name`, or "" when nothing known resembles it.
 

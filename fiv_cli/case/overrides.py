@@ -8,7 +8,6 @@ no TOML is a string.
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from typing import Any
 
 from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.report import Path, dotted
+from fiv_cli.case.toml import DEEPEST, TooMuchError, parse_toml
 from fiv_cli.errors import Problem, UsageError
 
 _KEY = r"""(?:"[^"]*"|'[^']*'|[^\s."'=\[\]]+)"""
@@ -39,6 +39,8 @@ def parse_override(text: str) -> Override:
     if match is None:
         raise _malformed(text, "PATH=VALUE is wanted")
     keys = tuple(key.strip("\"'") for key in re.findall(_KEY, match[1]))
+    if len(keys) > DEEPEST:
+        raise _malformed(text[:80], f"a path of {len(keys)} parts; at most {DEEPEST} are allowed")
     return Override(text, keys, _value(text, match[2].strip()))
 
 
@@ -110,8 +112,10 @@ def _index_by_name(elements: list[Any], key: str, override: Override) -> int:
 
 def _value(text: str, value: str) -> Any:
     try:
-        parsed = tomllib.loads(f"value = {value}")
-    except (tomllib.TOMLDecodeError, ValueError):
+        parsed = parse_toml(f"value = {value}")
+    except TooMuchError as error:
+        raise _malformed(text[:80], str(error)) from None
+    except ValueError:
         if _BARE_WORD.fullmatch(value):
             return value
         raise _malformed(text, f"{value!r} is neither a TOML value nor a bare word") from None

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from fiv_cli.errors import CaseError, Problem
 
 Path = tuple[str | int, ...]
+
+# Of more, nobody reads the rest; and each costs the time of a "did you mean".
+MOST_PROBLEMS = 1000
 
 _BARE = re.compile(r"[^\s.\"'=\[\]]+")
 
@@ -15,6 +19,11 @@ _BARE = re.compile(r"[^\s.\"'=\[\]]+")
 def dotted(path: Path) -> str:
     """``("grid", "initial.x_dot")`` -> ``grid."initial.x_dot"``, as ``--set`` takes it."""
     return ".".join(_part(part) for part in path) or "case"
+
+
+def in_order(problems: Sequence[Problem]) -> list[Problem]:
+    """The problems in the order of the file."""
+    return sorted(problems, key=lambda problem: problem.line or 0)
 
 
 def _part(part: str | int) -> str:
@@ -70,16 +79,18 @@ class Report:
         place = dotted(path) if override is None else f"{dotted(path)} (--set {override})"
         line = None if override is not None else self._line_at(path)
         self.problems.append(Problem(place, message, allowed, suggestion, line))
+        if len(self.problems) >= MOST_PROBLEMS:
+            enough = Problem("case", f"no more than {MOST_PROBLEMS:,} problems are told")
+            raise CaseError(self.source, [*in_order(self.problems), enough])
 
     def add_problems(self, problems: Sequence[Problem]) -> None:
         """Note problems that know their place already."""
         self.problems.extend(problems)
 
-    def raise_if_any(self) -> None:
-        """CaseError with every problem, in the order of the file, if there is one."""
+    def raise_if_any(self, case: Any = None) -> None:
+        """CaseError with every problem, and the case as far as it is sure, if there is one."""
         if self.problems:
-            ordered = sorted(self.problems, key=lambda problem: problem.line or 0)
-            raise CaseError(self.source, ordered)
+            raise CaseError(self.source, in_order(self.problems), case)
 
     def _override_at(self, path: Path) -> str | None:
         """The last override that wrote `path`, or a table above it, or made it on its way."""

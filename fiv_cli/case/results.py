@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
-from fiv_cli.case.names import ascii_name, listed, suggest
+from fiv_cli.case.conditions import parse_condition
+from fiv_cli.case.names import ascii_name, can_name_a_file, listed, suggest
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import (
@@ -49,11 +50,6 @@ _OWN_DIMS = (
     "l",
     "point",
 )
-_BOUND = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_CONDITION = re.compile(
-    rf"\s*(?:(?P<low>{_BOUND})\s*(?P<above><=?)\s*)?\.(?:\s*(?P<below><=?|>=?)\s*(?P<high>{_BOUND}))?\s*"
-)
-_FILE_NAME = re.compile(r"[^/\\\0]+")
 _CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
 _OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
 _EXPECT_FORMS = (
@@ -97,7 +93,7 @@ def read_figures(
         taken = [figure.name for figure in figures]
         if table.name in taken:
             report.add((*place, "name"), f"the name {table.name!r} is taken", "unique names")
-        if table.name is not None and not _FILE_NAME.fullmatch(table.name):
+        if table.name is not None and not can_name_a_file(table.name):
             message = f"{table.name!r} cannot be part of the name of a file"
             report.add((*place, "name"), message, "one character at least, and no slash")
         given = {key: value for key, value in element.items() if key not in ("kind", "name")}
@@ -206,7 +202,7 @@ def _check_reduced(table: ReduceTable) -> None:
 
 def _check_share_of(text: str) -> None:
     """ValueError unless `text` is a condition or a class."""
-    if not _CLASS.fullmatch(text) and not (_CONDITION.fullmatch(text) and text.strip() != "."):
+    if not _CLASS.fullmatch(text) and not parse_condition(text):
         raise ValueError(f'{text!r} is neither a condition such as ". > 0" nor a class')
 
 
@@ -240,7 +236,7 @@ def _selected(name: str, kind: str, value: Any, answers: Answers) -> Any:
         return next(o for o in answers.physics.model.options if o.name == name).text(value)
     if kind in ("own", "option", "law") or not isinstance(value, str):
         return value
-    if "." in value and _CONDITION.fullmatch(value) and any(sign in value for sign in "<>"):
+    if parse_condition(value):
         return value.strip()
     return convert(value, _unit(name, answers))
 

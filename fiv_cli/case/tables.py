@@ -12,6 +12,9 @@ from fiv_cli.case.names import listed, nearest, suggest
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import describe
 
+MOST_TABLES = 2000
+"""Elements of an array of tables; of starts, one table may give as many as one likes."""
+
 T = TypeVar("T", bound=BaseModel)
 
 
@@ -80,6 +83,9 @@ def read_tables(
     """Each readable element of an array of tables, with its path and its raw keys."""
     if not isinstance(raw, list):
         report.add(path, f"must be an array of tables [[{path[-1]}]], not {describe(raw)}")
+        return []
+    if len(raw) > MOST_TABLES:
+        report.add(path, f"{len(raw):,} tables are too many", f"at most {MOST_TABLES:,}")
         return []
     places = [(*path, index) for index in range(len(raw))]
     tables = [

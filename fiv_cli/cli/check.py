@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from fiv_cli.cli.common import json_option, print_json, set_option
-from fiv_cli.errors import CaseError, FivError
+from fiv_cli.errors import CaseError, FivError, printable
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,11 @@ def command(cases: tuple[str, ...], overrides: tuple[str, ...], as_json: bool) -
 
 def check_case(source: str, overrides: Sequence[str]) -> Verdict:
     """Read one case and plan it; an error becomes part of the verdict."""
-    from fiv_cli.case.load import load_case
+    from fiv_cli.data.asked import load_checked
     from fiv_cli.sweep.plan import make_plan
 
     try:
-        plan = make_plan(load_case(source, overrides))
+        plan = make_plan(load_checked(source, overrides))
     except FivError as error:
         return Verdict(source, error=error)
     return Verdict(source, plan=tuple(plan.describe()))
@@ -64,7 +64,7 @@ def check_case(source: str, overrides: Sequence[str]) -> Verdict:
 def _print(verdicts: Iterable[Verdict]) -> None:
     for verdict in verdicts:
         if verdict.error is None:
-            click.echo("\n".join(verdict.plan))
+            click.echo(printable("\n".join(verdict.plan)))
         else:
             click.echo(str(verdict.error), err=True)
 

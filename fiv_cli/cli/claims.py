@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fiv_cli.cli.common import json_option, print_json
-from fiv_cli.errors import DifferenceError, UsageError
+from fiv_cli.errors import DifferenceError, UsageError, printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +59,11 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
         found = {"claims": [asdict(entry) for entry in ledger], "classes": undecided.as_plain()}
         print_json(found)
     else:
-        click.echo("\n".join([*lines(ledger), undecided.line()]))
+        click.echo(
+            printable(
+                "\n".join([*lines(ledger), *([undecided.line()] if undecided.points else [])])
+            )
+        )
     if strict:
         _demand(ledger)
 
@@ -91,19 +94,21 @@ def _is_case(file: Path) -> bool:
 
     Run directories keep a copy of theirs; other TOML files (tolerances, projects) have no schema.
     """
+    from fiv_cli.case.toml import parse_toml
+
     if any(parent.suffix == ".run" for parent in file.parents):
         return False
     try:
-        return "schema" in tomllib.loads(file.read_text(encoding="utf-8"))
+        return "schema" in parse_toml(file.read_text(encoding="utf-8"))
     except ValueError:
         return True  # broken: loading it says where
 
 
 def judge(path: Path, undecided: Undecided) -> list[Entry]:
     """The ledger of one case file; its points without a class are counted in `undecided`."""
-    from fiv_cli.case.load import load_case
+    from fiv_cli.data.asked import load_checked
 
-    case = load_case(path)
+    case = load_checked(path)
     analyses, missing = _dataset_of(case)
     undecided.add((analyses or {}).values())
     return [_entry(path, claim, analyses, missing) for claim in case.claims]

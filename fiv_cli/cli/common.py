@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-import atexit
 import json
-import os
-import shutil
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, TypeVar
 
 import click
-
-from fiv_cli import ending
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 # The version of what ``--json`` prints.
 JSON_SCHEMA = 1
-
-# Bytes that a cache must have room for: the integrator and a model with its tangents.
-CACHE_ROOM = 8_000_000
 
 set_option: Callable[[F], F] = click.option(
     "--set",
@@ -38,38 +28,10 @@ json_option: Callable[[F], F] = click.option(
 
 
 def provide_cache() -> None:
-    """Let compiled code go to a temporary folder where the user's cache cannot be written.
+    """Settle where compiled code goes before anything is compiled; workers inherit the choice."""
+    from fiv_cli.codegen import cache
 
-    Called before anything is compiled. The environment carries the choice to worker processes.
-    """
-    from fiv_cli.codegen.cache import cache_root
-
-    try:
-        root = cache_root()
-    except RuntimeError:  # neither HOME nor an entry of this user among the accounts
-        _compile_for_once("the folder of compiled code is unknown (there is no home folder)")
-        return
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=root) as file:
-            file.write(bytes(CACHE_ROOM))
-    except OSError as error:
-        _compile_for_once(f"{root}: compiled code cannot be kept there ({error.strerror})")
-
-
-def _compile_for_once(why: str) -> None:
-    from fiv_cli.codegen.cache import VARIABLE
-
-    folder = tempfile.mkdtemp(prefix="fiv-cache-")
-    remove = partial(shutil.rmtree, folder, ignore_errors=True)
-    atexit.register(remove)
-    ending.at_last(remove)
-    os.environ[VARIABLE] = folder
-    click.echo(
-        f"{why}; it is compiled for this run only, which takes up to a minute\n"
-        f"next time: {VARIABLE}=FOLDER in the environment, a folder that can be written",
-        err=True,
-    )
+    cache.provide()
 
 
 def print_json(document: dict[str, Any]) -> None:

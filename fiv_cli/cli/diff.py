@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from fiv_cli.cli.common import json_option, print_json
+from fiv_cli.errors import printable
 
 DIFFERENT = 5
 
@@ -34,15 +35,16 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
       fiv diff runs/a.nc sweeps/a/reference.nc --tolerances sweeps/a/tolerances.toml
     """
     from fiv_cli.data.compare import Tolerances, compare, read_tolerances
-    from fiv_cli.data.netcdf import read_datasets
+    from fiv_cli.data.reading import read_analyses
 
     chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
-    found = compare(read_datasets(first), read_datasets(second), chosen)
+    found = compare(read_analyses(first), read_analyses(second), chosen)
     if as_json:
         print_json({"equal": not found, "differences": [asdict(one) for one in found]})
     else:
         for one in found:
-            click.echo(f"{one.what}: {one.text}" + (f" ({one.count})" if one.count > 1 else ""))
+            count = f" ({one.count})" if one.count > 1 else ""
+            click.echo(printable(f"{one.what}: {one.text}{count}"))
         if not found:
             click.echo(f"{first} and {second} agree")
     return DIFFERENT if found else 0

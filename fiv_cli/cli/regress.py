@@ -103,7 +103,7 @@ def _regress(sweep: Sweep, workers: int, regenerate: bool) -> bool:
         output = Path(scratch) / "result.nc"
         _run(sweep, output, workers)
         if regenerate:
-            shutil.copyfile(output, sweep.reference)
+            _store(output, sweep.reference)
             click.echo(f"{sweep.folder.name}: reference stored")
             return True
         differences = _differences(sweep, output)
@@ -111,18 +111,25 @@ def _regress(sweep: Sweep, workers: int, regenerate: bool) -> bool:
     return not differences
 
 
+def _store(output: Path, reference: Path) -> None:
+    from fiv_cli.files import refuse_special, write_whole
+
+    refuse_special(reference, "DIR")
+    write_whole(reference, output.read_bytes())
+
+
 def _run(sweep: Sweep, output: Path, workers: int) -> None:
-    from fiv_cli.case.load import load_case
+    from fiv_cli.data.asked import load_checked
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
 
-    run_case(load_case(sweep.case), output, Policy(workers=workers), for_stderr(quiet=True))
+    run_case(load_checked(sweep.case), output, Policy(workers=workers), for_stderr(quiet=True))
 
 
 def _differences(sweep: Sweep, output: Path) -> list[Difference]:
     from fiv_cli.data.compare import Tolerances, compare, read_tolerances
-    from fiv_cli.data.netcdf import read_datasets
+    from fiv_cli.data.reading import read_analyses
 
     if not sweep.reference.exists():
         raise UsageError(
@@ -130,7 +137,7 @@ def _differences(sweep: Sweep, output: Path) -> list[Difference]:
         )
     own = sweep.tolerances
     tolerances = read_tolerances(own) if own.exists() else Tolerances()
-    return compare(read_datasets(sweep.reference), read_datasets(output), tolerances)
+    return compare(read_analyses(sweep.reference), read_analyses(output), tolerances)
 
 
 def _print(sweep: Sweep, differences: Sequence[Difference]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from fiv_cli.cli.common import json_option, print_json
+from fiv_cli.errors import printable
 
 
 @click.command("show")
@@ -29,4 +30,4 @@ def command(file: Path, as_json: bool) -> None:
     if as_json:
         print_json(summary)
     else:
-        click.echo("\n".join(lines(summary)))
+        click.echo(printable("\n".join(lines(summary))))

@@ -148,7 +148,8 @@ class _Piece:
         target, _, text = statement.partition(" = ")
         self._tokens, self._at = [*TOKEN.findall(text), ""], 0
         value = self._sum()
-        assert self._at == len(self._tokens) - 1, statement
+        if self._at != len(self._tokens) - 1:
+            raise ValueError(f"{statement}: not understood from {self._tokens[self._at]!r} on")
         if not target.endswith("]"):
             self._define(target, value)
             return

@@ -2,35 +2,94 @@
 
 A key is the hash of everything that decides the content (source files, options, order, LLVM,
 processor), so an edited model, law or engine file has another key and never meets stale code.
-Files and folders appear whole: written under a temporary name, then renamed. Two processes that
-generate the same thing at once both succeed.
+Files appear whole, see ``fiv_cli/files.py``. Two processes that generate the same thing at once
+both succeed, with the same bytes.
+
+What is read here is executed, so only what nobody else can have written is read: the folder and
+each file must belong to this user and be writable by nobody else. A folder that is not so, or that
+cannot be written, is not used: a temporary one takes its place for this run, and one warning
+says so. The environment carries that choice to worker processes.
+
+Entries are touched when they are used. Whenever something new is written, those go that nobody
+has used for `KEPT_AGE`, and, beyond `KEPT_BYTES`, those that were used longest ago, but none that
+was used within `SPARED_AGE`. A running process never needs a file for longer than it takes to read
+it (what is loaded lies in memory), and a file that went too early is only made again; so a week
+since the last use is more than the longest pause between the parent's reading and that of a worker
+that it starts.
 """
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import hashlib
 import os
 import shutil
 import stat
+import sys
 import tempfile
-from collections.abc import Callable, Iterable
+import time
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from fiv_cli import ending
+from fiv_cli.files import write_whole
 
 VARIABLE = "FIV_CACHE_DIR"  # of the environment: the folder, if not in the user's cache folder
-SEAL = "seal"  # file of a folder: hash of the others
+NONE = Path(os.devnull)  # the folder that stands for none: nothing is kept
+
+DAY = 86400.0  # s
+KEPT_AGE = 90 * DAY
+SPARED_AGE = 7 * DAY
+KEPT_BYTES = 512 * 1024**2
+
+OWN_FOLDER, OWN_FILE = 0o700, 0o600
+OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_root() -> Path:
-    """``$FIV_CACHE_DIR``, or ``fiv`` in the user's cache folder."""
+    """``$FIV_CACHE_DIR``, or ``fiv`` in the user's cache folder.
+
+    Raises
+    ------
+    RuntimeError
+        neither is there: this user has no home folder.
+    """
     given = os.environ.get(VARIABLE)
     if given:
         return Path(given)
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(base) / "fiv"
+
+
+def provide() -> Path:
+    """The folder to use, made where it is not there; a temporary one where it cannot be used."""
+    try:
+        root = cache_root()
+    except RuntimeError:
+        return replace_for_this_run("there is no home folder to keep compiled code in")
+    trouble = _trouble(root)
+    return replace_for_this_run(trouble) if trouble else root
+
+
+def replace_for_this_run(why: str) -> Path:
+    """Let compiled code go to a temporary folder, or nowhere, and say so in one line."""
+    try:
+        root = Path(tempfile.mkdtemp(prefix="fiv-cache-"))
+        remove = partial(shutil.rmtree, root, ignore_errors=True)
+        atexit.register(remove)
+        ending.at_last(remove)
+    except OSError:
+        root = NONE
+    os.environ[VARIABLE] = str(root)
+    print(
+        f"warning: {why}; it is compiled for this run only, which takes up to a minute "
+        f"(next time: {VARIABLE}=FOLDER in the environment, a folder of your own)",
+        file=sys.stderr,
+    )
+    return root
 
 
 def content_key(parts: Iterable[str | bytes]) -> str:
@@ -49,9 +108,9 @@ def source_of(*paths: Path) -> bytes:
 
 
 def read(name: str) -> bytes | None:
-    """A cached file's content, None when it is not there or not whole."""
+    """A cached file's content, None when it is not there, not whole or not this user's own."""
     try:
-        data = (cache_root() / name).read_bytes()
+        data = _own_content(provide() / name)
     except OSError:
         return None
     checksum, content = data[:32], data[32:]
@@ -59,55 +118,108 @@ def read(name: str) -> bytes | None:
 
 
 def write(name: str, content: bytes) -> None:
-    """Store atomically; a cache that cannot be written is done without."""
+    """Store atomically; where that fails, in a folder for this run, and a warning says why."""
+    root = provide()
+    if root == NONE:
+        return
+    data = hashlib.sha256(content).digest() + content
+    try:
+        write_whole(root / name, data, mode=OWN_FILE, durable=False)
+    except OSError as error:
+        root = replace_for_this_run(f"{root}: compiled code cannot be kept ({error.strerror})")
+        with contextlib.suppress(OSError):  # then it is compiled once more by each process
+            write_whole(root / name, data, mode=OWN_FILE, durable=False)
+    else:
+        _discard_old(root)
+
+
+# --- whose it is ----------------------------------------------------------------------------------
+def _trouble(root: Path) -> str:
+    """Why a folder cannot be used; empty where it can (it is made where it is not there)."""
+    if root == NONE:
+        return ""
+    try:
+        _make_own(root)
+        found = root.stat()
+    except OSError as error:
+        return f"{root}: compiled code cannot be kept there ({error.strerror})"
+    whose = _not_own(found)
+    if whose:
+        return f"{root}: compiled code is not taken from there, the folder {whose}"
+    if not os.access(root, os.W_OK | os.X_OK):
+        return f"{root}: compiled code cannot be kept there (it cannot be written)"
+    return ""
+
+
+def _make_own(folder: Path) -> None:
+    """Make a folder and what is missing above it, closed to others whatever the umask."""
+    if folder.is_dir():
+        return
+    if folder.parent != folder:
+        _make_own(folder.parent)
+    with contextlib.suppress(FileExistsError):  # another process has just made it
+        folder.mkdir(mode=OWN_FOLDER)
+    if not folder.is_dir():
+        raise NotADirectoryError(20, os.strerror(20))
+
+
+def _not_own(found: os.stat_result) -> str:
+    """In what a file or folder is not this user's alone; empty where it is."""
+    if found.st_uid != os.geteuid():
+        return "belongs to another user"
+    return "can be written by others (chmod go-w)" if found.st_mode & OTHERS_WRITE else ""
+
+
+def _own_content(path: Path) -> bytes:
+    """What stands in a regular file of this user's own; it counts as used now.
+
+    Raises
+    ------
+    OSError
+        there is no such file.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(descriptor, "rb") as file:
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode) or _not_own(found):
+            raise PermissionError(path)
+        with contextlib.suppress(OSError):  # on a disk that is read only
+            os.utime(descriptor)
+        return file.read()
+
+
+# --- what goes ------------------------------------------------------------------------------------
+class _Entry(NamedTuple):
+    """A file of the cache: when it was used last, and its size."""
+
+    used: float
+    size: int
+    path: Path
+
+
+def _discard_old(root: Path) -> None:
+    """Remove what has not been used for long, see above; a failure is no harm."""
     with contextlib.suppress(OSError):
-        root = cache_root()
-        root.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=root)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(hashlib.sha256(content).digest() + content)
-            Path(temporary).replace(root / name)
-        finally:
-            Path(temporary).unlink(missing_ok=True)  # there only where the disk is full
+        for entry in _superfluous(_entries(root), time.time()):
+            entry.path.unlink(missing_ok=True)
 
 
-# --- folders that others write into ---------------------------------------------------------------
-def find_folder(name: str) -> Path | None:
-    """A cached folder that is whole, this user's own and can be written; None without one."""
-    folder = cache_root() / name
-    with contextlib.suppress(OSError):
-        if _is_private(folder) and (folder / SEAL).read_text() == _seal(folder):
-            return folder
-    return None
+def _entries(root: Path) -> list[_Entry]:
+    """Every file of this user in the folder; folders in it are not the cache's."""
+    found = []
+    for path in root.iterdir():
+        status = path.lstat()
+        if stat.S_ISREG(status.st_mode) and status.st_uid == os.geteuid():
+            found.append(_Entry(status.st_mtime, status.st_size, path))
+    return found
 
 
-def make_folder(name: str, fill: Callable[[Path], object]) -> None:
-    """Keep a folder that `fill` writes into; a cache that cannot be written is done without."""
-    with contextlib.suppress(OSError):
-        root = cache_root()
-        root.mkdir(mode=0o700, parents=True, exist_ok=True)
-        new = Path(tempfile.mkdtemp(dir=root))
-        remove = partial(shutil.rmtree, new, ignore_errors=True)
-        with contextlib.ExitStack() as at_end:
-            at_end.enter_context(ending.last_act(remove))
-            at_end.callback(remove)
-            fill(new)
-            (new / SEAL).write_text(_seal(new))
-            if find_folder(name) is None:  # else another process was faster
-                shutil.rmtree(root / name, ignore_errors=True)
-                new.rename(root / name)
-
-
-def _is_private(folder: Path) -> bool:
-    status = folder.stat()
-    others = stat.S_IRWXG | stat.S_IRWXO
-    is_own = status.st_uid == os.getuid() and not status.st_mode & others
-    return is_own and os.access(folder, os.W_OK)
-
-
-def _seal(folder: Path) -> str:
-    """Hash of the names and contents of a folder's files."""
-    paths = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != SEAL)
-    named = [(str(path.relative_to(folder)), path.read_bytes()) for path in paths]
-    return content_key(part for pair in named for part in pair)
+def _superfluous(entries: Iterable[_Entry], now: float) -> list[_Entry]:
+    """Of the entries those that go."""
+    room, going = KEPT_BYTES, []
+    for entry in sorted(entries, reverse=True):
+        room -= entry.size
+        age = now - entry.used
+        if age > KEPT_AGE or (room < 0 and age > SPARED_AGE):
+            going.append(entry)
+    return going

@@ -1,17 +1,24 @@
 """Compiled kernels: made by numba on first use, once per user, anew after any edit of their files.
 
-numba's own file cache keeps the machine code. It does not see edits in other files than that of
-the entry, so every state of the sources has a folder of its own.
+numba keeps machine code in files of its own, which it finds by the entry's file: it sees no edit
+in another one, and reads what anybody may have written. So its files are made in a folder that
+lives as long as the compiling or loading takes, and are kept, packed into one, by the rules of
+`cache.py`: under a key that follows every source, whole, and nobody else's.
 """
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from importlib.metadata import version
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
+from fiv_cli import ending
 from fiv_cli.codegen import cache as store
 from fiv_cli.codegen.lower import machine_description
 
@@ -42,7 +49,7 @@ class Compiled:
 
     def is_warm(self) -> bool:
         """Whether this user's cache holds the machine code."""
-        return store.find_folder(self._folder()) is not None
+        return store.read(self._file()) is not None
 
     def load(self, announce: Callable[[str], None], sentence: str) -> None:
         """Have the entry at hand; `announce` is called with the sentence if it must be compiled."""
@@ -53,16 +60,26 @@ class Compiled:
     @cached_property
     def function(self) -> Callable[..., Any]:
         """The compiled entry."""
-        folder = store.find_folder(self._folder())
-        if folder is not None:
-            return self._declared(folder)
-        made: list[Callable[..., Any]] = []
-        if self._read_sources() == self._sources:  # not edited since
-            store.make_folder(self._folder(), lambda new: made.append(self._declared(new)))
-        return made[0] if made else self._declare(cache=False)
+        try:
+            scratch = tempfile.TemporaryDirectory(prefix="fiv-numba-")
+        except OSError:  # nowhere to put a file
+            return self._declare(cache=False)
+        remove = partial(shutil.rmtree, scratch.name, ignore_errors=True)
+        with scratch, ending.last_act(remove):
+            return self._made_in(Path(scratch.name))
+
+    def _made_in(self, folder: Path) -> Callable[..., Any]:
+        """The entry, loaded from what was kept, or compiled and kept."""
+        kept = store.read(self._file())
+        if kept is not None:
+            ZipFile(BytesIO(kept)).extractall(folder)
+        entry = self._declared(folder)
+        if kept is None and self._read_sources() == self._sources:  # not edited since
+            store.write(self._file(), _packed(folder))
+        return entry
 
     def _declared(self, folder: Path) -> Callable[..., Any]:
-        """The entry from a folder of numba's, or compiled into it."""
+        """The entry, with numba's files in this folder."""
         import numba
 
         before = numba.config.CACHE_DIR
@@ -75,5 +92,14 @@ class Compiled:
     def _read_sources(self) -> bytes:
         return store.source_of(*self.files, *OWN)
 
-    def _folder(self) -> str:
-        return f"{self.name}-{self.key()}"
+    def _file(self) -> str:
+        return f"{self.name}-{self.key()}.zip"
+
+
+def _packed(folder: Path) -> bytes:
+    """The files of a folder as one."""
+    content = BytesIO()
+    with ZipFile(content, "w") as archive:
+        for path in folder.rglob("*"):
+            archive.write(path, path.relative_to(folder))
+    return content.getvalue()

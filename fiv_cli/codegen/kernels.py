@@ -24,16 +24,14 @@ from numba.extending import (
     models,
     overload,
     overload_attribute,
-    register_jitable,
     register_model,
     type_callable,
 )
 
 from fiv_cli.codegen.memory import ARRAYS, Frame, bits_of, call_generated, float_of
 
-ENTRY = {"error_model": "numpy"}
-# Of kernels: nothing calls them from outside, nothing in them counts references.
-OPTIONS = {**ENTRY, "_nrt": False, "no_cfunc_wrapper": True}
+OPTIONS = {"error_model": "numpy"}
+SCALARS = {"float": types.float64, "int": types.int64, "bool": types.boolean}
 ELEMENTS = {float: types.float64, int: types.int64}
 DOUBLE, INTEGER = ir.DoubleType(), ir.IntType(64)
 GENERATED = ir.FunctionType(
@@ -46,7 +44,22 @@ def register(module: ModuleType) -> None:
     """Let kernels call those of a module."""
     for function in vars(module).values():
         if hasattr(function, "__native__") and function.__module__ == module.__name__:
-            register_jitable(**OPTIONS)(function)
+            _register_kernel(function)
+
+
+def _register_kernel(kernel: Callable[..., Any]) -> None:
+    """Let kernels call this one, with what its annotations say and nothing else.
+
+    numba would compile it once more for a call with an integer where it says float.
+    """
+    parameters = list(kernel.__annotations__.values())[: kernel.__code__.co_argcount]
+    scalars = [SCALARS.get(annotation) for annotation in parameters]
+
+    def chosen(*given: Any) -> Any:
+        pairs = zip(given, scalars, strict=True)
+        return kernel if all(scalar in (None, kind) for kind, scalar in pairs) else None
+
+    overload(kernel, jit_options=OPTIONS, strict=False)(chosen)
 
 
 class View(types.Type):
@@ -58,11 +71,7 @@ class View(types.Type):
 
 
 class FrameType(types.Type):
-    """A frame in a kernel: its address."""
-
-    def __init__(self, kind: type[Frame]) -> None:
-        self.kind = kind
-        super().__init__(name=f"Frame({kind.__module__}.{kind.__qualname__})")
+    """A frame in a kernel: its address. Every frame has a type derived from this one."""
 
 
 @register_model(View)
@@ -70,9 +79,6 @@ class _ViewModel(models.StructModel):
     def __init__(self, manager: Any, view: View) -> None:
         lengths = [(f"length{level}", types.int64) for level in range(view.depth)]
         super().__init__(manager, view, [("data", types.CPointer(view.element)), *lengths])
-
-
-register_model(FrameType)(models.OpaqueModel)
 
 
 # --- elements, rows, what follows an index --------------------------------------------------------
@@ -209,22 +215,24 @@ def _field_reader(annotation: str, place: int) -> Any:
 @cache
 def register_frame(frame: type[Frame], frame_at: Callable[[int], Any]) -> None:
     """Let kernels take a frame from its address, by `frame_at`, and read its fields."""
-    kind = FrameType(frame)
-    type_callable(frame_at)(lambda context: lambda address: kind)
+    name = f"Frame({frame.__module__}.{frame.__qualname__})"
+    family = type(name, (FrameType,), {})
+    register_model(family)(models.OpaqueModel)
+    type_callable(frame_at)(lambda context: lambda address: family(name))
     lower_builtin(frame_at, types.Integer)(_frame_at)
-    for name, place in frame.places().items():
-        _register_field(frame, name, _field_reader(frame.__annotations__[name], place))
+    for field, place in frame.places().items():
+        _register_field(family, field, _field_reader(frame.__annotations__[field], place))
 
 
 def _frame_at(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
 
 
-def _register_field(frame: type[Frame], name: str, read: Any) -> None:
+def _register_field(family: type[FrameType], name: str, read: Any) -> None:
     def field(run: Any) -> Any:
-        return (lambda run: read(run)) if run.kind is frame else None
+        return lambda run: read(run)
 
-    overload_attribute(FrameType, name, jit_options=OPTIONS, strict=False)(field)
+    overload_attribute(family, name, jit_options=OPTIONS, strict=False)(field)
 
 
 # --- generated code, bits -------------------------------------------------------------------------

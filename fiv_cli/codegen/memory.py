@@ -94,9 +94,9 @@ class Frame:
         for name, array in arrays.items():
             element, depth = ARRAYS[cls.__annotations__[name]]
             expected = np.float64 if element is float else np.int64
-            assert array.dtype == expected and array.ndim == depth and array.flags.c_contiguous, (
-                name
-            )
+            suits = array.dtype == expected and array.ndim == depth and array.flags.c_contiguous
+            if not suits:
+                raise TypeError(f"{name} is no array that a frame can hold")
             words[places[name] : places[name] + 1 + depth] = address_of(array), *array.shape
         return words
 

@@ -6,23 +6,59 @@ A misspelt variable is told before anything is computed, not after.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path as FilePath
 from typing import Any
 
-from fiv_cli.case.case import Case, ClaimSpec, FigureSpec
+from fiv_cli.analyses import get_analysis
+from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.lines import locate
+from fiv_cli.case.load import load_case
 from fiv_cli.case.names import listed, suggest
-from fiv_cli.case.report import Path, Report
+from fiv_cli.case.overrides import apply_overrides, parse_override
+from fiv_cli.case.report import Path, Report, in_order
 from fiv_cli.case.results import TRENDS
+from fiv_cli.case.toml import parse_toml
 from fiv_cli.data.flags import TABLES
-from fiv_cli.data.layout import Layout
+from fiv_cli.data.layout import varying_in
 from fiv_cli.data.variables import Variable, variables_of
+from fiv_cli.errors import CaseError, Problem
 from fiv_cli.models import get_model
 
 # What a sweep that is refined tells of each point besides.
 OF_REFINED = "computed"
 
 
-def refuse_what_will_not_be_there(case: Case, layouts: Sequence[Layout]) -> None:
+Held = Mapping[str, Sequence[Variable]]
+"""Name of an analysis -> its variables."""
+
+
+def load_checked(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
+    """The case at `path`; what its figures and claims ask for will be there.
+
+    Raises
+    ------
+    UsageError, CaseError
+        as `load_case`; the problems of figures and claims are told with all the others.
+    """
+    try:
+        case = load_case(path, overrides)
+    except CaseError as error:
+        if error.case is None or not all(map(_is_complete, error.case.analyses)):
+            raise
+        told = {problem.path for problem in error.problems}
+        further = [problem for problem in _problems(error.case) if problem.path not in told]
+        raise CaseError(error.source, in_order([*error.problems, *further])) from None
+    refuse_what_will_not_be_there(case)
+    return case
+
+
+def _is_complete(spec: AnalysisSpec) -> bool:
+    """Whether nothing is missing that an analysis must be given."""
+    needed = [setting.name for setting in get_analysis(spec.kind).settings if setting.required]
+    return all(spec.settings.get(name) is not None for name in needed)
+
+
+def refuse_what_will_not_be_there(case: Case) -> None:
     """Check every variable that a figure or a claim names.
 
     Raises
@@ -30,18 +66,33 @@ def refuse_what_will_not_be_there(case: Case, layouts: Sequence[Layout]) -> None
     CaseError
         one names what no analysis of the case computes, or asks a number for its class.
     """
-    report = Report(case.source, locate(case.text), {})
+    problems = _problems(case)
+    if problems:
+        raise CaseError(case.source, in_order(problems))
+
+
+def _problems(case: Case) -> list[Problem]:
+    """What is wrong with the variables that figures and claims name."""
+    held = {spec.name: _variables(case, spec) for spec in case.analyses}
+    set_on = [parse_override(line) for line in case.overrides]
+    _, places, _ = apply_overrides(parse_toml(case.text), set_on)
+    report = Report(case.source, locate(case.text), places)
     for index, figure in enumerate(case.figures):
-        known = _known(case, layouts, figure.settings.get("analysis"), motions=True)
+        known = _known(case, held, figure.settings.get("analysis"), motions=True)
         for name in _named(figure):
             _check(name, known, ("figure", index, "variable"), report)
         _check_scale(figure, ("figure", index), report)
     for index, claim in enumerate(case.claims):
         place: Path = ("claim", index)
-        known = _known(case, layouts, claim.analysis, motions=False)
+        known = _known(case, held, claim.analysis, motions=False)
         if _check(claim.variable, known, (*place, "variable"), report):
             _check_expected(claim, known[claim.variable], place, report)
-    report.raise_if_any()
+    return report.problems
+
+
+def _variables(case: Case, spec: AnalysisSpec) -> Sequence[Variable]:
+    model = get_model(case.model)
+    return variables_of(spec.kind, model, case.options, spec.settings, varying_in(case))
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:
@@ -50,22 +101,22 @@ def _named(figure: FigureSpec) -> Iterable[str]:
 
 
 def _known(
-    case: Case, layouts: Sequence[Layout], analysis: str | None, motions: bool
+    case: Case, held: Held, analysis: str | None, motions: bool
 ) -> dict[str, Variable | None]:
     """Everything that stands in the dataset of the case, or of one of its analyses.
 
     A figure may also be drawn of a motion that ``fiv history`` computes (`motions`).
     """
-    chosen = [layout for layout in layouts if not analysis or layout.name == analysis]
+    chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
     found: dict[str, Variable | None] = dict.fromkeys(
         [*(axis.dim for axis in case.axes), OF_REFINED]
     )
     if motions:
         own = variables_of("history", get_model(case.model), case.options, {})
         found |= {variable.name: variable for variable in own}
-    for layout in chosen:
-        found |= {f"{v.ragged}_row_size": None for v in layout.variables if v.ragged}
-        found |= {variable.name: variable for variable in layout.variables}
+    for variables in chosen:
+        found |= {f"{v.ragged}_row_size": None for v in variables if v.ragged}
+        found |= {variable.name: variable for variable in variables}
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -77,6 +77,63 @@ def pack(
             _pack_value(block, checked, variable)
     _pack_groups(block, checked, stored)
     return block
+
+
+def fault_of_block(block: Block, variables: Sequence[Variable]) -> str:
+    """What is wrong with the form of a stored block; empty where it is what `pack` makes."""
+    return next(_faults(block, {v.name: v for v in variables}), "")
+
+
+def _faults(block: Block, table: Mapping[str, Variable]) -> Iterator[str]:
+    count = len(block.status)
+    if block.keys.dtype != np.uint8 or block.keys.shape != (count, KEY_BYTES):
+        yield "its keys have another form"
+    for name, array in (("status", block.status), ("reason", block.reason)):
+        codes = list(TABLES[name].codes.values())
+        if array.dtype != np.int8 or array.shape != (count,) or not np.isin(array, codes).all():
+            yield f"{name} holds what no point has"
+    if any(row not in range(count) for row in (*block.messages, *block.carries)):
+        yield "it tells of rows that it has not"
+    if not all(isinstance(message, str) for message in block.messages.values()):
+        yield "its messages are no texts"
+    yield from _faults_of_values(block, table, count)
+    yield from _faults_of_rows(block, table, count)
+
+
+def _faults_of_values(block: Block, table: Mapping[str, Variable], count: int) -> Iterator[str]:
+    for name, array in block.values.items():
+        variable = table.get(name)
+        if variable is None or variable.ragged:
+            yield f"{name} is no variable of the analysis"
+        elif array.shape[:1] != (count,) or array.ndim != 1 + len(variable.dims):
+            yield f"{name} has the shape {array.shape}"
+        elif array.dtype != dtype_of(variable):
+            yield f"{name} is of type {array.dtype}"
+        elif variable.kind == "flag" and not _holds_classes(array, variable):
+            yield f"{name} holds what is no class"
+
+
+def _faults_of_rows(block: Block, table: Mapping[str, Variable], count: int) -> Iterator[str]:
+    groups = {variable.ragged for variable in table.values() if variable.ragged}
+    for group, sizes in block.row_sizes.items():
+        if group not in groups or sizes.shape != (count,) or sizes.dtype != np.int32:
+            yield f"the rows of {group} have another form"
+        elif (sizes < 0).any():
+            yield f"rows of {group} have a negative length"
+    for name, array in block.ragged.items():
+        variable = table.get(name)
+        if variable is None or variable.ragged not in block.row_sizes:
+            yield f"{name} is no variable of the analysis"
+            continue
+        total = int(block.row_sizes[variable.ragged].sum(dtype=np.int64))
+        if array.shape != (total,) or array.dtype != dtype_of(variable):
+            yield f"{name} has the shape {array.shape} and the type {array.dtype}"
+        elif variable.kind == "flag" and not _holds_classes(array, variable):
+            yield f"{name} holds what is no class"
+
+
+def _holds_classes(array: Array, variable: Variable) -> bool:
+    return bool(np.isin(array, list(TABLES[variable.flags].codes.values())).all())
 
 
 def fill_value(variable: Variable) -> float | int:

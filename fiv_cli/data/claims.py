@@ -12,7 +12,6 @@ the finding counts them.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -22,7 +21,7 @@ import numpy as np
 
 from fiv_cli.data import select
 from fiv_cli.data.known import unknown_points
-from fiv_cli.data.reading import flag_names, numbers
+from fiv_cli.data.reading import flag_names, name_of_only, numbers
 from fiv_cli.data.reductions import reduced
 from fiv_cli.data.shares import HIGH, LOW, SHARE, with_share
 
@@ -144,7 +143,7 @@ def _counted(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, ClaimSp
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
-    if list(analyses) == [""] and analysis == _name_of(analyses[""]):
+    if list(analyses) == [""] and analysis == name_of_only(analyses[""]):
         analysis = ""  # a file of one analysis does not say its name
     if analysis and analysis not in analyses:
         raise select.SelectionError(f"{analysis}: no analysis of the dataset")
@@ -153,12 +152,6 @@ def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
         if variable in dataset.variables:
             return dataset
     raise select.SelectionError(f"{variable}: no variable of the dataset")
-
-
-def _name_of(dataset: xr.Dataset) -> str:
-    """The name of the only analysis of the case that a dataset carries."""
-    tables = tomllib.loads(str(dataset.attrs.get("case", ""))).get("analysis", [])
-    return str(tables[0].get("name", tables[0]["kind"])) if tables else ""
 
 
 def _judge(trial: _Trial, holds: str | float) -> Verdict:

@@ -8,7 +8,6 @@ a motion agree for a while only.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fiv_cli.case.toml import parse_toml
 from fiv_cli.data.flags import ATTRACTOR
 from fiv_cli.errors import InputError, UsageError
 
@@ -97,11 +97,11 @@ def read_tolerances(path: Path) -> Tolerances:
         it is not TOML, or has another form.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = parse_toml(path.read_text(encoding="utf-8"))
         return _tolerances(table)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}\nnext: name a TOML file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, TypeError, ValueError) as error:
+    except (AttributeError, TypeError, ValueError) as error:
         raise InputError(
             f"{path}: no table of tolerances: {error}\n"
             "next: [default] rtol = 1e-6, [variables.L_s] rtol = 1e-4, ignore = [...]"
@@ -214,8 +214,10 @@ def _compare_variable(
         return
     if name in WORK and name not in tolerances.variables:
         return
-    owner = _ragged_owner(left, a)
-    if owner is not None:
+    owner, other = _ragged_owner(left, a), _ragged_owner(right, b)
+    if owner != other:
+        yield Difference(prefix + name, f"rows counted by {owner} against {other}")
+    elif owner is not None:
         yield from _compare_ragged(left, right, name, owner, classes, tolerances, prefix)
     elif not (name.endswith("_row_size") and "attractor" in left):
         yield from _compare_values(a, b, name, classes, tolerances, prefix)

@@ -108,7 +108,7 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "chattering",
-        "more than 50 transitions at one instant: no contact state lasts; move the start or mu_s",
+        "more than 1000 transitions at one instant: no contact state lasts; move the start or mu_s",
     ),
     Reason("stuck", "every contact sticks and nothing moves: an equilibrium, but not of sliding"),
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
@@ -188,6 +188,16 @@ REASONS: tuple[Reason, ...] = (
         "section_drifts",
         "the first and the second half of the section points differ by more than sampling "
         "explains, so the motion is still on its way: raise t_max or transient",
+    ),
+    Reason(
+        "hole_too_small",
+        "the disc's hole is so small that a mode cannot be told from that of a disc without one "
+        "(the message names it): raise a, or leave the mode out",
+    ),
+    Reason(
+        "inexact_equilibrium",
+        "what is left of the forces at a supposed equilibrium is no rounding: the parameters are "
+        "too many orders of magnitude apart for it to be found; bring them closer",
     ),
 )
 

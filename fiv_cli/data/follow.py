@@ -1,8 +1,10 @@
 """Modes followed by continuity along the grid, instead of sorted anew at each point.
 
 A pure step from dataset to dataset: it renumbers modes, and marks where two of them merge; it
-computes nothing anew. Modes are followed along the numeric axis with the most points, row by row,
-and each row is joined to the row before it, so that a number means the same all over a grid.
+computes nothing anew. Modes are followed along the ordered axis with the most points, row by row,
+and each row is joined to the row before it, so that a number means the same all over a grid. Along
+an axis whose values rise and fall, or repeat, there are no neighbours: each point has numbers of
+its own there.
 (Around a point where two modes merge no numbering is continuous all the way round.)
 """
 
@@ -41,6 +43,16 @@ def follow_modes(dataset: xr.Dataset) -> xr.Dataset:
     axes = _axes_to_follow(dataset)
     if not axes:
         return dataset
+    try:
+        return _followed(dataset, axes)
+    except np.linalg.LinAlgError as error:  # the numbers of modes are not worth the eigenvalues
+        comment = f"the modes of each point are numbered on their own: {error}"
+        real = dataset["eigenvalue_real"]
+        return dataset.assign(eigenvalue_real=real.assign_attrs(comment=comment))
+
+
+def _followed(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
+    """The dataset with its modes renumbered along these dims."""
     values = _complex(dataset, "eigenvalue", axes, ("mode",))
     vectors = _complex(dataset, "eigenvector", axes, ("mode", "state"))
     orders = np.empty(values.shape, np.intp)
@@ -125,14 +137,22 @@ class _Row:
 
 # --- the dataset's axes ---------------------------------------------------------------------------
 def _axes_to_follow(dataset: xr.Dataset) -> list[str]:
-    """The dims with more than one numeric value, the longest first."""
+    """The dims with more than one value along which an axis is ordered, the longest first."""
     dims = [str(name) for name in dataset["eigenvalue_real"].dims[:-1]]
-    numeric = [name for name in dims if dataset.sizes[name] > 1 and _is_numeric(dataset, name)]
-    return sorted(numeric, key=lambda name: -dataset.sizes[name])
+    ordered = [d for d in dims if dataset.sizes[d] > 1 and _ordered_axes(dataset, d)]
+    return sorted(ordered, key=lambda name: -dataset.sizes[name])
 
 
-def _is_numeric(dataset: xr.Dataset, dim: str) -> bool:
-    return dim not in dataset.coords or dataset[dim].dtype.kind == "f"
+def _ordered_axes(dataset: xr.Dataset, dim: str) -> list[xr.DataArray]:
+    """Of the numeric axes along `dim`, one or several that advance together, those in order."""
+    along = [coord for coord in dataset.coords.values() if coord.dims == (dim,)]
+    return [axis for axis in along if axis.dtype.kind == "f" and _is_ordered(axis.values)]
+
+
+def _is_ordered(values: NDArray[np.float64]) -> bool:
+    """Whether values rise or fall throughout."""
+    steps = np.diff(values)
+    return bool(np.all(steps > 0.0) or np.all(steps < 0.0))
 
 
 def _arranged(
@@ -185,7 +205,7 @@ def _partners_renumbered(dataset: xr.Dataset, orders: Order, axes: list[str]) ->
 
 # --- where modes merge ----------------------------------------------------------------------------
 def _with_coupling_points(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
-    coordinate = _coordinate(dataset, axes[0])
+    coordinate = _ordered_axes(dataset, axes[0])[0]
     values = _complex(dataset, "eigenvalue", axes, ("mode",))
     points = np.full(values.shape, np.nan)
     for row in np.ndindex(values.shape[:-2]):
@@ -200,13 +220,6 @@ def _with_coupling_points(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
         f"{coordinate.name} at which the mode merges with another, before the next point"
     )
     return dataset.assign(coupling_point=marked)
-
-
-def _coordinate(dataset: xr.Dataset, dim: str) -> xr.DataArray:
-    """The axis along `dim`: its own, or the first of those that advance along it together."""
-    along = [str(name) for name, coord in dataset.coords.items() if coord.dims == (dim,)]
-    numeric = [name for name in along if dataset[name].dtype.kind == "f"]
-    return dataset[numeric[0]] if numeric else dataset[dim]
 
 
 def coupling_points(axis: NDArray[np.float64], values: Complex) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import json
 import os
@@ -16,8 +15,11 @@ import xarray as xr
 from xarray.backends import NetCDF4DataStore
 
 from fiv_cli import ending
+from fiv_cli.data.hdf5 import read_attributes, read_groups
+from fiv_cli.data.sound import form_of
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
+from fiv_cli.files import replacing
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
@@ -39,23 +41,19 @@ def write_datasets(
     StorageError
         no space or no permission; nothing is left behind.
     """
-    temporary = path.with_name(f".{path.name}.tmp")
+    form = {name: form_of(dataset) for name, dataset in datasets.items()}
+    attributes = {**attributes, "variables_json": form}
     try:
-        with ending.last_act(temporary.unlink):
-            _check_space(path, datasets)
+        _check_space(path, datasets)
+        with replacing(path) as temporary, ending.last_act(temporary.unlink):
             _write(temporary, datasets, attributes)
             _check(temporary, datasets)
-            _sync(temporary)
-            temporary.replace(path)
     except (OSError, RuntimeError) as error:
         raise StorageError(
             f"{path}: cannot be written: {_cause(error)}\n"
             "next: free some space or correct the permissions, then run the same command again; "
             "what is finished is kept"
         ) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 def read_datasets(path: Path) -> dict[str, xr.Dataset]:
@@ -74,21 +72,19 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
         what = "is a folder" if path.is_dir() else "no such file"
         raise UsageError(f"{path}: {what}\nnext: name a dataset written by `fiv run`")
     try:
-        return _read(path)
-    except (OSError, RuntimeError, ValueError) as error:
+        return read_groups(path)
+    except Exception as error:  # a damaged file can fail in any way inside the libraries
         raise InputError(
-            f"{path}: not a NetCDF dataset ({error})\nnext: name a dataset written by `fiv run`"
+            f"{path}: not a NetCDF dataset, or a damaged one ({type(error).__name__}: {error})\n"
+            "next: name a dataset written by `fiv run`"
         ) from error
 
 
 def global_attributes(path: Path) -> dict[str, Any] | None:
-    """Global attributes of the file at `path`; None when it is not a NetCDF file."""
-    import netCDF4
-
+    """Global attributes of the file at `path`; None when it is not a NetCDF file, or damaged."""
     try:
-        with netCDF4.Dataset(path) as file:
-            return {name: file.getncattr(name) for name in file.ncattrs()}
-    except (OSError, RuntimeError):
+        return read_attributes(path)
+    except Exception:  # as above
         return None
 
 
@@ -163,26 +159,6 @@ def _fill(variable: xr.Variable) -> Any:
     return None
 
 
-def _read(path: Path) -> dict[str, xr.Dataset]:
-    names = _groups(path)
-    root = _loaded(path, None)
-    if not names:
-        return {"": root}
-    return {name: _loaded(path, name).assign_attrs(root.attrs) for name in names}
-
-
-def _groups(path: Path) -> list[str]:
-    import netCDF4
-
-    with netCDF4.Dataset(path) as file:
-        return list(file.groups)
-
-
-def _loaded(path: Path, group: str | None) -> xr.Dataset:
-    with xr.open_dataset(path, engine="netcdf4", group=group, decode_times=False) as dataset:
-        return dataset.load()
-
-
 def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
     """Read back what was written, one variable at a time."""
     import netCDF4
@@ -210,14 +186,6 @@ def _check_space(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
     needed = sum(dataset.nbytes for dataset in datasets.values()) // 20
     if shutil.disk_usage(path.parent).free < needed:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-
-def _sync(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _cause(error: Exception) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -39,6 +40,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, Any]:
         },
         "parameters_json": case.parameters,
         "options_json": case.options,
+        "figures_json": json.dumps([asdict(figure) for figure in case.figures]),
         "assumed": case.assumed,
         "case": case.text,
         "overrides": case.overrides,

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fiv_cli.case.case import FigureSpec
 from fiv_cli.data.flags import NOT_COMPUTED
 from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.data.sound import fault_of
 from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError
 
@@ -35,7 +38,7 @@ def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
     Raises
     ------
     UsageError : there is no such file, or it is a folder
-    InputError : it is no dataset of fiv
+    InputError : it is no dataset of fiv, or a damaged one; says what is wrong
     """
     analyses = read_datasets(Path(path))
     if not all(MARK in dataset.attrs and "status" in dataset for dataset in analyses.values()):
@@ -43,7 +46,35 @@ def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
             f"{path}: a NetCDF file that fiv did not write (it holds no case)\n"
             "write a dataset with: fiv run CASE"
         )
+    for name, dataset in analyses.items():
+        fault = fault_of(dataset, name)
+        if fault:
+            raise InputError(
+                f"{path}: a damaged dataset: {f'{name}: ' if name else ''}{fault}\n"
+                "next: `fiv run CASE` writes it anew from what is stored beside it"
+            )
     return analyses
+
+
+def figures_in(analyses: Mapping[str, xr.Dataset]) -> list[FigureSpec]:
+    """The figures that the case of a dataset asks for, as they were understood when it was run.
+
+    Raises
+    ------
+    InputError : a dataset of 0.1.0, which kept the text of its case alone, and that is none
+    """
+    attributes = next(iter(analyses.values())).attrs
+    if "figures_json" in attributes:
+        return [FigureSpec(**figure) for figure in json.loads(attributes["figures_json"])]
+    from fiv_cli.case.load import parse_case
+
+    overrides = str(attributes.get("overrides", "")).splitlines()
+    return list(parse_case(str(attributes["case"]), "the case in the dataset", overrides).figures)
+
+
+def name_of_only(dataset: xr.Dataset) -> str:
+    """The name of the analysis of a dataset that holds one, which the file does not say."""
+    return next(iter(json.loads(dataset.attrs.get("analyses_json", "{}"))), "")
 
 
 def flag_names(attributes: Mapping[str, object]) -> dict[int, str]:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fiv_cli.case.conditions import parse_condition
 from fiv_cli.case.names import ascii_name
 from fiv_cli.case.units import convert
 from fiv_cli.errors import UsageError
@@ -22,11 +23,6 @@ from fiv_cli.errors import UsageError
 # Two doubles nearest to the same decimal differ by less.
 SAME = 1e-9
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_CONDITION = re.compile(
-    rf"^\s*(?:(?P<low>{_NUMBER})\s*(?P<left><=?))?\s*\.\s*"
-    rf"(?:(?P<right><=?|>=?|==)\s*(?P<high>{_NUMBER}))?\s*$"
-)
 _COMPARE: dict[str, Callable[[Any, Any], Any]] = {
     "<": operator.lt,
     "<=": operator.le,
@@ -46,15 +42,9 @@ def condition(text: str) -> Callable[[np.ndarray], np.ndarray] | None:
     Bounds are moved outwards (inwards, for a strict one) by a relative 1e-9, so that a value
     written like the bound counts as equal to it.
     """
-    parts = _CONDITION.match(text)
-    if parts is None or not (parts["left"] or parts["right"]):
+    tests = parse_condition(text)
+    if not tests:
         return None
-    tests = []
-    if parts["left"]:
-        # ``a < .`` is ``. > a``
-        tests.append((parts["left"].replace("<", ">"), float(parts["low"])))
-    if parts["right"]:
-        tests.append((parts["right"], float(parts["high"])))
     return lambda values: np.logical_and.reduce([_holds(values, *test) for test in tests])
 
 

@@ -10,12 +10,10 @@ All arrays lie one after the other in one dataset, `content`; `header` says in J
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import io
 import json
 import math
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -24,7 +22,9 @@ import h5py
 import numpy as np
 
 from fiv_cli.data.block import Array, Block
+from fiv_cli.data.hdf5 import refuse_what_fiv_does_not_write
 from fiv_cli.errors import StorageError
+from fiv_cli.files import write_whole
 
 FORMAT = "fiv shard"
 VERSION = 2
@@ -73,7 +73,10 @@ def read_shard(path: Path) -> tuple[Block, str]:
         the file is truncated, damaged, of another version, or not a shard.
     """
     arrays, analysis = _verified_arrays(path)
-    return _from_arrays(arrays), analysis
+    try:
+        return _from_arrays(arrays), analysis
+    except Exception as error:  # a checksum can be made for anything
+        raise UnreadableShard(f"it holds no block: {type(error).__name__}: {error}") from error
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -84,35 +87,14 @@ def write_atomically(path: Path, content: bytes) -> None:
     StorageError
         no space, no permission; nothing is left behind.
     """
-    temporary = path.with_name(f".{path.name}.tmp")
     try:
-        _write_synced(temporary, content)
-        temporary.replace(path)
-        _sync_folder(path.parent)
+        write_whole(path, content)
     except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
         raise StorageError(
             f"{path}: cannot be written: {error.strerror or error}\n"
             "next: free some space or correct the permissions, then run the same command again; "
             "what is finished is kept"
         ) from error
-
-
-def _write_synced(path: Path, content: bytes) -> None:
-    with path.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the rename itself durable."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _to_arrays(block: Block) -> dict[str, Array]:
@@ -148,9 +130,12 @@ def _group(arrays: Mapping[str, Array], prefix: str) -> dict[str, Array]:
 def _verified_arrays(path: Path) -> tuple[dict[str, Array], str]:
     """What is stored at `path`; a damaged file can fail in any way, and none may end a run."""
     try:
+        if not path.is_file():
+            raise ValueError("no file")
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != FORMAT:
                 raise ValueError("not a shard")
+            refuse_what_fiv_does_not_write(file)
             read = {VERSION: _arrays, ARRAYS_APART: _arrays_apart}[int(file.attrs["version"])]
             analysis, stored = str(file.attrs["analysis"]), str(file.attrs["checksum"])
             arrays, checksum = read(file, analysis)

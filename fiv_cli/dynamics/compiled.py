@@ -29,12 +29,12 @@ kernel_advance = kernel.advance  # numba reads no functions off modules
 def _declare(**options: bool) -> Callable[..., Any]:
     from numba import cfunc
 
-    from fiv_cli.codegen.kernels import ENTRY, register, register_frame
+    from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
 
     register_frame(kernel.Run, run_at)
     register(roots)
     register(kernel)
-    return cfunc(SIGNATURE, **ENTRY, **options)(advance_at).ctypes
+    return cfunc(SIGNATURE, **OPTIONS, **options)(advance_at).ctypes
 
 
 FILES = (FOLDER / "kernel.py", FOLDER / "roots.py", FOLDER / "compiled.py")

@@ -94,7 +94,7 @@ DIVERGED, CONTACT_LOST, NO_STATE, JAMMED, CHATTERING = 4, 5, 6, 7, 8
 
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
-CHAIN_CAP = 50  # transitions at one instant
+CHAIN_CAP = 1000  # transitions at one instant: the last of ever shorter flights are below rounding
 PLATEAU = 1.0 / 6.0  # share by which the argument of tanh or exp may change over a step
 LAYER = 2.0  # ... and the change that is always allowed
 GRAZING = 1e-5  # a switching function that falls slower than this share of its scale may graze

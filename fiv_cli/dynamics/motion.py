@@ -151,6 +151,7 @@ class Motion:
         for contact, sticks in enumerate(sticking):
             arrays.kinds[contact] = kernel.STICK if sticks else kernel.SLIP
         self.is_lost = False  # no contact state is consistent with the initial state
+        self.is_entered = False  # a contact state was seen to be decided
         self.stride = FIRST_STRIDE  # steps of a call of the driver
 
     @property
@@ -173,13 +174,17 @@ class Motion:
     @property
     def started(self) -> bool:
         """Whether a contact state is consistent with the initial state."""
+        if self.is_entered:
+            return True
         if self.clock[kernel.TASK] == kernel.ENTER and not self.is_lost:
             self.is_lost = self._advance(self.time, False, 0.0) == Stop.NO_STATE
-        return not self.is_lost
+        self.is_entered = not self.is_lost
+        return self.is_entered
 
     def _entered(self) -> MotionArrays:
         """The arrays with the contact state decided."""
-        _ = self.started
+        if not self.is_entered:
+            _ = self.started
         return self.arrays
 
     @property

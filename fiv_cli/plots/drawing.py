@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.data import select
-from fiv_cli.data.reading import read_analyses
+from fiv_cli.data.reading import figures_in, read_analyses
 from fiv_cli.data.shares import SHARE, with_share
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import (
@@ -77,47 +76,28 @@ SAID_BY = {
 
 
 def figures_of(source: Source) -> list[FigureSpec]:
-    """The figures that the case of the dataset asks for, else the default ones.
-
-    Names are unique: a second ``map`` is ``map-2``.
-    """
+    """The figures that the case of the dataset asks for, else the default ones."""
     analyses = _analyses(source)
-    text = next((str(d.attrs["case"]) for d in analyses.values() if "case" in d.attrs), "")
-    tables = tomllib.loads(text).get("figure", [])
-    if not tables:
-        return default_figures(analyses)
-    return _named((table["kind"], table) for table in tables)
+    return figures_in(analyses) or default_figures(analyses)
 
 
 def default_figures(source: Source) -> list[FigureSpec]:
-    """One figure of each kind that says something about each analysis of the dataset."""
-    return _named(
-        (kind, {"analysis": name} if name else {})
-        for name, dataset in _analyses(source).items()
-        for kind in _default_kinds(dataset)
-    )
+    """One figure of each kind that says something about each analysis of the dataset.
+
+    Names are unique: a second ``map`` is ``map-2``.
+    """
+    found: list[FigureSpec] = []
+    for name, dataset in _analyses(source).items():
+        for kind in _default_kinds(dataset):
+            count = 1 + sum(figure.kind == kind for figure in found)
+            unique = kind if count == 1 else f"{kind}-{count}"
+            found.append(FigureSpec(unique, kind, {"analysis": name} if name else {}))
+    return found
 
 
 def _default_kinds(dataset: xr.Dataset) -> list[str]:
     suiting = [kind for kind, entry in KINDS.items() if entry.suits(dataset)]
     return [kind for kind in suiting if not SAID_BY.get(kind, set()) & set(suiting)]
-
-
-def _named(tables: Iterable[tuple[str, Mapping[str, Any]]]) -> list[FigureSpec]:
-    """Figures with their tables' names, or their kinds numbered from the second on."""
-    figures: list[FigureSpec] = []
-    taken: set[str] = set()
-    for kind, table in tables:
-        stem = str(table.get("name", kind))
-        count = next(n for n in range(1, len(taken) + 2) if _numbered(stem, n) not in taken)
-        taken.add(_numbered(stem, count))
-        settings = {key: value for key, value in table.items() if key not in ("kind", "name")}
-        figures.append(FigureSpec(_numbered(stem, count), kind, settings))
-    return figures
-
-
-def _numbered(stem: str, count: int) -> str:
-    return stem if count == 1 else f"{stem}-{count}"
 
 
 def can_draw(source: Source, figure: FigureSpec) -> bool:

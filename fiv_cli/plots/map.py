@@ -207,12 +207,9 @@ def _paint_classes(
         place = np.searchsorted(sorted(present), classes).astype(float)
         place[~_plane(known, line, plane_axes)] = np.nan
         order = [colours[list(present).index(code)] for code in sorted(present)]
-        looks = {
-            "cmap": ListedColormap(order),
-            "norm": BoundaryNorm(_edges(len(order)), len(order)),
-        }
-        if order:
-            _mesh(ax, plane_axes, place, **looks)
+        if order:  # else nothing has a class, and all is hatched
+            norm = BoundaryNorm(_edges(len(order)), len(order))
+            _mesh(ax, plane_axes, place, cmap=ListedColormap(order), norm=norm)
         hatch(ax, np.isnan(place))
     handles = [
         Patch(color=colour, label=name.replace("_", " "))

@@ -85,7 +85,8 @@ def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) ->
 
 def _events(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Iterator[Event]:
     """The events of one motion between two instants; nothing where the dataset keeps none."""
-    if "event_to" not in dataset:
+    columns = ("event_time", "event_contact", "event_from", "event_to")
+    if not all(name in dataset for name in columns):
         return
     sizes = select.row_sizes(dataset, "event_to")
     assert sizes is not None  # the ledger is ragged by its definition
@@ -93,7 +94,6 @@ def _events(dataset: xr.Dataset, line: points.Line, begin: float, end: float) ->
     times = dataset["event_time"].values
     mine = (select.row_of_each(sizes) == row) & (begin < times) & (times < end)
     before, after = (flag_names(dataset[f"event_{end}"].attrs) for end in ("from", "to"))
-    columns = ("event_time", "event_contact", "event_from", "event_to")
     for time, contact, from_, to in zip(*(dataset[c].values[mine] for c in columns), strict=True):
         yield Event(float(time), int(contact), before[int(from_)], after[int(to)])
 

@@ -6,16 +6,21 @@ colour in every figure.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 
 from fiv_cli.errors import StorageError, UsageError
+from fiv_cli.files import refuse_special, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,6 +52,8 @@ CLASSES = {
 PANEL = (6.4, 4.2)  # inches
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
+LONGEST_TEXT = 600  # characters
+IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 SETTINGS: dict[Any, Any] = {
     "font.size": 9.0,
@@ -121,12 +128,53 @@ def line_colours(count: int) -> list[Any]:
     return [ramp(0.92 * index / (count - 1)) for index in range(count)]
 
 
+def tame_texts(figure: Figure) -> None:
+    """Let every text of `figure` whose mathematics is broken be drawn letter by letter.
+
+    A title is the user's, a symbol the dataset's: neither may keep a figure from being drawn, nor
+    take minutes by its length.
+    """
+    for axes in figure.axes:
+        axes.get_xticklabels(), axes.get_yticklabels()  # the labels of ticks are made when asked
+    for text in figure.findobj(Text):
+        if len(text.get_text()) > LONGEST_TEXT:
+            text.set_text(f"{text.get_text()[:LONGEST_TEXT]} ...")
+        if not _is_sound(text.get_text()):
+            text.set_parse_math(False)
+
+
+def refuse_the_immense(figure: Figure, path: Path) -> None:
+    """Refuse axes so long that no ticks can be set on them.
+
+    Raises
+    ------
+    UsageError
+    """
+    for axes in figure.axes:
+        for low, high in (axes.get_xlim(), axes.get_ylim()):
+            if not abs(low) < IMMENSE > abs(high):
+                raise UsageError(
+                    f"{path}: it would reach from {low:g} to {high:g}, which cannot be drawn\n"
+                    "next: choose a part with `select`, `xlim` or `ylim` in the [[figure]]"
+                )
+
+
+@cache
+def _is_sound(words: str) -> bool:
+    """Whether matplotlib can set the mathematics in `words`, if there is any."""
+    try:
+        MathTextParser("path").parse(words)
+    except ValueError:
+        return False
+    return True
+
+
 def save(figure: Figure, path: str | Path) -> None:
     """Write `figure` as PNG, SVG or PDF, by the suffix of `path`.
 
     Raises
     ------
-    UsageError : another suffix
+    UsageError : another suffix, or what is there is no regular file
     StorageError : the file cannot be written
     """
     path = Path(path)
@@ -135,10 +183,15 @@ def save(figure: Figure, path: str | Path) -> None:
         raise UsageError(
             f"{path}: figures are written as {', '.join(UNDATED)}\nuse -o {path.stem or 'NAME'}.png"
         )
+    refuse_special(path)
+    image = io.BytesIO()
+    with looks():
+        refuse_the_immense(figure, path)
+        tame_texts(figure)
+        figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with looks():
-            figure.savefig(path, metadata=UNDATED[suffix])
+        write_whole(path, image.getvalue(), durable=False)
     except OSError as error:
         raise StorageError(
             f"{path}: cannot be written ({error.strerror})\nchoose -o FIG"

@@ -11,8 +11,9 @@ STEM.run/   identity.json  what the stored points belong to
 from __future__ import annotations
 
 import json
+import re
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.data.assemble import Placed
-from fiv_cli.data.block import KEY_BYTES, Block, fill_value
+from fiv_cli.data.block import KEY_BYTES, Block, fault_of_block, fill_value
 from fiv_cli.data.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
@@ -32,6 +33,7 @@ from fiv_cli.sweep.worker import ChainState
 
 Positions = NDArray[np.int64]
 
+_NUMBER = re.compile(r"[0-9]{1,18}")
 PENDING = STATUS.codes["pending"]
 _CODES = ("status", "reason")
 _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
@@ -91,7 +93,7 @@ class Journal:
     def load(self) -> None:
         """Read what is stored; files that are not sound shards are listed in `ignored`."""
         paths = sorted(self.shard_folder.glob("*.h5"))
-        numbers = [int(path.stem) for path in paths if path.stem.isdigit()]
+        numbers = [int(path.stem) for path in paths if _NUMBER.fullmatch(path.stem)]
         self._next = max(numbers, default=-1) + 1
         finders: dict[str, _Finder] = {}
         refined: dict[int, list[_Stored]] = {}
@@ -116,6 +118,10 @@ class Journal:
         if name not in names:
             raise UnreadableShard(f"it belongs to an analysis {name!r} that the case has not")
         index = names.index(name)
+        fault = fault_of_block(block, self.plan.analyses[index].layout.variables)
+        if fault:
+            raise UnreadableShard(fault)
+        states = _states(block)
         if self.plan.analyses[index].maps is not None:
             classes = self._classes(index, block)
             stored = _Stored(path, block.keys, block.status, block.reason, classes)
@@ -123,7 +129,7 @@ class Journal:
             return
         if name not in finders:
             finders[name] = _Finder(self.plan.analyses[index].keys())
-        self._register(index, path, finders[name].positions(block.keys), block)
+        self._register(index, path, finders[name].positions(block.keys), block, states)
 
     def _place(self, index: int, stored: Sequence[_Stored]) -> None:
         """Register what is stored of a refined analysis: stage by stage, what each stage wants.
@@ -159,10 +165,17 @@ class Journal:
         path = self.shard_folder / f"{self._next:06d}.h5"
         write_shard(path, block, self.plan.analyses[index].layout.name)
         self._next += 1
-        self._register(index, path, positions, block)
+        self._register(index, path, positions, block, _states(block))
         self.records[index].ran[positions] = True
 
-    def _register(self, index: int, path: Path, positions: Positions, block: Block) -> None:
+    def _register(
+        self,
+        index: int,
+        path: Path,
+        positions: Positions,
+        block: Block,
+        states: Mapping[int, ChainState],
+    ) -> None:
         record = self.records[index]
         placed = positions >= 0
         record.shards.append((path, positions))
@@ -170,9 +183,9 @@ class Journal:
         record.reason[positions[placed]] = block.reason[placed]
         if record.classes is not None:
             record.classes[positions[placed]] = self._classes(index, block)[placed]
-        for row, state in block.carries.items():
+        for row, state in states.items():
             if placed[row]:
-                record.states[int(positions[row])] = ChainState(**state)
+                record.states[int(positions[row])] = state
 
     def _classes(self, index: int, block: Block) -> NDArray[Any]:
         """The class of each row of a block by which its analysis is refined."""
@@ -251,6 +264,23 @@ class Journal:
                 found.setdefault(what, (position, what))
 
 
+def _states(block: Block) -> dict[int, ChainState]:
+    """Row -> state of the chain after it.
+
+    Raises
+    ------
+    UnreadableShard
+        what is stored is none.
+    """
+    try:
+        states = {row: ChainState(**state) for row, state in block.carries.items()}
+    except TypeError as error:
+        raise UnreadableShard(f"what a chain carries on has another form: {error}") from error
+    if not all(state.is_sound() for state in states.values()):
+        raise UnreadableShard("what a chain carries on has another form")
+    return states
+
+
 def _explained(code: int, message: str) -> str:
     """Why a point failed: its own words, or what the table of reasons says."""
     reason = REASONS[code]
@@ -301,9 +331,10 @@ def _empty_record(analysis: AnalysisPlan) -> Record:
 
 def stored_identity(folder: Path) -> dict[str, Any] | None:
     """The document that says what the points in a run directory belong to; None: nothing stored."""
+    path = folder / "identity.json"
     try:
-        document = json.loads((folder / "identity.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        document = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    except (OSError, ValueError, RecursionError):
         return None
     return document if isinstance(document, dict) else None
 

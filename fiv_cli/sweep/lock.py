@@ -37,7 +37,7 @@ def hold(folder: Path) -> Iterator[None]:
 def holder(folder: Path) -> int | None:
     """Process id of the live run that holds `folder`; None when nobody does."""
     try:
-        descriptor = os.open(folder / "lock", os.O_RDWR)
+        descriptor = os.open(folder / "lock", os.O_RDWR | os.O_NOFOLLOW)
     except OSError:
         return None
     try:
@@ -51,7 +51,7 @@ def holder(folder: Path) -> int | None:
 
 def _opened(path: Path) -> int:
     try:
-        return os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o644)
     except OSError as error:
         raise StorageError(
             f"{path}: cannot be written: {error.strerror}\n"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from fiv_cli.data.hdf5 import is_hdf5
 from fiv_cli.data.netcdf import global_attributes
-from fiv_cli.errors import StorageError, StoreMismatchError, UsageError
+from fiv_cli.errors import InputError, StorageError, StoreMismatchError, UsageError
+from fiv_cli.files import refuse_special
 
 RUN_SUFFIX = ".run"
 
@@ -22,14 +24,15 @@ def check_output(output: Path, fingerprint: str, fresh: bool) -> None:
     Raises
     ------
     UsageError
-        a folder, or a file that is no dataset of fiv.
+        a folder, a pipe or a device, or a file that is no dataset of fiv.
     StorageError
         its folder cannot be made or written.
+    InputError
+        a damaged dataset.
     StoreMismatchError
         the dataset of another case, unless `fresh`.
     """
-    if output.is_dir():
-        raise UsageError(f"{output}: is a folder\nnext: name a file, -o {output}/NAME.nc")
+    refuse_special(output)
     if output.suffix == RUN_SUFFIX:
         raise UsageError(f"{output}: {RUN_SUFFIX} is the run directory\nnext: -o NAME.nc")
     _check_folder(output)
@@ -55,13 +58,19 @@ def _check_folder(output: Path) -> None:
 
 def _check_existing(output: Path, fingerprint: str, fresh: bool) -> None:
     attributes = global_attributes(output)
+    if attributes is None and is_hdf5(output):
+        raise InputError(
+            f"{output}: a damaged dataset, or another file of HDF5; it is left alone\n"
+            "next: remove it (a dataset is made again from what is stored beside it), or choose "
+            "another place with -o FILE.nc"
+        )
     if attributes is None or "fingerprint" not in attributes:
         raise UsageError(
             f"{output}: exists and is no dataset of fiv; it is left alone\n"
             "next: choose another place with -o FILE.nc, or remove it (a damaged dataset is made "
             "again from what is stored beside it)"
         )
-    if attributes["fingerprint"] != fingerprint and not fresh:
+    if str(attributes["fingerprint"]) != fingerprint and not fresh:
         raise StoreMismatchError(
             f"{output}: holds the dataset of another case ({attributes.get('title', '')!r})\n"
             "next: choose another place with -o FILE.nc, or replace it with --fresh"

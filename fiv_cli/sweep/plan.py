@@ -26,7 +26,7 @@ from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.report import dotted
 from fiv_cli.data.asked import refuse_what_will_not_be_there
 from fiv_cli.data.block import KEY_BYTES
-from fiv_cli.data.layout import Dim, Layout
+from fiv_cli.data.layout import Dim, Layout, varying_in
 from fiv_cli.data.variables import Variable
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.friction import get_law
@@ -226,7 +226,7 @@ def make_plan(case: Case) -> Plan:
         a figure, a claim or the refinement asks for what the analyses do not hold.
     """
     analyses = tuple(_analysis_plan(case, spec) for spec in case.analyses)
-    refuse_what_will_not_be_there(case, [analysis.layout for analysis in analyses])
+    refuse_what_will_not_be_there(case)
     return Plan(case, analyses)
 
 
@@ -242,16 +242,9 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
         settings=spec.settings,
         dims=dims,
         labels=None if entries is None else tuple(entry.label for entry in entries),
-        varying=_varying(case),
+        varying=varying_in(case),
     )
     return AnalysisPlan(_template(case, spec, dims, entries), layout, _maps(case, layout))
-
-
-def _varying(case: Case) -> tuple[Parameter, ...]:
-    """The parameters that vary in time."""
-    model = get_model(case.model)
-    table = (*model.parameters, *model.adopted(get_law(case.law).parameters))
-    return tuple(p for p in table if p.name in case.schedule.names)
 
 
 def _maps(case: Case, layout: Layout) -> Maps | None:

@@ -213,9 +213,13 @@ def _state(template: Template, values: Values, entry: StartEntry) -> dict[str, f
 
 
 def _random(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
-    """Drawn from the box; seeded by the point itself, never by its position in the grid."""
-    seed = hashlib.sha256(place_digest(template, values))
-    seed.update(entry.identity.encode())
+    """Drawn from the box; seeded by the model and its parameters, which are what the start is of.
+
+    Never by the position in the grid, nor by how the point is asked: the same starts with more
+    time, another tolerance or another analysis.
+    """
+    parameters = sorted((n, float(v).hex()) for n, v in parameters_at(template, values).items())
+    seed = hashlib.sha256(f"{template.model}{parameters}{entry.identity}".encode())
     generator = np.random.Generator(np.random.PCG64(int.from_bytes(seed.digest(), "little")))
     return {
         name: float(generator.uniform(low, high))

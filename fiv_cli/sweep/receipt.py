@@ -30,10 +30,11 @@ def made_from(shards: Iterable[Path], attributes: Mapping[str, Any]) -> str:
 
 def is_made(folder: Path, output: Path, sources: str) -> bool:
     """Whether the dataset at `output` was made from `sources` and is as it was then."""
+    path = folder / NAME
     try:
-        receipt = json.loads((folder / NAME).read_text(encoding="utf-8"))
+        receipt = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
         return bool(receipt == _receipt(output, sources))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import fiv_cli
+from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
 from fiv_cli.data.assemble import assemble
@@ -21,6 +23,7 @@ from fiv_cli.data.netcdf import write_datasets
 from fiv_cli.data.provenance import provenance
 from fiv_cli.data.refined import described, fill_in, refinement_attributes
 from fiv_cli.errors import StoreMismatchError
+from fiv_cli.files import append_line, leftovers
 from fiv_cli.sweep import journal as store
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.lock import hold
@@ -102,7 +105,7 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         _claim(folder, case, policy.fresh)
         journal = Journal(folder, make_plan(case))
         journal.load()
-        _sweep_beats(folder)
+        _sweep_leftovers(folder, output)
         scheduler = Scheduler(journal, policy, progress, _logger(folder))
         with _reported(scheduler, output, begun):
             scheduler.run()
@@ -193,7 +196,9 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
     try:
         yield
     except BaseException as error:
-        log(f"stopped by {type(error).__name__} after {scheduler.ran} points")
+        asked = isinstance(error, ending.Ended)
+        why = str(error) if asked else f"stopped by {type(error).__name__}"
+        log(f"{why} after {scheduler.ran} points")
         for line in _summed_up(journal, output, scheduler.ran, time.monotonic() - begun).lines():
             note(line)
         note("what is finished is kept; the same command goes on from here")
@@ -253,19 +258,20 @@ def _logger(folder: Path) -> Callable[[str], None]:
     def write(text: str) -> None:
         stamp = time.strftime("%Y-%m-%dT%H:%M:%S")
         try:
-            with (folder / "run.log").open("a", encoding="utf-8") as file:
-                file.write(f"{stamp} {text}\n")
+            append_line(folder / "run.log", f"{stamp} {text}")
         except OSError:
             return
 
     return write
 
 
-def _sweep_beats(folder: Path) -> None:
+def _sweep_leftovers(folder: Path, output: Path) -> None:
     """Remove what a killed run left: heartbeats and half-written files."""
-    for pattern in (".beat-*", ".*.tmp", "shards/.*.tmp"):
-        for path in folder.glob(pattern):
-            path.unlink(missing_ok=True)
+    patterns = (".beat-*", ".*.tmp", "shards/.*.tmp")
+    own = [path for pattern in patterns for path in folder.glob(pattern)]
+    for path in (*own, *leftovers(output)):
+        with contextlib.suppress(OSError):  # what is no file, or another's, is no leftover
+            path.unlink()
 
 
 def _toml(value: object) -> str:

@@ -63,6 +63,11 @@ class ChainState:
     attractor: str
     blocked: str = ""
 
+    def is_sound(self) -> bool:
+        """Whether it has the form that `plain` stores (a shard may be made by hand)."""
+        words = isinstance(self.attractor, str) and isinstance(self.blocked, str)
+        return words and isinstance(self.lost, bool) and isinstance(self.carry, dict | None)
+
     def plain(self) -> dict[str, Any]:
         """As plain data, for a shard."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
@@ -288,7 +293,8 @@ class _Pulse:
     def __enter__(self) -> _Pulse:
         if self._path is not None:
             with contextlib.suppress(OSError):  # a full disk: go on without
-                self._file = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+                flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW
+                self._file = os.open(self._path, flags)
         return self
 
     def __exit__(self, *exception: object) -> None:
