@@ -140,7 +140,8 @@ def taken(a):
 
 def module_from(path: Path, text: str) -> ModuleType:
     """A module made of `text`."""
-    path.write_text(text)
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None

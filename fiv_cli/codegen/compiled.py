@@ -16,7 +16,7 @@ from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
+from zipfile import ZipFile, ZipInfo
 
 from fiv_cli import ending
 from fiv_cli.codegen import cache as store
@@ -74,8 +74,9 @@ class Compiled:
         if kept is not None:
             ZipFile(BytesIO(kept)).extractall(folder)
         entry = self._declared(folder)
-        if kept is None and self._read_sources() == self._sources:  # not edited since
-            store.write(self._file(), _packed(folder))
+        made = _packed(folder)  # numba may have found nothing in what was kept
+        if made != kept and self._read_sources() == self._sources:  # not edited since
+            store.write(self._file(), made)
         return entry
 
     def _declared(self, folder: Path) -> Callable[..., Any]:
@@ -97,9 +98,9 @@ class Compiled:
 
 
 def _packed(folder: Path) -> bytes:
-    """The files of a folder as one."""
+    """The files of a folder as one, the same for the same files."""
     content = BytesIO()
     with ZipFile(content, "w") as archive:
-        for path in folder.rglob("*"):
-            archive.write(path, path.relative_to(folder))
+        for path in sorted(path for path in folder.rglob("*") if path.is_file()):
+            archive.writestr(ZipInfo(str(path.relative_to(folder))), path.read_bytes())
     return content.getvalue()
