@@ -233,13 +233,12 @@ def half_of_an_integer() -> float:
 
 
 def test_a_kernel_is_compiled_for_what_it_says_and_nothing_else() -> None:
-    from numba import njit
-    from numba.core.errors import TypingError
+    from numba import TypingError, njit
 
     from fiv_cli.codegen.kernels import register
 
     register(sys.modules[__name__])
-    with pytest.raises(TypingError, match=r"half\(int64\)|half\(Literal|half"):
+    with pytest.raises(TypingError, match="No implementation of function"):
         njit("float64()")(half_of_an_integer)
 
 

@@ -8,17 +8,15 @@ lives as long as the compiling or loading takes, and are kept, packed into one, 
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Callable
-from functools import cached_property, partial
+from contextlib import suppress
+from functools import cached_property
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile, ZipInfo
 
-from fiv_cli import ending
 from fiv_cli.codegen import cache as store
 from fiv_cli.codegen.lower import machine_description
 
@@ -60,13 +58,9 @@ class Compiled:
     @cached_property
     def function(self) -> Callable[..., Any]:
         """The compiled entry."""
-        try:
-            scratch = tempfile.TemporaryDirectory(prefix="fiv-numba-")
-        except OSError:  # nowhere to put a file
-            return self._declare(cache=False)
-        remove = partial(shutil.rmtree, scratch.name, ignore_errors=True)
-        with scratch, ending.last_act(remove):
-            return self._made_in(Path(scratch.name))
+        with suppress(OSError), store.scratch_folder() as folder:
+            return self._made_in(folder)
+        return self._declare(cache=False)  # there is nowhere to put a file
 
     def _made_in(self, folder: Path) -> Callable[..., Any]:
         """The entry, loaded from what was kept, or compiled and kept."""
