@@ -282,3 +282,12 @@ def test_bounces_that_pile_up_end_in_contact() -> None:
     assert events.count("separation->separation") > 100
     assert "separation->slip+" in events[events.index("separation->separation") :]
     assert found.residual < 1e-9
+
+
+@pytest.mark.parametrize("gap", [1e-22, 1e-24])
+def test_flights_shorter_than_rounding_end_in_contact(gap: float) -> None:
+    """After 1e6 s a flight of picoseconds takes no time: without loss it would go on for ever."""
+    moved = motion(BOUNCER, start={"z": gap}, options=ELASTIC, time=1e6)
+    assert moved.run(1e6 + 1.0) == Stop.REACHED
+    assert moved.kinds[0] != kernel.SEPARATION
+    assert moved.n_events < 100

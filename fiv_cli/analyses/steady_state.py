@@ -575,14 +575,15 @@ class _Response:
         regular = regularity(self.points[: self.count, self.observed])
         if not (np.isfinite(exponent) and np.isfinite(regular)):
             return "undecided", "time_budget"
-        moved = drift(self._map_points())
+        told, reason = self._by_two_tests(exponent, regular)
+        points = self._map_points()
+        # A weak mode that still dies away, or is shaken slowly, undoes no chaos, but any torus.
+        moved = drift(points[:, [self.observed]] if told == "chaotic" else points)
         outcome.values["section_drift"] = moved
-        if moved != 0.0:
-            return "undecided", "section_drifts"
-        return self._by_two_tests(exponent, regular)
+        return (told, reason) if moved == 0.0 else ("undecided", "section_drifts")
 
     def _by_two_tests(self, exponent: float, regular: float) -> tuple[str, str]:
-        """What Lyapunov exponent and 0-1 test say together of a stationary section."""
+        """What Lyapunov exponent and 0-1 test say together."""
         window = self.times[self.count - 1] - self.times[0]
         uncertain, most = SIGNIFICANT * self.exponent_error, RESTING * max(self.count - 1, 1)
         # On a torus neighbours drift apart in proportion to time, and never approach.

@@ -94,7 +94,8 @@ DIVERGED, CONTACT_LOST, NO_STATE, JAMMED, CHATTERING = 4, 5, 6, 7, 8
 
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
-CHAIN_CAP = 1000  # transitions at one instant: the last of ever shorter flights are below rounding
+CHAIN_CAP = 50  # transitions at one instant
+SHORT_FLIGHTS = 25  # impacts at one instant after which flights are below rounding: contact stays
 PLATEAU = 1.0 / 6.0  # share by which the argument of tanh or exp may change over a step
 LAYER = 2.0  # ... and the change that is always allowed
 GRAZING = 1e-5  # a switching function that falls slower than this share of its scale may graze
@@ -505,7 +506,10 @@ def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> 
         if trigger_kind < 0 or (triggered and (trigger_kind == GAP or trigger_kind == NORMAL)):
             offer(run.options, i, SEPARATION, sign)
         combinations *= run.options[i, COUNT]
-    for attempt in range(2 * combinations):
+    begin = 0
+    if trigger_kind == GAP and run.counters[CHAINED] > SHORT_FLIGHTS:
+        begin = combinations
+    for attempt in range(begin, 2 * combinations):
         rest = attempt % combinations
         for place in range(contacts, -1, -1):  # the contact that triggered first: others stay
             i = trigger_contact if place == contacts else place
