@@ -304,7 +304,9 @@ def test_the_driver_has_another_key_after_any_edit(tmp_path: Path, package: Path
 
 def test_every_kernel_file_counts_for_the_key() -> None:
     texts = {path.name: path.read_text() for path in compiled.FOLDER.glob("*.py")}
-    with_kernels = {name for name, text in texts.items() if re.search(r"^@native", text, re.M)}
+    with_kernels = {
+        name for name, text in texts.items() if re.search(r"^@(native|inlined)", text, re.M)
+    }
     entry = Path(compiled.__file__).name
     assert with_kernels | {entry} == {path.name for path in compiled.DRIVER.files}
 

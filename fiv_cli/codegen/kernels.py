@@ -1,6 +1,6 @@
 """Kernels to machine code, by numba: what it has to be told of frames, views and generated code.
 
-A kernel is a function marked `native`. It stays plain Python and gives the same bits there:
+A kernel is a function marked `native` or `inlined`. It stays plain Python and gives the same bits there:
 numba is asked for no fast-math, which excludes contraction too, and for numpy's divisions, where a
 quotient by zero is infinite or NaN.
 
@@ -59,7 +59,8 @@ def _register_kernel(kernel: Callable[..., Any]) -> None:
         pairs = zip(given, scalars, strict=True)
         return kernel if all(scalar in (None, kind) for kind, scalar in pairs) else None
 
-    overload(kernel, jit_options=OPTIONS, strict=False)(chosen)
+    inline = "always" if hasattr(kernel, "__inlined__") else "never"
+    overload(kernel, jit_options=OPTIONS, strict=False, inline=inline)(chosen)
 
 
 class View(types.Type):

@@ -29,6 +29,7 @@ from fiv_cli.codegen.memory import (
     bits_of,
     call_generated,
     float_of,
+    inlined,
     native,
 )
 from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
@@ -588,7 +589,7 @@ def bisected(
     return high / step
 
 
-@native
+@inlined
 def located(
     run: Run, offset: int, order: int, step: float, strip: int, factor: float, shift: float
 ) -> float:

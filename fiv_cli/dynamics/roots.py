@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.memory import Floats, call_generated, native
+from fiv_cli.codegen.memory import Floats, call_generated, inlined, native
 
 NO_ROOT = 2.0
 HIGHEST_ORDER = 24
@@ -159,7 +159,7 @@ def may_touch(pieces: Floats, degree: int, row: int, tolerance: float) -> bool:
     return False
 
 
-@native
+@inlined
 def first_root(
     polynomial: Floats,
     degree: int,
