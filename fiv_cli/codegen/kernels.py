@@ -1,8 +1,8 @@
 """Kernels to machine code, by numba: what it has to be told of frames, views and generated code.
 
-A kernel is a function marked `native` or `inlined`. It stays plain Python and gives the same bits there:
-numba is asked for no fast-math, which excludes contraction too, and for numpy's divisions, where a
-quotient by zero is infinite or NaN.
+A kernel is a function marked `native` or `inlined`. It stays plain Python and gives the same bits
+there: numba is asked for no fast-math, which excludes contraction too, and for numpy's divisions,
+where a quotient by zero is infinite or NaN.
 
 A *view* is where the data of an array begin and its lengths, nothing that counts references.
 Indices are never counted from the end and nothing checks them.

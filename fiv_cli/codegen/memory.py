@@ -44,7 +44,7 @@ def native(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Mark a kernel that becomes part of its callers: runs gain two to eight per cent by two."""
+    """Mark a kernel that becomes part of its callers: root search so gains up to 8 % of a run."""
     function.__inlined__ = True  # type: ignore[attr-defined]
     return native(function)
 
