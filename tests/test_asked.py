@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from fiv_cli.case.load import parse_case
+from fiv_cli.data.asked import load_checked
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.sweep.plan import make_plan
 
@@ -86,3 +89,13 @@ def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
     assert found.path == path
     assert found.line is not None
     assert words in f"{found.message} {found.suggestion}"
+
+
+def test_a_state_that_is_not_there_hides_no_other_problem(tmp_path: Path) -> None:
+    """Its variables cannot be told then; what else is wrong is told all the same."""
+    case = tmp_path / "a.toml"
+    text = BELT.replace('kind = "response"', 'kind = "response"\nobserve = "xinf"')
+    case.write_text(text + '[[claim]]\ntext = "b"\nvariable = "L_s"\nexpect = "increasing"\n')
+    with pytest.raises(CaseError) as caught:
+        load_checked(case)
+    assert [p.path for p in caught.value.problems] == ["analysis.0.observe", "claim.0.source"]

@@ -57,5 +57,13 @@ def test_a_state_that_does_not_move_says_nothing() -> None:
     assert drift(points) == 0.0
 
 
+def test_what_hardly_moves_may_do_as_it_likes() -> None:
+    """A displacement beside a velocity is of another kind; a mode a thousandth as large is not."""
+    count = np.arange(400)
+    points = np.column_stack([np.cos(2.4 * count), 1e-5 * count / 400, np.sin(2.4 * count)])
+    assert drift(points, (2,)) == 0.0
+    assert drift(points, (1, 2)) > 0.0
+
+
 def test_few_points_say_nothing() -> None:
     assert np.isnan(drift(column(np.arange(FEWEST - 1))))

@@ -31,8 +31,8 @@ for twice the time.
 
 *Quasi-periodic, chaotic.* The set of section points is stationary: means and spreads of its halves
 differ by no more than `WANDERING` times what their partial sums explain, or `NEGLIGIBLE` of the
-spread (`section_drift`): of every state on a torus, of the observed one in chaos. And the Lyapunov
-exponent and the 0-1 test of the section agree.
+spread of its kind (`section_drift`): of every state on a torus, of the observed one in chaos. And
+the Lyapunov exponent and the 0-1 test of the section agree.
 """
 
 from __future__ import annotations

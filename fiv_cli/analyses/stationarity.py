@@ -22,7 +22,7 @@ SHRUNK = 0.5  # a half whose spread is below this share of the other's is not of
 STILL = 1e-9  # spread, over its values, of a state that does not move
 
 
-def drift(points: NDArray[np.float64]) -> float:
+def drift(points: NDArray[np.float64], kinds: tuple[int, ...] = ()) -> float:
     """Largest difference between the halves of a section set, in its spread; 0: stationary.
 
     A difference that sampling may bring about counts as none; NaN: too few points.
@@ -30,19 +30,25 @@ def drift(points: NDArray[np.float64]) -> float:
     Parameters
     ----------
     points : section points, oldest first; shape (count, n)
+    kinds : places at which states of another kind (velocities after displacements) begin; the
+        spread is the largest of a kind: what moves a thousandth of that may do as it likes
     """
     if len(points) < FEWEST:
         return float("nan")
     lasts = (points[-len(points) // share :] for share in PARTS)
-    return max(_drift(last) for last in lasts if len(last) >= FEWEST)
+    return max(_drift(last, kinds) for last in lasts if len(last) >= FEWEST)
 
 
-def _drift(points: NDArray[np.float64]) -> float:
+def _drift(points: NDArray[np.float64], kinds: tuple[int, ...]) -> float:
     spread = np.std(points, axis=0)
-    moving = spread > STILL * np.max(np.abs(points), axis=0)
+    moving = np.flatnonzero(spread > STILL * np.max(np.abs(points), axis=0))
+    largest = [np.full(len(kind), np.max(kind, initial=0.0)) for kind in np.split(spread, kinds)]
+    share = spread[moving] / np.concatenate(largest)[moving]
     shown = (points[:, moving] - np.mean(points[:, moving], axis=0)) / spread[moving]
-    found = [_difference(column) for column in (*shown.T, *(shown**2).T)]
-    return max((*found, *map(_shrinking, shown.T)), default=0.0)
+    found = [max(map(_difference, (one, one**2))) for one in shown.T]
+    shrunk = [max(pair) for pair in zip(found, map(_shrinking, shown.T), strict=True)]
+    worst = float(np.max(share * shrunk, initial=0.0))
+    return worst if worst > NEGLIGIBLE else 0.0
 
 
 def _shrinking(values: NDArray[np.float64]) -> float:

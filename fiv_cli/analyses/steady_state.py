@@ -578,7 +578,9 @@ class _Response:
         told, reason = self._by_two_tests(exponent, regular)
         points = self._map_points()
         # A weak mode that still dies away, or is shaken slowly, undoes no chaos, but any torus.
-        moved = drift(points[:, [self.observed]] if told == "chaotic" else points)
+        m = len(self.system.coordinates)
+        observed = points[:, [self.observed]]
+        moved = drift(observed) if told == "chaotic" else drift(points, (m, 2 * m))
         outcome.values["section_drift"] = moved
         return (told, reason) if moved == 0.0 else ("undecided", "section_drifts")
 

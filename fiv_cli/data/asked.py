@@ -20,7 +20,7 @@ from fiv_cli.case.results import TRENDS
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.data.flags import TABLES
 from fiv_cli.data.layout import varying_in
-from fiv_cli.data.variables import Variable, variables_of
+from fiv_cli.data.variables import Variable, motions, variables_of
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.models import get_model
 
@@ -43,19 +43,25 @@ def load_checked(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
     try:
         case = load_case(path, overrides)
     except CaseError as error:
-        if error.case is None or not all(map(_is_complete, error.case.analyses)):
+        refused = error.case
+        if refused is None or not all(_is_sound(refused, spec) for spec in refused.analyses):
             raise
         told = {problem.path for problem in error.problems}
-        further = [problem for problem in _problems(error.case) if problem.path not in told]
+        further = [problem for problem in _problems(refused) if problem.path not in told]
         raise CaseError(error.source, in_order([*error.problems, *further])) from None
     refuse_what_will_not_be_there(case)
     return case
 
 
-def _is_complete(spec: AnalysisSpec) -> bool:
-    """Whether nothing is missing that an analysis must be given."""
-    needed = [setting.name for setting in get_analysis(spec.kind).settings if setting.required]
-    return all(spec.settings.get(name) is not None for name in needed)
+def _is_sound(case: Case, spec: AnalysisSpec) -> bool:
+    """Whether the variables of an analysis can be told: all it needs is given, and its states are
+    those of the model."""
+    settings = get_analysis(spec.kind).settings
+    needed = [setting.name for setting in settings if setting.required]
+    named = [spec.settings.get(setting.name) for setting in settings if setting.type == "state"]
+    states = [name for name, *_ in motions(get_model(case.model).states(case.options))]
+    given = all(spec.settings.get(name) is not None for name in needed)
+    return given and all(name is None or name in states for name in named)
 
 
 def refuse_what_will_not_be_there(case: Case) -> None:
@@ -78,13 +84,13 @@ def _problems(case: Case) -> list[Problem]:
     _, places, _ = apply_overrides(parse_toml(case.text), set_on)
     report = Report(case.source, locate(case.text), places)
     for index, figure in enumerate(case.figures):
-        known = _known(case, held, figure.settings.get("analysis"), motions=True)
+        known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
         for name in _named(figure):
             _check(name, known, ("figure", index, "variable"), report)
         _check_scale(figure, ("figure", index), report)
     for index, claim in enumerate(case.claims):
         place: Path = ("claim", index)
-        known = _known(case, held, claim.analysis, motions=False)
+        known = _known(case, held, claim.analysis, with_motions=False)
         if _check(claim.variable, known, (*place, "variable"), report):
             _check_expected(claim, known[claim.variable], place, report)
     return report.problems
@@ -101,17 +107,17 @@ def _named(figure: FigureSpec) -> Iterable[str]:
 
 
 def _known(
-    case: Case, held: Held, analysis: str | None, motions: bool
+    case: Case, held: Held, analysis: str | None, with_motions: bool
 ) -> dict[str, Variable | None]:
     """Everything that stands in the dataset of the case, or of one of its analyses.
 
-    A figure may also be drawn of a motion that ``fiv history`` computes (`motions`).
+    A figure may also be drawn of a motion that ``fiv history`` computes (`with_motions`).
     """
     chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
     found: dict[str, Variable | None] = dict.fromkeys(
         [*(axis.dim for axis in case.axes), OF_REFINED]
     )
-    if motions:
+    if with_motions:
         own = variables_of("history", get_model(case.model), case.options, {})
         found |= {variable.name: variable for variable in own}
     for variables in chosen:
