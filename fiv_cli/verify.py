@@ -92,6 +92,7 @@ class _Bench:
     ) -> Outcome:
         """One outcome; `changes` are parameters that differ from the defaults."""
         from fiv_cli.analyses import get_analysis
+        from fiv_cli.dynamics.compiled import load_driver
         from fiv_cli.dynamics.system import build_system
         from fiv_cli.models import get_model
 
@@ -100,6 +101,8 @@ class _Bench:
         solver = SolverSettings(rtol=RTOL)
         system = build_system(model, law, chosen, parameters, solver, self.announce)
         kind = get_analysis(analysis)
+        if not kind.linear:
+            load_driver(self.announce)
         filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
         begin = Start("start", "state", start) if isinstance(start, Mapping) else start
         return kind.run(system, parameters, begin, filled, solver)

@@ -81,6 +81,18 @@ def test_dependencies_point_downwards(path: Path) -> None:
         assert allowed, f"{part} imports {other}"
 
 
+def test_numba_is_asked_by_what_it_offers() -> None:
+    modules = {
+        f"{node.module}.{alias.name}"
+        for path in FILES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ImportFrom) and str(node.module).startswith("numba")
+        for alias in node.names
+    }
+    assert {"numba.njit", "numba.cfunc", "numba.extending.overload"} <= modules
+    assert [name for name in modules if ".core" in name or "._" in name] == []
+
+
 @pytest.mark.parametrize(
     ("file", "stranger"),
     [("data", "sweep"), ("plots", "models"), ("plots", "analyses"), ("plots", "dynamics"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import re
 import shutil
@@ -25,19 +24,7 @@ from fiv_cli.models import get_model
 
 PACKAGE = Path(fiv_cli.__file__).parent
 
-# Where a belt's mass is after 3 s of slip from rest, and the key of the kernels.
-MOVE = """
-from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.dynamics.compiled import DRIVER
-from fiv_cli.dynamics.motion import Motion
-from fiv_cli.dynamics.system import build_system
-parameters = {"m": 1, "k": 1, "c": 0, "N": 10, "v": 9, "u0": 0, "omega": 1, "mu_s": 1, "mu_k": 0.1}
-solver = SolverSettings()
-system = build_system("belt-1dof", "coulomb", {}, parameters, solver)
-motion = Motion(system, parameters, solver, {})
-motion.run(3.0)
-print(f"{motion.y[0]:.12f} {DRIVER.key()}")
-"""
+KEY = "from fiv_cli.dynamics.compiled import DRIVER; print(DRIVER.key())"
 
 # Second coefficient of its displacement (half the acceleration at rest), by machine code.
 ACCELERATE = """
@@ -202,6 +189,22 @@ def test_what_nobody_has_used_for_long_goes(own_cache: Path) -> None:
     assert {path.name for path in own_cache.iterdir()} == {"used", "new", "another"}
 
 
+def test_a_scratch_folder_goes_with_its_block_or_a_day_after_its_process(own_cache: Path) -> None:
+    with cache.scratch_folder() as first, cache.scratch_folder() as second:
+        assert first.stat().st_mode & 0o777 == 0o700
+        assert first.parent == second.parent == own_cache
+    abandoned = own_cache / "scratch-of-a-killed-process"
+    abandoned.mkdir()
+    aged(abandoned, 0.5)
+    with cache.scratch_folder():
+        pass
+    assert list(own_cache.iterdir()) == [abandoned]
+    aged(abandoned, 1.5)
+    with cache.scratch_folder():
+        pass
+    assert list(own_cache.iterdir()) == []
+
+
 def test_of_too_much_goes_what_was_used_longest_ago(
     own_cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -287,14 +290,16 @@ def test_edited_files_never_run_stale_code(tmp_path: Path, package: Path) -> Non
     assert len({key for _, key in answers}) == len(answers)
 
 
-def test_an_edited_kernel_never_runs_stale_code(tmp_path: Path, package: Path) -> None:
-    place, key = answer(start(MOVE, tmp_path / "cache", package))
-    assert float(place) == pytest.approx(1.0 - math.cos(3.0), abs=1e-9)
-    going_on = "            run.clock[TIME] = goal\n"
-    edited(package, "dynamics/kernel.py", going_on, going_on.replace("goal", "t + 0.5 * step"))
-    new_place, new_key = answer(start(MOVE, tmp_path / "cache", package))
-    assert new_place != place
-    assert new_key != key
+def test_the_driver_has_another_key_after_any_edit(tmp_path: Path, package: Path) -> None:
+    """What a key is for: see `test_kernels.py`."""
+    files = {f"dynamics/{name}.py" for name in ("kernel", "roots", "compiled")}
+    files |= {f"codegen/{name}.py" for name in ("kernels", "memory", "compiled")}
+    keys = [answer(start(KEY, tmp_path / "cache", package))]
+    for file in sorted(files):
+        with (package / file).open("a") as text:
+            text.write("# edited\n")
+        keys.append(answer(start(KEY, tmp_path / "cache", package)))
+    assert len({key for (key,) in keys}) == 1 + len(files)
 
 
 def test_every_kernel_file_counts_for_the_key() -> None:
@@ -302,7 +307,8 @@ def test_every_kernel_file_counts_for_the_key() -> None:
     with_kernels = {
         name for name, text in texts.items() if re.search(r"^@(native|inlined)", text, re.M)
     }
-    assert with_kernels == {path.name for path in compiled.DRIVER.files}
+    entry = Path(compiled.__file__).name
+    assert with_kernels | {entry} == {path.name for path in compiled.DRIVER.files}
 
 
 def test_a_full_disk_leaves_no_piece_behind(tmp_path, monkeypatch):
@@ -314,15 +320,3 @@ def test_a_full_disk_leaves_no_piece_behind(tmp_path, monkeypatch):
     cache.write("name.o", b"code")
     assert cache.read("name.o") is None
     assert list(tmp_path.iterdir()) == []
-
-
-def test_what_is_compiled_unchecked_has_a_key_of_its_own(tmp_path: Path) -> None:
-    """Under ``python -O`` the assertions of the translator are not there."""
-    program = "from fiv_cli.dynamics.compiled import DRIVER; print(DRIVER.key())"
-    keys = [
-        subprocess.run(
-            [sys.executable, *options, "-c", program], capture_output=True, text=True, check=True
-        ).stdout
-        for options in ([], ["-O"], [])
-    ]
-    assert keys[0] == keys[2] != keys[1]

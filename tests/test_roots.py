@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +14,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fiv_cli.codegen import emit
+from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.generate import load_text
-from fiv_cli.codegen.native import Library, words_of
+from fiv_cli.codegen.memory import Floats, Frame, address_of
 from fiv_cli.dynamics import roots
 
 AMBIGUOUS = 1e-6  # complex pairs this close to the real axis, or roots this close to a border
@@ -21,7 +24,43 @@ DOUBLE = 1e-7  # a double root is known to the root of rounding only, see `known
 ROOT = st.floats(0.02, 0.98)
 
 
-ROOTS = Library("roots", (Path(roots.__file__),), (roots.first_root,))
+class Sought(Frame):
+    """A polynomial and room to work."""
+
+    polynomial: Floats
+    pieces: Floats
+
+
+def sought_at(address: int) -> Any:
+    """The arrays whose frame is at an address."""
+    return Sought.at(address)
+
+
+def first_root_at(
+    address: int, degree: int, total: float, end: float, slope: int, bernstein: int, top: int
+) -> float:
+    """`roots.first_root` of the polynomial at an address."""
+    sought = sought_at(address)
+    return root(sought.polynomial, degree, total, end, slope, bernstein, top, sought.pieces)
+
+
+root = roots.first_root
+
+
+def declared(**options: bool) -> Callable[..., float]:
+    """What numba makes of it."""
+    from numba import cfunc
+
+    from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
+
+    register_frame(Sought, sought_at)
+    register(roots)
+    signature = "float64(int64, int64, float64, float64, int64, int64, int64)"
+    compiled: Callable[..., float] = cfunc(signature, **OPTIONS, **options)(first_root_at).ctypes
+    return compiled
+
+
+ROOTS = Compiled("roots", (Path(roots.__file__), Path(__file__)), declared)
 
 
 @cache
@@ -44,10 +83,8 @@ def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
     polynomial[: degree + 1] = coefficients
     total, end = float(np.sum(np.abs(coefficients))), float(np.sum(coefficients))
     pieces = roots.scratch()
-    found = ROOTS.function(roots.first_root)(
-        *words_of(polynomial), degree, total, end, *generated(top), top, *words_of(pieces)
-    )
-    return float(found)
+    frame = Sought.words({"polynomial": polynomial, "pieces": pieces})
+    return ROOTS.function(address_of(frame), degree, total, end, *generated(top), top)
 
 
 def with_roots(*places: float, beyond: tuple[float, ...] = ()) -> NDArray[np.float64]:

@@ -93,7 +93,7 @@ def test_without_any_other_program(tmp_path: Path, datasets: dict[str, bytes]) -
 def test_a_long_integration_is_ended(tmp_path: Path, number: signal.Signals) -> None:
     with run(tmp_path, ENDLESS, "--workers", "1") as endless:
         wait_for(lambda: "0 already stored" in endless.said, "it does not begin")
-        time.sleep(0.5)  # into compiled code
+        time.sleep(2.0)  # into compiled code
         endless.send(number)
         assert endless.code(10.0) == 128 + number
         assert "the same command goes on from here" in endless.said
@@ -193,7 +193,7 @@ def _assembles(run: Run, folder: Path) -> bool:
 ONE, TWO = ("--workers", "1"), ("--workers", "2", *WORKERS)
 SCENES = {
     "importing": Scene(POINTS, TWO, _listens, 0.8),
-    "compiling": Scene(POINTS, ONE, _listens, 8.0, cold=True),
+    "compiling": Scene(POINTS, ONE, _listens, 20.0, cold=True),
     "computing": Scene(POINTS, ONE, _computes, 2.0),
     "starting workers": Scene(POINTS, TWO, _computes, 2.0),
     "storing": Scene(POINTS, TWO, _stores, 1.0),

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.codegen.generate import JACOBIAN_ORDER
-from fiv_cli.codegen.native import call_generated
+from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics import kernel

@@ -108,6 +108,8 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
             with _stored():
                 for system in _systems(request, announce):
                     _load(system, request.parameters, needs)
+                if needs.motions:
+                    _load_kernels(needs, announce)
 
 
 @contextmanager
@@ -125,9 +127,10 @@ def _stored() -> Iterator[None]:
 
 
 class _Needs(NamedTuple):
-    """What a request needs beside the flow: equilibria, and tangents carried along motions."""
+    """What a request needs beside the flow: equilibria, motions, tangents carried along them."""
 
     equilibria: bool
+    motions: bool
     tangents: bool
 
 
@@ -139,6 +142,7 @@ def _needs(request: Request) -> _Needs:
     starts_at_state = request.start is not None and request.start.kind == "state"
     return _Needs(
         equilibria=not (recorded and starts_at_state),
+        motions=not analysis.linear,
         tangents=not (recorded or analysis.linear),
     )
 
@@ -159,7 +163,6 @@ def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> Non
 
     What is not needed is left out: the tangents are more than half of what there is to compile.
     """
-    from fiv_cli.analyses import recording, steady_state  # noqa: F401
     from fiv_cli.analyses.equilibria import statics_of
 
     _ = system.tables
@@ -168,6 +171,17 @@ def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> Non
         statics_of(system, parameters)
     if needs.tangents:
         _ = system.tangent_table
+
+
+def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:
+    """Bring into memory what motions of every system need."""
+    from fiv_cli.analyses import recording, steady_state  # noqa: F401
+    from fiv_cli.analyses.settling import load_settling
+    from fiv_cli.dynamics.compiled import load_driver
+
+    load_driver(announce)
+    if needs.tangents:
+        load_settling(announce)
 
 
 def _system(request: Request, announce: Callable[[str], None] = lambda sentence: None) -> System:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.equilibria import Sliding
 from fiv_cli.analyses.grounds import AGREEMENT, FALLEN, HURWITZ, LEADING, LINEAR, SAMPLES
 from fiv_cli.analyses.linearisation import free_states
-from fiv_cli.codegen.native import call_generated
+from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.system import System, Vector
 

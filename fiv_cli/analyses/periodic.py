@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.equilibria import statics_of
-from fiv_cli.codegen.native import call_generated
+from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector

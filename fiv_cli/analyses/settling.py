@@ -7,13 +7,16 @@ tells a slow transient (a multiplier of -0.99) from a settled motion.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.native import Floats, Floats2, Library, native, words_of
+from fiv_cli.codegen.compiled import Compiled
+from fiv_cli.codegen.memory import Floats, Floats2, native
 
 SETTLED = 1e-8  # relative to the largest value of each state at the section
 LEAST = float(np.finfo(float).tiny)  # a scale that is none
@@ -127,7 +130,29 @@ def _lasting_period(points: Floats2, scales: Floats, longest: int, tolerance: fl
     return 0
 
 
-SETTLING = Library("settling", (Path(__file__),), (_settled_period, _lasting_period))
+def _declare(kernel: Callable[..., int], signature: str, **options: bool) -> Callable[..., int]:
+    from numba import njit
+
+    from fiv_cli.codegen.kernels import OPTIONS, register
+
+    register(sys.modules[__name__])
+    compiled: Callable[..., int] = njit(signature, **OPTIONS, **options)(kernel)
+    return compiled
+
+
+_POINTS_AND_SCALES = "float64[:, ::1], float64[::1]"
+_FILES = (Path(__file__),)
+_SETTLED = Compiled("settled", _FILES, partial(
+    _declare, _settled_period, f"int64({_POINTS_AND_SCALES}, int64, float64, float64)"
+))  # fmt: skip
+_LASTING = Compiled("lasting", _FILES, partial(
+    _declare, _lasting_period, f"int64({_POINTS_AND_SCALES}, int64, float64)"
+))  # fmt: skip
+
+
+def load_settling(announce: Callable[[str], None]) -> None:
+    """Have `settled_period` at hand; `announce` is called with a sentence if it is compiled."""
+    _SETTLED.load(announce, "compiling the search for periods (once per user, a few seconds)")
 
 
 def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:
@@ -142,13 +167,12 @@ def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
     """
     if len(points) < 8:
         return 0
-    return _asked(_lasting_period, points, tolerance)
+    return _asked(_LASTING, points, tolerance)
 
 
-def _asked(kernel: Callable[..., int], points: NDArray[np.float64], *tolerances: float) -> int:
-    points, scales = np.ascontiguousarray(points), np.empty(points.shape[1])
-    given = (*words_of(points), *words_of(scales))
-    return int(SETTLING.function(kernel)(*given, LONGEST, *tolerances))
+def _asked(compiled: Compiled, points: NDArray[np.float64], *tolerances: float) -> int:
+    points = np.ascontiguousarray(points, dtype=float)
+    return int(compiled.function(points, np.empty(points.shape[1]), LONGEST, *tolerances))
 
 
 def settled_period(
@@ -166,4 +190,4 @@ def settled_period(
     if len(points) < 3:
         return 0
     left = tolerance if remaining is None else remaining
-    return _asked(_settled_period, points, tolerance, left)
+    return _asked(_SETTLED, points, tolerance, left)

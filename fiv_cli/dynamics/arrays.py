@@ -1,6 +1,6 @@
 """The arrays of a motion: its own ones in one block, those that all motions of a system share.
 
-The driver reads them through a frame of addresses (`codegen/native.py`). A motion is made for
+The driver reads them through a frame of addresses (`codegen/memory.py`). A motion is made for
 every point of a sweep, so a new one copies one block, frame included.
 """
 
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.native import address_of
+from fiv_cli.codegen.memory import address_of
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import System, Vector

@@ -2,10 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from fiv_cli.codegen.native import Library
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.compiled import Compiled
+from fiv_cli.dynamics import kernel, roots
 
 FOLDER = Path(__file__).parent
-DRIVER = Library("driver", (FOLDER / "kernel.py", FOLDER / "roots.py"), (kernel.advance,))
+SIGNATURE = "int64(int64, float64, float64, boolean)"
+
+
+def run_at(address: int) -> Any:
+    """The run whose frame is at an address."""
+    return kernel.Run.at(address)
+
+
+def advance_at(address: int, t_stop: float, phase_interval: float, measuring: bool) -> int:
+    """`kernel.advance` of the run at an address."""
+    return kernel_advance(run_at(address), t_stop, phase_interval, measuring)
+
+
+kernel_advance = kernel.advance  # numba reads no functions off modules
+
+
+def _declare(**options: bool) -> Callable[..., Any]:
+    from numba import cfunc
+
+    from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
+
+    register_frame(kernel.Run, run_at)
+    register(roots)
+    register(kernel)
+    return cfunc(SIGNATURE, **OPTIONS, **options)(advance_at).ctypes
+
+
+FILES = (FOLDER / "kernel.py", FOLDER / "roots.py", FOLDER / "compiled.py")
+DRIVER = Compiled("driver", FILES, _declare)
+
+
+def load_driver(announce: Callable[[str], None]) -> None:
+    """Have the driver at hand; `announce` is called with a sentence if it must be compiled."""
+    DRIVER.load(announce, "compiling the integrator (once per user, up to half a minute)")

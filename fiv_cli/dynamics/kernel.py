@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fiv_cli.codegen.native import (
+from fiv_cli.codegen.memory import (
     Floats,
     Floats2,
     Frame,
@@ -264,7 +264,7 @@ def root_of(value: float, degree: int) -> float:
     return float_of((int(whole) + BIAS) * MANTISSA) * (1.0 + part * (0.6565 + 0.3435 * part))
 
 
-@inlined
+@native
 def step_size(series: Floats, n: int, order: int, rtol: float, last: float) -> float:
     """Step for which the last two terms stay below rtol times each series' own scale.
 
@@ -323,7 +323,7 @@ def polynomial_step(series: Floats, n: int, n_guards: int, order: int, last: flo
     return step if step > 0.0 else ENDLESS
 
 
-@inlined
+@native
 def leading(series: Floats, offset: int, order: int, step: float, known_zeros: int) -> int:
     """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
@@ -343,7 +343,7 @@ def leading(series: Floats, offset: int, order: int, step: float, known_zeros: i
     return 0
 
 
-@inlined
+@native
 def fill(run: Run) -> None:
     """Compute the coefficients, unless they are those of these slip signs and this sector."""
     contacts, end = run.config[N_CONTACTS], run.config[N_PARAMETERS] - 1
@@ -382,7 +382,7 @@ def zeros_at_start(run: Run, index: int, guard: int) -> int:
     return zeros
 
 
-@inlined
+@native
 def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool) -> bool:
     """Whether a candidate contact state can follow: every switching function leads positive.
 
@@ -727,7 +727,7 @@ def take_measures(run: Run, index: int, tau: float, end: Floats) -> None:
             look_for_turns(run, run.stages[6 - node % 2], here, last_x, x)
 
 
-@inlined
+@native
 def nodes_needed(run: Run, tau: float) -> int:
     """Nodes of the quadrature that integrates over this part of a step to rounding."""
     count = FEWEST_NODES
@@ -737,7 +737,7 @@ def nodes_needed(run: Run, tau: float) -> int:
     return count
 
 
-@inlined
+@native
 def look_for_turns(run: Run, before: Floats, after: Floats, low: float, high: float) -> None:
     """Extremes that lie between two nodes, whose field outputs are given.
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli import ending
+from fiv_cli.codegen.memory import address_of, call_generated
 from fiv_cli.codegen.names import rate_of
-from fiv_cli.codegen.native import address_of, call_generated
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import FIRST_STRIDE, NO_SECTION, PLACES, MotionArrays, layout_of
 from fiv_cli.dynamics.compiled import DRIVER
@@ -385,7 +385,7 @@ class Motion:
 
     def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
-        driver = DRIVER.function(kernel.advance)
+        driver = DRIVER.function
         code = driver(self.arrays.address, t_stop, phase_interval, measuring)
         while code == kernel.STEP_BUDGET and self._may_go_on():
             begun = perf_counter()

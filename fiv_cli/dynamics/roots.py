@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.native import Floats, call_generated, inlined, native
+from fiv_cli.codegen.memory import Floats, call_generated, inlined, native
 
 NO_ROOT = 2.0
 HIGHEST_ORDER = 24

@@ -79,19 +79,11 @@ def build_system(
 
 
 def _make(model: Model, law: Law, key: SystemKey, announce: Callable[[str], None]) -> System:
-    _announce_kernels(announce)
     options, structural, order, schedule = dict(key[2]), dict(key[3]), key[4], key[5]
     generated = generate(model, law, options, structural, order, announce, schedule.names)
     if not generated.is_compiled():
         announce(f"compiling {model.name} with {law.name} friction (once per user)")
     return System(model, law, options, generated, schedule)
-
-
-def _announce_kernels(announce: Callable[[str], None]) -> None:
-    from fiv_cli.dynamics.compiled import DRIVER
-
-    if not DRIVER.is_warm():
-        announce("compiling the integrator (once per user, a few seconds)")
 
 
 @dataclass(frozen=True, eq=False)

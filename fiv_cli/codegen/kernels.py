@@ -1,0 +1,267 @@
+"""Kernels to machine code, by numba: what it has to be told of frames, views and generated code.
+
+A kernel is a function marked `native` or `inlined`. It stays plain Python and gives the same bits
+there: numba is asked for no fast-math, which excludes contraction too, and for numpy's divisions,
+where a quotient by zero is infinite or NaN.
+
+A *view* is where the data of an array begin and its lengths, nothing that counts references.
+Indices are never counted from the end and nothing checks them.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import (
+    intrinsic,
+    lower_builtin,
+    models,
+    overload,
+    overload_attribute,
+    register_model,
+    type_callable,
+)
+
+from fiv_cli.codegen.memory import ARRAYS, Frame, bits_of, call_generated, float_of
+
+OPTIONS = {"error_model": "numpy"}
+SCALARS = {"float": types.float64, "int": types.int64, "bool": types.boolean}
+ELEMENTS = {float: types.float64, int: types.int64}
+DOUBLE, INTEGER = ir.DoubleType(), ir.IntType(64)
+GENERATED = ir.FunctionType(
+    ir.VoidType(), (DOUBLE.as_pointer(), DOUBLE, DOUBLE.as_pointer(), DOUBLE.as_pointer())
+)
+
+
+@cache
+def register(module: ModuleType) -> None:
+    """Let kernels call those of a module."""
+    for function in vars(module).values():
+        if hasattr(function, "__native__") and function.__module__ == module.__name__:
+            _register_kernel(function)
+
+
+def _register_kernel(kernel: Callable[..., Any]) -> None:
+    """Let kernels call this one, with what its annotations say and nothing else.
+
+    numba would compile it once more for a call with an integer where it says float.
+    """
+    parameters = list(kernel.__annotations__.values())[: kernel.__code__.co_argcount]
+    scalars = [SCALARS.get(annotation) for annotation in parameters]
+
+    def chosen(*given: Any) -> Any:
+        pairs = zip(given, scalars, strict=True)
+        return kernel if all(scalar in (None, kind) for kind, scalar in pairs) else None
+
+    inline = "always" if hasattr(kernel, "__inlined__") else "never"
+    overload(kernel, jit_options=OPTIONS, strict=False, inline=inline)(chosen)
+
+
+class View(types.Type):
+    """An array in a kernel: its first word is where the data begin, its lengths follow."""
+
+    def __init__(self, element: Any, depth: int) -> None:
+        self.element, self.depth = element, depth
+        super().__init__(name=f"View({element}, {depth})")
+
+
+class FrameType(types.Type):
+    """A frame in a kernel: its address. Every frame has a type derived from this one."""
+
+
+@register_model(View)
+class _ViewModel(models.StructModel):
+    def __init__(self, manager: Any, view: View) -> None:
+        lengths = [(f"length{level}", types.int64) for level in range(view.depth)]
+        super().__init__(manager, view, [("data", types.CPointer(view.element)), *lengths])
+
+
+# --- elements, rows, what follows an index --------------------------------------------------------
+@type_callable(operator.getitem)
+def _type_of_item(context: Any) -> Callable[..., Any]:
+    def typed(view: Any, index: Any) -> Any:
+        if not isinstance(view, View):
+            return None
+        if isinstance(index, types.SliceType):
+            return view if view.depth == 1 else None
+        left = view.depth - (len(index) if isinstance(index, types.BaseTuple) else 1)
+        return View(view.element, left) if left > 0 else view.element
+
+    return typed
+
+
+@type_callable(operator.setitem)
+def _type_of_setting(context: Any) -> Callable[..., Any]:
+    def typed(view: Any, index: Any, value: Any) -> Any:
+        return types.none if isinstance(view, View) else None
+
+    return typed
+
+
+def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> tuple[Any, list[Any]]:
+    """Where an element or a row is, and the lengths that are left of it."""
+    (view, index_type), (value, index) = signature.args[:2], arguments[:2]
+    indices, kinds = [index], [index_type]
+    if isinstance(index_type, types.BaseTuple):
+        kinds = list(index_type)
+        indices = [builder.extract_value(index, i) for i in range(len(kinds))]
+    data, *lengths = (builder.extract_value(value, i) for i in range(1 + view.depth))
+    offset = None
+    for level, length in enumerate(lengths):
+        if offset is not None:
+            offset = builder.mul(offset, length, flags=["nsw"])
+        if level < len(indices):
+            step = context.cast(builder, indices[level], kinds[level], types.int64)
+            offset = step if offset is None else builder.add(offset, step, flags=["nsw"])
+    return builder.gep(data, [offset], inbounds=True), lengths[len(indices) :]
+
+
+def _view(context: Any, builder: Any, kind: View, data: Any, lengths: Iterable[Any]) -> Any:
+    value = ir.Constant(context.get_value_type(kind), ir.Undefined)
+    for place, part in enumerate((data, *lengths)):
+        value = builder.insert_value(value, part, place)
+    return value
+
+
+def _tag(builder: Any, access: Any, element: Any) -> Any:
+    """Floats and integers never share memory."""
+    module = builder.module
+    kind = module.add_metadata([str(element), module.add_metadata(["fiv"])])
+    access.set_metadata("tbaa", module.add_metadata([kind, kind, ir.Constant(INTEGER, 0)]))
+    return access
+
+
+@lower_builtin(operator.getitem, View, types.Integer)
+@lower_builtin(operator.getitem, View, types.BaseTuple)
+def _item(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    place, lengths = _place(context, builder, signature, arguments)
+    if lengths:
+        return _view(context, builder, signature.return_type, place, lengths)
+    return _tag(builder, builder.load(place), signature.return_type)
+
+
+@lower_builtin(operator.getitem, View, types.SliceType)
+def _rest(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    view, given = arguments
+    start = context.make_helper(builder, signature.args[1], given).start
+    data = builder.gep(builder.extract_value(view, 0), [start], inbounds=True)
+    length = builder.sub(builder.extract_value(view, 1), start)
+    return _view(context, builder, signature.return_type, data, [length])
+
+
+@lower_builtin(operator.setitem, View, types.Integer, types.Number)
+@lower_builtin(operator.setitem, View, types.BaseTuple, types.Number)
+def _set_item(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    place, _ = _place(context, builder, signature, arguments)
+    element = signature.args[0].element
+    value = context.cast(builder, arguments[2], signature.args[2], element)
+    _tag(builder, builder.store(value, place), element)
+    return context.get_dummy_value()
+
+
+# --- lengths --------------------------------------------------------------------------------------
+@intrinsic
+def _lengths(context: Any, view: Any) -> Any:
+    def lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lengths = [builder.extract_value(arguments[0], 1 + level) for level in range(view.depth)]
+        return context.make_tuple(builder, signature.return_type, lengths)
+
+    return types.UniTuple(types.int64, view.depth)(view), lower
+
+
+@overload_attribute(View, "shape", jit_options=OPTIONS, strict=False)
+def _shape(view: Any) -> Any:
+    return lambda view: _lengths(view)
+
+
+@overload(len, jit_options=OPTIONS, strict=False)
+def _len(view: Any) -> Any:
+    return (lambda view: _lengths(view)[0]) if isinstance(view, View) else None
+
+
+# --- frames ---------------------------------------------------------------------------------------
+def _word(builder: Any, words: Any, place: int) -> Any:
+    """A word of a frame: it does not change while kernels run."""
+    loaded = builder.load(builder.gep(words, [ir.Constant(INTEGER, place)]))
+    loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return loaded
+
+
+def _field_reader(annotation: str, place: int) -> Any:
+    element, depth = ARRAYS[annotation]
+    kind = View(ELEMENTS[element], depth)
+
+    def lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        (frame,) = arguments
+        words = builder.bitcast(frame, INTEGER.as_pointer())
+        data, *lengths = (_word(builder, words, place + i) for i in range(1 + depth))
+        if annotation.startswith("Own"):
+            data = builder.add(data, builder.ptrtoint(frame, INTEGER))
+        pointer = context.get_value_type(types.CPointer(kind.element))
+        return _view(context, builder, kind, builder.inttoptr(data, pointer), lengths)
+
+    @intrinsic
+    def read(context: Any, frame: Any) -> Any:
+        return kind(frame), lower
+
+    return read
+
+
+@cache
+def register_frame(frame: type[Frame], frame_at: Callable[[int], Any]) -> None:
+    """Let kernels take a frame from its address, by `frame_at`, and read its fields."""
+    name = f"Frame({frame.__module__}.{frame.__qualname__})"
+    family = type(name, (FrameType,), {})
+    register_model(family)(models.OpaqueModel)
+    type_callable(frame_at)(lambda context: lambda address: family(name))
+    lower_builtin(frame_at, types.Integer)(_frame_at)
+    for field, place in frame.places().items():
+        _register_field(family, field, _field_reader(frame.__annotations__[field], place))
+
+
+def _frame_at(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
+
+
+def _register_field(family: type[FrameType], name: str, read: Any) -> None:
+    def field(run: Any) -> Any:
+        return lambda run: read(run)
+
+    overload_attribute(family, name, jit_options=OPTIONS, strict=False)(field)
+
+
+# --- generated code, bits -------------------------------------------------------------------------
+@type_callable(call_generated)
+def _type_of_call(context: Any) -> Callable[..., Any]:
+    return lambda address, coefficients, time, state, out: types.none
+
+
+@lower_builtin(call_generated, types.Integer, View, types.Float, View, View)
+def _call_generated(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    address, coefficients, time, state, out = arguments
+    c, y, found = (builder.extract_value(view, 0) for view in (coefficients, state, out))
+    function = builder.inttoptr(address, GENERATED.as_pointer())
+    builder.call(function, [c, time, y, found], attrs=("nounwind",))
+    return context.get_dummy_value()
+
+
+@type_callable(bits_of)
+def _type_of_bits(context: Any) -> Callable[..., Any]:
+    return lambda value: types.int64
+
+
+@type_callable(float_of)
+def _type_of_float(context: Any) -> Callable[..., Any]:
+    return lambda bits: types.float64
+
+
+@lower_builtin(bits_of, types.Float)
+@lower_builtin(float_of, types.Integer)
+def _bitcast(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return builder.bitcast(arguments[0], context.get_value_type(signature.return_type))

@@ -1,0 +1,255 @@
+"""Kernels compiled by numba: the bits of Python, no stale code, nothing that others can write."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NoReturn
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_codegen_cache import answer, start
+
+from fiv_cli.codegen.compiled import Compiled
+from fiv_cli.codegen.generate import generate
+from fiv_cli.codegen.memory import (
+    Floats,
+    Floats2,
+    Frame,
+    Ints,
+    Ints3,
+    OwnFloats,
+    address_of,
+    bits_of,
+    call_generated,
+    float_of,
+    native,
+)
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+
+HERE = Path(__file__)
+
+
+# --- what kernels may do with a frame -------------------------------------------------------------
+class Board(Frame):
+    """Arrays of every kind."""
+
+    own: OwnFloats
+    flat: Floats
+    square: Floats2
+    places: Ints
+    cube: Ints3
+
+
+@native
+def total(values: Floats) -> float:
+    """Sum in order."""
+    found = 0.0
+    for i in range(len(values)):
+        found += values[i]
+    return found
+
+
+@native
+def rearranged(board: Board, factor: float, generated: int) -> float:
+    """Elements, rows, rests and lengths of arrays, read and written; bits; a generated function."""
+    row = board.square[1]
+    row[0] = factor * row[1] + row[2]  # two roundings
+    board.square[0, 2] = board.places[0] // 4 + board.places[0] % 3
+    board.places[1] = board.cube[1, 0, 1] + board.cube.shape[2]
+    board.own[0] = total(board.flat[2:]) / factor
+    board.own[1] = board.own[0] / board.own[3] + len(board.flat) ** 0.5
+    call_generated(generated, board.flat, factor, board.own[2:], board.square[2])
+    return float_of(bits_of(factor) + 1)
+
+
+def board_at(address: int) -> Any:
+    """The arrays of the frame at an address."""
+    return Board.at(address)
+
+
+def rearranged_at(address: int, factor: float, generated: int) -> float:
+    """`rearranged` of the board at an address."""
+    return rearranged(board_at(address), factor, generated)
+
+
+def declared(**options: bool) -> Callable[..., float]:
+    """What numba makes of it."""
+    from numba import cfunc
+
+    from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
+
+    register_frame(Board, board_at)
+    register(sys.modules[__name__])
+    signature = "float64(int64, float64, int64)"
+    compiled: Callable[..., float] = cfunc(signature, **OPTIONS, **options)(rearranged_at).ctypes
+    return compiled
+
+
+REARRANGED = Compiled("test-rearranged", (HERE,), declared)
+
+
+def left_by(function: Callable[..., float], factor: float, length: int) -> list[Any]:
+    """Result and arrays afterwards, from the same arrays each time."""
+    made = generate(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8)
+    random = np.random.default_rng(length)
+    arrays: dict[str, Any] = {
+        "flat": random.normal(size=made.n_coefficients + length),
+        "square": random.normal(size=(3, 64)),
+        "places": random.integers(-9, 9, 2),
+        "cube": random.integers(-9, 9, (2, 3, length)),
+    }
+    words = Board.words(arrays)
+    block = np.concatenate([words, np.zeros(4, np.int64)])
+    block[:2] = 8 * len(words), 4  # the frame's own array follows it
+    found = function(address_of(block), factor, made.address("slip_taylor"))
+    numbers = [found, *(float(x) for array in arrays.values() for x in array.ravel())]
+    return [x.hex() for x in numbers] + block[len(words) :].tolist()
+
+
+@given(st.floats(0.1, 10.0), st.integers(2, 5))
+def test_machine_code_does_what_python_does(factor: float, length: int) -> None:
+    with np.errstate(all="ignore"):
+        plain = left_by(rearranged_at, factor, length)
+    assert left_by(REARRANGED.function, factor, length) == plain
+
+
+# --- once per user, anew after any edit -----------------------------------------------------------
+KERNELS = """from __future__ import annotations
+from fiv_cli.codegen.memory import native
+
+@native
+def step(a: float) -> float:
+    return {factor} * a
+"""
+ENTRY = """from __future__ import annotations
+from test_edited_kernels import step
+
+def taken(a):
+    return step(a) + 1.0
+"""
+
+
+def module_from(path: Path, text: str) -> ModuleType:
+    """A module made of `text`."""
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def two_files(folder: Path, factor: float) -> Compiled:
+    """An entry in one file, its kernel in another, imported anew."""
+    kernels = module_from(folder / "test_edited_kernels.py", KERNELS.format(factor=factor))
+    entry = module_from(folder / "test_edited_entry.py", ENTRY)
+    files = tuple(Path(str(module.__file__)) for module in (kernels, entry))
+    return Compiled("test", files, partial(declared_of, kernels, entry))
+
+
+def declared_of(kernels: ModuleType, entry: ModuleType, **options: bool) -> Callable[..., Any]:
+    """What numba makes of the entry."""
+    from numba import njit
+
+    from fiv_cli.codegen.kernels import OPTIONS, register
+
+    register(kernels)
+    compiled: Callable[..., Any] = njit("float64(float64)", **OPTIONS, **options)(entry.taken)
+    return compiled
+
+
+def test_an_edit_in_another_file_than_the_entry_is_seen(own_cache: Path, tmp_path: Path) -> None:
+    for factor, expected in ((3.0, 7.0), (55.0, 111.0), (3.0, 7.0)):
+        assert two_files(tmp_path, factor).function(2.0) == expected
+    assert len(list(own_cache.iterdir())) == 2
+
+
+def test_what_is_compiled_is_found_again(own_cache: Path, tmp_path: Path) -> None:
+    assert not two_files(tmp_path, 3.0).is_warm()
+    assert two_files(tmp_path, 3.0).function(2.0) == 7.0
+    again = two_files(tmp_path, 3.0)
+    assert again.is_warm()
+    assert again.function(2.0) == 7.0
+    assert sum(again.function.stats.cache_hits.values()) == 1  # type: ignore[attr-defined]
+
+
+def test_code_of_a_file_edited_since_its_import_is_not_kept(
+    own_cache: Path, tmp_path: Path
+) -> None:
+    """Its text is new, its constants are old: nobody else may meet that."""
+    compiled = two_files(tmp_path, 3.0)
+    (tmp_path / "test_edited_kernels.py").write_text(KERNELS.format(factor=55.0))
+    assert compiled.function(2.0) == 7.0
+    assert not compiled.is_warm()
+
+
+@pytest.mark.parametrize("damage", [None, b"", b"\0" * 200])
+def test_missing_or_damaged_code_is_made_again(
+    own_cache: Path, tmp_path: Path, damage: bytes | None
+) -> None:
+    assert two_files(tmp_path, 3.0).function(2.0) == 7.0
+    (file,) = own_cache.iterdir()
+    file.write_bytes(damage) if damage is not None else file.unlink()
+    again = two_files(tmp_path, 3.0)
+    assert not again.is_warm()
+    assert again.function(2.0) == 7.0
+    assert again.is_warm()
+
+
+def test_with_nowhere_to_put_a_file_it_is_compiled_for_once(
+    own_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read_only(*arguments: object, **named: object) -> NoReturn:
+        raise FileNotFoundError("No usable temporary directory found")
+
+    monkeypatch.setattr(tempfile, "mkdtemp", read_only)
+    compiled = two_files(tmp_path, 3.0)
+    assert compiled.function(2.0) == 7.0
+    assert not compiled.is_warm()
+    assert list(tmp_path.rglob("*.nb?")) == []  # nor beside the sources
+
+
+@native
+def half(a: float) -> float:
+    """A kernel of floats."""
+    return 0.5 * a
+
+
+def half_of_an_integer() -> float:
+    """Calls a kernel with what its annotations do not say."""
+    return half(3)
+
+
+def test_a_kernel_is_compiled_for_what_it_says_and_nothing_else() -> None:
+    from numba import TypingError, njit
+
+    from fiv_cli.codegen.kernels import register
+
+    register(sys.modules[__name__])
+    with pytest.raises(TypingError, match="No implementation of function"):
+        njit("float64()")(half_of_an_integer)
+
+
+SETTLE = """
+import numpy as np
+from fiv_cli.analyses.settling import settled_period
+print(settled_period(np.array([[1.0], [2.0]] * 20)))
+"""
+
+
+def test_two_processes_compile_at_once(own_cache: Path) -> None:
+    assert [answer(p) for p in [start(SETTLE, own_cache) for _ in range(2)]] == [["2"], ["2"]]
+    assert len(list(own_cache.iterdir())) == 1  # no temporary names
+    assert answer(start(SETTLE, own_cache)) == ["2"]
