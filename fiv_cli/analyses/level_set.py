@@ -128,7 +128,7 @@ class LevelSet:
         """
         reach = max(float(self.weights @ amplitudes), self._rounding)
         states = np.repeat(self.equilibrium[None, :], SAMPLES, axis=0)
-        states[:, self.free] += reach * self._shapes
+        states[:, self.free] += reach * self.shapes
         rates = np.array([self.sliding.rates(state)[self.free] for state in states])
         modal, sizes = self._modal_shapes
         bent = np.abs(self.inverse @ rates.T - reach * self.eigenvalues[:, None] * modal)
@@ -143,12 +143,12 @@ class LevelSet:
 
     @cached_property
     def _modal_shapes(self) -> tuple[Complex, Vector]:
-        """Modal amplitudes of `_shapes`, as columns, and their weighted sizes."""
-        modal = self.inverse @ self._shapes.T
+        """Modal amplitudes of `shapes`, as columns, and their weighted sizes."""
+        modal = self.inverse @ self.shapes.T
         return modal, np.linalg.norm(self.weights[:, None] * np.abs(modal), axis=0)
 
     @cached_property
-    def _shapes(self) -> Real:
+    def shapes(self) -> Real:
         """Distances from the equilibrium whose weighted amplitudes sum to one."""
         random = np.random.default_rng(SEED)
         n = len(self.eigenvalues)
@@ -282,7 +282,7 @@ def slides_freely(system: System, parameters: Mapping[str, float], target: Level
         return True
     period = 2 * np.pi / abs(forcing.frequency(system.known(parameters)))
     states = [target.equilibrium.copy() for _ in range(2)]
-    states[1][target.free] += np.max(np.abs(target.equilibrium)) * target._shapes[0]
+    states[1][target.free] += np.max(np.abs(target.equilibrium)) * target.shapes[0]
     for zone in (0.0, 1.0):
         motion_parameters[-1] = zone
         coefficients = np.zeros_like(target.sliding.coefficients)

@@ -59,11 +59,8 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
         found = {"claims": [asdict(entry) for entry in ledger], "classes": undecided.as_plain()}
         print_json(found)
     else:
-        click.echo(
-            printable(
-                "\n".join([*lines(ledger), *([undecided.line()] if undecided.points else [])])
-            )
-        )
+        counted = [undecided.line()] if undecided.points else []
+        click.echo(printable("\n".join([*lines(ledger), *counted])))
     if strict:
         _demand(ledger)
 
