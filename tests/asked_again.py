@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from fiv_cli.case.case import Case
 from fiv_cli.case.load import load_case
 from fiv_cli.data.netcdf import read_datasets
-from fiv_cli.data.reading import flag_names
+from fiv_cli.reading.datasets import flag_names
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.run import run_case

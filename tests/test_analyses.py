@@ -10,11 +10,12 @@ import pytest
 from motions import TIGHT, analyse, defaults, motion, system
 from small_models import TWO_MASSES
 
-from fiv_cli.analyses import execute, get_analysis, recording
+from fiv_cli.analyses import execute, get_analysis
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
 from fiv_cli.analyses.common import sliding
-from fiv_cli.analyses.history import sample_times
-from fiv_cli.analyses.linearisation import coupled_modes, spectrum
+from fiv_cli.analyses.motion import recording
+from fiv_cli.analyses.motion.history import sample_times
+from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.dynamics import system as systems
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.chaos import FEWEST, regularity
-from fiv_cli.analyses.settling import LONGEST, SETTLED, lasting_period, settled_period
+from fiv_cli.analyses.attractor.chaos import FEWEST, regularity
+from fiv_cli.analyses.attractor.settling import LONGEST, SETTLED, lasting_period, settled_period
 
 Points = NDArray[np.float64]
 

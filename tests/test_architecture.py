@@ -25,6 +25,7 @@ FLOORS = {
     "ending": 0,
     "errors": 0,
     "files": 1,
+    "flags": 0,
     "fourier": 0,
     "friction": 1,
     "models": 1,
@@ -34,13 +35,20 @@ FLOORS = {
     "analyses": 4,
     "case": 5,
     "data": 5,
+    "reading": 5,
     "verify": 5,
     "plots": 6,
     "sweep": 6,
     "cli": 7,
 }
 # Within one floor: laws are parametrised like models; datasets know the case they came from.
-NEIGHBOURS = {("friction", "models"), ("models", "plate"), ("data", "case"), ("codegen", "codegen")}
+NEIGHBOURS = {
+    ("friction", "models"),
+    ("models", "plate"),
+    ("data", "case"),
+    ("reading", "data"),
+    ("reading", "case"),
+}
 HEAVY = ("numba", "llvmlite", "xarray", "netCDF4", "h5py", "matplotlib", "sympy", "scipy",
          "pydantic", "joblib", "numpy", "rich")  # fmt: skip
 
@@ -172,7 +180,7 @@ def test_codes_have_names() -> None:
 
 
 def test_every_stop_has_a_reason_with_advice() -> None:
-    from fiv_cli.data.flags import REASONS
+    from fiv_cli.flags import REASONS
 
     known = {reason.name for reason in REASONS}
     assert set(motion.STOP_REASONS.values()) <= known

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from fiv_cli.case.load import parse_case
-from fiv_cli.data.asked import load_checked
 from fiv_cli.errors import CaseError, Problem
+from fiv_cli.reading.asked import load_checked
 from fiv_cli.sweep.plan import make_plan
 
 BELT = """\

@@ -10,9 +10,9 @@ import sympy
 from motions import analyse, defaults, system
 from scipy.integrate import quad
 
-from fiv_cli.analyses import averaging
-from fiv_cli.analyses.equilibria import equilibria
-from fiv_cli.analyses.linearisation import sliding_system
+from fiv_cli.analyses.rest import averaging
+from fiv_cli.analyses.rest.equilibria import equilibria
+from fiv_cli.analyses.rest.linearisation import sliding_system
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.friction.averaged import FAST_VELOCITY, averaged
 from fiv_cli.friction.base import Slip

@@ -12,8 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from motions import analyse
 
-from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
-from fiv_cli.analyses.bisection import (
+from fiv_cli.analyses.attractor.bisection import (
     MOST_LOOKS,
     Change,
     Found,
@@ -23,7 +22,8 @@ from fiv_cli.analyses.bisection import (
     hysteresis,
     scanned,
 )
-from fiv_cli.analyses.boundaries import answered, going_on
+from fiv_cli.analyses.attractor.boundaries import answered, going_on
+from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
 from fiv_cli.case.load import parse_case
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError

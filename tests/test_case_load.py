@@ -12,8 +12,8 @@ from fiv_cli.case.case import Case, StartSpec
 from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.case.results import ATTRACTORS
 from fiv_cli.case.starts import AT_REST
-from fiv_cli.data.flags import ATTRACTOR
 from fiv_cli.errors import CaseError, Problem, UsageError
+from fiv_cli.flags import ATTRACTOR
 
 PIN = """\
 schema = 1

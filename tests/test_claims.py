@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from fiv_cli.case.case import ClaimSpec
 from fiv_cli.cli.claims import Entry, case_files, command, lines
-from fiv_cli.data import select
-from fiv_cli.data.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate, tally
 from fiv_cli.errors import UsageError
+from fiv_cli.reading import select
+from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate, tally
 
 MU_K = np.arange(1, 11) / 10
 

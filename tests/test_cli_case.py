@@ -17,7 +17,7 @@ import pytest
 from disturbed import by_default
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.analyses.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
+from fiv_cli.analyses.spectra.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.schema import case_schema
 from fiv_cli.case.template import case_template

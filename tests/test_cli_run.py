@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from fiv_cli.cli.main import run as fiv
-from fiv_cli.data.flags import ATTRACTOR
 from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.flags import ATTRACTOR
 
 EQUILIBRIUM = """
 schema = 1

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from fiv_cli.case.load import load_case
-from fiv_cli.data.claims import CONFIRMED, CONTRADICTED, evaluate
-from fiv_cli.data.reading import read_analyses
 from fiv_cli.plots import can_draw, draw, figures_of
+from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, evaluate
+from fiv_cli.reading.datasets import read_analyses
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import for_stderr

@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from motions import analyse, defaults, system
 
-from fiv_cli.analyses import crossings
 from fiv_cli.analyses.base import Outcome, Varied
-from fiv_cli.analyses.crossings import Crossing, Sample, ScanTooLong, find_crossings
-from fiv_cli.analyses.equilibria import equilibria, sliding
-from fiv_cli.analyses.linearisation import modes_at
+from fiv_cli.analyses.rest import crossings
+from fiv_cli.analyses.rest.crossings import Crossing, Sample, ScanTooLong, find_crossings
+from fiv_cli.analyses.rest.equilibria import equilibria, sliding
+from fiv_cli.analyses.rest.linearisation import modes_at
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import CaseError
 from fiv_cli.sweep.plan import make_plan

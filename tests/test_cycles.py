@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from small_models import BALL
 
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
-from fiv_cli.analyses.branch import (
+from fiv_cli.analyses.cycles.branch import (
     Continuation,
     _are_apart,
     _jumps,
@@ -22,8 +22,8 @@ from fiv_cli.analyses.branch import (
     _over_period,
     first_point,
 )
-from fiv_cli.analyses.first_guess import Returns, near_returns
-from fiv_cli.analyses.periodic import Anchor, Problem, _closed, begin, close, newton, passage
+from fiv_cli.analyses.cycles.first_guess import Returns, near_returns
+from fiv_cli.analyses.cycles.periodic import Anchor, Problem, _closed, begin, close, newton, passage
 from fiv_cli.case.load import parse_case
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Stop

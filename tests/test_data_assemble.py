@@ -12,15 +12,15 @@ import xarray as xr
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Outcome, Varied
+from fiv_cli.analyses.variables import variables_of
 from fiv_cli.case.case import Axis
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.block import Block, pack
-from fiv_cli.data.flags import REASONS, TABLES, advice
 from fiv_cli.data.follow import follow_modes
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.netcdf import read_datasets, to_attribute, write_datasets
-from fiv_cli.data.variables import variables_of
 from fiv_cli.errors import InputError, StorageError, UsageError
+from fiv_cli.flags import REASONS, TABLES, advice
 from fiv_cli.models import all_models
 
 OMEGA = Dim((Axis("Omega", "parameter", (1.0, 2.0, 3.0)),))

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fiv_cli.data.compare import (
+from fiv_cli.errors import InputError, UsageError
+from fiv_cli.flags import ATTRACTOR, STATUS
+from fiv_cli.reading.compare import (
     Difference,
     Tolerance,
     Tolerances,
     compare,
     read_tolerances,
 )
-from fiv_cli.data.flags import ATTRACTOR, STATUS
-from fiv_cli.errors import InputError, UsageError
 
 PERIODIC, CHAOTIC = ATTRACTOR.codes["periodic"], ATTRACTOR.codes["chaotic"]
 

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fiv_cli.analyses.base import Outcome
+from fiv_cli.analyses.variables import INT_FILL, variables_of
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import (
     UnreadableShard,
@@ -22,7 +23,6 @@ from fiv_cli.data.shard import (
     to_plain,
     write_shard,
 )
-from fiv_cli.data.variables import INT_FILL, variables_of
 from fiv_cli.errors import StorageError
 from fiv_cli.models import get_model
 

@@ -10,8 +10,8 @@ from disc_reference import RigidContact
 from motions import analyse, defaults, motion, system
 
 from fiv_cli.analyses.base import SolverSettings, Varied
-from fiv_cli.data.flags import REASONS
 from fiv_cli.dynamics.motion import Stop
+from fiv_cli.flags import REASONS
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Options
 from fiv_cli.plate import mode

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from motions import analyse, defaults, system
 
-from fiv_cli.analyses.equilibria import (
+from fiv_cli.analyses.rest.equilibria import (
     all_equilibria,
     equilibria,
     relative_residual,
     sliding,
 )
 from fiv_cli.codegen.reduce import derive_statics
-from fiv_cli.data.flags import reason_code
+from fiv_cli.flags import reason_code
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter, State
@@ -93,7 +93,7 @@ def test_the_first_equilibrium_grows_out_of_no_load() -> None:
 @pytest.mark.parametrize("seed", range(6))
 def test_no_real_solution_is_missed_by_the_polynomial(seed: int) -> None:
     """At random parameters it finds whatever Newton's iteration finds from random starts."""
-    from fiv_cli.analyses.equilibria import _newton
+    from fiv_cli.analyses.rest.equilibria import _newton
 
     rng = np.random.default_rng(seed)
     factors = {name: rng.uniform(0.3, 3.0) for name in ("k1", "k2", "k3", "c0", "N0", "mu_k")}
@@ -316,7 +316,7 @@ def test_what_leaves_forces_over_is_no_equilibrium(monkeypatch: pytest.MonkeyPat
     """Springs eleven orders of magnitude apart: what Newton's steps end at is none."""
     found = analyse("belt-5dof", "coulomb", "equilibrium", **APART)
     assert (found.status, found.reason) == ("failed", "inexact_equilibrium")
-    monkeypatch.setattr("fiv_cli.analyses.equilibria.EXACT", np.inf)
+    monkeypatch.setattr("fiv_cli.analyses.rest.equilibria.EXACT", np.inf)
     (left,) = analyse("belt-5dof", "coulomb", "equilibrium", **APART).values["residual"]
     assert left > 1e-9
 

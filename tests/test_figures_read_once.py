@@ -9,11 +9,11 @@ import pytest
 
 from fiv_cli.case.conditions import parse_condition
 from fiv_cli.cli.main import run as fiv
-from fiv_cli.data import select
-from fiv_cli.data.asked import load_checked
 from fiv_cli.data.netcdf import read_datasets
-from fiv_cli.data.reading import figures_in, read_analyses
 from fiv_cli.errors import CaseError
+from fiv_cli.reading import select
+from fiv_cli.reading.asked import load_checked
+from fiv_cli.reading.datasets import figures_in, read_analyses
 
 CASE = """
 schema = 1

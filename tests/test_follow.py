@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from motions import analyse
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.modes import matched
+from fiv_cli.analyses.rest.modes import matched
 from fiv_cli.data.follow import coupling_points, follow_grid, follow_modes
 
 Complex = NDArray[np.complex128]

@@ -244,7 +244,7 @@ def test_a_kernel_is_compiled_for_what_it_says_and_nothing_else() -> None:
 
 SETTLE = """
 import numpy as np
-from fiv_cli.analyses.settling import settled_period
+from fiv_cli.analyses.attractor.settling import settled_period
 print(settled_period(np.array([[1.0], [2.0]] * 20)))
 """
 

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from motions import analyse, defaults, system
 from small_models import DOUBLE_WELL
 
+from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN
+from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
 from fiv_cli.analyses.base import Section, Start
-from fiv_cli.analyses.equilibria import equilibria, sliding
-from fiv_cli.analyses.grounds import AGREEMENT, FALLEN
-from fiv_cli.analyses.level_set import Descent, LevelSet, level_set, slides_freely
-from fiv_cli.analyses.linearisation import free_jacobian
+from fiv_cli.analyses.rest.equilibria import equilibria, sliding
+from fiv_cli.analyses.rest.linearisation import free_jacobian
 
 DAMPING = 0.05
 STRIBECK = {"c": 0.1, "N": 1.0, "mu_s": 1.0, "mu_k": 0.5, "v_s": 0.5, "v": 1.5}

@@ -11,7 +11,7 @@ from motions import defaults
 from scipy.optimize import brentq
 
 from fiv_cli.analyses.execute import Request, execute
-from fiv_cli.analyses.plate_modes import plate_modes
+from fiv_cli.analyses.rest.plate_modes import plate_modes
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run

@@ -11,16 +11,16 @@ from matplotlib.colors import to_hex
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
-from fiv_cli.data.flags import REASON, advice
-from fiv_cli.data.summary import lines as summary_lines
-from fiv_cli.data.summary import summarise
 from fiv_cli.errors import InputError, StorageError, UsageError
+from fiv_cli.flags import REASON, advice
 from fiv_cli.friction import get_law
 from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, save
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.law import force
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.plots.style import class_colours, dot_size, line_colours
+from fiv_cli.reading.summary import lines as summary_lines
+from fiv_cli.reading.summary import summarise
 
 
 def figure(kind, **settings):

@@ -11,10 +11,10 @@ import pytest
 import xarray as xr
 
 from fiv_cli.case.load import parse_case
-from fiv_cli.data.reading import flag_names, read_analyses
-from fiv_cli.data.summary import summarise
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import default_figures, draw, figures_of
+from fiv_cli.reading.datasets import flag_names, read_analyses
+from fiv_cli.reading.summary import summarise
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import for_stderr
 from fiv_cli.sweep.run import run_case

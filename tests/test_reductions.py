@@ -9,10 +9,10 @@ import xarray as xr
 
 from fiv_cli.case.case import ClaimSpec
 from fiv_cli.case.load import parse_case
-from fiv_cli.data import select
-from fiv_cli.data.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate
-from fiv_cli.data.reductions import reduced
 from fiv_cli.errors import CaseError
+from fiv_cli.reading import select
+from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate
+from fiv_cli.reading.reductions import reduced
 
 TIMES = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
 DISPLACEMENT = np.array([[0.0, 2.0, -1.0, 4.0, 0.0, 1.0], [1.0, 1.0, 1.0, np.nan, np.nan, np.nan]])

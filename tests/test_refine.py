@@ -12,13 +12,13 @@ import sweep_fakes
 import xarray as xr
 
 from fiv_cli.case.load import parse_case
-from fiv_cli.data.claims import evaluate
-from fiv_cli.data.flags import ATTRACTOR, COMPUTED, REASON, STATUS
 from fiv_cli.data.netcdf import read_datasets
-from fiv_cli.data.summary import lines, summarise
 from fiv_cli.errors import CaseError
+from fiv_cli.flags import ATTRACTOR, COMPUTED, REASON, STATUS
 from fiv_cli.plots import map as maps
 from fiv_cli.plots import points
+from fiv_cli.reading.claims import evaluate
+from fiv_cli.reading.summary import lines, summarise
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Bar, Lines, Silent

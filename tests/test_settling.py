@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fiv_cli.analyses.settling import settled_period
+from fiv_cli.analyses.attractor.settling import settled_period
 
 
 def spiral(modulus, turn, count, centre=2.0):

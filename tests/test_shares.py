@@ -7,10 +7,10 @@ import pytest
 import synthetic_datasets as data
 
 from fiv_cli.case.case import ClaimSpec, FigureSpec
-from fiv_cli.data import select
-from fiv_cli.data.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate
-from fiv_cli.data.shares import with_share
 from fiv_cli.plots import draw
+from fiv_cli.reading import select
+from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate
+from fiv_cli.reading.shares import with_share
 
 SPEEDS = np.array([1.0, 2.0, 3.0])
 PHASES = np.array([0.0, 1.0, 2.0, 3.0])

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from fiv_cli.cli.main import run as fiv
-from fiv_cli.data.reading import read_analyses
 from fiv_cli.errors import InputError
+from fiv_cli.reading.datasets import read_analyses
 
 SEED = 20261122
 ENTRY = Path(attacks.__file__)

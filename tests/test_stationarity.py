@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fiv_cli.analyses.stationarity import FEWEST, drift
+from fiv_cli.analyses.attractor.stationarity import FEWEST, drift
 
 
 def column(values: np.ndarray) -> np.ndarray:

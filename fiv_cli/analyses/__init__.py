@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from fiv_cli.analyses import (
-    boundary,
-    critical,
-    cycle,
-    eigenvalues,
-    equilibrium,
-    history,
-    plate,
-    response,
-    spectrum,
-)
+from fiv_cli.analyses.attractor import boundary, response
 from fiv_cli.analyses.base import Analysis
+from fiv_cli.analyses.cycles import cycle
+from fiv_cli.analyses.motion import history
+from fiv_cli.analyses.rest import critical, eigenvalues, equilibrium, plate
+from fiv_cli.analyses.spectra import spectrum
 
 _ANALYSES: tuple[Analysis, ...] = (
     history.ANALYSIS,

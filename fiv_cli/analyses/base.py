@@ -2,7 +2,7 @@
 
 To add an analysis: write ``fiv_cli/analyses/my_kind.py`` with its `SETTINGS` table, a function
 ``run`` and ``ANALYSIS = Analysis(...)``; list it in ``fiv_cli/analyses/__init__.py``; add its
-variables to ``fiv_cli/data/variables.py``. An analysis knows nothing of workers and files.
+variables to ``fiv_cli/analyses/variables.py``. An analysis knows nothing of workers and files.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ class Outcome:
     Attributes
     ----------
     status : "ok", "failed", "budget", "not_reached" or "not_computed"
-    reason : "" or a key of the table of reasons in ``fiv_cli/data/flags.py``
+    reason : "" or a key of the table of reasons in ``fiv_cli/flags.py``
     values : variable name -> scalar, array (over the variable's own dims) or flag name
     ragged : variable name -> 1-D array of any length
     message : details for the log (may be empty)

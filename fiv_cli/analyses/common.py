@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
-from fiv_cli.analyses.equilibria import Sliding, equilibria, sliding, why_none
+from fiv_cli.analyses.rest.equilibria import Sliding, equilibria, sliding, why_none
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import STOP_REASONS, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector

@@ -58,7 +58,7 @@ class Plain:
 def execute(request: Request) -> Outcome:
     """Run one point; whatever goes wrong is an `Outcome`, never an exception."""
     from fiv_cli.analyses import get_analysis
-    from fiv_cli.analyses.surface import nodes_at_r0
+    from fiv_cli.analyses.rest.surface import nodes_at_r0
     from fiv_cli.dynamics.system import System
 
     try:
@@ -152,7 +152,7 @@ def _systems(request: Request, announce: Callable[[str], None]) -> list[System]:
     own = _system(request, announce)
     if request.settings.get("system") != "averaged":
         return [own]
-    from fiv_cli.analyses.averaging import averaged_system
+    from fiv_cli.analyses.rest.averaging import averaged_system
 
     averages = [averaged_system(own, request.parameters, r, announce) for r in (False, True)]
     return [own, *averages]
@@ -163,7 +163,7 @@ def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> Non
 
     What is not needed is left out: the tangents are more than half of what there is to compile.
     """
-    from fiv_cli.analyses.equilibria import statics_of
+    from fiv_cli.analyses.rest.equilibria import statics_of
 
     _ = system.tables
     if needs.equilibria:
@@ -175,8 +175,9 @@ def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> Non
 
 def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:
     """Bring into memory what motions of every system need."""
-    from fiv_cli.analyses import recording, steady_state  # noqa: F401
-    from fiv_cli.analyses.settling import load_settling
+    from fiv_cli.analyses.attractor import steady_state  # noqa: F401
+    from fiv_cli.analyses.attractor.settling import load_settling
+    from fiv_cli.analyses.motion import recording  # noqa: F401
     from fiv_cli.dynamics.compiled import load_driver
 
     load_driver(announce)

@@ -8,8 +8,8 @@ from typing import Any
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis, Question, Section, Setting, Varied
-from fiv_cli.analyses.linear import SYSTEM
-from fiv_cli.analyses.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
+from fiv_cli.analyses.rest.linear import SYSTEM
+from fiv_cli.analyses.spectra.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.names import ascii_name, listed, nearest, suggest
 from fiv_cli.case.physics import Physics, allowed, note_no_state, quantity

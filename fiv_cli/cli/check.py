@@ -51,7 +51,7 @@ def command(cases: tuple[str, ...], overrides: tuple[str, ...], as_json: bool) -
 
 def check_case(source: str, overrides: Sequence[str]) -> Verdict:
     """Read one case and plan it; an error becomes part of the verdict."""
-    from fiv_cli.data.asked import load_checked
+    from fiv_cli.reading.asked import load_checked
     from fiv_cli.sweep.plan import make_plan
 
     try:

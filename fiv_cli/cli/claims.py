@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fiv_cli.case.case import Case, ClaimSpec
-    from fiv_cli.data.undecided import Undecided
+    from fiv_cli.reading.undecided import Undecided
 
 NOT_RUN = "not run"
 DEFAULT = Path("configs")
@@ -51,7 +51,7 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
       fiv claims configs/ch7
       fiv claims configs/ch7/fig_7_06.toml --json
     """
-    from fiv_cli.data.undecided import Undecided
+    from fiv_cli.reading.undecided import Undecided
 
     undecided = Undecided()
     ledger = [e for path in case_files(paths or (DEFAULT,)) for e in judge(path, undecided)]
@@ -103,7 +103,7 @@ def _is_case(file: Path) -> bool:
 
 def judge(path: Path, undecided: Undecided) -> list[Entry]:
     """The ledger of one case file; its points without a class are counted in `undecided`."""
-    from fiv_cli.data.asked import load_checked
+    from fiv_cli.reading.asked import load_checked
 
     case = load_checked(path)
     analyses, missing = _dataset_of(case)
@@ -114,7 +114,7 @@ def judge(path: Path, undecided: Undecided) -> list[Entry]:
 def _dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
     """The case's dataset, or None and why there is none with what to do."""
     from fiv_cli.case.identity import default_output, fingerprint
-    from fiv_cli.data.reading import read_analyses
+    from fiv_cli.reading.datasets import read_analyses
 
     path = default_output(case)
     advice = f"compute it with: fiv run {case.source}"
@@ -143,7 +143,7 @@ def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
 def _entry(
     path: Path, claim: ClaimSpec, analyses: Mapping[str, xr.Dataset] | None, missing: str
 ) -> Entry:
-    from fiv_cli.data.claims import evaluate
+    from fiv_cli.reading.claims import evaluate
 
     if analyses is None:
         return Entry(str(path), claim.source, claim.text, NOT_RUN, missing, claim.note)
@@ -153,7 +153,7 @@ def _entry(
 
 def _stored(case: str) -> dict[str, xr.Dataset] | None:
     """Analyses of another case by its name (``fig_7_07`` for ``runs/fig_7_07.nc``)."""
-    from fiv_cli.data.reading import read_analyses
+    from fiv_cli.reading.datasets import read_analyses
 
     path = Path("runs") / f"{case}.nc"
     return read_analyses(path) if path.exists() else None
@@ -161,7 +161,7 @@ def _stored(case: str) -> dict[str, xr.Dataset] | None:
 
 def lines(ledger: Sequence[Entry]) -> list[str]:
     """The ledger for people: the cases in order, and a count of the verdicts."""
-    from fiv_cli.data.claims import tally
+    from fiv_cli.reading.claims import tally
 
     printed = []
     for case in dict.fromkeys(entry.case for entry in ledger):
@@ -181,7 +181,7 @@ def _lines_of(entry: Entry) -> list[str]:
 
 def _demand(ledger: Sequence[Entry]) -> None:
     """DifferenceError when a claim is contradicted without a note, or was not tried."""
-    from fiv_cli.data.claims import CONTRADICTED
+    from fiv_cli.reading.claims import CONTRADICTED
 
     contradicted = [e for e in ledger if e.verdict == CONTRADICTED and not e.note]
     not_run = [e for e in ledger if e.verdict == NOT_RUN]

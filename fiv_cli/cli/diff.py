@@ -34,8 +34,8 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
       fiv diff runs/a.nc runs/b.nc
       fiv diff runs/a.nc sweeps/a/reference.nc --tolerances sweeps/a/tolerances.toml
     """
-    from fiv_cli.data.compare import Tolerances, compare, read_tolerances
-    from fiv_cli.data.reading import read_analyses
+    from fiv_cli.reading.compare import Tolerances, compare, read_tolerances
+    from fiv_cli.reading.datasets import read_analyses
 
     chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
     found = compare(read_analyses(first), read_analyses(second), chosen)

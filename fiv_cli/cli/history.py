@@ -65,7 +65,7 @@ def command(
       fiv history configs/ch7/fig_7_06.toml --at Omega=2,N0=30,initial=far --t-end 20
       fiv history a.toml --at mu_k=0.3 -o motion.nc && fiv plot motion.nc
     """
-    from fiv_cli.data.asked import load_checked
+    from fiv_cli.reading.asked import load_checked
     from fiv_cli.sweep.again import find_point, run_again
 
     provide_cache()

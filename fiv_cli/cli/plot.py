@@ -68,9 +68,9 @@ def _of_laws(laws: Sequence[str]) -> list[tuple[Path, Figure]]:
 
 def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Figure]]:
     """(default path, figure) of every figure; those that overlay are drawn once for all files."""
-    from fiv_cli.data.reading import read_analyses
     from fiv_cli.plots import draw
     from fiv_cli.plots.drawing import KINDS
+    from fiv_cli.reading.datasets import read_analyses
 
     sources = [(file, read_analyses(file)) for file in files]
     for number, (file, source) in enumerate(sources):

@@ -18,7 +18,7 @@ from fiv_cli.cli.common import provide_cache
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
-    from fiv_cli.data.compare import Difference
+    from fiv_cli.reading.compare import Difference
 
 DIFFERENT = 5
 SHOWN = 10
@@ -119,7 +119,7 @@ def _store(output: Path, reference: Path) -> None:
 
 
 def _run(sweep: Sweep, output: Path, workers: int) -> None:
-    from fiv_cli.data.asked import load_checked
+    from fiv_cli.reading.asked import load_checked
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
@@ -128,8 +128,8 @@ def _run(sweep: Sweep, output: Path, workers: int) -> None:
 
 
 def _differences(sweep: Sweep, output: Path) -> list[Difference]:
-    from fiv_cli.data.compare import Tolerances, compare, read_tolerances
-    from fiv_cli.data.reading import read_analyses
+    from fiv_cli.reading.compare import Tolerances, compare, read_tolerances
+    from fiv_cli.reading.datasets import read_analyses
 
     if not sweep.reference.exists():
         raise UsageError(

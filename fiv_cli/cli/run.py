@@ -100,7 +100,7 @@ def command(
 
 def load_all(sources: Sequence[str], overrides: Sequence[str]) -> list[Case]:
     """Every case, or one error with everything that is wrong in any of them."""
-    from fiv_cli.data.asked import load_checked
+    from fiv_cli.reading.asked import load_checked
 
     cases, wrong = [], []
     for source in sources:

@@ -23,8 +23,8 @@ def command(file: Path, as_json: bool) -> None:
     Example:
       fiv show runs/fig_7_06.nc
     """
-    from fiv_cli.data.reading import read_analyses
-    from fiv_cli.data.summary import lines, summarise
+    from fiv_cli.reading.datasets import read_analyses
+    from fiv_cli.reading.summary import lines, summarise
 
     summary = summarise(read_analyses(file))
     if as_json:

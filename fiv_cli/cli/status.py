@@ -36,7 +36,7 @@ def command(case: str, output: Path | None, overrides: tuple[str, ...], as_json:
 def _document(source: str, output: Path | None, overrides: tuple[str, ...]) -> dict[str, Any]:
     """What is known of a run, as plain data."""
     from fiv_cli.case.identity import default_output, differences
-    from fiv_cli.data.asked import load_checked
+    from fiv_cli.reading.asked import load_checked
     from fiv_cli.sweep.journal import Journal, stored_identity
     from fiv_cli.sweep.lock import holder
     from fiv_cli.sweep.output import run_folder

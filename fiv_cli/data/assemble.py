@@ -14,12 +14,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fiv_cli.analyses.variables import Variable, motions
 from fiv_cli.case.case import Axis
 from fiv_cli.data.block import Array, Block, dtype_of, fill_value, padded
-from fiv_cli.data.flags import REASONS, TABLES
 from fiv_cli.data.follow import follow_modes
 from fiv_cli.data.layout import Layout
-from fiv_cli.data.variables import Variable, motions
+from fiv_cli.flags import REASONS, TABLES
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.data.flags import STATUS, TABLES, reason_code
-from fiv_cli.data.variables import INT_FILL, Variable
+from fiv_cli.analyses.variables import INT_FILL, Variable
+from fiv_cli.flags import STATUS, TABLES, reason_code
 
 KEY_BYTES = 32
 

@@ -15,9 +15,9 @@ import xarray as xr
 from xarray.backends import NetCDF4DataStore
 
 from fiv_cli import ending
+from fiv_cli.analyses.variables import INT_FILL
 from fiv_cli.data.hdf5 import read_attributes, read_groups
 from fiv_cli.data.sound import form_of
-from fiv_cli.data.variables import INT_FILL
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.files import replacing
 

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fiv_cli.data.assemble import flag_attributes
-from fiv_cli.data.flags import COMPUTED, NOT_COMPUTED, STATUS, reason_code
+from fiv_cli.flags import COMPUTED, NOT_COMPUTED, STATUS, reason_code
 
 _SAMPLED = [COMPUTED.codes["sampled"], COMPUTED.codes["sampled_and_mislabelled"]]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from fiv_cli.case.names import can_name_a_file
 from fiv_cli.case.structure import FigureTable
-from fiv_cli.data.flags import ATTRACTOR, CONTACT_STATE
+from fiv_cli.flags import ATTRACTOR, CONTACT_STATE
 
 if TYPE_CHECKING:
     import xarray as xr

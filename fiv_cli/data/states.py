@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.data.variables import Variable, motions
+from fiv_cli.analyses.variables import Variable, motions
 from fiv_cli.models.base import Model, Options
 
 STATE = "state"

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.data import select
-from fiv_cli.data.flags import NOT_COMPUTED
-from fiv_cli.data.reading import flag_names, numbers
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, points, style
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import flag_names, numbers
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,9 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.case import FigureSpec
-from fiv_cli.data import select
-from fiv_cli.data.reading import figures_in, read_analyses
-from fiv_cli.data.shares import SHARE, with_share
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import (
     bifurcation,
@@ -27,6 +24,9 @@ from fiv_cli.plots import (
 )
 from fiv_cli.plots import map as map_
 from fiv_cli.plots.points import Layer
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import figures_in, read_analyses
+from fiv_cli.reading.shares import SHARE, with_share
 
 if TYPE_CHECKING:
     import xarray as xr

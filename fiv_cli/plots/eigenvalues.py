@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.data import select
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
+from fiv_cli.reading import select
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from fiv_cli.data.reading import flag_names
-from fiv_cli.data.shares import HIGH, LOW, SHARE
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
+from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.shares import HIGH, LOW, SHARE
 
 if TYPE_CHECKING:
     import xarray as xr

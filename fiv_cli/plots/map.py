@@ -10,11 +10,11 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from fiv_cli.data import select
-from fiv_cli.data.known import filled_in, is_class
-from fiv_cli.data.reading import flag_names, numbers
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, levels, points, style
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import flag_names, numbers
+from fiv_cli.reading.known import filled_in, is_class
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.case.units import parse_unit
-from fiv_cli.data import select
-from fiv_cli.data.reading import flag_names
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, style
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import flag_names
 
 if TYPE_CHECKING:
     import xarray as xr

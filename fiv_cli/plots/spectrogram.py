@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.data.reading import numbers
 from fiv_cli.errors import UsageError
 from fiv_cli.fourier import short_time
 from fiv_cli.plots import labels, motion, points, spectrum, style
 from fiv_cli.plots import map as map_
+from fiv_cli.reading.datasets import numbers
 
 if TYPE_CHECKING:
     import xarray as xr

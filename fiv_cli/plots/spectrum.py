@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from fiv_cli.data import select
-from fiv_cli.data.reading import numbers
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, motion, points, style
 from fiv_cli.plots import map as map_
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import numbers
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,9 +17,9 @@ from fiv_cli.analyses.execute import Request, execute, prepare
 from fiv_cli.case.case import Axis, Case
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.block import pack
-from fiv_cli.data.flags import advice
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import advice
 from fiv_cli.models import get_model
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
 from fiv_cli.sweep.points import (

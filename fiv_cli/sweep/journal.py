@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from fiv_cli.data.assemble import Placed
 from fiv_cli.data.block import KEY_BYTES, Block, fault_of_block, fill_value
-from fiv_cli.data.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
+from fiv_cli.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
 from fiv_cli.sweep.borders import BLANK
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
 from fiv_cli.sweep.refine import Stage

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from fiv_cli.case.case import Refinement
 from fiv_cli.case.refinement import coarse_size
-from fiv_cli.data.flags import COMPUTED
 from fiv_cli.data.layout import Layout
+from fiv_cli.flags import COMPUTED
 from fiv_cli.sweep.borders import BLANK, Classes, Mask, draw, sample
 
 USUAL_SAMPLE = 100

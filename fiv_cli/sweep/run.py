@@ -18,12 +18,12 @@ from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
 from fiv_cli.data.assemble import assemble
-from fiv_cli.data.flags import STATUS
 from fiv_cli.data.netcdf import write_datasets
 from fiv_cli.data.provenance import provenance
 from fiv_cli.data.refined import described, fill_in, refinement_attributes
 from fiv_cli.errors import StoreMismatchError
 from fiv_cli.files import append_line, leftovers
+from fiv_cli.flags import STATUS
 from fiv_cli.sweep import journal as store
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.lock import hold

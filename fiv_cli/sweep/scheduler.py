@@ -18,8 +18,8 @@ import numpy as np
 
 from fiv_cli import ending
 from fiv_cli.analyses.execute import Request
-from fiv_cli.data.flags import STATUS
 from fiv_cli.errors import FivError
+from fiv_cli.flags import STATUS
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress

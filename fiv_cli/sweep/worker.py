@@ -23,11 +23,11 @@ from typing import Any
 from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Start
 from fiv_cli.analyses.execute import Request
+from fiv_cli.analyses.variables import Variable, variables_of
 from fiv_cli.data.block import Block, pack
-from fiv_cli.data.flags import is_retried
 from fiv_cli.data.shard import from_plain, to_plain
 from fiv_cli.data.states import on_all_states
-from fiv_cli.data.variables import Variable, variables_of
+from fiv_cli.flags import is_retried
 from fiv_cli.models import get_model
 from fiv_cli.sweep.points import (
     StartEntry,

@@ -1,0 +1,1 @@
+"""What a start leads to, and where along a parameter that changes."""

@@ -1,0 +1,260 @@
+"""Changes of the class of the steady state along a parameter, by simulation.
+
+Runs of `response` at a few values of the parameter (the scan), then bisection of every change of
+the answer to a question, such as "is it periodic?". Where runs follow one another (``follow``), a
+change is the end of the branch that was followed: it is bisected by going on from the last run
+that was still on the branch. A bistable range is where the way up and the way back differ.
+
+A run that is undecided, fails or runs out of budget has no answer, and none is guessed: a change
+next to it is as wide as what was decided on both sides. Only where the question says so
+(``undecided = "counts"``) is a motion that is undecided when its time is up an answer: one that had
+not lost contact, or had not diverged, by then.
+
+How closely a change is bisected says nothing of the runs: near it they take ever longer to show
+their class, and errors of integration decide. So both sides are run again in shorter steps and
+with more time, and where an answer is another one then ever farther from the change: that far, and
+by what the closer runs may be wrong themselves, it may be off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.attractor.bisection import (
+    Change,
+    Found,
+    Look,
+    Range,
+    confirmed_within,
+    followed,
+    hysteresis,
+    scanned,
+)
+from fiv_cli.analyses.attractor.steady_state import steady_state
+from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, friction_rises
+from fiv_cli.dynamics.system import System
+
+NOTHING = "not_computed"
+SUMMED = ("n_steps", "n_events")
+CLOSER = 1e-4  # share of the error of integration that a change is confirmed with
+LONGER = 2.0  # ... and growth of the time given
+LARGEST = 2**31 - 1  # what an integer variable of a dataset can hold
+WORST = ("energy_residual", "event_residual")
+GROWING = ("_max", "_rms", "L_s")  # of a motion that diverges they lie below no bound
+
+
+@dataclass
+class _Runs:
+    """Runs of `response` along a parameter, and what they cost together."""
+
+    system: System
+    parameters: Mapping[str, float]
+    start: Start
+    settings: Mapping[str, Any]
+    solver: SolverSettings
+    count: int = 0
+    undecided: int = 0
+    failed: list[Outcome] = field(default_factory=list)
+    totals: dict[str, float] = field(default_factory=dict)
+
+    def look(self, value: float, origin: Look | None) -> Look:
+        """The answer at `value` from the start, or going on from `origin`."""
+        parameters = self.settings["parameter"].at(self.parameters, value)
+        outcome = self._outcome(parameters, origin)
+        label = str(outcome.values.get("attractor", NOTHING))
+        answer = answered(self.settings["of"], outcome)
+        self.count += 1
+        self.undecided += answer is None
+        self._book(outcome)
+        return Look(value, answer, label, outcome.carry)
+
+    def _outcome(self, parameters: Mapping[str, float], origin: Look | None) -> Outcome:
+        if friction_rises(parameters):
+            return Outcome("not_computed", friction_rises(parameters))
+        start = self.start.at(parameters)
+        if origin is not None:
+            start = going_on(start, origin.carry)
+        return steady_state(self.system, parameters, start, self.settings, self.solver)
+
+    def closer(self) -> _Runs:
+        """Runs that tell the class more closely, booked with these; a time asked for stays."""
+        longer = 1.0 if self.settings["of"].counts else LONGER
+        settings = {**self.settings, "t_max": longer * self.settings["t_max"]}
+        return replace(
+            self, settings=settings, solver=self.solver.with_error(CLOSER), count=0, undecided=0
+        )
+
+    def _book(self, outcome: Outcome) -> None:
+        if outcome.status != "ok":
+            self.failed.append(outcome)
+        for name in SUMMED:
+            total = self.totals.get(name, 0) + outcome.values.get(name, 0)
+            self.totals[name] = min(total, LARGEST)
+        for name in WORST:
+            worst = np.fmax(self.totals.get(name, np.nan), outcome.values.get(name, np.nan))
+            self.totals[name] = float(worst)
+
+
+def answered(question: Question, outcome: Outcome) -> bool | None:
+    """Whether a run satisfies the question; None where it does not tell."""
+    label = str(outcome.values.get("attractor", NOTHING))
+    if outcome.status not in ("ok", "budget") or _is_open(label, question, outcome.status):
+        return None
+    if question.below is None:
+        return (label == question.name) != question.negated
+    if label == "diverged" and question.variable.endswith(GROWING):
+        return False
+    value = float(outcome.values.get(question.variable, np.nan))
+    return None if np.isnan(value) else value < question.below
+
+
+def _is_open(label: str, question: Question, status: str) -> bool:
+    """Whether a class tells nothing.
+
+    That a motion is undecided may itself be asked for, or count as a class where its time was up.
+    """
+    counts = question.name == "undecided" or (question.counts and status == "ok")
+    return label == NOTHING or (label == "undecided" and not counts)
+
+
+def going_on(start: Start, carry: Mapping[str, Any]) -> Start:
+    """The start of a run that goes on from what another one left.
+
+    An equilibrium is perturbed again by the offset of the start. A start that has none goes on from
+    the very state in which the equilibrium was recognised, which lies a little beside it.
+    """
+    if start.kind == "equilibrium":
+        return Start(start.label, "continue", start.values, carry)
+    return Start(start.label, "continue", {}, {**carry, "attractor": "followed"})
+
+
+def boundaries(
+    system: System,
+    parameters: Mapping[str, float],
+    start: Start,
+    settings: Mapping[str, Any],
+    solver: SolverSettings,
+) -> Outcome:
+    """Every change of the answer in the bracket, by rising value, and its two sides."""
+    runs = _Runs(system, parameters, start, settings, solver)
+    passes = _passes(runs)
+    listed = sorted(
+        ((change, way) for way, found in passes.items() for change in found.changes),
+        key=lambda pair: pair[0].middle,
+    )
+    values = _crossings(listed) | _scans(passes, settings) | _bistable(passes, settings)
+    values["boundary_error"] = _errors(runs, listed)
+    values |= {"n_runs": runs.count, "n_undecided": runs.undecided, **runs.totals}
+    return _concluded(runs, passes, values, [change for change, _ in listed])
+
+
+def _passes(runs: _Runs) -> dict[str, Found]:
+    """The ways along the bracket that the setting ``follow`` asks for."""
+    (low, high), follow = runs.settings["bracket"], runs.settings["follow"]
+    values = [float(value) for value in np.linspace(low, high, runs.settings["scan"])]
+    width = runs.settings["width"] * (high - low)
+    if follow == "none":
+        return {follow: scanned(values, runs.look, width)}
+    if follow == "down":
+        return {follow: followed(values[::-1], runs.look, width)}
+    up = followed(values, runs.look, width)
+    last = up.looks[-1]
+    if follow == "up" or len(up.looks) < len(values) or last.carry is None:
+        return {"up": up}
+    return {"up": up, "down": followed(values[::-1], runs.look, width, last)}
+
+
+def _crossings(listed: Sequence[tuple[Change, str]]) -> dict[str, Any]:
+    """The variables along the dim ``crossing``."""
+    found = [change for change, _ in listed]
+    return {
+        "boundary": np.array([change.middle for change in found]),
+        "boundary_width": np.array([change.width for change in found]),
+        "class_below": _names(change.low.label for change in found),
+        "class_above": _names(change.high.label for change in found),
+        "answer_below": _names(_word(change.low) for change in found),
+        "answer_above": _names(_word(change.high) for change in found),
+        "found_going": _names(way for _, way in listed),
+        "n_crossings": len(found),
+    }
+
+
+def _errors(runs: _Runs, listed: Sequence[tuple[Change, str]]) -> NDArray[np.float64]:
+    """Distance from each change within which closer runs find it, too; NaN: they do not."""
+    closer = runs.closer()
+    errors = [_error(runs.settings["bracket"], closer, change, way) for change, way in listed]
+    runs.count += closer.count
+    return np.array(errors, dtype=float)
+
+
+def _error(bracket: tuple[float, float], closer: _Runs, change: Change, way: str) -> float:
+    """How far a change may be off: what closer runs say, and what is left of their own error."""
+    origin = None if way == "none" else change.before
+    if origin is not None and origin.carry is None:  # nothing to go on from
+        return float("nan")
+    away = confirmed_within(change, closer.look, origin, bracket)
+    return (1.0 + CLOSER) * away + closer.solver.rtol * float(np.max(np.abs(bracket)))
+
+
+def _names(words: Iterable[str]) -> NDArray[np.str_]:
+    return np.array(list(words), dtype=np.str_)
+
+
+def _word(look: Look) -> str:
+    return {True: "yes", False: "no", None: "open"}[look.answer]
+
+
+def _scans(passes: Mapping[str, Found], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The variables along the dim ``scan``: what each pass found, by rising value."""
+    low, high = settings["bracket"]
+    values = np.linspace(low, high, settings["scan"])
+    names = ("scan_class", "scan_class_back")
+    return {"scan": values} | {
+        name: _names(_label_at(float(value), one.looks) for value in values)
+        for name, one in zip(names, passes.values(), strict=False)
+    }
+
+
+def _label_at(value: float, looks: Sequence[Look]) -> str:
+    return next((look.label for look in looks if look.value == value), NOTHING)
+
+
+def _bistable(passes: Mapping[str, Found], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The variables along the dim ``range``: where the two ways differ."""
+    if settings["follow"] != "both":
+        return {}
+    ranges: Sequence[Range] = []
+    if len(passes) == 2 and all(_is_decided(one, settings["scan"]) for one in passes.values()):
+        up, back = (one.changes for one in passes.values())
+        ranges = hysteresis(up, back, settings["bracket"])
+    return {
+        "bistable_low": np.array([one.low for one in ranges]),
+        "bistable_low_width": np.array([one.low_width for one in ranges]),
+        "bistable_high": np.array([one.high for one in ranges]),
+        "bistable_high_width": np.array([one.high_width for one in ranges]),
+    }
+
+
+def _is_decided(one: Found, size: int) -> bool:
+    """Whether a pass went the whole way and every change in it has two decided sides."""
+    return len(one.looks) == size and all(change.decided for change in one.changes)
+
+
+def _concluded(
+    runs: _Runs, passes: Mapping[str, Found], values: dict[str, Any], found: Sequence[Change]
+) -> Outcome:
+    """The outcome, with the reason why there may be more, or less, than was found."""
+    looks = [look for one in passes.values() for look in one.looks]
+    if all(look.answer is None for look in looks):
+        first = next(iter(runs.failed), Outcome("budget", "time_budget"))
+        return Outcome(first.status, first.reason, values, message=first.message)
+    if len(looks) < len(passes) * runs.settings["scan"]:
+        return Outcome(reason="branch_ended", values=values)
+    if not all(change.decided for change in found):
+        return Outcome(reason="undecided_in_part", values=values)
+    return Outcome(reason="" if found else "no_crossing", values=values)

@@ -1,0 +1,133 @@
+"""Is a motion whose section repeats on its way to a cycle of its own?
+
+What is asked, and the numbers, are in ``grounds.py``. The return map is differentiated near the
+motion; the steps of Newton's method that follow use that derivative (chords). The multipliers are
+those of the cycle itself: it is gone round once more with tangents, unless the motion was on it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.attractor.grounds import CLOSED, NEIGHBOUR, REACH
+from fiv_cli.analyses.cycles.first_guess import guess_between
+from fiv_cli.analyses.cycles.periodic import (
+    RANK,
+    Anchor,
+    Passage,
+    Problem,
+    Shooting,
+    anchor_at,
+    begin,
+    is_nontrivial,
+    shooting,
+    sorted_multipliers,
+)
+from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.system import Vector
+
+CHORDS = 6  # steps with one derivative
+DERIVATIVES = 3  # of the return map at most
+SETTLED = 1e-10  # last correction, over the extent of the motion
+SLOW = 0.1  # a chord step that leaves more than this of the last one asks for a new derivative
+FAINT = 1e-3  # a displacement (velocity) below this share of the largest is judged by that
+ON_IT = 1e-8  # distance from the cycle that multipliers do not notice
+ROUNDING = 1e-9  # of the extent: a distance that says nothing
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """A stable cycle that a motion comes to.
+
+    Attributes
+    ----------
+    anchor : a point on it, inside a contact state
+    period : s
+    residual : what it misses itself by after a period, over its extent
+    multipliers : Floquet multipliers, largest first; complex, shape (n_states,)
+    """
+
+    anchor: Anchor
+    period: float
+    residual: float
+    multipliers: NDArray[np.complex128]
+
+
+def confirm(problem: Problem, motion: Motion, period: float) -> Confirmed | None:
+    """The cycle that `motion`, which repeats after `period` (s), comes to; None: it is not sure."""
+    here = anchor_at(problem, motion)
+    now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
+    guess = guess_between(problem, lambda: begin(problem, here), now, now + period)
+    if guess is None:
+        return None
+    scales = _scales(guess.scales, len(problem.system.coordinates))
+    return _closed(problem, shooting(problem, guess.anchor, guess.period, scales))
+
+
+def _scales(extents: Vector, n_coordinates: int) -> Vector:
+    """By what distances are judged: of a state that hardly moves, a share of what moves most."""
+    groups = np.split(extents, [n_coordinates, 2 * n_coordinates])
+    floors = [np.maximum(group, FAINT * np.max(group, initial=0.0)) for group in groups]
+    return np.concatenate(floors)
+
+
+def _closed(problem: Problem, conditions: Shooting) -> Confirmed | None:
+    unknowns = conditions.start
+    first = found = conditions.around(problem, unknowns)
+    for _ in range(DERIVATIVES):
+        if found is None or first is None:
+            return None
+        derived = found
+        inverse = np.asarray(np.linalg.pinv(conditions.jacobian(found), rcond=RANK), np.float64)
+        unknowns, found, settled = _chords(problem, conditions, unknowns, found, inverse)
+        if settled and found is not None:
+            moved = float(np.max(np.abs(unknowns - conditions.start)))
+            last = derived if moved <= ON_IT else conditions.around(problem, unknowns)
+            return None if last is None else _own(problem, conditions, unknowns, first, last)
+        found = conditions.around(problem, unknowns)
+    return None
+
+
+def _chords(
+    problem: Problem, conditions: Shooting, unknowns: Vector, found: Passage, inverse: Vector
+) -> tuple[Vector, Passage | None, bool]:
+    """Steps with one derivative: the unknowns, the motion from there, whether they have settled."""
+    last = np.inf
+    for _ in range(CHORDS):
+        step = -inverse @ conditions.values(found, unknowns)
+        size = float(np.max(np.abs(step)))
+        if size <= SETTLED:
+            return unknowns, found, True
+        if not size <= SLOW * last and last < np.inf:
+            return unknowns, found, size <= CLOSED
+        unknowns = unknowns + step
+        moved = conditions.around(problem, unknowns, tangents=False)
+        if moved is None:
+            return unknowns, None, False
+        found, last = moved, size
+    return unknowns, found, last <= CLOSED
+
+
+def _own(
+    problem: Problem, conditions: Shooting, unknowns: Vector, first: Passage, last: Passage
+) -> Confirmed | None:
+    """The cycle gone round in `last`, where the motion itself, gone on in `first`, comes to it."""
+    multipliers = sorted_multipliers(last.monodromy)
+    nontrivial = is_nontrivial(multipliers, autonomous=problem.excitation is None)
+    largest = float(np.max(np.abs(multipliers[nontrivial]), initial=0.0))
+    gap = _distance(first.state, first.begun, conditions.scales)
+    moved = float(np.max(np.abs(unknowns - conditions.start)))
+    residual = _distance(last.state, last.begun, conditions.scales)
+    same = first.events == last.events
+    allowed = max(REACH * gap / max(1.0 - largest, 1e-300), ROUNDING)
+    if largest >= 1.0 or not same or moved > min(allowed, NEIGHBOUR) or residual > CLOSED:
+        return None
+    anchor, period = conditions.anchor_of(unknowns), conditions.period_of(problem, unknowns)
+    return Confirmed(anchor, period, residual, multipliers)
+
+
+def _distance(one: Vector, other: Vector, scales: Vector) -> float:
+    return float(np.max(np.abs(one - other) / scales))

@@ -1,0 +1,304 @@
+"""Level sets of decay about a stable sliding equilibrium: what cannot leave ends there.
+
+What is asked, and the numbers, are in ``grounds.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN, HURWITZ, LEADING, LINEAR, SAMPLES
+from fiv_cli.analyses.rest.equilibria import Sliding
+from fiv_cli.analyses.rest.linearisation import free_states
+from fiv_cli.codegen.memory import call_generated
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.system import System, Vector
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+DIFFERENCE = 1e-3  # step of a central difference, over the size of the equilibrium
+UNSEEN = 1e-3  # weight of a mode that no switching function sees, over the largest weight
+ROUNDING = 1e-12  # of rates, over those of the equilibrium's size, and far below LINEAR
+PHASES = 4  # of an excitation, at which sliding is compared with that of the unexcited system
+SAME = 1e-9  # ... to this share
+SEED = 7411  # of the points of a level set that are looked at
+
+
+@dataclass(frozen=True)
+class LevelSet:
+    """The neighbourhood of a stable sliding equilibrium in which sliding decays.
+
+    Attributes
+    ----------
+    sliding : the unexcited system in sliding
+    equilibrium : state vector, shape (n_states,)
+    number : of the equilibrium among the solutions of the point, from 1
+    eigenvalues : of sliding at it, 1/s; shape (n_free,)
+    vectors, inverse : eigenvectors of the free states, as columns, and the inverse matrix
+    """
+
+    sliding: Sliding
+    equilibrium: Vector
+    number: int
+    eigenvalues: Complex
+    vectors: Complex
+    inverse: Complex
+
+    @cached_property
+    def free(self) -> NDArray[np.intp]:
+        """Places of the states that no rigid contact determines."""
+        return free_states(self.sliding)
+
+    @cached_property
+    def period(self) -> float:
+        """The longest natural period; the slowest decay time where nothing oscillates, s."""
+        turning = np.abs(self.eigenvalues.imag)
+        turning = turning[turning > 0.0]
+        return float(2 * np.pi / np.min(turning)) if len(turning) else 1.0 / self.slowest
+
+    @cached_property
+    def slowest(self) -> float:
+        """Rate of the slowest decay, 1/s."""
+        return float(-np.max(self.eigenvalues.real))
+
+    # --- the level --------------------------------------------------------------------------------
+    @cached_property
+    def shares(self) -> Real:
+        """Share of each switching function that a unit amplitude of each mode can take.
+
+        Shape (n_guards, n_free).
+        """
+        margins, slopes = self._guards
+        return np.asarray(np.abs(slopes @ self.vectors) / margins[:, None], np.float64)
+
+    @cached_property
+    def _guards(self) -> tuple[Vector, Real]:
+        """Switching functions at the equilibrium, and their slopes by the free states."""
+        count = int(self.sliding.system.tables.table[self.sliding.index, kernel.N_GUARDS])
+        first = 2 * len(self.equilibrium)
+        m, size = len(self.sliding.system.coordinates), np.max(np.abs(self.equilibrium))
+        steps = np.full(len(self.equilibrium), DIFFERENCE * (size if size > 0.0 else 1.0))
+        steps[m : 2 * m] *= np.max(np.abs(self.eigenvalues))
+        slopes = np.zeros((count, len(self.free)))
+        for column, place in enumerate(self.free):
+            for sign in (1.0, -1.0):
+                moved = self.equilibrium.copy()
+                moved[place] += sign * steps[place]
+                found = self.sliding.field(moved)[first : first + count]
+                slopes[:, column] += sign * found / (2.0 * steps[place])
+        return self.sliding.field(self.equilibrium)[first : first + count], slopes
+
+    @cached_property
+    def is_bounded(self) -> bool:
+        """Whether some switching function limits the level set."""
+        return bool(np.any(self.shares > 0.0))
+
+    @property
+    def holds(self) -> bool:
+        """Whether the equilibrium itself is on no switching surface."""
+        return bool(np.all(self._guards[0] > 0.0))
+
+    def amplitudes(self, state: Vector) -> Vector:
+        """Modal amplitudes of the distance from the equilibrium; shape (n_free,)."""
+        return np.asarray(np.abs(self.inverse @ (state - self.equilibrium)[self.free]), np.float64)
+
+    def level(self, amplitudes: Vector) -> float:
+        """V over c: below 1 no switching surface is met."""
+        return float(np.max(self.shares @ amplitudes, initial=0.0))
+
+    @cached_property
+    def weights(self) -> Vector:
+        """By which amplitudes of modes are compared; shape (n_free,)."""
+        seen = np.max(self.shares, axis=0, initial=0.0)
+        largest = np.max(seen, initial=0.0)
+        return np.maximum(seen, UNSEEN * largest) if largest > 0.0 else np.ones(len(seen))
+
+    # --- is sliding linear there? -----------------------------------------------------------------
+    def nonlinearity(self, amplitudes: Vector) -> float:
+        """Largest nonlinear part of the rates over the slowest decay, on the level set.
+
+        Looked at in `SAMPLES` points with the weighted sum of `amplitudes`: one mode after the
+        other large, at every phase.
+        """
+        reach = max(float(self.weights @ amplitudes), self._rounding)
+        states = np.repeat(self.equilibrium[None, :], SAMPLES, axis=0)
+        states[:, self.free] += reach * self.shapes
+        rates = np.array([self.sliding.rates(state)[self.free] for state in states])
+        modal, sizes = self._modal_shapes
+        bent = np.abs(self.inverse @ rates.T - reach * self.eigenvalues[:, None] * modal)
+        norms = np.linalg.norm(self.weights[:, None] * bent, axis=0)
+        return float(np.max(norms / (reach * sizes))) / self.slowest
+
+    @cached_property
+    def _rounding(self) -> float:
+        """Weighted amplitude below which rounding of the rates passes for their nonlinear part."""
+        whole = self.weights @ np.abs(self.inverse @ self.equilibrium[self.free])
+        return float(ROUNDING * whole * np.max(np.abs(self.eigenvalues)) / self.slowest)
+
+    @cached_property
+    def _modal_shapes(self) -> tuple[Complex, Vector]:
+        """Modal amplitudes of `shapes`, as columns, and their weighted sizes."""
+        modal = self.inverse @ self.shapes.T
+        return modal, np.linalg.norm(self.weights[:, None] * np.abs(modal), axis=0)
+
+    @cached_property
+    def shapes(self) -> Real:
+        """Distances from the equilibrium whose weighted amplitudes sum to one."""
+        random = np.random.default_rng(SEED)
+        n = len(self.eigenvalues)
+        shapes = np.zeros((SAMPLES, n))
+        for row in range(SAMPLES):
+            large = random.exponential(size=n) ** 3 / self.weights
+            turned = large * np.exp(2j * np.pi * random.random(n))
+            away = (self.vectors @ turned).real
+            shapes[row] = away / float(self.weights @ np.abs(self.inverse @ away))
+        return shapes
+
+    def margin(self, state: Vector) -> float:
+        """1 - V/c where sliding from `state` is linear and meets nothing; NaN where it is not."""
+        amplitudes = self.amplitudes(state)
+        level = self.level(amplitudes)
+        if not level < 1.0:
+            return float("nan")
+        bent = self.nonlinearity(amplitudes) if np.any(amplitudes > 0.0) else 0.0
+        left = 1.0 - level - len(amplitudes) * bent
+        return 1.0 - level if bent <= LINEAR and left > 0.0 else float("nan")
+
+
+def level_set(
+    sliding: Sliding, equilibrium: Vector, jacobian: Real, number: int
+) -> LevelSet | None:
+    """The level sets about an equilibrium; None where it is not stable, or on a border.
+
+    Parameters
+    ----------
+    jacobian : of the free states, shape (n_free, n_free), 1/s
+    number : of the equilibrium among the solutions, from 1
+    """
+    values, vectors = np.linalg.eig(jacobian)
+    if np.max(values.real) >= -HURWITZ * np.max(np.abs(values)):
+        return None
+    try:
+        inverse = np.linalg.inv(vectors)
+    except np.linalg.LinAlgError:
+        return None
+    found = LevelSet(
+        sliding, equilibrium, number, values.astype(complex), vectors.astype(complex),
+        inverse.astype(complex),
+    )  # fmt: skip
+    return found if found.holds else None
+
+
+@dataclass
+class Descent:
+    """A slide watched on its way down to an equilibrium.
+
+    Attributes
+    ----------
+    target : the level sets about it
+    times, amplitudes, sizes : of the looks since the slide began; sizes are weighted sums
+    bent : smallest level at which sliding was found to be nonlinear
+    """
+
+    target: LevelSet
+    times: list[float] = field(default_factory=list)
+    amplitudes: list[Vector] = field(default_factory=list)
+    sizes: list[float] = field(default_factory=list)
+    bent: float = np.inf
+
+    def forget(self) -> None:
+        """The slide was interrupted by an event."""
+        self.times.clear()
+        self.amplitudes.clear()
+        self.sizes.clear()
+
+    def margin(self, time: float, state: Vector) -> float:
+        """1 - V/c as soon as the slide is sure to end at the equilibrium; NaN before.
+
+        Parameters
+        ----------
+        time : s
+        state : of sliding, shape (n_states,)
+        """
+        found = self.target.amplitudes(state)
+        level = self.target.level(found)
+        if self.target.is_bounded and not level < 1.0:
+            self.forget()
+            return float("nan")
+        size = float(self.target.weights @ found)
+        if size < FALLEN * self.bent:
+            exact = self.target.margin(state)
+            if not np.isnan(exact):
+                return exact
+            self.bent = size
+        self.times.append(time)
+        self.amplitudes.append(found)
+        self.sizes.append(size)
+        return 1.0 - level if level <= FALLEN and self._falls() else float("nan")
+
+    def _falls(self) -> bool:
+        """Whether it has fallen, over two successive stretches as the linear system does."""
+        back = 1
+        while 2 * back < len(self.times):
+            looks = [len(self.times) - 1 - share * back for share in (2, 1, 0)]
+            is_down = self.sizes[-1] <= FALLEN * self.sizes[looks[0]]
+            if is_down and self._agrees(looks[0], looks[1]) and self._agrees(looks[1], looks[2]):
+                return True
+            back *= 2
+        return False
+
+    def _agrees(self, first: int, last: int) -> bool:
+        """Whether every leading mode changed at its own rate between two looks."""
+        elapsed = self.times[last] - self.times[first]
+        if elapsed < self.target.period * (1.0 - 1e-9):
+            return False
+        before, after = self.amplitudes[first], self.amplitudes[last]
+        contributions = self.target.weights * before
+        leading = contributions >= LEADING * np.max(contributions)
+        if np.any(after[leading] <= 0.0):
+            return False
+        rates = self.target.eigenvalues.real[leading]
+        measured = np.log(after[leading] / before[leading]) / elapsed
+        return bool(np.all(np.abs(measured - rates) <= AGREEMENT * np.abs(rates)))
+
+
+def slides_freely(system: System, parameters: Mapping[str, float], target: LevelSet) -> bool:
+    """Whether an excitation leaves sliding alone: a sector with the same kinetic friction does.
+
+    The rates of the excited system are those of the unexcited one at every phase and on either
+    side of a sector's border.
+    """
+    motion_parameters = system.parameter_vector(parameters)
+    own = target.sliding.parameters
+    motion_parameters[-1 - system.n_contacts : -1] = own[-1 - system.n_contacts : -1]
+    forcing = system.model.active_forcing(parameters)
+    if forcing is None:
+        return True
+    period = 2 * np.pi / abs(forcing.frequency(system.known(parameters)))
+    states = [target.equilibrium.copy() for _ in range(2)]
+    states[1][target.free] += np.max(np.abs(target.equilibrium)) * target.shapes[0]
+    for zone in (0.0, 1.0):
+        motion_parameters[-1] = zone
+        coefficients = np.zeros_like(target.sliding.coefficients)
+        fill = system.tables.config[kernel.COEFFICIENTS]
+        call_generated(fill, coefficients, 0.0, motion_parameters, coefficients)
+        for state in states:
+            for phase in range(PHASES):
+                if not _same_rates(target, coefficients, phase * period / PHASES, state):
+                    return False
+    return True
+
+
+def _same_rates(target: LevelSet, coefficients: Vector, time: float, state: Vector) -> bool:
+    n = len(state)
+    out = np.zeros(3 * n + 64 + kernel.N_ENERGIES)
+    address = target.sliding.system.tables.table[target.sliding.index, kernel.FIELD]
+    call_generated(address, coefficients, time, state, out)
+    expected = target.sliding.rates(state)
+    return bool(np.max(np.abs(out[n : 2 * n] - expected)) <= SAME * np.max(np.abs(expected)))

@@ -1,0 +1,620 @@
+"""The steady state reached from a start: its class, L_s, period, section, exponents.
+
+A run ends as soon as its class is known, on the grounds of ``grounds.py``: a slide that a stable
+equilibrium keeps, a cycle that Newton's method confirms, a motion that has diverged or lost
+contact. When half of the time budget has not brought that, the other half is measured as a
+window, with the largest Lyapunov exponent carried along; what is not known then is ``undecided``.
+
+Definitions: L_s is the mean of the sum of (X - X_e)^2 over the displacement states (thesis 6.20),
+on discs those of the slider (6.42), integrated along whole periods, or along the window. X_e is
+the equilibrium that was reached or, of a motion that does not rest, the first one of the point
+(`L_s_reference_index`), from which an ``equilibrium`` start is offset too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.attractor.chaos import regularity
+from fiv_cli.analyses.attractor.confirm import Confirmed, confirm
+from fiv_cli.analyses.attractor.grounds import (
+    CHAOTIC,
+    CLOSER,
+    GROWN,
+    HURWITZ,
+    NEARLY,
+    REGULAR,
+    RESTING,
+    SIGNIFICANT,
+)
+from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
+from fiv_cli.analyses.attractor.lyapunov import Exponent
+from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
+from fiv_cli.analyses.attractor.stationarity import drift
+from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses.common import (
+    Sliding,
+    balance,
+    equilibria,
+    sliding,
+    start_motion,
+    stopped,
+    trust,
+)
+from fiv_cli.analyses.cycles.periodic import (
+    Problem,
+    begin,
+    extents,
+    is_nontrivial,
+    repeats,
+    tightened,
+)
+from fiv_cli.analyses.rest.linearisation import free_jacobian
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.dynamics.system import System, Vector
+
+PATIENCE = 4.0  # s; ... the longest of which passes between two looks at a motion, or before one
+REVOLUTIONS = 3.0  # ... without section points is asked what it is without them
+CHUNK = 16  # section points between two looks at the return map
+BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
+KEPT = 4096  # section points kept
+SHOWN = 512  # section values stored of a motion that is not periodic
+SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
+
+
+def steady_state(
+    system: System,
+    parameters: Mapping[str, float],
+    start: Start,
+    settings: Mapping[str, Any],
+    solver: SolverSettings,
+) -> Outcome:
+    """The steady state that `start` leads to."""
+    unexcited = sliding(system, parameters)
+    solutions = equilibria(unexcited)
+    motion = start_motion(system, parameters, start, solver, next(iter(solutions), None))
+    if isinstance(motion, Outcome):
+        return motion
+    problem = Problem(system, parameters, tightened(solver), settings["section"])
+    return _Response(problem, settings, solver, Rests(unexcited, solutions), motion).outcome()
+
+
+def from_least(values: Vector) -> Vector:
+    """A cycle begun at its least value: the order tells nothing of the transient."""
+    return np.roll(values, -int(np.argmin(values)))
+
+
+class Rests:
+    """The sliding equilibria of a point, and what slides to them.
+
+    Parameters
+    ----------
+    unexcited : the system without its excitation, in sliding
+    solutions : its equilibria, shape (n_states,) each
+    """
+
+    def __init__(self, unexcited: Sliding, solutions: list[Vector]) -> None:
+        self.unexcited = unexcited
+        self.solutions = solutions
+
+    @property
+    def first(self) -> Vector | None:
+        """The one that growing loads lead to."""
+        return self.solutions[0] if self.solutions else None
+
+    @cached_property
+    def eigenvalues(self) -> NDArray[np.complex128] | None:
+        """Of sliding at the first equilibrium, 1/s."""
+        if self.first is None:
+            return None
+        return np.linalg.eigvals(free_jacobian(self.unexcited, self.first)).astype(complex)
+
+    @cached_property
+    def natural_period(self) -> float:
+        """The longest one at the first equilibrium, s; infinite where nothing oscillates."""
+        turning = np.abs(self.eigenvalues.imag) if self.eigenvalues is not None else np.zeros(0)
+        return float(2 * np.pi / np.min(turning[turning > 0.0], initial=np.inf)) or np.inf
+
+    @property
+    def is_neutral(self) -> bool:
+        """Whether the first equilibrium neither attracts nor repels."""
+        if self.eigenvalues is None:
+            return False
+        frequency = float(np.max(np.abs(self.eigenvalues)))
+        return abs(float(np.max(self.eigenvalues.real))) <= HURWITZ * frequency
+
+    @cached_property
+    def level_sets(self) -> list[LevelSet]:
+        """About every stable one."""
+        found = (
+            level_set(self.unexcited, y, free_jacobian(self.unexcited, y), number)
+            for number, y in enumerate(self.solutions, start=1)
+        )
+        return [one for one in found if one is not None]
+
+
+class _Response:
+    """One run on its way to a steady state."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        settings: Mapping[str, Any],
+        solver: SolverSettings,
+        rests: Rests,
+        motion: Motion,
+    ) -> None:
+        self.problem, self.system, self.solver = problem, problem.system, solver
+        self.settings, self.rests, self.motion = settings, rests, motion
+        self.excitation = problem.excitation
+        self.patience = self._patience()
+        self.last_event = motion.time
+        self.section: Section = settings["section"]
+        names = self.system.state_names
+        self.observed = names.index(settings["observe"] or names[0])
+        self.times = np.zeros(KEPT)
+        self.points = np.zeros((KEPT, len(names)))
+        self.count = 0
+        self.stop: Stop = Stop.REACHED
+        self.exponent_error = 0.0
+        self.nearness = NEARLY  # repetition of the section that is worth an attempt to close it
+        self.waiting_until = 0.0  # ... and the time before which it is not
+        self.is_unconfirmed = False  # the section repeated, and no cycle was found
+        self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
+
+    def _patience(self) -> float:
+        """The longest of 4 s, three revolutions of disc or excitation, three natural periods, s."""
+        turning = self.system.model.revolution
+        spans = [PATIENCE]
+        if turning is not None:
+            spans.append(REVOLUTIONS * 2 * np.pi / abs(turning(self.problem.parameters)))
+        if self.excitation is not None:
+            spans.append(REVOLUTIONS * self.excitation)
+        if np.isfinite(self.rests.natural_period):
+            spans.append(REVOLUTIONS * self.rests.natural_period)
+        return max(spans)
+
+    @cached_property
+    def descents(self) -> list[Descent]:
+        """Slides down to the stable equilibria, of which an excitation leaves nothing but those
+        that do not feel it."""
+        parameters = self.problem.parameters
+        return [
+            Descent(target)
+            for target in self.rests.level_sets
+            if self.excitation is None or slides_freely(self.system, parameters, target)
+        ]
+
+    # --- the course of a run ----------------------------------------------------------------------
+    def outcome(self) -> Outcome:
+        """Follow the motion until its class is known."""
+        t_max, transient = self.settings["t_max"], self.settings["transient"]
+        if transient > 0.0:
+            self.stop = self.motion.run(min(transient, t_max))
+            self.last_event = self.motion.time
+        half = transient + 0.5 * max(t_max - transient, 0.0)
+        found = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
+        if found.values["attractor"] == "undecided" and found.status == "ok":
+            found.carry = self._carry("undecided")  # the motion goes on, whatever it is
+        spent = trust(self.motion)
+        found.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
+        self._add_reference(found)
+        return found
+
+    def _ended(self) -> Outcome | None:
+        """The outcome of a motion that cannot go on."""
+        outcome = stopped(self.stop)
+        if outcome is None:
+            return None
+        classes = {Stop.DIVERGED: "diverged", Stop.CONTACT_LOST: "contact_lost"}
+        outcome.values["attractor"] = classes.get(self.stop, "undecided")
+        outcome.values["transient_used"] = self.motion.time
+        return outcome
+
+    @property
+    def _goes_on(self) -> bool:
+        return self.stop in (Stop.REACHED, Stop.SECTION_FULL)
+
+    def _settle(self, until: float) -> Outcome | None:
+        """Go on until the class is known; None when it is not by then."""
+        last_point = self.motion.time
+        shortest = min(self.rests.natural_period, self.patience)
+        span = shortest
+        while self.motion.time < until and self._goes_on:
+            before, events = self.count, self.motion.n_events
+            self._step(min(self.motion.time + span, until), self.section)
+            # Where stick-slip goes on there is nothing to look at before section points are full.
+            span = min(2.0 * span, self.patience) if self.motion.n_events > events else shortest
+            if self.count > before:
+                last_point = self.motion.time
+            found = self._rest() or (self._cycle(self.section) if self.count > before else None)
+            if found is None and self._has_waited(last_point):
+                found = self._without_points()
+                last_point = self.motion.time
+            if found is not None:
+                return found
+        return self._ended()
+
+    def _has_waited(self, last_point: float) -> bool:
+        """Whether nothing tells that stick-slip goes on."""
+        if self.excitation is not None:  # it may reverse, or pass from sector to sector, in slip
+            return self.motion.time - last_point >= self.patience * (1.0 - 1e-12)
+        return self._is_quiet()
+
+    def _without_points(self) -> Outcome | None:
+        if self.excitation is not None:
+            return self._forced_sliding()
+        return self._neutral() if self.rests.is_neutral else None
+
+    def _step(self, until: float, section: Section, measuring: bool = False) -> None:
+        """Run on, keeping section points."""
+        if self.count + CHUNK > KEPT:
+            self._forget_oldest()
+        room = (
+            self.times[self.count : self.count + CHUNK],
+            self.points[self.count : self.count + CHUNK],
+        )
+        events = self.motion.n_events
+        self._aim_phase(section)
+        self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
+        self.count += self.motion.n_sections
+        if self.motion.n_events != events:
+            self.last_event = self.motion.time
+            if self.excitation is None:  # else a border of the sector, which is no surface
+                for descent in self.descents:
+                    descent.forget()
+
+    def _is_sliding(self) -> bool:
+        """Whether all contacts slip the way they do at an equilibrium."""
+        first = -1 - self.system.n_contacts
+        ways = (one.parameters[first:-1].tolist() for one in (self.motion, self.rests.unexcited))
+        return self._all_contacts(kernel.SLIP) and next(ways) == next(ways)
+
+    def _all_contacts(self, kind: int) -> bool:
+        """Whether every contact is of this kind."""
+        return all(one == kind for one in self.motion.kinds.tolist())
+
+    def _is_quiet(self) -> bool:
+        """Whether all contacts have slipped long enough without an event."""
+        waited = self.motion.time - self.last_event >= self.patience * (1.0 - 1e-12)
+        return waited and self._all_contacts(kernel.SLIP)
+
+    def _forget_oldest(self) -> None:
+        half = KEPT // 2
+        kept = self.count - half
+        self.times[:kept] = self.times[half : self.count]
+        self.points[:kept] = self.points[half : self.count]
+        self.count = kept
+
+    def _aim_phase(self, section: Section) -> None:
+        """Set the next instant of a stroboscopic section."""
+        if section.kind != "phase":
+            return
+        period = self._strobe_period()
+        offset = section.phase / (2 * np.pi) * period
+        turns = np.floor((self.motion.time - offset) / period + 1e-9) + 1
+        self.motion.clock[kernel.NEXT_PHASE] = offset + turns * period
+
+    def _strobe_period(self) -> float:
+        return self.excitation if self.excitation is not None else self.patience
+
+    def _map_points(self) -> NDArray[np.float64]:
+        """Section points, with the phase of the excitation where there is one."""
+        points = self.points[: self.count]
+        if self.excitation is None:
+            return points
+        phase = 2 * np.pi * self.times[: self.count] / self.excitation
+        reach = np.max(np.abs(points), initial=np.finfo(float).tiny)
+        # Shifted by 2: a sine that is always zero must not be judged by its rounding.
+        return np.column_stack([points, reach * (2 + np.cos(phase)), reach * (2 + np.sin(phase))])
+
+    # --- at rest ----------------------------------------------------------------------------------
+    def _rest(self) -> Outcome | None:
+        """The equilibrium that the motion is at, or cannot but slide to."""
+        if not self.motion.started:
+            return None
+        if self._is_sliding():
+            for descent in self.descents:
+                margin = descent.margin(self.motion.time, self.motion.y)
+                if not np.isnan(margin):
+                    return self._at_equilibrium(descent.target, margin)
+        return self._stuck()
+
+    def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
+        outcome = self._resting_values(target.equilibrium, sticking=False)
+        reached = {"equilibrium_index": target.number, "L_s_reference_index": target.number}
+        outcome.values |= reached | {"L_s": 0.0, "decay_margin": margin}
+        return outcome
+
+    def _stuck(self) -> Outcome | None:
+        """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
+        if self.excitation is not None or not self._all_contacts(kernel.STICK):
+            return None
+        if np.any(self.motion.rates() != 0.0):
+            return None
+        outcome = self._resting_values(self.motion.y, sticking=True)
+        outcome.values["decay_margin"] = 1.0
+        outcome.reason = "stuck"
+        return outcome
+
+    def _resting_values(self, state: Vector, sticking: bool) -> Outcome:
+        values: dict[str, Any] = {
+            "attractor": "equilibrium",
+            "stick_fraction": self._per_contact(float(sticking)),
+            "slip_fraction": self._per_contact(float(not sticking)),
+            "separation_fraction": self._per_contact(0.0),
+            "transient_used": self.motion.time,
+            "energy_residual": 0.0,
+        }
+        for name, value in zip(self.system.state_names, state, strict=True):
+            values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": abs(value)}
+        return Outcome(values=values, carry=self._carry("equilibrium"))
+
+    def _per_contact(self, value: float) -> Any:
+        count = self.system.n_contacts
+        return value if count == 1 else np.full(count, value)
+
+    def _neutral(self) -> Outcome:
+        """Undamped sliding: what is found depends on the start, so it is no attractor."""
+        outcome = self._measure_window(self.motion.time + self.patience)
+        outcome.reason = "neutral_oscillation"
+        outcome.values["attractor"] = "undecided"
+        return outcome
+
+    def _forced_sliding(self) -> Outcome | None:
+        """Does a motion that never sticks repeat with the excitation? None: it sticks again.
+
+        Only a stroboscopic section has points of it, so it is followed so until its time is up.
+        """
+        strobe, t_max = Section("phase"), self.settings["t_max"]
+        self.count = 0
+        begun, energy = self._start_measuring(), self.motion.energy()
+        while self.motion.time < t_max and self._goes_on:
+            before = self.count
+            self._step(t_max, strobe, measuring=True)
+            if np.any(self.motion.measures.shares[:, kernel.STICK] > 0.0):
+                self.count = 0
+                return None
+            found = self._rest() or (self._cycle(strobe) if self.count > before else None)
+            if found is not None:
+                return found
+        values = {"attractor": "undecided", "transient_used": begun} | self._measured(energy)
+        return self._ended() or Outcome(reason="slide_not_decided", values=values)
+
+    # --- periodic ---------------------------------------------------------------------------------
+    def _cycle(self, section: Section, lasting: bool = False) -> Outcome | None:
+        """The cycle that the section points settle on, once it is confirmed."""
+        if self.motion.time < self.waiting_until:
+            return None
+        points = self._map_points()
+        multiplicity = settled_period(points, self.nearness, remaining=np.inf)
+        if lasting and not multiplicity:
+            multiplicity = lasting_period(points)
+        if not multiplicity:
+            return None
+        span = self.times[self.count - 1] - self.times[self.count - 1 - multiplicity]
+        cycle = confirm(self.problem, self.motion, float(span))
+        found = None if cycle is None else self._measured_cycle(cycle, multiplicity, section)
+        if found is None:
+            self._wait()
+        return found
+
+    def _wait(self) -> None:
+        """No cycle yet: wait until the section repeats more closely, at last for longer."""
+        if self.nearness > SETTLED:
+            self.nearness = max(self.nearness * CLOSER, SETTLED)
+            return
+        self.is_unconfirmed = True
+        self.waiting_until = 2.0 * self.motion.time
+
+    def _measured_cycle(
+        self, cycle: Confirmed, multiplicity: int, section: Section
+    ) -> Outcome | None:
+        """Measure one period on the cycle, from a section point on; None: not the section's."""
+        before = self.motion
+        self.motion = begin(replace(self.problem, solver=self.solver), cycle.anchor)
+        self._next_points(1, section)
+        begun = self._start_measuring()
+        energy = self.motion.energy()
+        points = self._next_points(multiplicity, section, measuring=True)
+        period, full = self.motion.time - begun, self.stop == Stop.SECTION_FULL
+        scales = extents(self.motion.measures.extremes[:2])
+        share = repeats(self.problem, points, scales, period) if full else 1
+        if not full or abs(period - cycle.period) > SAME_PERIOD * cycle.period or share > 1:
+            shorter = confirm(self.problem, self.motion, period / share) if share > 1 else None
+            self.motion, self.stop = before, Stop.REACHED
+            if shorter is None:
+                return None
+            return self._measured_cycle(shorter, multiplicity // share, section)
+        self.spent = {"n_steps": before.n_steps, "n_events": before.n_events}
+        values = {"multiplicity": multiplicity, "transient_used": before.time}
+        values |= self._measured(energy) | self._described(cycle, period)
+        shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
+        carry = self._carry("periodic")
+        return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
+
+    def _described(self, cycle: Confirmed, period: float) -> dict[str, Any]:
+        """What is known of a cycle beside its measures; `period` is that at the section, s."""
+        values: dict[str, Any] = {
+            "attractor": "periodic",
+            "period": period,
+            "response_frequency": 1.0 / period,
+            "cycle_residual": cycle.residual,
+        }
+        if self.excitation is not None:
+            values["period_ratio"] = period / self.excitation
+        return values | self._floquet(cycle)
+
+    def _next_points(
+        self, count: int, section: Section, measuring: bool = False
+    ) -> NDArray[np.float64]:
+        times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
+        self._aim_phase(section)
+        until = self.motion.time + self.settings["t_max"]
+        self.stop = self.motion.run(
+            until, section, (times, points), None, measuring, self._strobe_period()
+        )
+        return points
+
+    def _start_measuring(self) -> float:
+        reference = np.zeros(len(self.system.coordinates))
+        if self.rests.first is not None:
+            reference = self.rests.first[: len(reference)].copy()
+        counted = self.system.model.vibration or self.system.coordinates
+        reference[[name not in counted for name in self.system.coordinates]] = np.nan
+        self.motion.start_measuring(reference)
+        return self.motion.time
+
+    def _measured(self, energy_before: float) -> dict[str, Any]:
+        """Everything that was integrated along the measured stretch."""
+        measures, motion = self.motion.measures, self.motion
+        time = measures.time
+        shares = measures.shares / time
+        per_contact = shares if len(shares) > 1 else shares[0][None, :]
+        fractions = [
+            per_contact[:, kind] if len(shares) > 1 else float(per_contact[0, kind])
+            for kind in (kernel.STICK, kernel.SLIP, kernel.SEPARATION)
+        ]
+        values: dict[str, Any] = {
+            "L_s": float(measures.totals[kernel.M_SPREAD]) / time,
+            "L_s_window": time,
+            "stick_fraction": fractions[0],
+            "slip_fraction": fractions[1],
+            "separation_fraction": fractions[2],
+            "energy_residual": balance(motion, energy_before).residual,
+        }
+        if self.rests.first is None:
+            values["L_s"] = float("nan")
+        least, greatest, squares = measures.extremes
+        for i, name in enumerate(self.system.state_names):
+            values[f"{name}_min"] = float(least[i])
+            values[f"{name}_max"] = float(greatest[i])
+            values[f"{name}_rms"] = float(np.sqrt(squares[i] / time))
+        return values
+
+    def _floquet(self, cycle: Confirmed) -> dict[str, Any]:
+        """Multipliers, and the exponent of the largest nontrivial one where there is one."""
+        if self.settings["lyapunov"] == "never":
+            return {}
+        kept = is_nontrivial(cycle.multipliers, autonomous=self.excitation is None)
+        largest = float(np.max(np.abs(cycle.multipliers[kept]), initial=0.0))
+        exponent = {"lyapunov": float(np.log(largest) / cycle.period)} if largest > 0.0 else {}
+        return exponent | {
+            "floquet_multiplier": np.abs(cycle.multipliers),
+            "floquet_multiplier_real": cycle.multipliers.real,
+            "floquet_multiplier_imag": cycle.multipliers.imag,
+        }
+
+    # --- not periodic -----------------------------------------------------------------------------
+    def _window(self, t_max: float) -> Outcome:
+        """Measure the rest of the budget and say what its tests say."""
+        self.count = 0
+        with_exponent = self.settings["lyapunov"] != "never"
+        outcome = self._measure_window(t_max, with_exponent)
+        if "attractor" in outcome.values:
+            return outcome
+        ended = self._ended()
+        if ended is not None:
+            return ended
+        self.waiting_until = 0.0
+        found = self._cycle(self.section, lasting=True)
+        if found is not None:
+            return found
+        told, outcome.reason = self._class_of(outcome)
+        outcome.values["attractor"] = told
+        if told != "undecided":
+            outcome.carry = self._carry(told)
+        return outcome
+
+    def _measure_window(self, until: float, with_exponent: bool = False) -> Outcome:
+        begun = self._start_measuring()
+        energy = self.motion.energy()
+        exponent = Exponent(self.motion, self.excitation is None) if with_exponent else None
+        for goal in np.linspace(begun, until, BLOCKS + 1)[1:]:
+            found = self._measure_to(float(goal))
+            if found is not None:
+                return found
+            if exponent is not None:
+                exponent.update()
+        if exponent is not None:
+            exponent.release()
+        if self.motion.measures.time <= 0.0:
+            return Outcome(reason="time_budget", values={"attractor": "undecided"})
+        values = self._measured(energy) | {"transient_used": begun}
+        if exponent is not None:
+            values |= {"lyapunov": exponent.mean} if np.isfinite(exponent.mean) else {}
+            self.exponent_error = exponent.error
+        shown = self.points[: self.count, self.observed][-SHOWN:].copy()
+        return Outcome(values=values, ragged={"section_value": shown})
+
+    def _measure_to(self, goal: float) -> Outcome | None:
+        """Measure up to `goal`, keeping section points; the class as soon as it is known."""
+        while self.motion.time < goal and self._goes_on:
+            before = self.count
+            self._step(goal, self.section, measuring=True)
+            found = self._rest() or (self._cycle(self.section) if self.count > before else None)
+            if found is not None:
+                return found
+        return None
+
+    def _class_of(self, outcome: Outcome) -> tuple[str, str]:
+        """A stationary section and two agreeing tests, or undecided."""
+        if self.is_unconfirmed:
+            return "undecided", "cycle_not_confirmed"
+        if self.count == 0:
+            slides = self._is_quiet() and self.excitation is None
+            return "undecided", "slide_not_decided" if slides else "no_section_points"
+        exponent = outcome.values.get("lyapunov", float("nan"))
+        regular = regularity(self.points[: self.count, self.observed])
+        if not (np.isfinite(exponent) and np.isfinite(regular)):
+            return "undecided", "time_budget"
+        told, reason = self._by_two_tests(exponent, regular)
+        points = self._map_points()
+        # A weak mode that still dies away, or is shaken slowly, undoes no chaos, but any torus.
+        m = len(self.system.coordinates)
+        observed = points[:, [self.observed]]
+        moved = drift(observed) if told == "chaotic" else drift(points, (m, 2 * m))
+        outcome.values["section_drift"] = moved
+        return (told, reason) if moved == 0.0 else ("undecided", "section_drifts")
+
+    def _by_two_tests(self, exponent: float, regular: float) -> tuple[str, str]:
+        """What Lyapunov exponent and 0-1 test say together."""
+        window = self.times[self.count - 1] - self.times[0]
+        uncertain, most = SIGNIFICANT * self.exponent_error, RESTING * max(self.count - 1, 1)
+        # On a torus neighbours drift apart in proportion to time, and never approach.
+        apart = GROWN + np.log(self.count)
+        threshold = max(uncertain, min(most, apart) / window)
+        if exponent > threshold and regular > CHAOTIC:
+            return "chaotic", ""
+        if exponent < -max(uncertain, min(most, GROWN) / window):  # it settles
+            return "undecided", "time_budget"
+        if abs(exponent) > threshold or regular >= REGULAR:
+            return "undecided", "tests_disagree"
+        return "quasiperiodic", ""
+
+    # --- what is handed on ------------------------------------------------------------------------
+    def _carry(self, attractor: str) -> dict[str, Any]:
+        """State for a continuing neighbour: at phase 0 of an excitation, else where it is."""
+        motion = self.motion
+        if self.excitation is not None and attractor != "equilibrium":
+            turns = np.ceil(motion.time / self.excitation - 1e-9)
+            motion.run(turns * self.excitation)
+        return {
+            "attractor": attractor,
+            "state": motion.y.tolist(),
+            "sticking": [int(kind == kernel.STICK) for kind in motion.kinds],
+        }
+
+    def _add_reference(self, outcome: Outcome) -> None:
+        if not self.rests.solutions:
+            return
+        number = outcome.values.setdefault("L_s_reference_index", 1)
+        reference = self.rests.solutions[number - 1][: len(self.system.coordinates)]
+        outcome.values["L_s_reference"] = reference

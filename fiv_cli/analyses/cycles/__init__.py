@@ -1,0 +1,1 @@
+"""Periodic orbits, stable or not, and the branches they lie on."""

@@ -1,0 +1,612 @@
+"""A branch of cycles along a parameter: where it goes, turns, changes stability and ends.
+
+Pseudo-arclength continuation (H. B. Keller, 1977): the unknowns of a cycle and the parameter are
+moved together along the branch, so that it is followed round folds, and past every change of
+stability. A change between two points of the branch is bisected along it. Where no cycle follows,
+the step is bisected until the parameter of the last cycle and that of the first failure are as
+close as asked for: between them the branch ends.
+
+A cycle of a system with friction may end without a fold. At a *grazing* an event enters or leaves
+its sequence, or an earlier one takes the place of a later one: a sliding motion touches zero slip
+velocity, a landing is missed. The branch may go on with the other sequence, turn back with it, or
+end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from fiv_cli.analyses.base import Varied, friction_rises
+from fiv_cli.analyses.cycles.periodic import (
+    Anchor,
+    Cycle,
+    Matrix,
+    Passage,
+    Problem,
+    Shooting,
+    anchor_at,
+    begin,
+    close,
+    describe,
+    newton,
+    passage,
+    shooting,
+    to_longest_piece,
+)
+from fiv_cli.dynamics.motion import Stop
+from fiv_cli.dynamics.system import Vector
+
+FIRST, LONGEST, SHORTEST = 0.01, 0.1, 1e-10  # lengths of a step along the branch
+LONGER = 1.5  # growth of a step ...
+PATIENCE = 3  # ... after so many that went well
+ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen
+DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
+MOST_POINTS = 400
+TRIES = 5  # steps tried, per point allowed
+BISECTIONS = 200
+BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
+HALVINGS = 40  # of a stretch in which a jump is looked for
+APART = 1e-3  # share of its extent by which a motion over a period jumps at least
+CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
+NEARBY = 4.0  # steps within which what lies beyond a change must have been found
+AROUND = 60  # points allowed on the way back to the end
+MEETING = 1e-4  # share of the bracket within which two branches end at one value
+SAME = 1e-6  # share of period and extent within which two cycles are one
+EDGE = 1e-12  # share of the bracket within which a value counts as its edge
+STEEP = 0.3  # a direction with more of the parameter in it than this is well off a fold
+UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
+SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to vanish
+ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a real one
+
+FLIP, TORUS, FOLD, BRANCHING = "flip", "torus", "fold", "branching"
+GRAZING, CONTACT_LOST, AT_REST, AT_EDGE = "grazing", "contact_lost", "equilibrium", "bracket"
+BUDGET, OTHER, RISES, CLOSED = "budget", "other", "mu_k_above_mu_s", "closed"
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """What is followed.
+
+    Attributes
+    ----------
+    problem : the system, its parameters at the first cycle
+    varied : the parameter
+    bracket : its lowest and highest value
+    width : how closely changes and ends are bracketed
+    """
+
+    problem: Problem
+    varied: Varied
+    bracket: tuple[float, float]
+    width: float
+
+    @property
+    def span(self) -> float:
+        """Extent of the bracket."""
+        return self.bracket[1] - self.bracket[0]
+
+    def holds(self, value: float) -> bool:
+        """Whether `value` lies inside the bracket, makes sense and leaves the excitation on or off.
+
+        A cycle's period is free without an excitation and bound to its period with one.
+        """
+        if not self.bracket[0] <= value <= self.bracket[1]:
+            return False
+        there = self.at(value)
+        same = (there.excitation is None) == (self.problem.excitation is None)
+        return same and not friction_rises(there.parameters)
+
+    def at(self, value: float) -> Problem:
+        """The problem at another value of the parameter."""
+        return self.problem.changed(self.varied, value)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A cycle on a branch.
+
+    Attributes
+    ----------
+    value : of the parameter
+    cycle : the cycle
+    frame : the conditions it was found by
+    unknowns : its unknowns in `frame`, and the parameter over the extent of the bracket
+    tangent : direction of the branch in these unknowns, of length one
+    """
+
+    value: float
+    cycle: Cycle
+    frame: Shooting
+    unknowns: Vector
+    tangent: Vector
+
+    @property
+    def slope(self) -> float:
+        """Share of the parameter in the direction of the branch, with its sign."""
+        return float(self.tangent[-1])
+
+    @cached_property
+    def character(self) -> tuple[object, ...]:
+        """What changes at a mark: way along the parameter, stability, sequence of events."""
+        return self.slope > 0.0, self.cycle.stable, self.cycle.signature
+
+
+@dataclass(frozen=True)
+class End:
+    """A change on a branch, or its end.
+
+    Attributes
+    ----------
+    value : of the parameter
+    width : the change lies this close to it
+    kind : see the constants of this module
+    direction : 1 where the parameter was rising along the branch, else -1
+    goes_on : whether the branch was followed beyond
+    last, length : the last point before it, and the step from there within which it lies; None
+        where it was not bracketed so
+    """
+
+    value: float
+    width: float
+    kind: str
+    direction: int
+    goes_on: bool
+    last: Point | None = None
+    length: float = 0.0
+
+
+# --- the branch's equations ----------------------------------------------------------------------
+def _jacobian(
+    line: Continuation, frame: Shooting, unknowns: Vector
+) -> tuple[Vector, Matrix] | None:
+    """The closing conditions and their Jacobian, the derivative by the parameter last."""
+    own, value = unknowns[:-1], _within(line, float(unknowns[-1] * line.span))
+    found = frame.around(line.at(value), own) if line.holds(value) else None
+    if found is None:
+        return None
+    slope = _by_parameter(line, frame, own, value, found)
+    if slope is None:
+        return None
+    return frame.values(found, own), np.column_stack([frame.jacobian(found), slope])
+
+
+def _by_parameter(
+    line: Continuation, frame: Shooting, own: Vector, value: float, here: Passage
+) -> Vector | None:
+    """Derivative of the closing conditions by the parameter over the bracket's extent.
+
+    By central differences; to one side where the other side's events are others.
+    """
+    sides: list[tuple[float, Vector]] = []
+    for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
+        if line.holds(value + shift):
+            found = frame.around(line.at(value + shift), own, tangents=False)
+            if found is not None and found.events == here.events:
+                sides.append((shift, frame.values(found, own)))
+    if not sides:
+        return None
+    if len(sides) == 1:
+        sides.append((0.0, frame.values(here, own)))
+    (low, before), (high, after) = sides
+    return (after - before) / (high - low) * line.span
+
+
+def _direction(jacobian: Matrix, before: Vector) -> Vector | None:
+    """Unit vector along the branch that goes on the way that `before` went.
+
+    None where the way is none, or the branch has no direction to rounding.
+    """
+    if not np.all(np.isfinite(jacobian)):
+        return None
+    bordered = np.vstack([jacobian, before])
+    wanted = np.zeros(len(bordered))
+    wanted[-1] = 1.0
+    along = np.linalg.lstsq(bordered, wanted, rcond=None)[0]
+    length = float(np.linalg.norm(along))
+    return np.asarray(along / length, np.float64) if 0.0 < length < np.inf else None
+
+
+def first_point(line: Continuation, cycle: Cycle, value: float, rising: bool) -> Point | None:
+    """The point of the branch at `cycle`, about to go up or down along the parameter."""
+    free = 1 if cycle.autonomous else 0
+    way = np.zeros(len(cycle.anchor.state) + free + 1)
+    way[-1] = line.span if rising else -line.span
+    return _framed(line, cycle, value, way)
+
+
+def step(line: Continuation, here: Point, length: float) -> Point | None:
+    """The next point, `length` along the branch, or at the edge of the bracket before that."""
+    foreseen = here.unknowns + length * here.tangent
+    low, high = line.bracket[0] / line.span, line.bracket[1] / line.span
+    across = here.tangent
+    if not low <= foreseen[-1] <= high:
+        edge = min(max(foreseen[-1], low), high)
+        share = (edge - here.unknowns[-1]) / (foreseen[-1] - here.unknowns[-1])
+        foreseen = here.unknowns + share * length * here.tangent
+        across = np.append(np.zeros(len(foreseen) - 1), 1.0)
+    return _corrected(line, here, foreseen, across, ASTRAY * length)
+
+
+def _corrected(
+    line: Continuation, here: Point, foreseen: Vector, across: Vector, astray: float
+) -> Point | None:
+    """The cycle of the branch in the plane across `across` through `foreseen`."""
+
+    def conditions(unknowns: Vector) -> tuple[Vector, Matrix] | None:
+        found = _jacobian(line, here.frame, unknowns)
+        if found is None:
+            return None
+        values, jacobian = found
+        away = float(across @ (unknowns - foreseen))
+        return np.append(values, away), np.vstack([jacobian, across])
+
+    unknowns = newton(conditions, foreseen)
+    if unknowns is None or float(np.linalg.norm(unknowns - foreseen)) > astray:
+        return None
+    return _point(line, here, unknowns)
+
+
+def _point(line: Continuation, before: Point, unknowns: Vector) -> Point | None:
+    """The cycle with these unknowns in the frame of `before`, in a frame of its own."""
+    frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
+    problem = line.at(value)
+    anchor = frame.anchor_of(unknowns[:-1])
+    cycle = describe(problem, anchor, frame.period_of(problem, unknowns[:-1]))
+    if cycle is None:
+        return None
+    shift = to_longest_piece(cycle.times, cycle.period)
+    way = _transported(line, before, unknowns, anchor, shift)
+    motion = begin(problem, anchor)
+    motion.run(motion.time + shift)
+    moved = describe(problem, anchor_at(problem, motion), cycle.period)
+    if moved is None or way is None:
+        return None
+    point = _framed(line, moved, value, way)
+    gone = float(unknowns[-1] - before.unknowns[-1])
+    return None if point is None else _unreversed(before, point, gone)
+
+
+def _unreversed(before: Point, point: Point, gone: float) -> Point:
+    """`point` with its direction turned round where it contradicts where the parameter `gone`.
+
+    Between two cycles of the same events that both lie well off a fold there is none.
+    """
+    steep = min(abs(before.slope), abs(point.slope)) > STEEP
+    same = before.cycle.signature == point.cycle.signature
+    reversed_ = gone * before.slope > 0.0 > before.slope * point.slope
+    return replace(point, tangent=-point.tangent) if steep and same and reversed_ else point
+
+
+def _within(line: Continuation, value: float) -> float:
+    """The edge of the bracket where `value` is there to rounding."""
+    for edge in line.bracket:
+        if abs(value - edge) <= EDGE * line.span:
+            return edge
+    return value
+
+
+def _transported(
+    line: Continuation, before: Point, unknowns: Vector, anchor: Anchor, shift: float
+) -> Vector | None:
+    """Way from `before` to `unknowns` as change of the state a time `shift` later, of the period
+    and of the parameter, in physical units."""
+    frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
+    n = len(frame.scales)
+    way = unknowns - before.unknowns
+    state = way[:n] * frame.scales
+    change = DIFFERENCE * line.span * (1.0 if line.holds(value + DIFFERENCE * line.span) else -1.0)
+    here, beside = line.at(value), line.at(value + change)
+    later = passage(here, anchor, shift)
+    shifted = passage(beside, anchor, _same_phase(here, beside, shift), tangents=False)
+    if later.stop != Stop.REACHED or shifted.stop != Stop.REACHED:
+        return None
+    slope = (shifted.state - later.state) / change
+    moved = later.monodromy @ state + slope * way[-1] * line.span
+    return np.concatenate([moved, way[n:-1] * frame.period, [way[-1] * line.span]])
+
+
+def _same_phase(here: Problem, beside: Problem, span: float) -> float:
+    """The time over which another problem's excitation turns as far as over `span`, s."""
+    if here.excitation is None or beside.excitation is None:
+        return span
+    return span * beside.excitation / here.excitation
+
+
+def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Point | None:
+    """The point of the branch at `cycle`, going on along `way` (physical units)."""
+    frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
+    unknowns = np.append(frame.start, value / line.span)
+    found = _jacobian(line, frame, unknowns)
+    if found is None:
+        return None
+    n = len(frame.scales)
+    scaled = np.concatenate(
+        [way[:n] / frame.scales, way[n:-1] / frame.period, [way[-1] / line.span]]
+    )
+    if frame.normal is not None:  # the way along the flow is no way along the branch
+        scaled[:n] -= (scaled[:n] @ frame.normal) * frame.normal
+    tangent = _direction(found[1], scaled)
+    return None if tangent is None else Point(value, cycle, frame, unknowns, tangent)
+
+
+# --- along the branch ----------------------------------------------------------------------------
+def follow(
+    line: Continuation, first: Point, most: int = MOST_POINTS, round_corners: bool = True
+) -> tuple[list[Point], list[End]]:
+    """The points of a branch from `first` on, which is not among them, and its ends.
+
+    Parameters
+    ----------
+    most : points after which it is given up (an end of kind "budget")
+    round_corners : whether a branch of other cycles that begins at an end is gone on with
+    """
+    walk = _Walk(first, round_corners)
+    if first.value == line.bracket[way_of(first) > 0]:
+        return [], [End(first.value, 0.0, AT_EDGE, way_of(first), False)]
+    for _ in range(TRIES * most):
+        if len(walk.points) >= most:
+            break
+        there = step(line, walk.here, walk.length)
+        if there is not None:
+            last = _advance(line, first, walk, there)
+        elif is_close(line, walk.here, walk.length):
+            last = _turn(line, walk)
+        else:
+            walk.length, walk.in_a_row = 0.5 * walk.length, 0
+            continue
+        if last is not None:
+            return walk.points, [*walk.ends, last]
+    return walk.points, [*walk.ends, End(walk.here.value, 0.0, BUDGET, way_of(walk.here), False)]
+
+
+@dataclass
+class _Walk:
+    """How far a branch has been followed.
+
+    Attributes
+    ----------
+    here : the last point
+    round_corners : whether other branches are gone on with
+    length : of the next step
+    in_a_row : steps that went well since one that did not
+    points, ends : what was passed
+    """
+
+    here: Point
+    round_corners: bool
+    length: float = FIRST
+    in_a_row: int = PATIENCE
+    points: list[Point] = field(default_factory=list)
+    ends: list[End] = field(default_factory=list)
+
+
+def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End | None:
+    """Go to the next point, or to the first after a change before it; the end reached there."""
+    walk.in_a_row += 1
+    if there.character != walk.here.character:
+        end, there, walk.length = _first_change(line, walk, there)
+        walk.in_a_row = 0
+        if end is not None:
+            walk.ends.append(end)
+        if there is walk.here:  # what was found lies on another branch: this one may end here
+            return _turn(line, walk) if is_close(line, there, walk.length) else None
+    if walk.in_a_row >= PATIENCE:
+        walk.length = min(LONGER * walk.length, LONGEST)
+    walk.here = there
+    walk.points.append(there)
+    return _known_end(line, first, walk.points)
+
+
+def _turn(line: Continuation, walk: _Walk) -> End | None:
+    """Go on with the branch that begins where this one ends; the end where there is none."""
+    end = _last_end(line, walk.here, walk.length)
+    corner = walk.round_corners and end.kind == GRAZING
+    there = _round_corner(line, walk.here) if corner else None
+    if there is None:
+        return end
+    walk.ends.append(replace(end, goes_on=True))
+    walk.here, walk.length, walk.in_a_row = there, FIRST, 0
+    walk.points.append(there)
+    return None
+
+
+def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | None:
+    """The end that the last point has reached: an edge of the bracket, rest, or the first point."""
+    here = points[-1]
+    if here.value in line.bracket:
+        return End(here.value, 0.0, AT_EDGE, way_of(here), False)
+    if len(points) > 1 and _passes(line, first, points[-2], here):
+        return End(first.value, 0.0, CLOSED, way_of(here), False)
+    sizes = [float(np.max(p.cycle.scales / first.cycle.scales)) for p in points[-2:]]
+    if sizes[-1] > SHRUNK or len(points) < 2 or sizes[1] >= sizes[0]:
+        return None
+    # Towards a Hopf point the parameter goes as the square of the amplitude.
+    share = sizes[1] ** 2 / (sizes[0] ** 2 - sizes[1] ** 2)
+    rest = share * (here.value - points[-2].value)
+    if abs(rest) > line.width:
+        return None
+    return End(here.value + rest, abs(rest), AT_REST, way_of(here), False)
+
+
+def _passes(line: Continuation, first: Point, before: Point, here: Point) -> bool:
+    """Whether the branch has come round to its first cycle, the way that it set out."""
+    low, high = sorted((before.value, here.value))
+    if not low <= first.value <= high or way_of(here) != way_of(first):
+        return False
+    problem, cycle = line.at(first.value), here.cycle
+    again = close(problem, cycle.anchor, cycle.period, cycle.scales)
+    if again is None or abs(again.period - first.cycle.period) > SAME * again.period:
+        return False
+    apart = np.abs(again.extremes - first.cycle.extremes) / again.scales
+    return bool(np.max(apart) <= SAME)
+
+
+def is_close(line: Continuation, here: Point, length: float) -> bool:
+    """Whether a step this long stays within what an end is bracketed to."""
+    return reach_of(line, here, length) <= line.width or length < SHORTEST
+
+
+def way_of(point: Point) -> int:
+    return 1 if point.slope > 0.0 else -1
+
+
+def reach_of(line: Continuation, here: Point, length: float) -> float:
+    """Change of the parameter over a stretch of the branch."""
+    return length * abs(here.slope) * line.span
+
+
+def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | None, Point, float]:
+    """The first change of character on the way to a point, the point after it, the next step.
+
+    Where what changes is not found on the way, `there` lies on another branch: no change, and the
+    last point before it.
+    """
+    here, away, length = walk.here, walk.length, 0.5 * walk.length
+    for _ in range(BISECTIONS):
+        middle = step(line, here, length)
+        if middle is not None and middle.character == here.character:
+            here, away = middle, away - length
+            if away <= 0.0 or here.value in line.bracket:
+                return None, here, length
+            continue
+        if middle is not None:
+            there, away = middle, length
+        if is_close(line, here, length):
+            break
+        length *= 0.5
+    found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
+    if not found:
+        return None, here, length
+    reach = reach_of(line, here, length)
+    value, kind = here.value + 0.5 * way_of(here) * reach, _kind_of_change(here, there)
+    return (
+        End(value, 0.5 * reach, kind, way_of(here), True, here, length),
+        there,
+        max(length, FIRST * SHRUNK),
+    )
+
+
+def _begins_at(line: Continuation, there: Point, here: Point) -> bool:
+    """Whether a branch of other cycles, followed back from `there`, ends where `here` does."""
+    if there.cycle.signature == here.cycle.signature:
+        return False
+    back = replace(there, tangent=-there.tangent)
+    _, ends = follow(line, back, most=AROUND, round_corners=False)
+    if not ends or ends[0].kind != GRAZING:
+        return False
+    return abs(ends[0].value - here.value) <= MEETING * line.span
+
+
+def _kind_of_change(here: Point, there: Point) -> str:
+    if here.cycle.signature != there.cycle.signature:
+        return GRAZING
+    if way_of(here) != way_of(there):
+        return FOLD
+    before, after = here.cycle.nontrivial, there.cycle.nontrivial
+    crossing = min((*before, *after), key=lambda multiplier: abs(abs(multiplier) - 1.0))
+    angle = abs(float(np.angle(crossing)))
+    if angle < ON_CIRCLE and abs(crossing.imag) < 1e-6:
+        return BRANCHING
+    return FLIP if abs(crossing.imag) < 1e-6 else TORUS
+
+
+# --- the end of a branch -------------------------------------------------------------------------
+def _last_end(line: Continuation, here: Point, length: float) -> End:
+    """What ends the branch between a cycle and the failure `length` after it."""
+    kind = _kind_of_end(line, here)
+    reach = reach_of(line, here, length)
+    value = here.value + 0.5 * way_of(here) * reach
+    return End(value, 0.5 * reach, kind, way_of(here), False, here, length)
+
+
+def _kind_of_end(line: Continuation, here: Point) -> str:
+    """By the motions a little farther along the branch, where its cycles would have been."""
+    for distance in BEYOND:
+        unknowns = here.unknowns + distance * here.tangent
+        value = _in_bracket(line, unknowns)
+        if not line.holds(value):
+            return RISES if friction_rises(line.at(value).parameters) else OTHER
+        beyond = _over_period(line, here, unknowns)
+        if beyond.stop == Stop.CONTACT_LOST:
+            return CONTACT_LOST
+        if beyond.stop != Stop.REACHED or beyond.events != here.cycle.events:
+            return GRAZING
+        if _jumps(line, here, unknowns):
+            return GRAZING
+    return FOLD if abs(here.slope) < UPRIGHT else OTHER
+
+
+def _over_period(line: Continuation, here: Point, unknowns: Vector) -> Passage:
+    """The motion from a point near the last cycle, over its period."""
+    problem, anchor = line.at(_in_bracket(line, unknowns)), here.frame.anchor_of(unknowns[:-1])
+    return passage(problem, anchor, here.cycle.period, tangents=False)
+
+
+def _in_bracket(line: Continuation, unknowns: Vector) -> float:
+    """The parameter among the unknowns, or the edge of the bracket next to it."""
+    return min(max(float(unknowns[-1] * line.span), line.bracket[0]), line.bracket[1])
+
+
+def _jumps(line: Continuation, here: Point, there: Vector) -> bool:
+    """Whether the motion over a period jumps on the way from the last cycle to `there`.
+
+    Where an earlier landing takes the place of a later one the sequence of events stays, and the
+    motion jumps all the same. The way is halved towards the greater change: what is left of it
+    on a way of no length is a jump.
+    """
+    low, high = here.unknowns, there
+    before, after = (_over_period(line, here, unknowns).state for unknowns in (low, high))
+    for _ in range(HALVINGS):
+        if not _are_apart(here, before, after):
+            return False
+        middle = 0.5 * (low + high)
+        between = _over_period(line, here, middle).state
+        if _distance(here, before, between) > _distance(here, between, after):
+            high, after = middle, between
+        else:
+            low, before = middle, between
+    return _are_apart(here, before, after)
+
+
+def _are_apart(here: Point, one: Vector, other: Vector) -> bool:
+    return _distance(here, one, other) > APART
+
+
+def _distance(here: Point, one: Vector, other: Vector) -> float:
+    """Distance of two states, relative to the extent of the cycle."""
+    return float(np.max(np.abs(one - other) / here.frame.scales))
+
+
+def _round_corner(line: Continuation, here: Point) -> Point | None:
+    """The first cycle with another sequence of events on a branch that begins where this ends.
+
+    Cycles near the last one are looked for from all sides; one counts if its own branch, followed
+    back, ends at the same value of the parameter.
+    """
+    for distance in CORNERS:
+        tried = {here.cycle.signature}
+        for way in np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))]):
+            found = _beyond_corner(line, here, here.unknowns + distance * way)
+            if found is None or found.cycle.signature in tried:
+                continue
+            if _begins_at(line, found, here):
+                return found
+            tried.add(found.cycle.signature)
+    return None
+
+
+def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
+    """The nearest cycle to `guess`, where the motion has other events; None without one."""
+    value = float(guess[-1] * line.span)
+    if not line.holds(value):
+        return None
+    around = here.frame.around(line.at(value), guess[:-1], tangents=False)
+    if around is None or around.events == here.cycle.events:
+        return None
+    unknowns = newton(lambda trial: _jacobian(line, here.frame, trial), guess)
+    if unknowns is None or np.linalg.norm(unknowns - here.unknowns) > LONGEST:
+        return None
+    return _point(line, here, unknowns)

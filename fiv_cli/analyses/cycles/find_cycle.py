@@ -1,0 +1,221 @@
+"""From a start to a cycle, to its branch, to what is stored of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
+from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
+from fiv_cli.analyses.cycles.end_error import end_error
+from fiv_cli.analyses.cycles.first_guess import Guess, guesses, returns
+from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, tightened
+from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.system import System
+
+NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of a cycle
+STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
+BRIDGES = 5  # halvings of the way between neighbours
+
+
+def find_cycle(
+    system: System,
+    parameters: Mapping[str, float],
+    start: Start,
+    settings: Mapping[str, Any],
+    solver: SolverSettings,
+) -> Outcome:
+    """The cycle near what `start` leads to, and its branch where a parameter is given."""
+    problem = Problem(system, parameters, tightened(solver), settings["section"])
+    if start.kind == "continue" and start.carried is not None:
+        carried = start.carried
+        found: Cycle | Outcome | None = _bridged(
+            problem, _carried_guess(carried), carried["parameters"], BRIDGES
+        )
+    else:
+        found = _reached(problem, start, settings)
+    if found is None:
+        return Outcome(reason="no_cycle")
+    if isinstance(found, Outcome):
+        return found
+    observed = system.state_names.index(settings["observe"] or system.state_names[0])
+    outcome = _outcome(problem, found, observed)
+    if settings["parameter"] is not None and settings["bracket"] is not None:
+        _add_branch(outcome, problem, found, settings, observed)
+    return outcome
+
+
+# --- the cycle -----------------------------------------------------------------------------------
+def _reached(problem: Problem, start: Start, settings: Mapping[str, Any]) -> Cycle | Outcome | None:
+    """The cycle that the motion from `start` comes near; the outcome where it never returns."""
+    solutions = equilibria(sliding(problem.system, problem.parameters))
+    equilibrium = solutions[0] if solutions else None
+    begin = partial(
+        start_motion, problem.system, problem.parameters, start, problem.solver, equilibrium
+    )
+    first = begin()
+    if isinstance(first, Outcome):
+        return first
+
+    def begun() -> Motion:
+        motion = begin()
+        assert isinstance(motion, Motion)
+        return motion
+
+    found = returns(problem, begun, settings["transient"], settings["t_max"])
+    if len(found.times) < 2:
+        return stopped(found.stop) or Outcome(reason="no_return")
+    return _closed(problem, guesses(problem, begun, found, settings["multiplicity"]))
+
+
+def _closed(problem: Problem, candidates: Iterator[Guess]) -> Cycle | None:
+    """The first guess that becomes a cycle."""
+    for guess in candidates:
+        cycle = close(problem, guess.anchor, guess.period, guess.scales)
+        if cycle is not None:
+            return cycle
+    return None
+
+
+def _bridged(
+    problem: Problem, guess: Guess, before: Mapping[str, float], bridges: int
+) -> Cycle | None:
+    """The cycle that a neighbour's, of the parameters `before`, turns into.
+
+    Where it is not found in one stride, or another one is, the way is halved.
+    """
+    cycle = close(problem, guess.anchor, guess.period, guess.scales)
+    if cycle is not None and abs(cycle.period - guess.period) <= STRIDE * guess.period:
+        return cycle
+    if bridges == 0:
+        return None
+    middle = {n: 0.5 * (value + before[n]) for n, value in problem.parameters.items()}
+    nearer = _bridged(replace(problem, parameters=middle), guess, before, bridges - 1)
+    if nearer is None:
+        return None
+    own = Guess(nearer.anchor, nearer.period, nearer.scales)
+    return _bridged(problem, own, middle, bridges - 1)
+
+
+def _carried_guess(carried: Mapping[str, Any]) -> Guess:
+    """The neighbour's cycle."""
+    sticking, closed = (tuple(bool(s) for s in carried[name]) for name in ("sticking", "closed"))
+    state, phase = np.array(carried["state"], dtype=float), float(carried["phase"])
+    anchor = Anchor(state, sticking, phase, closed)
+    return Guess(anchor, float(carried["period"]), np.array(carried["scales"], dtype=float))
+
+
+def _carry(problem: Problem, cycle: Cycle) -> dict[str, Any]:
+    """What a continuing neighbour starts from."""
+    return {
+        "attractor": "periodic",
+        "state": cycle.anchor.state.tolist(),
+        "sticking": [int(sticks) for sticks in cycle.anchor.sticking],
+        "closed": [int(closed) for closed in cycle.anchor.closed],
+        "phase": cycle.anchor.phase,
+        "period": cycle.period,
+        "scales": cycle.scales.tolist(),
+        "parameters": dict(problem.parameters),
+    }
+
+
+def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
+    names = problem.system.state_names
+    values: dict[str, Any] = {
+        "cycle_period": cycle.period,
+        "multiplicity": len(cycle.points),
+        "stable": _stability(cycle),
+        "residual": cycle.residual,
+        "n_events": len(cycle.times),
+        "floquet_multiplier": np.abs(cycle.multipliers),
+        "floquet_multiplier_real": cycle.multipliers.real,
+        "floquet_multiplier_imag": cycle.multipliers.imag,
+    }
+    for name, least, greatest in zip(names, *cycle.extremes, strict=True):
+        values |= {f"{name}_min": float(least), f"{name}_max": float(greatest)}
+    if problem.excitation is not None:
+        values["period_ratio"] = cycle.period / problem.excitation
+    shown = np.zeros(0)
+    if len(cycle.points):
+        points = np.roll(cycle.points, -int(np.argmin(cycle.points[:, observed])), axis=0)
+        values["cycle_section"] = points[0, : 2 * len(problem.system.coordinates)]
+        shown = points[:, observed]
+    return Outcome(values=values, ragged={"section_value": shown}, carry=_carry(problem, cycle))
+
+
+def _stability(cycle: Cycle) -> str:
+    """In words; neutral where a neighbour keeps its distance."""
+    largest = float(np.max(np.abs(cycle.nontrivial), initial=0.0))
+    if abs(largest - 1.0) <= NEUTRAL:
+        return "neutral"
+    return "stable" if largest < 1.0 else "unstable"
+
+
+# --- its branch ----------------------------------------------------------------------------------
+def _add_branch(
+    outcome: Outcome, problem: Problem, cycle: Cycle, settings: Mapping[str, Any], observed: int
+) -> None:
+    """Follow the branch both ways and store its points and its ends."""
+    varied, bracket = settings["parameter"], settings["bracket"]
+    value = problem.parameters[varied.name]
+    if not bracket[0] <= value <= bracket[1]:
+        outcome.reason = "outside_bracket"
+        return
+    width = settings["width"] * (bracket[1] - bracket[0])
+    line = Continuation(problem, varied, bracket, width)
+    points, ends = _both_ways(line, cycle, value)
+    errors = [end_error(line, end) for end in ends]
+    outcome.ragged |= _branch_arrays(points, observed) | _end_arrays(ends, errors)
+    for side, extreme in (("lowest", np.argmin), ("highest", np.argmax)) if ends else ():
+        place = int(extreme([end.value for end in ends]))
+        outcome.values |= {
+            f"cycle_{side}": ends[place].value,
+            f"cycle_{side}_width": ends[place].width,
+            f"cycle_{side}_error": errors[place],
+            f"cycle_{side}_kind": ends[place].kind,
+        }
+
+
+def _both_ways(line: Continuation, cycle: Cycle, value: float) -> tuple[list[Point], list[End]]:
+    """The whole branch, from its end below to its end above, as it was followed.
+
+    A closed one from the first cycle up, round to it again.
+    """
+    down, up = (first_point(line, cycle, value, rising) for rising in (False, True))
+    if down is None or up is None:
+        return [], []
+    above, ends_above = follow(line, up)
+    if ends_above[-1].kind == CLOSED:
+        return [up, *above], ends_above
+    below, ends_below = follow(line, down)
+    return [*reversed(below), up, *above], [*reversed(ends_below), *ends_above]
+
+
+def _branch_arrays(points: list[Point], observed: int) -> dict[str, Any]:
+    cycles = [point.cycle for point in points]
+    return {
+        "branch_value": np.array([point.value for point in points]),
+        "branch_period": np.array([cycle.period for cycle in cycles]),
+        "branch_min": np.array([cycle.extremes[0, observed] for cycle in cycles]),
+        "branch_max": np.array([cycle.extremes[1, observed] for cycle in cycles]),
+        "branch_multiplier": np.array(
+            [np.max(np.abs(cycle.nontrivial), initial=0.0) for cycle in cycles]
+        ),
+        "branch_stable": [_stability(cycle) for cycle in cycles],
+    }
+
+
+def _end_arrays(ends: list[End], errors: list[float]) -> dict[str, Any]:
+    return {
+        "cycle_end": np.array([end.value for end in ends]),
+        "cycle_end_width": np.array([end.width for end in ends]),
+        "cycle_end_error": np.array(errors),
+        "cycle_end_kind": [end.kind for end in ends],
+        "cycle_end_direction": np.array([end.direction for end in ends], dtype=int),
+        "cycle_end_goes_on": ["yes" if end.goes_on else "no" for end in ends],
+    }

@@ -1,0 +1,138 @@
+"""Where a cycle may be: near-returns of a motion to its section.
+
+The motion from a start is followed and its section points are kept. Two points that lie close
+to each other, m returns apart, are a guess of a cycle of m points: the last ones where the
+motion settles, early ones where it passes an unstable cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.cycles.periodic import (
+    MOST_EVENTS,
+    Anchor,
+    Problem,
+    aim_phase,
+    anchor_at,
+    extents,
+    is_at_rest,
+    to_longest_piece,
+)
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.dynamics.system import Vector
+
+KEPT = 1024  # section points looked at
+RETURNS = 8  # most returns per period looked for, unless the case says how many
+CLOSE = 1e-6  # near-returns closer than this share of the section set are equally good
+FULL_TURN = 0.1  # share of a period of the excitation by which a near-return may miss it
+
+Begin = Callable[[], Motion]
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A point near a cycle, its period (s) and the extent of the motion in every state."""
+
+    anchor: Anchor
+    period: float
+    scales: Vector
+
+
+@dataclass(frozen=True)
+class Returns:
+    """Section points of a motion; `stop` says why there are no more of them."""
+
+    times: Vector
+    points: NDArray[np.float64]
+    stop: Stop
+
+
+def returns(problem: Problem, begin: Begin, transient: float, t_max: float) -> Returns:
+    """The section points of the motion after `transient`, s, the last `KEPT` up to `t_max`."""
+    motion = begin()
+    stop = motion.run(transient) if transient > 0.0 else Stop.REACHED
+    times, points = np.zeros(KEPT), np.zeros((KEPT, len(motion.y)))
+    count = 0
+    while motion.time < t_max and stop in (Stop.REACHED, Stop.SECTION_FULL):
+        if count == KEPT:
+            half = KEPT // 2
+            times[:half], points[:half] = times[half:], points[half:]
+            count = half
+        aim_phase(motion, problem.section, problem.excitation)
+        room = times[count:], points[count:]
+        stop = motion.run(t_max, problem.section, room, None, False, problem.excitation or t_max)
+        count += motion.n_sections
+    return Returns(times[:count], points[:count], stop)
+
+
+def near_returns(
+    problem: Problem, found: Returns, multiplicity: int | None
+) -> list[tuple[float, float]]:
+    """Times of the two ends of near-returns, the most promising first.
+
+    For each number of returns the closest pair counts; fewer returns come first among equals.
+    """
+    numbers = range(1, RETURNS + 1) if multiplicity is None else (multiplicity,)
+    ranked = []
+    for m in numbers:
+        if len(found.times) <= m:
+            continue
+        spans = found.times[m:] - found.times[:-m]
+        apart = np.where(_whole_turns(problem, spans), _distances(found.points, m), np.inf)
+        best = int(np.argmin(apart))
+        if np.isfinite(apart[best]):
+            ranked.append((max(apart[best], CLOSE) * m, found.times[best], found.times[best + m]))
+    return [(begun, ended) for _, begun, ended in sorted(ranked)]
+
+
+def _distances(points: NDArray[np.float64], m: int) -> Vector:
+    """Largest difference of points m apart, each state against its range in the section."""
+    spread = np.ptp(points, axis=0)
+    largest = np.max(np.abs(points), axis=0)
+    scales = np.where(spread > CLOSE * largest, spread, np.maximum(largest, 1e-300))
+    apart: Vector = np.max(np.abs(points[m:] - points[:-m]) / scales, axis=1)
+    return apart
+
+
+def _whole_turns(problem: Problem, spans: Vector) -> NDArray[np.bool_]:
+    """Whether a time is close to a whole number of periods of the excitation."""
+    if problem.excitation is None:
+        return np.ones(len(spans), bool)
+    turns = spans / problem.excitation
+    near: NDArray[np.bool_] = (np.abs(turns - np.round(turns)) < FULL_TURN) & (turns > 0.5)
+    return near
+
+
+def guess_between(problem: Problem, begin: Begin, begun: float, ended: float) -> Guess | None:
+    """The point in the middle of the longest piece between two times of the motion.
+
+    None where the motion rests.
+    """
+    motion = begin()
+    motion.run(begun)
+    motion.keep_ledger(MOST_EVENTS)
+    motion.start_measuring(np.zeros(len(problem.system.coordinates)))
+    motion.run(ended, measuring=True)
+    extremes = motion.measures.extremes[:2]
+    if is_at_rest(extremes, len(problem.system.coordinates)):
+        return None
+    times = motion.ledger[: motion.counters[kernel.LEDGER], 0] - begun
+    again = begin()
+    again.run(begun + to_longest_piece(times, ended - begun))
+    return Guess(anchor_at(problem, again), ended - begun, extents(extremes))
+
+
+def guesses(
+    problem: Problem, begin: Begin, found: Returns, multiplicity: int | None
+) -> Iterator[Guess]:
+    """Guesses of cycles, the most promising first."""
+    for begun, ended in near_returns(problem, found, multiplicity):
+        guess = guess_between(problem, begin, begun, ended)
+        if guess is not None:
+            yield guess

@@ -1,0 +1,530 @@
+"""Periodic motions, stable or not, by Newton's method on the return map.
+
+A cycle is held by a point on it, away from every event (`Anchor`), and by its period. The point
+is moved in the plane across the flow until the motion closes: the Jacobian is that of the tangent
+vectors that the driver carries through every event (saltation, thesis 3.2) and, for the free
+period of a system without excitation, the rate of the state. The point lies inside a contact
+state, not on the section: so the map is smooth there, whatever events the section is made of.
+
+Directions in which the map does not move (a sticking contact; the multipliers {1, 0} of a
+stick-slip cycle of one degree of freedom; the transverse motion of a slider in rigid contact,
+which follows the disc) are dealt with by least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.base import Section, SolverSettings, Varied
+from fiv_cli.analyses.rest.equilibria import statics_of
+from fiv_cli.codegen.memory import call_generated
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.dynamics.system import System, Vector
+
+Matrix = NDArray[np.float64]
+Event = tuple[int, int, int]  # code before, code after, contact
+
+TIGHT = 1e-12  # tolerance of a step: the map must be smooth for Newton's method
+NEWTON_STEPS = 12
+CONVERGED = 1e-9  # last correction, relative to the motion's extent
+CLOSED = 1e-6  # what the conditions may be left with there: least squares also rest elsewhere
+SHORTENED = (1.0, 0.5, 0.25, 0.125)  # shares of a Newton step that are tried
+RANK = 1e-12  # singular values below this share of the largest count as zero
+AT_REST = 1e-7  # a motion of this extent, relative to its distance from zero, is an equilibrium
+SAME_POINT = 1e-6  # section points of one cycle lie further apart than this share of its extent
+MOST_POINTS = 256  # section points per period
+MOST_EVENTS = 4096  # events per period that are told apart
+PRESSED = 1e-3  # m, taken up at once
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A system under parameters, and the section that its cycles are reported at.
+
+    Attributes
+    ----------
+    system : the compiled system
+    parameters : every parameter, SI
+    solver : integrator settings, tight enough for Newton's method (see `tightened`)
+    section : section of the report
+    """
+
+    system: System
+    parameters: Mapping[str, float]
+    solver: SolverSettings
+    section: Section
+
+    @cached_property
+    def excitation(self) -> float | None:
+        """Period of the excitation, s; None without one."""
+        forcing = self.system.model.active_forcing(self.parameters)
+        if forcing is None:
+            return None
+        return 2 * np.pi / abs(forcing.frequency(self.system.known(self.parameters)))
+
+    def changed(self, varied: Varied, value: float) -> Problem:
+        """The same with one parameter, and what follows it, at another value (SI)."""
+        return replace(self, parameters=varied.at(self.parameters, value))
+
+
+def tightened(solver: SolverSettings) -> SolverSettings:
+    """`solver` with steps so accurate that differences of motions are smooth."""
+    return replace(solver, rtol=min(solver.rtol, TIGHT))
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A point of a motion inside a contact state.
+
+    Attributes
+    ----------
+    state : shape (n_states,)
+    sticking : contacts that stick there
+    phase : phase of the excitation, rad; 0 without one
+    closed : contacts that are not open there; the gap of a rigid one is zero to rounding, and
+        does not tell
+    """
+
+    state: Vector
+    sticking: tuple[bool, ...]
+    phase: float = 0.0
+    closed: tuple[bool, ...] = ()
+
+
+def begin(problem: Problem, anchor: Anchor) -> Motion:
+    """The motion through `anchor`."""
+    time = anchor.phase / (2 * np.pi) * (problem.excitation or 0.0)
+    motion = Motion(
+        problem.system, problem.parameters, problem.solver, anchor.state.copy(), time,
+        anchor.sticking,
+    )  # fmt: skip
+    return _closed(problem, anchor, motion) if _parted(anchor, motion) else motion
+
+
+def _parted(anchor: Anchor, motion: Motion) -> int:
+    """Number of contacts that are open in `motion` and closed at `anchor`."""
+    pairs = zip(anchor.closed, motion.kinds, strict=False)
+    return sum(closed and kind == kernel.SEPARATION for closed, kind in pairs)
+
+
+def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
+    """`motion` with the contacts closed that rounding has opened.
+
+    Begun an instant before it lands, a motion would be right, but not its derivatives. A closed
+    rigid contact takes up its gap, so it does not matter how far it is pressed in, nor is what
+    sticks asked for again: `motion` has the velocity of the drive there.
+    """
+    names = problem.system.state_names
+    for name in statics_of(problem.system, problem.parameters).determined:
+        pressed = motion.y - PRESSED * np.array([state == name for state in names])
+        trial = Motion(problem.system, problem.parameters, problem.solver, pressed, motion.time)
+        motion = trial if _parted(anchor, trial) < _parted(anchor, motion) else motion
+    return motion
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A motion along a stretch of time.
+
+    Attributes
+    ----------
+    begun : state at the beginning, as contact lets it be: a sticking contact has no slip velocity
+    projection : derivative of `begun` by the state that was asked for
+    state : at the end
+    rates : of the state at the beginning and at the end; shape (2, n_states)
+    monodromy : derivative of the end by the beginning; shape (n_states, n_states), or (n_states,
+        0) without tangents
+    times : of the events, s from the beginning
+    events : code before, code after and contact of each, but for impacts that contact does not
+        survive: where bounces pile up, one more or less changes nothing
+    stop : why it ended
+    """
+
+    begun: Vector
+    projection: Matrix
+    state: Vector
+    rates: Matrix
+    monodromy: Matrix
+    times: Vector
+    events: tuple[Event, ...]
+    stop: Stop
+
+
+def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True) -> Passage:
+    """Follow the motion through `anchor` for `span` seconds, with its tangents or without."""
+    motion = begin(problem, anchor)
+    n = len(motion.y)
+    started, before = motion.time, motion.y.copy()
+    rates = motion.rates().copy() if motion.started else np.zeros(n)
+    projection = _projection(motion) if tangents and motion.started else np.eye(n)
+    motion.keep_ledger(MOST_EVENTS)
+    motion.carry_tangents(np.eye(n) if tangents else np.zeros((0, n)))
+    stop = motion.run(started + span)
+    rows = motion.ledger[: motion.counters[kernel.LEDGER]]
+    return Passage(
+        begun=before,
+        projection=projection,
+        state=motion.y.copy(),
+        rates=np.array([rates, motion.rates() if motion.started else rates]),
+        monodromy=motion.tangents.T.copy(),
+        times=rows[:, 0] - started,
+        events=tuple((int(r[1]), int(r[2]), int(r[3])) for r in rows if not _bounces(r)),
+        stop=stop,
+    )
+
+
+def _projection(motion: Motion) -> Matrix:
+    """Derivative of the state where a motion is by the state asked for, by differentiated code."""
+    index = kernel.state_index(motion.kinds, len(motion.kinds))
+    if not _is_constrained(motion.system, index):
+        return np.eye(len(motion.y))
+    return _tangents_at(motion.system, index, motion.coefficients, motion.time, motion.y)
+
+
+@cache
+def _is_constrained(system: System, index: int) -> bool:
+    """Whether a contact state determines entries of the state, which then do not count."""
+    n, coefficients = len(system.state_names), np.zeros(max(system.generated.n_coefficients, 1))
+    return not np.array_equal(
+        _tangents_at(system, index, coefficients, 0.0, np.zeros(n)), np.eye(n)
+    )
+
+
+def _tangents_at(
+    system: System, index: int, coefficients: Vector, time: float, state: Vector
+) -> Matrix:
+    """What a contact state leaves of tangents along each entry of the state, as columns."""
+    n, address = len(state), system.jacobians[index]
+    series, matrix, joined = np.zeros(4 * n), np.zeros((n, n)), np.zeros(2 * n)
+    joined[:n] = state
+    for column in range(n):
+        joined[n:] = 0.0
+        joined[n + column] = 1.0
+        call_generated(address, coefficients, time, joined, series)
+        matrix[:, column] = series[2 * n :: 2]
+    return matrix
+
+
+def _bounces(row: Vector) -> bool:
+    return bool(row[1] == row[2] == kernel.CODE_SEPARATION)
+
+
+# --- the closing conditions ----------------------------------------------------------------------
+@dataclass(frozen=True)
+class Shooting:
+    """The conditions that close a motion, in unknowns of order one.
+
+    The unknowns are the state over `scales` and, without an excitation, the period over
+    `period`. With an excitation the period is `turns` of its own.
+
+    Attributes
+    ----------
+    anchor : reference point
+    period : reference period, s
+    scales : extent of the motion in every state
+    normal : direction of the flow at the reference, scaled; None with an excitation
+    turns : periods of the excitation per cycle; 0 without one
+    """
+
+    anchor: Anchor
+    period: float
+    scales: Vector
+    normal: Vector | None
+    turns: int
+
+    @property
+    def start(self) -> Vector:
+        """The unknowns at the reference."""
+        period = [] if self.normal is None else [1.0]
+        return np.concatenate([self.anchor.state / self.scales, period])
+
+    def anchor_of(self, unknowns: Vector) -> Anchor:
+        """The point that `unknowns` stand for."""
+        return replace(self.anchor, state=unknowns[: len(self.scales)] * self.scales)
+
+    def period_of(self, problem: Problem, unknowns: Vector) -> float:
+        """The period that `unknowns` stand for, s."""
+        if self.normal is None:
+            assert problem.excitation is not None
+            return self.turns * problem.excitation
+        return float(unknowns[len(self.scales)] * self.period)
+
+    def around(self, problem: Problem, unknowns: Vector, tangents: bool = True) -> Passage | None:
+        """The motion over a period; None where it does not last that long."""
+        period = self.period_of(problem, unknowns)
+        if not 0.2 * self.period < period < 5.0 * self.period:
+            return None
+        found = passage(problem, self.anchor_of(unknowns), period, tangents)
+        finite = bool(np.all(np.isfinite(found.monodromy)))
+        return found if finite and found.stop == Stop.REACHED else None
+
+    def values(self, found: Passage, unknowns: Vector) -> Vector:
+        """What must vanish: the gap after a period, what contact does not let be, and, where the
+        period is free, the way along the flow."""
+        state, begun = unknowns[: len(self.scales)], found.begun / self.scales
+        gap = np.concatenate([found.state / self.scales - begun, begun - state])
+        if self.normal is None:
+            return gap
+        return np.append(gap, self.normal @ (begun - self.anchor.state / self.scales))
+
+    def jacobian(self, found: Passage) -> Matrix:
+        """Derivative of `values` by the unknowns."""
+        projection = found.projection * self.scales / self.scales[:, None]
+        monodromy = found.monodromy * self.scales / self.scales[:, None]
+        closing = np.vstack([monodromy - projection, projection - np.eye(len(self.scales))])
+        if self.normal is None:
+            return closing
+        stretch = found.rates[1] / self.scales * self.period
+        last = np.concatenate([stretch, np.zeros_like(stretch)])
+        across = np.append(self.normal @ projection, 0.0)
+        return np.vstack([np.column_stack([closing, last]), across])
+
+    def conditions(self, problem: Problem, unknowns: Vector) -> tuple[Vector, Matrix] | None:
+        """`values` and their Jacobian; None where the motion does not last a period."""
+        found = self.around(problem, unknowns)
+        if found is None:
+            return None
+        return self.values(found, unknowns), self.jacobian(found)
+
+
+def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Shooting:
+    """The closing conditions about a guess."""
+    if problem.excitation is not None:
+        turns = max(round(period / problem.excitation), 1)
+        return Shooting(anchor, turns * problem.excitation, scales, None, turns)
+    motion = begin(problem, anchor)
+    flow = motion.rates() / scales if motion.started else np.zeros_like(scales)
+    normal = flow / max(float(np.linalg.norm(flow)), np.finfo(float).tiny)
+    return Shooting(replace(anchor, state=motion.y.copy()), period, scales, normal, 0)
+
+
+Conditions = Callable[[Vector], tuple[Vector, Matrix] | None]
+
+
+def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
+    """Root of `conditions` near `unknowns`; None when Newton's method does not settle."""
+    found = conditions(unknowns)
+    for _ in range(NEWTON_STEPS):
+        if found is None:
+            return None
+        values, jacobian = found
+        if not np.all(np.isfinite(jacobian)):
+            return None
+        step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
+        if np.max(np.abs(step)) <= CONVERGED:
+            return unknowns + step if np.max(np.abs(values)) <= CLOSED else None
+        step /= max(1.0, float(np.max(np.abs(step))))
+        moved = _shortened(conditions, unknowns, step, float(np.linalg.norm(values)))
+        if moved is None:
+            return None
+        unknowns, found = moved
+    return None
+
+
+def _shortened(
+    conditions: Conditions, unknowns: Vector, step: Vector, before: float
+) -> tuple[Vector, tuple[Vector, Matrix]] | None:
+    """The longest share of a step that improves the conditions."""
+    for share in SHORTENED:
+        trial = unknowns + share * step
+        found = conditions(trial)
+        if found is not None and float(np.linalg.norm(found[0])) < before:
+            return trial, found
+    return None
+
+
+# --- cycles --------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Cycle:
+    """A periodic motion.
+
+    Attributes
+    ----------
+    anchor : a point on it, inside a contact state
+    period : s
+    residual : what the motion misses itself by after a period, relative to its extent
+    multipliers : Floquet multipliers, largest first; complex, shape (n_states,)
+    autonomous : whether one of them, 1, is the direction of the flow
+    times : of the events, s from the anchor
+    events : as in `Passage`
+    points : states at the section, in order; shape (multiplicity, n_states)
+    extremes : least and greatest value of every state; shape (2, n_states)
+    """
+
+    anchor: Anchor
+    period: float
+    residual: float
+    multipliers: NDArray[np.complex128]
+    autonomous: bool
+    times: Vector
+    events: tuple[Event, ...]
+    points: Matrix
+    extremes: Matrix
+
+    @property
+    def nontrivial(self) -> NDArray[np.complex128]:
+        """The multipliers without that of the flow's direction."""
+        return self.multipliers[is_nontrivial(self.multipliers, self.autonomous)]
+
+    @property
+    def stable(self) -> bool:
+        """Whether neighbours come nearer."""
+        return bool(np.max(np.abs(self.nontrivial), initial=0.0) < 1.0)
+
+    @property
+    def scales(self) -> Vector:
+        """Extent of the motion in every state."""
+        return extents(self.extremes)
+
+    @property
+    def signature(self) -> tuple[Event, ...]:
+        """Its events in order, whichever comes first."""
+        turned = [self.events[i:] + self.events[:i] for i in range(max(len(self.events), 1))]
+        return min(turned)
+
+
+def sorted_multipliers(monodromy: Matrix) -> NDArray[np.complex128]:
+    """Eigenvalues of a monodromy matrix, largest first, of a pair the upper one first."""
+    multipliers = np.linalg.eigvals(monodromy).astype(np.complex128)
+    return multipliers[np.lexsort((-multipliers.imag, -np.abs(multipliers)))]
+
+
+def is_nontrivial(multipliers: NDArray[np.complex128], autonomous: bool) -> NDArray[np.bool_]:
+    """Which multipliers are not 1 because the flow's own direction is."""
+    kept = np.ones(len(multipliers), bool)
+    if autonomous:
+        kept[np.argmin(np.abs(multipliers - 1.0))] = False
+    return kept
+
+
+def extents(extremes: Matrix) -> Vector:
+    """Half the range of every state; where it does not move, its size, or 1."""
+    half = 0.5 * (extremes[1] - extremes[0])
+    largest = np.max(np.abs(extremes), axis=0)
+    moving = half > AT_REST * largest
+    return np.where(moving, half, np.where(largest > 0.0, largest, 1.0))
+
+
+def is_at_rest(extremes: Matrix, n_coordinates: int) -> bool:
+    """Whether no displacement moves: an equilibrium closes at any period."""
+    reach = (extremes[1] - extremes[0])[:n_coordinates]
+    return bool(np.all(reach <= AT_REST * np.max(np.abs(extremes), axis=0)[:n_coordinates]))
+
+
+def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cycle | None:
+    """The cycle near a guess; None when there is none that Newton's method finds."""
+    conditions = shooting(problem, anchor, period, scales)
+    found = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
+    if found is None:
+        return None
+    cycle = describe(problem, conditions.anchor_of(found), conditions.period_of(problem, found))
+    if cycle is None:
+        return None
+    share = repeats(problem, cycle.points, cycle.scales, cycle.period)
+    return cycle if share == 1 else close(problem, cycle.anchor, period / share, cycle.scales)
+
+
+def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
+    """Multipliers, events, section points and extremes of a closed motion.
+
+    None where the motion does not last, or rests.
+    """
+    around = passage(problem, anchor, period)
+    if around.stop != Stop.REACHED or not np.all(np.isfinite(around.monodromy)):
+        return None
+    points, extremes = _watched(problem, anchor, period)
+    if is_at_rest(extremes, len(problem.system.coordinates)):
+        return None
+    return Cycle(
+        anchor=replace(anchor, state=around.begun),
+        period=period,
+        residual=float(np.max(np.abs(around.state - around.begun) / extents(extremes))),
+        multipliers=sorted_multipliers(around.monodromy),
+        autonomous=problem.excitation is None,
+        times=around.times,
+        events=around.events,
+        points=points,
+        extremes=extremes,
+    )
+
+
+def _watched(problem: Problem, anchor: Anchor, period: float) -> tuple[Matrix, Matrix]:
+    """Section points and extremes along a period."""
+    motion = begin(problem, anchor)
+    n = len(motion.y)
+    times, points = np.zeros(MOST_POINTS), np.zeros((MOST_POINTS, n))
+    motion.start_measuring(np.zeros(len(problem.system.coordinates)))
+    aim_phase(motion, problem.section, problem.excitation)
+    motion.run(
+        motion.time + period, problem.section, (times, points), None, True,
+        problem.excitation or period,
+    )  # fmt: skip
+    return points[: motion.n_sections].copy(), motion.measures.extremes[:2].copy()
+
+
+def aim_phase(motion: Motion, section: Section, excitation: float | None) -> None:
+    """Set the next instant of a stroboscopic section."""
+    if section.kind == "phase" and excitation is not None:
+        offset = section.phase / (2 * np.pi) * excitation
+        turns = np.floor((motion.time - offset) / excitation + 1e-9) + 1
+        motion.clock[kernel.NEXT_PHASE] = offset + turns * excitation
+
+
+def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:
+    """How many times the true period goes into the one that was found.
+
+    Parameters
+    ----------
+    points : at the section, in order; shape (multiplicity, n_states)
+    scales : extent of the motion in every state
+    period : s
+    """
+    count = len(points)
+    for share in range(count, 1, -1):
+        if count % share or not _may_be_shared(problem, period, share):
+            continue
+        apart = np.abs(np.roll(points, count // share, axis=0) - points)
+        if np.max(apart / scales) <= SAME_POINT:
+            return share
+    return 1
+
+
+def _may_be_shared(problem: Problem, period: float, share: int) -> bool:
+    """A period is a whole number of periods of the excitation."""
+    if problem.excitation is None:
+        return True
+    return round(period / problem.excitation) % share == 0
+
+
+# --- the anchor ----------------------------------------------------------------------------------
+def pieces(times: Vector, span: float) -> Matrix:
+    """(beginning, end) of the pieces between events of a periodic motion, s; shape (n, 2).
+
+    The last piece runs on into the next period.
+    """
+    if len(times) == 0:
+        return np.array([[0.0, span]])
+    return np.column_stack([times, np.append(times[1:], times[0] + span)])
+
+
+def to_longest_piece(times: Vector, span: float) -> float:
+    """Time to the middle of the longest piece between events, s."""
+    stretches = pieces(times, span)
+    begun, ended = stretches[np.argmax(stretches[:, 1] - stretches[:, 0])]
+    return float(0.5 * (begun + ended) % span)
+
+
+def anchor_at(problem: Problem, motion: Motion) -> Anchor:
+    """The point where a motion is."""
+    sticking = tuple(bool(kind == kernel.STICK) for kind in motion.kinds)
+    phase = 0.0
+    if problem.excitation is not None:
+        phase = 2 * np.pi * (motion.time / problem.excitation % 1.0)
+    closed = tuple(bool(kind != kernel.SEPARATION) for kind in motion.kinds)
+    return Anchor(motion.y.copy(), sticking, phase, closed)

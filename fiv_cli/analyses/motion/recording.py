@@ -1,0 +1,139 @@
+"""A motion sampled in time, with its event ledger and energy balance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.common import (
+    Balance,
+    balance,
+    equilibria,
+    sliding,
+    start_motion,
+    stopped,
+    trust,
+)
+from fiv_cli.analyses.rest.surface import Place, weights
+from fiv_cli.dynamics import kernel
+from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Samples, samples_at
+from fiv_cli.dynamics.system import System, Vector
+
+LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
+
+
+def record(
+    system: System,
+    parameters: Mapping[str, float],
+    start: Start,
+    times: Vector,
+    solver: SolverSettings,
+    places: Sequence[Place] = (),
+) -> Outcome:
+    """States, contact forces and energies at `times` (s, rising), and every event.
+
+    On discs also the displacement w at `places` (radius in m, angle in rad).
+    """
+    motion = begun(system, parameters, start, solver)
+    if isinstance(motion, Outcome):
+        return motion
+    samples = samples_at(system, times)
+    energy_before = motion.energy()
+    motion.start_measuring(np.zeros(len(system.coordinates)))
+    ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
+    outcome = end or Outcome()
+    outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
+    if places:
+        outcome.values |= _surface(system, parameters, outcome.values, places)
+    outcome.values |= trust(motion) | _works(balance(motion, energy_before))
+    outcome.ragged |= {
+        "event_time": ledger[:, 0],
+        "event_from": [CODE_NAMES[int(code)] for code in ledger[:, 1]],
+        "event_to": [CODE_NAMES[int(code)] for code in ledger[:, 2]],
+        "event_contact": ledger[:, 3].astype(int) + 1,
+        "event_residual": ledger[:, 4],
+    }
+    return outcome
+
+
+def begun(
+    system: System, parameters: Mapping[str, float], start: Start, solver: SolverSettings
+) -> Motion | Outcome:
+    """The motion that `start` describes; an equilibrium is looked for only where it needs one."""
+    solutions = [] if start.kind == "state" else equilibria(sliding(system, parameters))
+    return start_motion(system, parameters, start, solver, solutions[0] if solutions else None)
+
+
+def _run_with_ledger(
+    motion: Motion, t_end: float, samples: Samples
+) -> tuple[NDArray[np.float64], Outcome | None]:
+    """Run to `t_end`, stopping whenever the ledger is full to make it longer."""
+    pages: list[NDArray[np.float64]] = []
+    budget = int(motion.limits[kernel.MAX_EVENTS])
+    while True:
+        motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
+        motion.limits[kernel.MAX_EVENTS] = min(budget, motion.n_events + LEDGER_ROWS)
+        stop = motion.run(t_end, samples=samples, measuring=True)
+        pages.append(motion.ledger[: motion.counters[kernel.LEDGER]])
+        page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
+        if not page_full:
+            return np.concatenate(pages), stopped(stop)
+
+
+def _curves(system: System, samples: Samples) -> dict[str, Any]:
+    """Everything over time; NaN after the end of a motion that stopped early."""
+    taken = np.arange(len(samples.times)) < samples.count
+    contacts = system.n_contacts
+    forces = samples.outputs[:, : 3 * contacts].reshape(-1, contacts, 3)
+    energies = samples.outputs[:, 3 * contacts :]
+    curves = dict(zip(system.state_names, samples.states.T, strict=True))
+    curves["F_N"] = _contact_rows(forces[:, :, 0])
+    curves["F_T"] = _contact_rows(forces[:, :, 1])
+    curves["kinetic_energy"] = energies[:, kernel.KINETIC]
+    curves["potential_energy"] = energies[:, kernel.POTENTIAL]
+    curves["other_power"] = energies[:, kernel.OTHER_POWER]
+    curves["friction_power"] = energies[:, kernel.FRICTION_POWER]
+    curves["drive_power"] = energies[:, kernel.DRIVE_POWER]
+    blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
+    codes = np.where(taken[:, None], samples.codes, -1)
+    return {**blanked, "contact_state": _contact_rows(codes)}
+
+
+def _surface(
+    system: System,
+    parameters: Mapping[str, float],
+    curves: Mapping[str, Any],
+    places: Sequence[Place],
+) -> dict[str, NDArray[np.float64]]:
+    """w over (place, time), and where the places are."""
+    coordinates = np.array([curves[name] for name in system.coordinates])
+    radius, angle = np.array(places, float).T
+    w = weights(system, parameters, places) @ coordinates
+    return {"w": w, "point_radius": radius, "point_angle": angle}
+
+
+def varying_at(system: System, times: Vector) -> dict[str, Vector]:
+    """Each parameter that varies in time, at `times`."""
+    return {
+        name: np.interp(times, [t for t, _ in points], [value for _, value in points])
+        for name, points in system.schedule.curves
+    }
+
+
+def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:
+    """(contact, time), or (time,) on models with one contact."""
+    return values[:, 0] if values.shape[1] == 1 else values.T
+
+
+def _works(found: Balance) -> dict[str, float]:
+    return {
+        "energy_residual": found.residual,
+        "friction_work": found.friction,
+        "drive_work": found.drive,
+        "other_work": found.other,
+        "impact_loss": found.impact,
+    }

@@ -1,0 +1,87 @@
+"""Fast and slow motion apart: the system averaged over its high-frequency excitation.
+
+Thesis 5.7-5.15. The averaged system is the model without its excitation, under the friction law
+averaged over the fast slip velocity that the excitation makes (`friction.averaged`). It holds
+while the excitation is fast against what it is averaged out of: the amplitude of the fast motion
+is off by a share of (natural frequency / excitation frequency)^2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.rest.equilibria import Sliding, sliding
+from fiv_cli.codegen.generate import generate
+from fiv_cli.dynamics.system import System
+from fiv_cli.friction.averaged import FAST_VELOCITY, averaged
+
+# Least ratio of the excitation's frequency to the highest natural one: the fast motion is then
+# known to (1/5)^2 = 4 %.
+LEAST_RATIO = 5.0
+
+ORDER = 1  # of the series: an averaged system is linearised, never integrated
+
+_BUILT: dict[tuple[str, bool], System] = {}
+
+
+def averaged_sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
+    """The averaged system, sliding as the drive imposes at rest.
+
+    The excitation reverses slip where its fast velocity is above the slip speed at rest: 5.15b;
+    at equality it does not yet (5.15a).
+    """
+    amplitude = fast_velocity(system, parameters)
+    speed = np.abs(rest_velocities(sliding(system, parameters))).max()
+    law_system = averaged_system(system, parameters, bool(amplitude > speed))
+    return sliding(law_system, {**parameters, FAST_VELOCITY.name: amplitude})
+
+
+def fast_velocity(system: System, parameters: Mapping[str, float]) -> float:
+    """Amplitude of the slip velocity that the excitation makes, m/s."""
+    forcing = system.model.averaged_forcing()
+    assert forcing is not None and forcing.fast_velocity is not None
+    return forcing.fast_velocity(system.known(parameters))
+
+
+def rest_velocities(state: Sliding) -> NDArray[np.float64]:
+    """Slip velocity of each contact while the model is at rest, m/s."""
+    at_rest = np.zeros(len(state.system.state_names))
+    return state.contact_forces(at_rest)[:, 2]
+
+
+def averaged_system(
+    system: System,
+    parameters: Mapping[str, float],
+    reversing: bool,
+    announce: Callable[[str], None] = lambda sentence: None,
+) -> System:
+    """`system` under its law averaged with, or without, reversal of slip; made once."""
+    key = system.generated.key, reversing
+    if key not in _BUILT:
+        law = averaged(system.law, reversing)
+        structural = {name: parameters[name] for name in law.structural}
+        generated = generate(system.model, law, system.options, structural, ORDER, announce)
+        _BUILT[key] = System(system.model, law, system.options, generated)
+    return _BUILT[key]
+
+
+def frequency_ratio(
+    system: System, parameters: Mapping[str, float], jacobian: NDArray[np.float64]
+) -> float:
+    """Excitation frequency over the highest undamped natural frequency of the averaged system.
+
+    The damping is left out because it has a pole where the fast velocity just reaches the slip
+    speed: in that layer the slow motion is as fast as the excitation at any frequency.
+
+    Parameters
+    ----------
+    jacobian : of the averaged system at its equilibrium, (2m, 2m)
+    """
+    forcing = system.model.averaged_forcing()
+    assert forcing is not None
+    m = len(jacobian) // 2
+    squares = np.abs(np.linalg.eigvals(jacobian[m:, :m]))
+    return float(forcing.frequency(system.known(parameters)) / np.sqrt(squares.max()))

@@ -1,0 +1,456 @@
+"""Where eigenvalues cross the imaginary axis along one parameter.
+
+The bracket is sampled adaptively: a piece is finished when every mode, followed through its ends
+and its middle, is told by a straight line well enough that its real part has no zero, or exactly
+one, in between, and no two modes can meet. A root is then found by Brent's method on its own
+mode. What stays unresolved down to `NARROWEST` is a singularity: there the number of growing
+modes (or the existence of the equilibrium) is bisected to rounding, and what the eigenvalues do
+across it tells a root (undamped flutter, where they branch) from a jump. Wherever a value without
+an equilibrium turns up in between (a critical speed of a disc), the piece is divided there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli.analyses.base import Outcome, Varied
+from fiv_cli.analyses.rest.averaging import LEAST_RATIO, frequency_ratio
+from fiv_cli.analyses.rest.equilibria import equilibria, why_none
+from fiv_cli.analyses.rest.linearisation import NEUTRAL, free_jacobian, modes_at, sliding_system
+from fiv_cli.analyses.rest.modes import matched
+from fiv_cli.dynamics.system import System
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+PIECES = 32  # into which a bracket is divided at least
+NARROWEST = 2.0**-20  # share of the bracket at which a piece is not divided any more
+MOST_SAMPLES = 20_000
+BENT = 0.25  # largest departure from a straight line, over the change of a real part with a root
+MARGIN = 2.0  # by which departures from a straight line must be smaller than what they could hide
+MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
+JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
+HALVINGS = 64
+NEIGHBOURS = 8  # numbers on each side of a root without frequency that are looked at
+ULP = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The modes at one value of the parameter, in the order in which they are followed.
+
+    Attributes
+    ----------
+    at : value of the parameter
+    values : eigenvalues, rad/s, (modes,); empty where there is no equilibrium
+    vectors : eigenvectors as rows, (modes, states)
+    """
+
+    at: float
+    values: Complex
+    vectors: Complex
+
+    @property
+    def exists(self) -> bool:
+        """Whether there is a sliding equilibrium."""
+        return len(self.values) > 0
+
+    @property
+    def scale(self) -> float:
+        """Modulus of the largest eigenvalue, rad/s."""
+        return float(np.abs(self.values).max())
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        """Which modes grow by more than rounding, (modes,)."""
+        result: NDArray[np.bool_] = self.values.real > NEUTRAL * self.scale
+        return result
+
+    @property
+    def unstable(self) -> int:
+        """Number of growing modes; -1 where there is no equilibrium."""
+        return int(self.growing.sum()) if self.exists else -1
+
+    def after(self, previous: Sample) -> Sample:
+        """The same with its modes in the order in which they continue those of `previous`."""
+        if not (self.exists and previous.exists):
+            return self
+        order = matched(previous.values, previous.vectors, self.values, self.vectors)
+        return replace(self, values=self.values[order], vectors=self.vectors[order])
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """One change of stability.
+
+    Attributes
+    ----------
+    value, width : of the parameter: where it lies, and how wide the bracket is that holds it
+    kind : "root", "jump" or "end" (of the sliding equilibrium)
+    direction : "to_stable" or "to_unstable" of this mode as the parameter rises; "gained" or
+        "lost" of the equilibrium
+    mode : number of the mode, counted at the lower end of the bracket by rising frequency; -1
+        for an end
+    frequency : of the mode, rad/s; NaN for an end
+    below, above : number of growing modes on either side; -1 without an equilibrium
+    """
+
+    value: float
+    width: float
+    kind: str
+    direction: str
+    mode: int
+    frequency: float
+    below: int
+    above: int
+
+
+Probe = Callable[[float], Sample]
+
+
+class ScanTooLong(Exception):
+    """The modes are too rough a function of the parameter to be resolved."""
+
+
+class _Hole(Exception):
+    """Between two equilibria there is a `sample` without one."""
+
+    def __init__(self, sample: Sample) -> None:
+        super().__init__(sample)
+        self.sample = sample
+
+
+def critical_values(
+    system: System,
+    parameters: Mapping[str, float],
+    varied: Varied,
+    bracket: tuple[float, float],
+    which: str,
+) -> Outcome:
+    """Every crossing of the ``original`` or ``averaged`` system inside the bracket."""
+
+    def probe(at: float) -> Sample:
+        return _sample(system, varied.at(parameters, at), which, at)
+
+    try:
+        crossings = find_crossings(probe, *bracket)
+    except ScanTooLong:
+        return Outcome(status="failed", reason="not_converged")
+    ends = [probe(end) for end in bracket]
+    if not crossings and not ends[0].exists:
+        nowhere = sliding_system(system, varied.at(parameters, bracket[0]), which)
+        return Outcome(status="failed", reason=why_none(nowhere))
+    values = _described(crossings, ends)
+    if which == "original":
+        return Outcome(reason=_reason(crossings, []), values=values)
+    ratios = [_ratio(system, varied.at(parameters, crossing.value)) for crossing in crossings]
+    values["averaging_ratio"] = np.array(ratios)
+    judged = ratios or [_ratio(system, varied.at(parameters, end)) for end in bracket]
+    return Outcome(reason=_reason(crossings, judged), values=values)
+
+
+def _described(crossings: Sequence[Crossing], ends: Sequence[Sample]) -> dict[str, Any]:
+    """The variables that hold the crossings."""
+    growth = [float(end.values.real.max()) if end.exists else float("nan") for end in ends]
+    return {
+        "critical_value": np.array([c.value for c in crossings], float),
+        "critical_width": np.array([c.width for c in crossings], float),
+        "crossing_kind": np.array([c.kind for c in crossings], np.str_),
+        "crossing_direction": np.array([c.direction for c in crossings], np.str_),
+        "crossing_mode": np.array([c.mode for c in crossings], np.int64),
+        "crossing_frequency": np.array([c.frequency for c in crossings], float),
+        "unstable_below": np.array([c.below for c in crossings], np.int64),
+        "unstable_above": np.array([c.above for c in crossings], np.int64),
+        "n_crossings": len(crossings),
+        "growth_at_low": growth[0],
+        "growth_at_high": growth[1],
+    }
+
+
+def _reason(crossings: Sequence[Crossing], ratios: Sequence[float]) -> str:
+    """The gravest; that nothing crosses, or ends, is also told by the crossings themselves."""
+    if any(ratio < LEAST_RATIO for ratio in ratios):
+        return "averaging_invalid"
+    if any(crossing.kind == "end" for crossing in crossings):
+        return "no_equilibrium_in_part"
+    return "" if crossings else "no_crossing"
+
+
+def _sample(system: System, parameters: Mapping[str, float], which: str, at: float) -> Sample:
+    """The modes at the first equilibrium."""
+    state = sliding_system(system, parameters, which)
+    solutions = equilibria(state)
+    if not solutions:
+        return Sample(at, np.zeros(0, complex), np.zeros((0, 0), complex))
+    values, vectors = modes_at(state, solutions[0])
+    return Sample(at, values, vectors.T)
+
+
+def _ratio(system: System, parameters: Mapping[str, float]) -> float:
+    """Excitation frequency over the highest natural one; NaN without an equilibrium."""
+    state = sliding_system(system, parameters, "averaged")
+    solutions = equilibria(state)
+    if not solutions:
+        return float("nan")
+    return frequency_ratio(system, parameters, free_jacobian(state, solutions[0]))
+
+
+def _remembered(probe: Probe) -> Probe:
+    """`probe` with a memory, and a limit to how often it is asked."""
+    known: dict[float, Sample] = {}
+
+    def ask(at: float) -> Sample:
+        if at not in known:
+            if len(known) >= MOST_SAMPLES:
+                raise ScanTooLong
+            known[at] = probe(at)
+        return known[at]
+
+    return ask
+
+
+def find_crossings(probe: Probe, low: float, high: float) -> list[Crossing]:
+    """Every crossing between `low` and `high`, in order.
+
+    Raises
+    ------
+    ScanTooLong : the modes are too rough a function of the parameter
+    """
+    probe = _remembered(probe)
+    scan = _Scan(probe, NARROWEST * (high - low))
+    left = probe(low)
+    for right in np.linspace(low, high, PIECES + 1)[1:]:
+        left = scan.piece(left, probe(float(right)))
+    return sorted(scan.found, key=lambda crossing: crossing.value)
+
+
+class _Scan:
+    """Goes through a bracket from below, following the modes."""
+
+    def __init__(self, probe: Probe, narrowest: float) -> None:
+        self.probe = probe
+        self.narrowest = narrowest
+        self.found: list[Crossing] = []
+
+    def piece(self, left: Sample, right: Sample) -> Sample:
+        """Find what lies between two samples; the right one with its modes in order."""
+        middle = self.probe((left.at + right.at) / 2.0).after(left)
+        followed = right.after(middle)
+        try:
+            if _is_resolved(left, middle, followed):
+                self.found += self.roots(left, followed)
+                return followed
+            if right.at - left.at <= self.narrowest and not _differs(middle, left, right):
+                self.found += self.singularity(left, followed)
+                return followed
+        except _Hole as hole:
+            middle = hole.sample
+        return self.piece(self.piece(left, middle), right)
+
+    def roots(self, left: Sample, right: Sample) -> list[Crossing]:
+        """The roots of a resolved piece: one for each mode whose growth changes sign."""
+        if not left.exists:
+            return []
+        changed = (left.growing != right.growing) & (left.values.imag >= 0.0)
+        return [self.root(left, right, int(mode)) for mode in np.flatnonzero(changed)]
+
+    def root(self, left: Sample, right: Sample, mode: int) -> Crossing:
+        """Where the real part of one mode, of opposite signs at the ends, is zero."""
+        from scipy.optimize import brentq
+
+        def eigenvalue(at: float) -> complex:
+            return complex(_solid(self.between(left, right, at)).values[mode])
+
+        def rising(at: float) -> float:
+            growth = eigenvalue(at).real
+            return growth if right.growing[mode] else -growth
+
+        resolution = 4.0 * ULP * max(abs(left.at), abs(right.at))
+        value = float(brentq(rising, left.at, right.at, xtol=resolution, rtol=4.0 * ULP))
+        frequency = abs(eigenvalue(value).imag)
+        if frequency == 0.0:
+            self._look_for_a_hole(value)
+        low, high = _straddled(rising, value, resolution, left.at, right.at)
+        return Crossing(
+            value=value,
+            width=high - low,
+            kind="root",
+            direction="to_unstable" if right.growing[mode] else "to_stable",
+            mode=mode,
+            frequency=frequency,
+            below=_count(self.probe(low)),
+            above=_count(self.probe(high)),
+        )
+
+    def _look_for_a_hole(self, value: float) -> None:
+        """Where an eigenvalue vanishes the stiffness is singular, and there may be no equilibrium.
+
+        The hole may be as narrow as one floating-point number, which a root need not meet.
+        """
+        for steps in range(-NEIGHBOURS, NEIGHBOURS + 1):
+            _solid(self.probe(value + steps * float(np.spacing(value))))
+
+    def between(self, left: Sample, right: Sample, at: float) -> Sample:
+        """The modes inside a resolved piece, where straight lines lead to them."""
+        share = (at - left.at) / (right.at - left.at)
+        near = left if share < 0.5 else right
+        expected = (1.0 - share) * left.values + share * right.values
+        return self.probe(at).after(Sample(at, expected, near.vectors))
+
+    def singularity(self, left: Sample, right: Sample) -> list[Crossing]:
+        """What changes across a piece that cannot be resolved."""
+        if left.exists != right.exists:
+            low, high = self.bisected(left, right, lambda sample: sample.exists == left.exists)
+            return [_end(low, high)]
+        if left.unstable != right.unstable:
+            low, high = self.bisected(left, right, _same_count(left, right))
+            return [_branching(low.after(left), high)]
+        return []
+
+    def bisected(
+        self, left: Sample, right: Sample, is_left: Callable[[Sample], bool]
+    ) -> tuple[Sample, Sample]:
+        """Two samples, as near as can be, between which `is_left` ceases to hold."""
+        low, high = left, right
+        for _ in range(HALVINGS):
+            middle = self.probe((low.at + high.at) / 2.0)
+            if middle.at in (low.at, high.at):
+                break
+            low, high = (middle, high) if is_left(middle) else (low, middle)
+        return low, high
+
+
+def _solid(sample: Sample) -> Sample:
+    """The sample; `_Hole` where it has no equilibrium."""
+    if not sample.exists:
+        raise _Hole(sample)
+    return sample
+
+
+def _differs(middle: Sample, left: Sample, right: Sample) -> bool:
+    """Whether only the middle has an equilibrium, or only the middle has none."""
+    return left.exists == right.exists != middle.exists
+
+
+def _is_resolved(left: Sample, middle: Sample, right: Sample) -> bool:
+    """Whether straight lines tell all that the modes do between `left` and `right`."""
+    if not left.exists == middle.exists == right.exists:
+        return False
+    if not left.exists:
+        return True
+    samples = np.array([left.values, middle.values, right.values])
+    scale = float(np.abs(samples).max())
+    signs_told = _signs_are_told(samples.real, NEUTRAL * scale)
+    return bool(np.all(signs_told) and _cannot_meet(samples, scale))
+
+
+def _signs_are_told(growth: Real, rounding: float) -> NDArray[np.bool_]:
+    """For each mode, whether its real part has no zero in a piece, or just one, or is zero.
+
+    Parameters
+    ----------
+    growth : real parts at the left end, in the middle and at the right end, (3, modes)
+    rounding : what a vanishing real part may be
+    """
+    left, middle, right = growth
+    bend = np.abs(middle - (left + right) / 2.0)
+    zero = np.abs(growth) <= rounding
+    one_sided = np.all(growth > rounding, axis=0) | np.all(growth < -rounding, axis=0)
+    away = one_sided & (np.abs(growth).min(axis=0) > MARGIN * bend)
+    opposite = (left * right < 0.0) & ~zero[0] & ~zero[2]
+    rising_or_falling = (middle - left) * (right - middle) >= 0.0
+    straight = bend <= BENT * np.abs(right - left)
+    result: NDArray[np.bool_] = (
+        np.all(zero, axis=0) | away | (opposite & rising_or_falling & straight)
+    )
+    return result
+
+
+def _cannot_meet(samples: Complex, scale: float) -> bool:
+    """Whether no two modes come so near that they could merge unseen inside the piece.
+
+    Their difference must not turn by more than its own size: else they may pass each other, and
+    modes that pass interact.
+
+    Parameters
+    ----------
+    samples : eigenvalues at the left end, in the middle and at the right end, (3, modes)
+    """
+    apart = samples[:, :, None] - samples[:, None, :]
+    change = np.abs(np.diff(apart, axis=0)).sum(axis=0)
+    told = change <= np.abs(apart).min(axis=0)
+    return bool(np.all(told | (change <= MEET * scale)))
+
+
+def _count(sample: Sample) -> int:
+    """Number of growing modes, those counted too that grow by no more than rounding."""
+    return int((sample.values.real > 0.0).sum())
+
+
+def _same_count(left: Sample, right: Sample) -> Callable[[Sample], bool]:
+    """Whether as many modes grow as in `left`, those of rounding counted where they are none."""
+    exact = _count(left) == left.unstable and _count(right) == right.unstable
+    if exact:
+        return lambda sample: _count(_solid(sample)) == left.unstable
+    return lambda sample: _solid(sample).unstable == left.unstable
+
+
+def _straddled(
+    rising: Callable[[float], float], value: float, step: float, lowest: float, highest: float
+) -> tuple[float, float]:
+    """The narrowest interval about a root, doubled from `step`, across which `rising` rises.
+
+    At a distance of rounding it may do anything.
+    """
+    for _ in range(HALVINGS):
+        low, high = max(value - step, lowest), min(value + step, highest)
+        if rising(low) < 0.0 < rising(high):
+            return low, high
+        step *= 2.0
+    return lowest, highest
+
+
+def _end(low: Sample, high: Sample) -> Crossing:
+    """An end of the sliding equilibrium."""
+    return Crossing(
+        value=(low.at + high.at) / 2.0,
+        width=high.at - low.at,
+        kind="end",
+        direction="lost" if low.exists else "gained",
+        mode=-1,
+        frequency=float("nan"),
+        below=low.unstable,
+        above=high.unstable,
+    )
+
+
+def _branching(low: Sample, high: Sample) -> Crossing:
+    """A change of stability where modes branch (a root), or do not hang together (a jump)."""
+    high = high.after(low)
+    rises = _count(high) > _count(low)
+    mode, growing = _most_changed(low, high) if rises else _most_changed(high, low)
+    moved = float(np.abs(high.values - low.values).max())
+    return Crossing(
+        value=(low.at + high.at) / 2.0,
+        width=high.at - low.at,
+        kind="jump" if moved > JUMP * max(low.scale, high.scale) else "root",
+        direction="to_unstable" if rises else "to_stable",
+        mode=mode,
+        frequency=abs(growing.imag),
+        below=_count(low),
+        above=_count(high),
+    )
+
+
+def _most_changed(fewer: Sample, more: Sample) -> tuple[int, complex]:
+    """Of the modes that grow in `more` alone the one that grows most: place and eigenvalue."""
+    grows, grew = more.values.real > 0.0, fewer.values.real > 0.0
+    wanted = grows & ~grew & (more.values.imag >= 0.0)
+    growth = np.where(wanted, more.values.real, -np.inf)
+    mode = int(np.argmax(growth))
+    return mode, complex(more.values[mode])

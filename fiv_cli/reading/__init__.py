@@ -1,0 +1,1 @@
+"""What is read from datasets: claims, comparisons, shares, summaries."""

@@ -1,0 +1,93 @@
+"""What stands in a dataset of fiv: its analyses, the names of its flags, its missing numbers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fiv_cli.analyses.variables import INT_FILL
+from fiv_cli.case.case import FigureSpec
+from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.data.sound import fault_of
+from fiv_cli.errors import InputError
+from fiv_cli.flags import NOT_COMPUTED
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Without it a file is NetCDF, but none of ours.
+MARK = "case"
+
+
+def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
+    """Every analysis of the dataset at `path`, in memory.
+
+    Parameters
+    ----------
+    path : NetCDF file written by ``fiv run``
+
+    Returns
+    -------
+    dict : name of the analysis -> dataset, in the order of the file; a file that holds one
+        analysis has the name ``""``. The global attributes of the file stand in each.
+
+    Raises
+    ------
+    UsageError : there is no such file, or it is a folder
+    InputError : it is no dataset of fiv, or a damaged one; says what is wrong
+    """
+    analyses = read_datasets(Path(path))
+    if not all(MARK in dataset.attrs and "status" in dataset for dataset in analyses.values()):
+        raise InputError(
+            f"{path}: a NetCDF file that fiv did not write (it holds no case)\n"
+            "write a dataset with: fiv run CASE"
+        )
+    for name, dataset in analyses.items():
+        fault = fault_of(dataset, name)
+        if fault:
+            raise InputError(
+                f"{path}: a damaged dataset: {f'{name}: ' if name else ''}{fault}\n"
+                "next: `fiv run CASE` writes it anew from what is stored beside it"
+            )
+    return analyses
+
+
+def figures_in(analyses: Mapping[str, xr.Dataset]) -> list[FigureSpec]:
+    """The figures that the case of a dataset asks for, as they were understood when it was run.
+
+    Raises
+    ------
+    InputError : a dataset of 0.1.0, which kept the text of its case alone, and that is none
+    """
+    attributes = next(iter(analyses.values())).attrs
+    if "figures_json" in attributes:
+        return [FigureSpec(**figure) for figure in json.loads(attributes["figures_json"])]
+    from fiv_cli.case.load import parse_case
+
+    overrides = str(attributes.get("overrides", "")).splitlines()
+    return list(parse_case(str(attributes["case"]), "the case in the dataset", overrides).figures)
+
+
+def name_of_only(dataset: xr.Dataset) -> str:
+    """The name of the analysis of a dataset that holds one, which the file does not say."""
+    return next(iter(json.loads(dataset.attrs.get("analyses_json", "{}"))), "")
+
+
+def flag_names(attributes: Mapping[str, object]) -> dict[int, str]:
+    """Value -> name of a flag variable, from its attributes; empty for any other variable."""
+    if "flag_meanings" not in attributes:
+        return {}
+    values = np.atleast_1d(np.asarray(attributes["flag_values"]))
+    return dict(zip(values.tolist(), str(attributes["flag_meanings"]).split(), strict=True))
+
+
+def numbers(array: xr.DataArray) -> xr.DataArray:
+    """`array` as floats, NaN where an integer or a flag says that it was not computed."""
+    fill = {code for code, name in flag_names(array.attrs).items() if name == NOT_COMPUTED}
+    if array.dtype.kind == "i" and not fill:
+        fill = {INT_FILL}
+    return array.astype(float).where(~array.isin(list(fill)))

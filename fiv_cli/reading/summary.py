@@ -1,0 +1,201 @@
+"""What is in a dataset, in a few lines: counts of classes, ranges, and how far to trust it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.data.refined import described
+from fiv_cli.flags import NOT_COMPUTED, REASON, advice
+from fiv_cli.reading import select
+from fiv_cli.reading.claims import point_name
+from fiv_cli.reading.datasets import flag_names, numbers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# How far to trust a number: the greatest is the worst, but for margins, of which it is the least.
+TRUST = (
+    *("decay_margin", "cycle_residual", "section_drift", "energy_residual", "event_residual"),
+    *("residual", "transient_used", "n_steps", "n_events"),
+)
+MARGINS = ("decay_margin",)
+
+# Flags of which every class is counted.
+COUNTED = (
+    *("status", "reason", "attractor", "stable", "crossing_kind", "crossing_direction"),
+    *("class_below", "class_above", "computed"),
+    *("complete", "cycle_end_kind", "cycle_lowest_kind", "cycle_highest_kind"),
+)
+
+# Labels of an axis that are all listed; of more, the first and the last.
+MOST_NAMES = 8
+
+GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source")
+
+
+def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
+    """The summary as plain values (what ``fiv show --json`` prints under a schema number).
+
+    Parameters
+    ----------
+    analyses : name -> dataset
+    """
+    first = next(iter(analyses.values()))
+    return {
+        **{key: str(first.attrs[key]) for key in GLOBAL if first.attrs.get(key)},
+        "analyses": {name: _analysis(dataset) for name, dataset in analyses.items()},
+    }
+
+
+def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
+    return {
+        "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
+        "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
+        "counts": {
+            name: _counts(dataset[name], dataset["status"].ndim)
+            for name in COUNTED
+            if name in dataset
+        },
+        "advice": _advice(dataset),
+        "ranges": _ranges(dataset),
+        "trust": {name: _worst(dataset, name) for name in TRUST if _is_number(dataset, name)},
+        **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
+    }
+
+
+def _grid_axes(dataset: xr.Dataset) -> list[str]:
+    """Axes of the grid and ``initial``; not those of variables' own dims."""
+    grid = set(dataset["status"].dims)
+    return [n for n in select.axis_names(dataset) if select.axis_of(dataset, n).dims[0] in grid]
+
+
+def _axis(dataset: xr.Dataset, name: str) -> dict[str, Any]:
+    axis = select.axis_of(dataset, name)
+    found: dict[str, Any] = {"size": axis.size, "units": str(axis.attrs.get("units", "1"))}
+    if select.is_numeric(axis):
+        return {**found, "first": float(axis.values[0]), "last": float(axis.values[-1])}
+    return {**found, "values": [str(value) for value in axis.values]}
+
+
+def _counts(flag: xr.DataArray, grid_dims: int) -> dict[str, int]:
+    """Class -> number of points, the most frequent first; classes that do not occur left out.
+
+    Of a flag with dims of its own only what is there is counted, not what fills up its rows.
+    """
+    counted = {name: int((flag == code).sum()) for code, name in flag_names(flag.attrs).items()}
+    if flag.ndim > grid_dims:
+        counted.pop(NOT_COMPUTED, None)
+    return dict(sorted(((n, c) for n, c in counted.items() if c), key=lambda item: -item[1]))
+
+
+def _advice(dataset: xr.Dataset) -> dict[str, str]:
+    """Reason -> what it means and what to do, of those that occur."""
+    counts = _counts(dataset["reason"], dataset["status"].ndim) if "reason" in dataset else {}
+    return {name: advice(name) for name in counts if name in REASON.codes and name != "none"}
+
+
+def _is_number(dataset: xr.Dataset, name: str) -> bool:
+    """Whether `name` is a variable of numbers, not of classes."""
+    return (
+        name in dataset.data_vars
+        and not flag_names(dataset[name].attrs)
+        and dataset[name].dtype.kind in "fiu"
+    )
+
+
+def _ranges(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Least and greatest value of every variable of numbers that has any."""
+    counts = {str(sizes.name) for sizes in select.ragged_dims(dataset).values()}
+    names = [str(name) for name in dataset.data_vars if _is_number(dataset, str(name))]
+    ranges = {name: _range(dataset[name]) for name in names if name not in {*counts, *TRUST}}
+    return {name: found for name, found in ranges.items() if found}
+
+
+def _range(variable: xr.DataArray) -> dict[str, Any]:
+    values = numbers(variable).values
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return {}
+    return {
+        "least": float(known.min()),
+        "greatest": float(known.max()),
+        "values": int(known.size),
+        "units": str(variable.attrs.get("units", "1")),
+    }
+
+
+def _worst(dataset: xr.Dataset, name: str) -> dict[str, Any]:
+    """The worst value and the point where it occurs; nothing where none is known."""
+    values = numbers(dataset[name])
+    ragged = select.row_sizes(dataset, name)
+    flat = np.abs(values.values.ravel())
+    if not np.isfinite(flat).any():
+        return {}
+    place = int(np.nanargmin(flat) if name in MARGINS else np.nanargmax(flat))
+    row = values if ragged is None else ragged
+    index = place if ragged is None else int(select.row_of_each(ragged)[place])
+    units = str(values.attrs.get("units", dataset[name].attrs.get("units", "1")))
+    return {"worst": float(flat[place]), "at": point_name(row, index), "units": units}
+
+
+def lines(summary: Mapping[str, Any]) -> list[str]:
+    """The summary for people, a line each."""
+    heading = [f"{key:<12} {summary[key]}" for key in GLOBAL if key in summary]
+    parts = [line for name, part in summary["analyses"].items() for line in _part(name, part)]
+    return [*heading, *parts]
+
+
+def _part(name: str, part: Mapping[str, Any]) -> list[str]:
+    dims = " x ".join(f"{dim} {size}" for dim, size in part["dims"].items()) or "one point"
+    return [
+        "",
+        f"{name or 'points'}: {dims}",
+        *(f"  {axis:<22} {_axis_line(found)}" for axis, found in part["axes"].items()),
+        *_count_lines(part),
+        *(f"  {key:<22} {_range_line(found)}" for key, found in part["ranges"].items()),
+        *_trust_lines(part["trust"]),
+        *([f"  refined {part['refined']}"] if "refined" in part else []),
+    ]
+
+
+def _axis_line(found: Mapping[str, Any]) -> str:
+    if "values" in found:
+        names = found["values"]
+        listed = names if len(names) <= MOST_NAMES else [names[0], "...", names[-1]]
+        return ", ".join(listed) + (f", {len(names)} values" if listed != names else "")
+    return f"{found['first']:g} to {found['last']:g}{_unit(found)}, {found['size']} values"
+
+
+def _count_lines(part: Mapping[str, Any]) -> list[str]:
+    """The classes that occur; behind the reasons, what each of them means."""
+    found = {key: f"  {key:<22} {_count_line(n)}" for key, n in part["counts"].items() if n}
+    meant = [f"    {name}: {sentence}" for name, sentence in part["advice"].items()]
+    return [line for key in found for line in (found[key], *(meant if key == "reason" else []))]
+
+
+def _count_line(found: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in found.items())
+
+
+def _range_line(found: Mapping[str, Any]) -> str:
+    least, greatest = f"{found['least']:.6g}", f"{found['greatest']:.6g}"
+    return (least if least == greatest else f"{least} to {greatest}") + _unit(found)
+
+
+def _trust_lines(trust: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    known = {name: found for name, found in trust.items() if found}
+    if not known:
+        return []
+    return ["  trust, worst values:", *(_trust_line(name, found) for name, found in known.items())]
+
+
+def _trust_line(name: str, found: Mapping[str, Any]) -> str:
+    place = f" at {found['at']}" if found["at"] else ""
+    return f"    {name:<20} {found['worst']:.6g}{_unit(found)}{place}"
+
+
+def _unit(found: Mapping[str, Any]) -> str:
+    return "" if found["units"] == "1" else f" {found['units']}"
