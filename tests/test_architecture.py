@@ -30,6 +30,7 @@ FLOORS = {
     "friction": 1,
     "models": 1,
     "plate": 1,
+    "schedule": 0,
     "codegen": 2,
     "dynamics": 3,
     "analyses": 4,

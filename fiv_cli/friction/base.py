@@ -31,7 +31,7 @@ class Slip:
     states: Mapping[str, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Law:
     """A friction law.
 
