@@ -27,7 +27,6 @@ from fiv_cli.sweep.points import (
     Values,
     continued_start,
     exclusion,
-    parameters_at,
     point_key,
     request_at,
     resolve_start,
@@ -202,9 +201,10 @@ def _nearest(name: str, values: tuple[Any, ...], text: str) -> str:
 
 
 def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
-    reason = exclusion(analysis.template, parameters_at(analysis.template, values))
-    if reason:
-        raise UsageError(f"--at: this point is not computed: {reason}\nnext: {advice(reason)}")
+    unmet = exclusion(analysis.template, values)
+    if unmet is not None:
+        message = f"--at: this point is not computed: {unmet.reason}"
+        raise UsageError(f"{message}\nnext: {advice(unmet.reason)}")
 
 
 def _settings(case: Case, given: Mapping[str, float]) -> dict[str, Any]:

@@ -234,10 +234,10 @@ def _executed(
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
     request = request_at(template, values, start)
-    reason = exclusion(template, request.parameters)
-    return (
-        Outcome("not_computed", reason) if reason else _placed(execute(request), request, template)
-    )
+    unmet = exclusion(template, values)
+    if unmet is not None:
+        return Outcome("not_computed", unmet.reason)
+    return _placed(execute(request), request, template)
 
 
 def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
