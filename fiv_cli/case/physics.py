@@ -7,15 +7,16 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from fiv_cli.case.names import ascii_name, listed, nearest, suggest
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import FrictionTable, ModelTable, check_quantity
+from fiv_cli.case.structure import FrictionTable, ModelTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.case.units import convert
 from fiv_cli.friction import TANH_OF, get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import check_quantity
 
 
 @dataclass(frozen=True)
