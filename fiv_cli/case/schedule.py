@@ -10,7 +10,7 @@ from fiv_cli.analyses import all_analyses, get_analysis
 from fiv_cli.case.analysis import varying
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.grid import fixed_places
-from fiv_cli.case.physics import Physics, allowed, quantity
+from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import CurveTable
 from fiv_cli.case.tables import read_table
@@ -162,9 +162,9 @@ def _listed(
 
 def _value(parameter: Parameter, value: object, place: Path, report: Report) -> float | None:
     try:
-        return quantity(parameter, value)
+        return parameter.read(value)
     except ValueError as error:
-        report.add(place, str(error), allowed(parameter))
+        report.add(place, str(error), parameter.allowed)
         return None
 
 
