@@ -13,7 +13,6 @@ from fiv_cli.case.analysis import read_analyses
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.grid import MOST_POINTS, Grid, count_points, read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
-from fiv_cli.case.names import listed, nearest, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.physics import Physics, read_physics
 from fiv_cli.case.refinement import refuse_chains
@@ -30,6 +29,7 @@ from fiv_cli.errors import CaseError, Problem, UsageError
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Model, Parameter, Requirement
+from fiv_cli.notation.names import listed, nearest, suggest
 
 # What decides which variables there will be.
 DECIDE_VARIABLES = ("analyses", "axes", "law", "options")

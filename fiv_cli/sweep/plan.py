@@ -24,7 +24,6 @@ from fiv_cli.analyses.variables import Variable
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.lines import locate
-from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.report import dotted
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout, varying_in
@@ -32,6 +31,7 @@ from fiv_cli.errors import CaseError, Problem
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
+from fiv_cli.notation.names import listed, suggest
 from fiv_cli.reading.asked import refuse_what_will_not_be_there
 from fiv_cli.sweep.points import (
     StartEntry,

@@ -132,7 +132,7 @@ class Result:
 def run_task(task: Task) -> Result:
     """Run every point of a task."""
     begun = time.perf_counter()
-    execute = _imported(task.executor)
+    execute = imported(task.executor)
     outcomes: list[Outcome] = []
     keys: list[bytes] = []
     states: dict[int, ChainState] = {}
@@ -275,9 +275,10 @@ def _stored_form(carry: Any) -> dict[str, Any]:
     return form
 
 
-def _imported(path: str) -> Callable[[Request], Outcome]:
+def imported(path: str) -> Callable[..., Any]:
+    """The function that ``module:function`` names."""
     module, _, name = path.partition(":")
-    function: Callable[[Request], Outcome] = getattr(importlib.import_module(module), name)
+    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return function
 
 
