@@ -92,6 +92,19 @@ def answer(request: Request) -> Outcome:
     )
 
 
+MOTIONS: list[Request] = []
+"""Requests for a motion that `motion` was asked."""
+
+
+def motion(request: Request) -> Outcome:
+    """A motion of three samples, or `answer` where no motion is asked for."""
+    if request.analysis != "history":
+        return answer(request)
+    MOTIONS.append(request)
+    time = np.linspace(0.0, 1.0, 3)
+    return Outcome(values={"time": time, "x": time})
+
+
 def counted(request: Request) -> Outcome:
     """`answer`, leaving one line per run in the file that FIV_TEST_COUNT names."""
     with Path(os.environ["FIV_TEST_COUNT"]).open("a") as file:

@@ -29,6 +29,7 @@ FLOORS = {
     "fourier": 0,
     "friction": 1,
     "models": 1,
+    "notation": 0,
     "plate": 1,
     "schedule": 0,
     "codegen": 2,

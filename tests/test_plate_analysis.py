@@ -111,8 +111,8 @@ def test_an_excited_disc_needs_a_doublet(given: str) -> None:
 def test_points_off_the_disc_are_not_computed() -> None:
     case = parse_case(CASE + "[grid]\nr0 = [0.1, 0.12, 0.13]\n", "a.toml")
     (plan,) = make_plan(case).analyses
-    assert plan.excluded() == 1
-    assert "off the disc" in "\n".join(make_plan(case).describe())
+    assert plan.excluded() == {"the slider is not on the disc": 1}
+    assert "1 point where the slider is not on the disc" in "\n".join(make_plan(case).describe())
 
 
 @pytest.mark.parametrize("kind", ["history", "response", "equilibrium", "eigenvalues"])

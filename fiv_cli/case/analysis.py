@@ -11,23 +11,16 @@ from fiv_cli.analyses.base import Analysis, Question, Section, Setting, Varied
 from fiv_cli.analyses.rest.linear import SYSTEM
 from fiv_cli.analyses.spectra.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
 from fiv_cli.case.case import AnalysisSpec, Axis
-from fiv_cli.case.names import ascii_name, listed, nearest, suggest
-from fiv_cli.case.physics import Physics, allowed, note_no_state, quantity
+from fiv_cli.case.physics import Physics, note_no_state
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import ATTRACTORS
-from fiv_cli.case.structure import (
-    AnalysisTable,
-    QuestionTable,
-    SectionTable,
-    check_interval,
-    check_number,
-    check_quantity,
-    describe,
-)
+from fiv_cli.case.structure import AnalysisTable, QuestionTable, SectionTable
 from fiv_cli.case.tables import read_table, read_tables
-from fiv_cli.case.units import convert
 from fiv_cli.friction import all_laws
 from fiv_cli.models.base import Parameter
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import check_interval, check_number, check_quantity, describe
 
 NUMBERS = ("L_s", "period", "multiplicity", "period_ratio", "response_frequency", "lyapunov")
 EXTREMES = ("min", "max", "rms")
@@ -276,9 +269,9 @@ class _Reader:
         if parameter is None:
             return 0.0, 1.0
         try:
-            ends = quantity(parameter, low), quantity(parameter, high)
+            ends = parameter.read(low), parameter.read(high)
         except ValueError as error:
-            raise ValueError(f"{error}; {parameter.name} is {allowed(parameter)}") from None
+            raise ValueError(f"{error}; {parameter.name} is {parameter.allowed}") from None
         if not ends[0] < ends[1]:
             raise ValueError(f"{ends[0]!r} is not below {ends[1]!r}")
         return ends

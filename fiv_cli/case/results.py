@@ -9,19 +9,13 @@ from typing import Any
 
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
 from fiv_cli.case.conditions import parse_condition
-from fiv_cli.case.names import ascii_name, can_name_a_file, listed, suggest
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import (
-    ClaimTable,
-    FigureTable,
-    ReduceTable,
-    ShareTable,
-    check_number,
-    describe,
-)
+from fiv_cli.case.structure import ClaimTable, FigureTable, ReduceTable, ShareTable
 from fiv_cli.case.tables import read_tables
-from fiv_cli.case.units import convert
+from fiv_cli.notation.names import ascii_name, can_name_a_file, listed, suggest
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import check_number, describe
 
 # The classes of motion that the variable `attractor` can hold.
 ATTRACTORS = (

@@ -10,13 +10,14 @@ from fiv_cli.analyses import all_analyses, get_analysis
 from fiv_cli.case.analysis import varying
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.grid import fixed_places
-from fiv_cli.case.names import ascii_name, listed, suggest
-from fiv_cli.case.physics import Physics, allowed, quantity
+from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import CurveTable, check_quantity, describe
+from fiv_cli.case.structure import CurveTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.case.units import convert
 from fiv_cli.models.base import Forcing, Parameter
+from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import check_quantity, describe
 from fiv_cli.schedule import STEADY, Points, Schedule, make_schedule
 
 _FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
@@ -161,9 +162,9 @@ def _listed(
 
 def _value(parameter: Parameter, value: object, place: Path, report: Report) -> float | None:
     try:
-        return quantity(parameter, value)
+        return parameter.read(value)
     except ValueError as error:
-        report.add(place, str(error), allowed(parameter))
+        report.add(place, str(error), parameter.allowed)
         return None
 
 

@@ -10,16 +10,11 @@ from typing import Any
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis, Setting
-from fiv_cli.case.structure import (
-    INTERVAL_SCHEMA,
-    QUANTITY_SCHEMA,
-    CaseTable,
-    QuestionTable,
-    SectionTable,
-)
+from fiv_cli.case.structure import CaseTable, QuestionTable, SectionTable
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
+from fiv_cli.notation.values import INTERVAL_SCHEMA, QUANTITY_SCHEMA
 
 Schema = dict[str, Any]
 

@@ -8,9 +8,9 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from fiv_cli.case.names import listed, nearest, suggest
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import describe
+from fiv_cli.notation.names import listed, nearest, suggest
+from fiv_cli.notation.values import describe
 
 MOST_TABLES = 2000
 """Elements of an array of tables; of starts, one table may give as many as one likes."""

@@ -107,7 +107,7 @@ def _parts(place: str) -> list[str]:
 
 def _seconds(option: str, text: str | None) -> float | None:
     """A positive time in s; a plain number or one with its unit."""
-    from fiv_cli.case.units import convert
+    from fiv_cli.notation.units import convert
 
     if text is None:
         return None

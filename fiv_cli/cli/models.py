@@ -69,7 +69,7 @@ def _show_laws(name: str | None, as_json: bool) -> None:
 
 def _pick(name: str, known: Mapping[str, Any], what: str, listing: str) -> Any:
     """The thing called `name`; UsageError with a "did you mean" when there is none."""
-    from fiv_cli.case.names import suggest
+    from fiv_cli.notation.names import suggest
 
     if name not in known:
         hint = suggest(name, known.keys())

@@ -27,9 +27,9 @@ def command(model: str, kind: str) -> None:
       fiv new pin-on-disc --analysis response > a.toml
     """
     from fiv_cli.analyses import all_analyses
-    from fiv_cli.case.names import listed, suggest
     from fiv_cli.case.template import case_template
     from fiv_cli.models import all_models
+    from fiv_cli.notation.names import listed, suggest
 
     models, analyses = all_models(), all_analyses()
     for what, name, known in (("model", model, models), ("analysis", kind, analyses)):

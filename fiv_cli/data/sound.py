@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.case.names import can_name_a_file
 from fiv_cli.case.structure import FigureTable
 from fiv_cli.flags import ATTRACTOR, CONTACT_STATE
+from fiv_cli.notation.names import can_name_a_file
 
 if TYPE_CHECKING:
     import xarray as xr

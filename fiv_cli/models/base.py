@@ -20,6 +20,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import check_quantity
+
 Options = Mapping[str, str]
 
 
@@ -52,6 +55,54 @@ class Parameter:
     exclusive: bool = False
     integer: bool = False
     default_from: str | None = None
+
+    @property
+    def allowed(self) -> str:
+        """What it may be, in one line."""
+        kind = "a whole number" if self.integer else "a number"
+        unit = "" if self.unit == "1" else f" in {self.unit}"
+        bounds = []
+        if self.minimum != float("-inf"):
+            bounds.append(f"{'>' if self.exclusive else '>='} {self.minimum:g}")
+        if self.maximum != float("inf"):
+            bounds.append(f"<= {self.maximum:g}")
+        range_ = f", {' and '.join(bounds)}" if bounds else ""
+        return f"{kind}{unit}{range_} ({self.meaning})"
+
+    def read(self, value: object) -> float:
+        """`value` of a case file in SI; ValueError when it is not allowed."""
+        return self.checked(convert(check_quantity(value), self.unit))
+
+    def checked(self, number: float) -> float:
+        """`number` (SI); ValueError when it is not allowed."""
+        low = number > self.minimum if self.exclusive else number >= self.minimum
+        if not (low and number <= self.maximum):
+            raise ValueError(f"{number!r} is out of range")
+        if self.integer and number != int(number):
+            raise ValueError(f"{number!r} is not a whole number")
+        return number
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What parameters must be to one another: where they are not, nothing is computed.
+
+    Attributes
+    ----------
+    reads : the parameters that decide
+    holds : parameters -> whether they are as they must be
+    rule : what they must be, in one line
+    fault : what is wrong where they are not, in words
+    reason : what a point is told where they are not, see ``fiv_cli/flags.py``
+    in_motion : harmless where no motion is followed
+    """
+
+    reads: tuple[str, ...]
+    holds: Callable[[Mapping[str, float]], bool]
+    rule: str
+    fault: str
+    reason: str
+    in_motion: bool = False
 
 
 @dataclass(frozen=True)
@@ -231,6 +282,7 @@ class Model:
         displacement of the disc there, in the space-fixed frame; None without an elastic disc
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     vibration : coordinates that L_s counts (thesis 6.20, 6.42); none named: all
+    requirements : what its parameters, and those of its laws, must be to one another
     """
 
     name: str
@@ -251,6 +303,7 @@ class Model:
         None
     )
     vibration: tuple[str, ...] = ()
+    requirements: tuple[Requirement, ...] = ()
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

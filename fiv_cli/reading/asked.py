@@ -14,7 +14,6 @@ from fiv_cli.analyses.variables import Variable, motions, variables_of
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.lines import locate
 from fiv_cli.case.load import load_case
-from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.report import Path, Report, in_order
 from fiv_cli.case.results import TRENDS
@@ -23,6 +22,7 @@ from fiv_cli.data.layout import varying_in
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
+from fiv_cli.notation.names import listed, suggest
 
 # What a sweep that is refined tells of each point besides.
 OF_REFINED = "computed"

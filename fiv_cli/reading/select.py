@@ -16,9 +16,9 @@ import numpy as np
 import xarray as xr
 
 from fiv_cli.case.conditions import parse_condition
-from fiv_cli.case.names import ascii_name
-from fiv_cli.case.units import convert
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import ascii_name
+from fiv_cli.notation.units import convert
 
 # Two doubles nearest to the same decimal differ by less.
 SAME = 1e-9

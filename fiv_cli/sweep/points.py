@@ -21,11 +21,13 @@ from fiv_cli.analyses.base import (
     Setup,
     SolverSettings,
     Start,
-    friction_rises,
-    off_the_plate,
+    broken,
 )
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+from fiv_cli.models.base import Requirement
 
 Values = tuple[Any, ...]
 
@@ -75,7 +77,7 @@ class Template:
     followers : (parameter, leader): parameters that take another one's value unless given
     axes : (name, kind) of every axis, in order
     entries : the starts; a single None where the analysis has none
-    linear : mu_k > mu_s is harmless
+    linear : no motion is followed
     base : digest of everything that decides a point but its axis values and its start
     schedule : parameters that vary in time
     """
@@ -112,12 +114,13 @@ def law_at(template: Template, values: Values) -> str:
     return laws[0] if laws else template.law
 
 
-def exclusion(template: Template, parameters: Mapping[str, float]) -> str:
-    """Reason why a point must not be computed; empty when it may be."""
-    if off_the_plate(parameters) or template.linear:
-        return off_the_plate(parameters)
+def exclusion(template: Template, values: Values) -> Requirement | None:
+    """What the parameters of a point do not meet, so that it is not computed; None when it is."""
+    model, law = get_model(template.model), get_law(law_at(template, values))
+    parameters = parameters_at(template, values)
     varied = ({**parameters, **template.schedule.values(t)} for t in template.schedule.instants)
-    return next(filter(None, map(friction_rises, varied)), "")
+    unmet = (broken(model, law, there, template.linear) for there in varied)
+    return next(filter(None, unmet), None)
 
 
 def request_at(template: Template, values: Values, start: Start | None) -> Request:

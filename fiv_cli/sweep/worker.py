@@ -131,7 +131,7 @@ class Result:
 def run_task(task: Task) -> Result:
     """Run every point of a task."""
     begun = time.perf_counter()
-    execute = _imported(task.executor)
+    execute = imported(task.executor)
     outcomes: list[Outcome] = []
     keys: list[bytes] = []
     states: dict[int, ChainState] = {}
@@ -233,10 +233,10 @@ def _executed(
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
     request = request_at(template, values, start)
-    reason = exclusion(template, request.parameters)
-    return (
-        Outcome("not_computed", reason) if reason else _placed(execute(request), request, template)
-    )
+    unmet = exclusion(template, values)
+    if unmet is not None:
+        return Outcome("not_computed", unmet.reason)
+    return _placed(execute(request), request, template)
 
 
 def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
@@ -274,9 +274,10 @@ def _stored_form(carry: Any) -> dict[str, Any]:
     return form
 
 
-def _imported(path: str) -> Callable[[Request], Outcome]:
+def imported(path: str) -> Callable[..., Any]:
+    """The function that ``module:function`` names."""
     module, _, name = path.partition(":")
-    function: Callable[[Request], Outcome] = getattr(importlib.import_module(module), name)
+    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return function
 
 
