@@ -77,8 +77,7 @@ def variables_of(
     """
     states = model.states(options)
     contact = ("contact",) if model.contacts > 1 else ()
-    by_kind = _VARYING_BY_KIND if varying and kind in _VARYING_BY_KIND else _BY_KIND
-    own = by_kind[kind](states, contact, settings)
+    own = _BY_KIND[kind](states, contact, settings)
     if kind == "equilibrium" and model.surface is not None:
         own.append(Variable("w", "m", "displacement of the disc at the contact", ("solution",)))
     over_time = [Variable(p.name, p.unit, p.meaning, ("time",), symbol=p.symbol) for p in varying]
@@ -562,9 +561,6 @@ def _plate(
     ]
 
 
-_VARYING_BY_KIND = {"spectrum": _spectrogram}
-"""Where parameters vary in time, analyses that have other variables then."""
-
 _BY_KIND = {
     "history": _history,
     "equilibrium": _equilibrium,
@@ -572,6 +568,7 @@ _BY_KIND = {
     "critical": _critical,
     "response": _response,
     "spectrum": _spectrum,
+    "spectrogram": _spectrogram,
     "boundary": _boundary,
     "cycle": _cycle,
     "plate": _plate,
