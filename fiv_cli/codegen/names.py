@@ -1,8 +1,15 @@
-"""Names that equations and generated code must agree on."""
+"""The numbers that equations and generated code may name."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 
-def rate_of(parameter: str) -> str:
-    """Name of the rate of a parameter that varies in time."""
-    return f"{parameter}.rate"
+from fiv_cli.friction.base import Law
+from fiv_cli.models.base import Model
+
+
+def parameter_names(model: Model, law: Law, options: Mapping[str, str]) -> list[str]:
+    """What equations may name: parameters of the model, then of the law, then derived numbers."""
+    own = [p.name for p in model.parameters]
+    theirs = [p.name for p in law.parameters if p.name not in own]
+    return [*own, *theirs, *(model.derived.names(options) if model.derived else ())]

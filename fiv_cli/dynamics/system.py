@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from fiv_cli.codegen.generate import JACOBIAN, Generated, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.names import rate_of
 from fiv_cli.dynamics.schedule import STEADY, Schedule
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Model
+from fiv_cli.models.base import Model, rate_of
 
 SystemKey = tuple[
     str, str, tuple[tuple[str, str], ...], tuple[tuple[str, float], ...], int, Schedule
