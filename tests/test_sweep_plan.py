@@ -219,10 +219,11 @@ def test_a_law_sees_its_own_parameters_only() -> None:
     )
     coulomb = request_at(plan.template, ("coulomb", 2.0), None)
     hyperbolic = request_at(plan.template, ("hyperbolic", 2.0), None)
-    assert (coulomb.law, hyperbolic.law) == ("coulomb", "hyperbolic")
+    names = [request.setup.law.name for request in (coulomb, hyperbolic)]
+    assert names == ["coulomb", "hyperbolic"]
     assert "mu_s" in coulomb.parameters and "mu_s" not in hyperbolic.parameters
     assert hyperbolic.parameters["k"] == 2.0
-    assert {request.law for request in plan.systems()} == {"coulomb", "hyperbolic"}
+    assert {request.setup.law.name for request in plan.systems()} == {"coulomb", "hyperbolic"}
 
 
 def test_a_million_points_are_planned_without_listing_them() -> None:

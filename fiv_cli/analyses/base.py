@@ -11,8 +11,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from fiv_cli.dynamics.schedule import STEADY, Points, Schedule
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.settings import Section, SolverSettings
+from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
     from fiv_cli.friction.base import Law
@@ -27,6 +28,7 @@ __all__ = [
     "Schedule",
     "Section",
     "Setting",
+    "Setup",
     "SolverSettings",
     "Start",
     "Varied",
@@ -186,7 +188,7 @@ class Analysis:
     linear : no motion is followed: some requirements fall away, tangents are not carried
     varying : whether parameters may vary in time
     unsuited : model -> why it cannot be analysed so; empty where it can
-    generated : whether `run` takes a compiled system; otherwise `execute.Plain` is enough
+    generated : whether `run` takes a compiled system; otherwise its `Setup` is enough
     chains : whether a point may continue from its neighbour along an axis
     recorded : ``(schedule) -> bool``: whether `run` follows a motion and no more, so that tangents
         are not needed nor, from a given state, equilibria

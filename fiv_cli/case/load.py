@@ -24,12 +24,12 @@ from fiv_cli.case.starts import read_starts
 from fiv_cli.case.structure import CaseTable, HeaderTable
 from fiv_cli.case.tables import keys_of, read_table
 from fiv_cli.case.toml import MOST_BYTES, TooMuchError, parse_toml, too_large
-from fiv_cli.dynamics.schedule import STEADY
 from fiv_cli.errors import CaseError, Problem, UsageError
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Model, Parameter, Requirement
 from fiv_cli.notation.names import listed, nearest, suggest
+from fiv_cli.schedule import STEADY
 
 # What decides which variables there will be.
 DECIDE_VARIABLES = ("analyses", "axes", "law", "options")

@@ -9,12 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import sympy
-
-if TYPE_CHECKING:
-    from sympy import Expr
+from sympy import Expr
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,12 @@ which is the one to use.
 from __future__ import annotations
 
 from collections.abc import Mapping
+<<<<<<< HEAD
 from typing import TYPE_CHECKING
+=======
+from functools import cache
+from typing import Any
+>>>>>>> main
 
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Parameter
@@ -29,6 +34,7 @@ FAST_VELOCITY = Parameter(
 )
 
 
+@cache
 def averaged(law: Law, reversing: bool) -> Law:
     """`law` averaged over a fast slip velocity that does, or does not, reverse slip.
 

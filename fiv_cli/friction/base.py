@@ -35,7 +35,7 @@ class Slip:
     states: Mapping[str, Expr] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Law:
     """A friction law.
 

@@ -269,7 +269,7 @@ class Equations:
     zone: Zone | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Model:
     """A mechanical model: what the user sees, and where its equations are.
 

@@ -18,6 +18,7 @@ import numpy as np
 from fiv_cli.analyses.base import (
     STEADY,
     Schedule,
+    Setup,
     SolverSettings,
     Start,
     broken,
@@ -70,7 +71,7 @@ class Template:
 
     Attributes
     ----------
-    model, law, options : as in `Request`; what an axis varies is overridden by it
+    model, law, options : names, and every option; what an axis varies is overridden by it
     parameters : law -> values that no axis varies, SI
     names : law -> names of all parameters of the model and the law
     followers : (parameter, leader): parameters that take another one's value unless given
@@ -124,17 +125,16 @@ def exclusion(template: Template, values: Values) -> Requirement | None:
 
 def request_at(template: Template, values: Values, start: Start | None) -> Request:
     """The run of a point from `start`."""
-    return Request(
-        model=template.model,
-        law=law_at(template, values),
-        options={**template.options, **_of_kind(template, values, "option")},
-        parameters=parameters_at(template, values),
-        analysis=template.analysis,
-        settings=template.settings,
-        solver=template.solver,
-        start=start,
-        schedule=template.schedule,
+    parameters = parameters_at(template, values)
+    setup = Setup.of(
+        template.model,
+        law_at(template, values),
+        {**template.options, **_of_kind(template, values, "option")},
+        parameters,
+        template.solver.rtol,
+        template.schedule,
     )
+    return Request(setup, parameters, template.analysis, template.settings, template.solver, start)
 
 
 def place_digest(template: Template, values: Values) -> bytes:

@@ -74,7 +74,8 @@ class _Runs:
         return Look(value, answer, label, outcome.carry)
 
     def _outcome(self, parameters: Mapping[str, float], origin: Look | None) -> Outcome:
-        unmet = broken(self.system.model, self.system.law, parameters)
+        setup = self.system.setup
+        unmet = broken(setup.model, setup.law, parameters)
         if unmet is not None:
             return Outcome("not_computed", unmet.reason)
         start = self.start.at(parameters)

@@ -102,7 +102,7 @@ class Continuation:
     def invalid(self, value: float) -> str:
         """Reason why there is nothing to compute at `value`; empty where there is."""
         system = self.problem.system
-        unmet = broken(system.model, system.law, self.at(value).parameters)
+        unmet = broken(system.setup.model, system.setup.law, self.at(value).parameters)
         return "" if unmet is None else unmet.reason
 
     def at(self, value: float) -> Problem:
