@@ -13,17 +13,8 @@ from numpy.typing import NDArray
 
 from fiv_cli.codegen.generate import JACOBIAN, Generated, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-<<<<<<< HEAD
-from fiv_cli.dynamics.schedule import STEADY, Schedule
-from fiv_cli.dynamics.settings import SolverSettings
-from fiv_cli.friction import get_law
-from fiv_cli.friction.base import Law
-from fiv_cli.models import get_model
-from fiv_cli.models.base import Model, rate_of
-=======
-from fiv_cli.models.base import rate_of
 from fiv_cli.codegen.setup import Setup
->>>>>>> main
+from fiv_cli.models.base import rate_of
 
 Vector = NDArray[np.float64]
 

@@ -16,12 +16,8 @@ which is the one to use.
 from __future__ import annotations
 
 from collections.abc import Mapping
-<<<<<<< HEAD
-from typing import TYPE_CHECKING
-=======
 from functools import cache
-from typing import Any
->>>>>>> main
+from typing import TYPE_CHECKING
 
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Parameter
