@@ -10,15 +10,13 @@ from typing import Any
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.settings import ParameterName, Refusal, read_settings
+from fiv_cli.analyses.variables import variables_of
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import AnalysisTable
 from fiv_cli.case.tables import read_tables
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
-
-NUMBERS = ("L_s", "period", "multiplicity", "period_ratio", "response_frequency", "lyapunov")
-EXTREMES = ("min", "max", "rms")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
@@ -50,9 +48,8 @@ class Surroundings(Physics):
 
     def numbers(self) -> list[str]:
         """The variables of a `response` that are one number at each point."""
-        shares = ("stick_fraction", "slip_fraction", "separation_fraction")
-        extremes = [f"{state}_{kind}" for state in self.units_of_states() for kind in EXTREMES]
-        return [*NUMBERS, *(shares if self.model.contacts == 1 else ()), *extremes]
+        held = variables_of("response", self.model, self.options, {})
+        return [variable.name for variable in held if variable.askable]
 
 
 def read_analyses(

@@ -11,20 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings
+from fiv_cli.analyses.base import Analysis, Outcome, Setup, SolverSettings
 from fiv_cli.analyses.settings import Integer
 from fiv_cli.models import disc
 from fiv_cli.plate import mode
 
 if TYPE_CHECKING:
-    from fiv_cli.analyses.execute import Plain
     from fiv_cli.models.base import Model
 
 NODE = 1e-9  # a mode whose shape at r0 is below this share of its largest has a node there
 
 
 def plate_modes(
-    system: Plain,
+    setup: Setup,
     parameters: Mapping[str, float],
     start: None,
     settings: Mapping[str, Any],
@@ -36,7 +35,7 @@ def plate_modes(
     that acts there moves them.
     """
     plate, r0 = disc.plate_of(parameters), parameters["r0"]
-    pairs = disc.modes(system.options)
+    pairs = disc.modes(setup.options)
     circles, diameters = (max(numbers) + 1 for numbers in zip(*pairs, strict=True))
     frequency = np.full((circles, diameters), np.nan)
     inverse_mass = frequency.copy()
