@@ -67,7 +67,7 @@ def case(text: str = BELT, *overrides: str) -> Case:
 
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:
     """Nothing has to be compiled; the requests must be sound all the same."""
-    assert all(request.model for request in requests)
+    assert all(request.setup for request in requests)
 
 
 def answer(request: Request) -> Outcome:

@@ -17,9 +17,10 @@ import sympy
 
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.names import rate_of
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.codegen.symbols import Symbols, parameter_names
-from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Contact, Equations, Model
+from fiv_cli.friction.base import Slip
+from fiv_cli.models.base import Contact, Equations
 
 SLIP, STICK, SEPARATION = 0, 1, 2
 
@@ -109,41 +110,25 @@ def index_of(kinds: Sequence[int]) -> int:
     return sum(kind * 3**place for place, kind in enumerate(kinds))
 
 
-def derive(
-    model: Model,
-    law: Law,
-    options: Mapping[str, str],
-    structural: Mapping[str, float],
-    scheduled: tuple[str, ...] = (),
-) -> Derivation:
-    """Derive all contact states of `model` under `options` with `law`.
-
-    `scheduled` names the parameters that vary (linearly) in time.
-    """
-    return _Deriver(model, law, options, structural, scheduled).derive()
+def derive(setup: Setup) -> Derivation:
+    """Derive all contact states."""
+    return _Deriver(setup).derive()
 
 
 class _Deriver:
-    def __init__(
-        self,
-        model: Model,
-        law: Law,
-        options: Mapping[str, str],
-        structural: Mapping[str, float],
-        scheduled: tuple[str, ...],
-    ) -> None:
-        self.law = law
-        self.symbols = Symbols(structural, scheduled)
+    def __init__(self, setup: Setup) -> None:
+        self.law, scheduled = setup.law, setup.schedule.names
+        self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
-        self.equations: Equations = model.equations(self.symbols, options)
+        self.equations: Equations = setup.model.equations(self.symbols, setup.options)
         self.contacts = self.equations.contacts
-        self.coordinates = [state.name for state in model.states(options)]
+        self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
             f"{name}_{i + 1}" if len(self.contacts) > 1 else name
             for i in range(len(self.contacts))
-            for name in law.states
+            for name in self.law.states
         ]
-        self.parameters = parameter_names(model, law, options)
+        self.parameters = parameter_names(setup)
         self.parameters += [rate_of(name) for name in scheduled]
         self.law_forces = [self._law_force(i) for i in range(len(self.contacts))]
 

@@ -15,21 +15,20 @@ from fiv_cli.codegen.eliminate import without_modes
 from fiv_cli.codegen.emit import constants
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.reduction import ELIMINATED, FUNCTION, Reduction, Slots, Statics
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.codegen.symbols import Symbols, parameter_names
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Contact, Equations, Model
+from fiv_cli.models.base import Contact, Equations
 
 MOST_REDUCTIONS = 3
 LONG_SUM = 4  # terms; sums over the thesis' seven modes, four frequencies, are not longer
 
 
-def derive_statics(
-    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
-) -> Statics:
-    """What is known of `model` with `law` at rest, every contact closed and slipping."""
-    symbols = Symbols(structural)
-    contacts = model.equations(symbols, options).contacts
-    rest = _at_rest(model, law, options, symbols)
+def derive_statics(setup: Setup) -> Statics:
+    """What is known of a system at rest, every contact closed and slipping."""
+    symbols = Symbols(setup.structural)
+    contacts = setup.model.equations(symbols, setup.options).contacts
+    rest = _at_rest(setup, symbols)
     return Statics(
         bilateral=tuple(map(_is_bilateral, contacts)),
         determined=tuple(c.gap_coordinate for c in contacts if c.gap_coordinate is not None),
@@ -74,18 +73,18 @@ class _Rest:
         return expression.func(*map(self.with_atoms, expression.args))
 
 
-def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbols) -> _Rest | None:
+def _at_rest(setup: Setup, symbols: Symbols) -> _Rest | None:
     """The equations at rest; None where they are not polynomial in the unknowns."""
-    if law.states:
+    if setup.law.states:
         return None
-    equations = model.equations(symbols, options)
-    names = [state.name for state in model.states(options)]
+    equations = setup.model.equations(symbols, setup.options)
+    names = [state.name for state in setup.model.states(setup.options)]
     count = len(equations.contacts)
     unknowns = [symbols.normal_force(i) for i in range(count)]
     unknowns += [symbols.coordinate(name) for name in names]
     still = {symbols.velocity(name): 0 for name in names} | {symbols.time: 0}
     still |= {symbols.closed(i): 1 for i in range(count)}
-    friction = _friction(symbols, law, equations)
+    friction = _friction(symbols, setup.law, equations)
     coefficients: dict[Any, Any] = {}
     forces = {
         symbol: _shortened(force.subs(still), unknowns, coefficients)
@@ -94,7 +93,7 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
     vanishing += [equations.accelerations[name] for name in names]
     exact = [sympy.sympify(e).subs(forces).subs(still) for e in vanishing]
-    parameters = _parameters(model, law, options, symbols, count)
+    parameters = _parameters(setup, symbols, count)
     laid_out = dict(zip(unknowns, exact, strict=True))
     return _polynomial(laid_out, unknowns[count:], parameters, coefficients)
 
@@ -107,12 +106,9 @@ def _shortened(force: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> An
     return atoms.setdefault(coefficient, sympy.Dummy(real=True)) * rest
 
 
-def _parameters(
-    model: Model, law: Law, options: Mapping[str, str], symbols: Symbols, count: int
-) -> dict[Any, str]:
+def _parameters(setup: Setup, symbols: Symbols, count: int) -> dict[Any, str]:
     """Symbol -> name of every parameter, derived number, sign of slip, and of the zone."""
-    listed = parameter_names(model, law, options)
-    found = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
+    found = {sympy.Symbol(f"p.{name}", real=True): name for name in parameter_names(setup)}
     found |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
     return found | {symbols.zone: "zone"}
 

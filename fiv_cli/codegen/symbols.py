@@ -8,8 +8,7 @@ from typing import Any
 import sympy
 
 from fiv_cli.codegen.names import rate_of
-from fiv_cli.friction.base import Law
-from fiv_cli.models.base import Model
+from fiv_cli.codegen.setup import Setup
 
 
 class Symbols:
@@ -70,8 +69,8 @@ class Symbols:
         return outside * (1 - self.zone) + inside * self.zone
 
 
-def parameter_names(model: Model, law: Law, options: Mapping[str, str]) -> list[str]:
+def parameter_names(setup: Setup) -> list[str]:
     """What equations may name: parameters of the model, then of the law, then derived numbers."""
-    own = [p.name for p in model.parameters]
-    theirs = [p.name for p in law.parameters if p.name not in own]
-    return [*own, *theirs, *(model.derived.names(options) if model.derived else ())]
+    own, derived = [p.name for p in setup.model.parameters], setup.model.derived
+    theirs = [p.name for p in setup.law.parameters if p.name not in own]
+    return [*own, *theirs, *(derived.names(setup.options) if derived else ())]

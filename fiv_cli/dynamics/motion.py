@@ -142,7 +142,7 @@ class Motion:
         self.samples = no_samples(system)
         values = system.parameter_values(parameters)
         arrays.floats[layout.given] = values
-        self.kink = self._take_up_schedule(time) if system.schedule.curves else INFINITE
+        self.kink = self._take_up_schedule(time) if system.setup.schedule.curves else INFINITE
         if len(state):
             vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
             arrays.y[:] = vector
@@ -223,7 +223,7 @@ class Motion:
     # --- parameters that vary in time -----------------------------------------------------------
     def _take_up_schedule(self, time: float) -> float:
         """Set what varies to the piece that begins at `time`; returns where it ends, s."""
-        schedule, names = self.system.schedule, self.system.generated.parameter_names
+        schedule, names = self.system.setup.schedule, self.system.generated.parameter_names
         for name, (value, rate) in schedule.piece(time).items():
             self.arrays.parameters[names.index(name)] = value
             self.arrays.parameters[names.index(rate_of(name))] = rate

@@ -16,6 +16,7 @@ which is the one to use.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from fiv_cli.friction.base import Law, Slip
@@ -26,6 +27,7 @@ FAST_VELOCITY = Parameter(
 )
 
 
+@cache
 def averaged(law: Law, reversing: bool) -> Law:
     """`law` averaged over a fast slip velocity that does, or does not, reverse slip.
 

@@ -1,8 +1,9 @@
 """What a friction law is.
 
 To add a law: write ``fiv_cli/friction/my_law.py`` with a docstring (formula and source), its
-parameter table, ``force`` and ``capacity``, and ``LAW = Law(...)``; list it in
-``fiv_cli/friction/__init__.py``; add a row to ``tests/test_friction.py``.
+parameter table, what its parameters must be to one another (`Requirement`), ``force`` and
+``capacity``, and ``LAW = Law(...)``; list it in ``fiv_cli/friction/__init__.py``; add a row to
+``tests/test_friction.py``.
 
 ``force(slip, parameters)`` returns F_T as a SymPy expression. `slip` gives the signed slip
 velocity ``v``, the sign of slip ``sign`` (+1 or -1, a property of the contact state, never
@@ -17,7 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, Requirement
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Slip:
     states: Mapping[str, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Law:
     """A friction law.
 
@@ -50,6 +51,7 @@ class Law:
     average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
         velocity of amplitude U about v: `reversing` says whether it changes the sign of slip
         (U > |v|); None for a law without such a form (see `averaged.py`)
+    requirements : what its parameters must be to one another
     """
 
     name: str
@@ -63,3 +65,4 @@ class Law:
     rates: Callable[[Slip, Mapping[str, Any]], Mapping[str, Any]] | None = None
     structural: tuple[str, ...] = ()
     average: Callable[[Slip, Mapping[str, Any], Any, bool], Any] | None = None
+    requirements: tuple[Requirement, ...] = ()

@@ -12,10 +12,19 @@ from collections.abc import Mapping
 from typing import Any
 
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, Requirement
 
 MU_K = Parameter("mu_k", r"\mu_k", "1", 0.3, "coefficient of kinetic friction", "3.5", minimum=0.0)
 MU_S = Parameter("mu_s", r"\mu_s", "1", 0.4, "coefficient of static friction", "3.9", minimum=0.0)
+
+FALLING = Requirement(
+    ("mu_k", "mu_s"),
+    lambda p: p["mu_k"] <= p["mu_s"],
+    "mu_k <= mu_s",
+    "mu_k is above mu_s",
+    "mu_k_above_mu_s",
+    in_motion=True,
+)
 
 
 def force(slip: Slip, p: Mapping[str, Any]) -> Any:
@@ -45,4 +54,5 @@ LAW = Law(
     force=force,
     capacity=lambda N, p: p["mu_s"] * N,
     average=average,
+    requirements=(FALLING,),
 )

@@ -29,7 +29,7 @@ from functools import cache
 from typing import Any
 
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.friction.coulomb import MU_K, MU_S
+from fiv_cli.friction.coulomb import FALLING, MU_K, MU_S
 from fiv_cli.models.base import Parameter
 
 NODES = 48
@@ -110,4 +110,5 @@ LAW = Law(
     force=force,
     capacity=lambda N, p: p["mu_s"] * N,
     average=average,
+    requirements=(FALLING,),
 )

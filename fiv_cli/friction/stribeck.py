@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.friction.coulomb import MU_K, MU_S
+from fiv_cli.friction.coulomb import FALLING, MU_K, MU_S
 from fiv_cli.models.base import Parameter
 
 
@@ -39,4 +39,5 @@ LAW = Law(
     force=force,
     capacity=lambda N, p: p["mu_s"] * N,
     structural=("delta",),
+    requirements=(FALLING,),
 )

@@ -32,4 +32,5 @@ MODEL = Model(
     options=(disc.MODES,),
     contacts=0,
     derived=disc.DERIVED,
+    requirements=(disc.ON_THE_DISC,),
 )

@@ -84,6 +84,28 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Requirement:
+    """What parameters must be to one another: where they are not, nothing is computed.
+
+    Attributes
+    ----------
+    reads : the parameters that decide
+    holds : parameters -> whether they are as they must be
+    rule : what they must be, in one line
+    fault : what is wrong where they are not, in words
+    reason : what a point is told where they are not, see ``fiv_cli/flags.py``
+    in_motion : harmless where no motion is followed
+    """
+
+    reads: tuple[str, ...]
+    holds: Callable[[Mapping[str, float]], bool]
+    rule: str
+    fault: str
+    reason: str
+    in_motion: bool = False
+
+
+@dataclass(frozen=True)
 class State:
     """A generalised coordinate; its velocity is the state ``name_dot``."""
 
@@ -237,7 +259,7 @@ class Equations:
     zone: Zone | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Model:
     """A mechanical model: what the user sees, and where its equations are.
 
@@ -260,6 +282,7 @@ class Model:
         displacement of the disc there, in the space-fixed frame; None without an elastic disc
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     vibration : coordinates that L_s counts (thesis 6.20, 6.42); none named: all
+    requirements : what its parameters, and those of its laws, must be to one another
     """
 
     name: str
@@ -280,6 +303,7 @@ class Model:
         None
     )
     vibration: tuple[str, ...] = ()
+    requirements: tuple[Requirement, ...] = ()
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from fiv_cli.models.base import Derived, Option, Options, Parameter, State
+from fiv_cli.models.base import Derived, Option, Options, Parameter, Requirement, State
 
 if TYPE_CHECKING:
     from fiv_cli.plate import AnnularPlate
@@ -49,6 +49,14 @@ PLATE = (
     Parameter("E", "E", "Pa", 150e9, "Young's modulus", "Table 4.1", 0.0, exclusive=True),
     Parameter("nu", r"\nu", "1", 0.211, "Poisson's ratio", "Table 4.1", 0.0, 0.5),
     Parameter("r0", "r_0", "m", 0.1, "radius of the slider", "Table 4.1", 0.0, exclusive=True),
+)
+
+ON_THE_DISC = Requirement(
+    ("a", "b", "r0"),
+    lambda p: p["a"] < p["b"] and p["a"] <= p["r0"] <= p["b"],
+    "a < b and a <= r0 <= b",
+    "the slider is not on the disc",
+    "no_plate",
 )
 
 SPEED = Parameter("Omega", r"\Omega", "rad s-1", 10.0, "disc speed", "4.3")

@@ -108,4 +108,5 @@ MODEL = Model(
     derived=disc.DERIVED,
     surface=surface,
     vibration=("phi", "u"),
+    requirements=(disc.ON_THE_DISC,),
 )

@@ -95,4 +95,5 @@ MODEL = Model(
     derived=disc.DERIVED,
     surface=disc.surface,
     vibration=("phi", "z"),
+    requirements=(disc.ON_THE_DISC,),
 )

@@ -117,4 +117,5 @@ MODEL = Model(
     derived=Derived(_names, _values, disc.DERIVED.sources),
     surface=disc.surface,
     vibration=("phi", "u"),
+    requirements=(disc.ON_THE_DISC,),
 )

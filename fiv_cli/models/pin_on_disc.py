@@ -26,6 +26,7 @@ from fiv_cli.models.base import (
     Model,
     Options,
     Parameter,
+    Requirement,
     State,
     Zone,
 )
@@ -104,6 +105,15 @@ def equations(symbols: Any, options: Options) -> Equations:
     )
 
 
+FALLING_ON_THE_SECTOR = Requirement(
+    ("mu_k_2", "mu_s_2", "beta"),
+    lambda p: p["beta"] == 0.0 or p["mu_k_2"] <= p["mu_s_2"],
+    "mu_k_2 <= mu_s_2",
+    "mu_k_2 is above mu_s_2",
+    "mu_k_above_mu_s",
+    in_motion=True,
+)
+
 MODEL = Model(
     name="pin-on-disc",
     title="pin on a spinning disc with an L-mechanism",
@@ -116,4 +126,5 @@ MODEL = Model(
     law_defaults={"mu_s": 0.4, "mu_k": 0.23},
     forcings=(Forcing("beta", lambda p: p["Omega"], "sector of the disc passing the pin"),),
     revolution=lambda p: p["Omega"],
+    requirements=(FALLING_ON_THE_SECTOR,),
 )

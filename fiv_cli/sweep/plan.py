@@ -7,6 +7,7 @@ point but numbers in arrays.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Points, Start
+from fiv_cli.analyses.base import Points, Start, requirements
 from fiv_cli.analyses.execute import Request
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
@@ -40,7 +41,6 @@ from fiv_cli.sweep.points import (
     expand_starts,
     keys_along,
     keys_at,
-    parameters_at,
     place_digests,
     point_key,
     request_at,
@@ -151,19 +151,29 @@ class AnalysisPlan:
         values, index = self.point(position)
         return point_key(self.template, values, self.entry(index), previous)
 
-    def excluded(self) -> int:
-        """Number of points that will not be computed: mu_k > mu_s there, or no such disc."""
+    def excluded(self) -> Counter[str]:
+        """What is wrong with parameters -> number of points that will not be computed for it."""
         axes = [axis for dim in self.layout.dims for axis in dim.axes]
-        steering = {"mu_k", "mu_s", "mu_k_2", "mu_s_2", "beta", "friction", "a", "b", "r0"}
+        steering = self._steering()
         dims = [dim for dim in self.layout.dims if steering & {a.name for a in dim.axes}]
         others = self.size // max(1, int(np.prod([dim.size for dim in dims], dtype=np.int64)))
         first = {axis.name: axis.values[0] for axis in axes}
-        count = sum(bool(self._exclusion({**first, **choice})) for choice in _choices(dims))
-        return count * others
+        points = ({**first, **choice} for choice in _choices(dims))
+        named = (tuple(point[name] for name, _ in self.template.axes) for point in points)
+        unmet = (exclusion(self.template, values) for values in named)
+        faults = Counter(requirement.fault for requirement in unmet if requirement is not None)
+        return Counter({fault: count * others for fault, count in faults.items()})
 
-    def _exclusion(self, by_name: dict[str, Any]) -> str:
-        values = tuple(by_name[name] for name, _ in self.template.axes)
-        return exclusion(self.template, parameters_at(self.template, values))
+    def _steering(self) -> set[str]:
+        """The axes that decide whether a point is computed."""
+        model, laws = get_model(self.template.model), map(get_law, self.template.names)
+        own = (requirements(model, law, self.template.linear) for law in laws)
+        read = {name for some in own for requirement in some for name in requirement.reads}
+        return (
+            read
+            | {leader for name, leader in self.template.followers if name in read}
+            | {"friction"}
+        )
 
     def systems(self) -> Iterator[Request]:
         """One request per combination of what may need other generated code."""
@@ -378,11 +388,8 @@ def _described(analysis: AnalysisPlan) -> list[str]:
         lines.append(
             f"    {entry.label}: {counted(number, 'chain')} of {counted(length)} along {direction}"
         )
-    excluded = analysis.excluded()
-    if excluded:
-        radii = {"a", "b", "r0"} & {axis.name for dim in layout.dims for axis in dim.axes}
-        why = "mu_k > mu_s, or off the disc," if radii else "mu_k > mu_s"
-        lines.append(f"    {excluded} points with {why} will not be computed")
+    for fault, count in analysis.excluded().items():
+        lines.append(f"    {counted(count)} where {fault} will not be computed")
     return lines
 
 

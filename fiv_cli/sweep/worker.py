@@ -28,7 +28,6 @@ from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import from_plain, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
-from fiv_cli.models import get_model
 from fiv_cli.sweep.points import (
     StartEntry,
     Template,
@@ -234,19 +233,19 @@ def _executed(
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
     request = request_at(template, values, start)
-    reason = exclusion(template, request.parameters)
-    return (
-        Outcome("not_computed", reason) if reason else _placed(execute(request), request, template)
-    )
+    unmet = exclusion(template, values)
+    if unmet is not None:
+        return Outcome("not_computed", unmet.reason)
+    return _placed(execute(request), request, template)
 
 
 def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
     """`outcome` over the states of the dataset, where an axis decides which a point has."""
-    if request.options == template.options:
+    options, model = request.setup.options, request.setup.model
+    if options == template.options:
         return outcome
-    model = get_model(request.model)
     variables = variables_of(request.analysis, model, template.options, request.settings)
-    return on_all_states(outcome, model, request.options, template.options, variables)
+    return on_all_states(outcome, model, options, template.options, variables)
 
 
 def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:

@@ -36,7 +36,7 @@ from fiv_cli.analyses.attractor.bisection import (
     scanned,
 )
 from fiv_cli.analyses.attractor.steady_state import steady_state
-from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, friction_rises
+from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, broken
 from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"
@@ -74,8 +74,10 @@ class _Runs:
         return Look(value, answer, label, outcome.carry)
 
     def _outcome(self, parameters: Mapping[str, float], origin: Look | None) -> Outcome:
-        if friction_rises(parameters):
-            return Outcome("not_computed", friction_rises(parameters))
+        setup = self.system.setup
+        unmet = broken(setup.model, setup.law, parameters)
+        if unmet is not None:
+            return Outcome("not_computed", unmet.reason)
         start = self.start.at(parameters)
         if origin is not None:
             start = going_on(start, origin.carry)
