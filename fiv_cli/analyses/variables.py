@@ -240,7 +240,7 @@ def possible_variables(kind: str) -> list[Variable]:
 def every_variable() -> Mapping[str, Variable]:
     """All variables that there are, by name; the state ``state`` stands for those of any model."""
     known = [v for kind in _BY_KIND for v in possible_variables(kind)]
-    return {v.name: v for v in (STATUS, REASON, COMPUTED, *known, *_spectrogram(_ANYTHING))}
+    return {v.name: v for v in (STATUS, REASON, COMPUTED, *known)}
 
 
 def named(name: str) -> Variable:
@@ -765,8 +765,8 @@ _BY_KIND: Mapping[str, Callable[[Subject], list[Variable]]] = {
     "critical": _critical,
     "response": _response,
     "spectrum": _spectrum,
-    "spectrogram": _spectrogram,
     "boundary": _boundary,
     "cycle": _cycle,
     "plate": _plate,
+    "spectrogram": _spectrogram,
 }
