@@ -65,7 +65,7 @@ def command(
 
     provide_cache()
     loaded = api.load(case, overrides)
-    settings = motion_settings(*map(_number_or_text, (t_end, sample)))
+    settings = motion_settings(t_end, sample)
     point = find_point(loaded, parse_places(places))
     path = output or _default_output(loaded, point.place)
     outcome = write_motion(point, settings, path, lambda text: click.echo(text, err=True))
@@ -95,13 +95,6 @@ def _parts(place: str) -> list[str]:
     """`place` divided at its commas, but for those in quotes and brackets."""
     kept = _WHOLE.sub(lambda match: match[0].replace(",", "\0"), place)
     return [part.replace("\0", ",") for part in kept.split(",")]
-
-
-def _number_or_text(text: str | None) -> float | str | None:
-    try:
-        return text if text is None else float(text)
-    except ValueError:
-        return text
 
 
 def _default_output(case: Case, place: dict[str, Any]) -> Path:

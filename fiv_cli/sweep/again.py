@@ -95,8 +95,9 @@ def motion_settings(t_end: float | str | None, sample: float | str | None) -> di
 
 def _seconds(name: str, value: float | str) -> float:
     option = f"--{name.replace('_', '-')}"
+    number = _number(value)
     try:
-        seconds = convert(value, "s")
+        seconds = convert(value if number is None else number, "s")
     except ValueError as error:
         raise UsageError(
             f'{option} {value}: {error}\nnext: {option} 20 or {option} "2 min"'
@@ -224,7 +225,7 @@ def _same(value: Any, text: str) -> bool:
     return number is not None and abs(number - value) <= NEAR * max(abs(number), abs(value))
 
 
-def _number(text: str) -> float | None:
+def _number(text: float | str) -> float | None:
     try:
         return float(text)
     except ValueError:
