@@ -285,7 +285,7 @@ OF_SOLVER = (
     trust("energy_residual", "largest energy imbalance over the energy exchanged"),
     count("n_steps", "integration steps", role=Role.WORK),
     count("n_events", "events (transitions of contact)", role=Role.WORK),
-)  # fmt: skip
+)
 """What every motion says of itself."""
 
 EVENT_RESIDUAL = trust("event_residual", "largest switching function left at an event")
@@ -421,11 +421,11 @@ def _equilibrium(subject: Subject) -> list[Variable]:
         Variable("F_N", "N", "normal contact force", at_contacts, symbol="F_N"),
         Variable("F_T", "N", "tangential contact force", at_contacts, symbol="F_T"),
         trust("residual", "largest acceleration left", "solution"),
-        *(_DISPLACEMENT if subject.surface else ()),
+        *([_DISPLACEMENT] if subject.surface else []),
     ]
 
 
-_DISPLACEMENT = (Variable("w", "m", "displacement of the disc at the contact", "solution"),)
+_DISPLACEMENT = Variable("w", "m", "displacement of the disc at the contact", "solution")
 
 
 def _eigenvalues(subject: Subject) -> list[Variable]:

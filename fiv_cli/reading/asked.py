@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.variables import Variable, motions, variables_of
+from fiv_cli.analyses.variables import COMPUTED, Variable, motions, variables_of
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.lines import locate
 from fiv_cli.case.load import load_case
@@ -23,10 +23,6 @@ from fiv_cli.errors import CaseError, Problem
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed, suggest
-
-# What a sweep that is refined tells of each point besides.
-OF_REFINED = "computed"
-
 
 Held = Mapping[str, Sequence[Variable]]
 """Name of an analysis -> its variables."""
@@ -115,7 +111,7 @@ def _known(
     """
     chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
     found: dict[str, Variable | None] = dict.fromkeys(
-        [*(axis.dim for axis in case.axes), OF_REFINED]
+        [*(axis.dim for axis in case.axes), COMPUTED.name]
     )
     if with_motions:
         own = variables_of("history", get_model(case.model), case.options, {})
