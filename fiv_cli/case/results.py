@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fiv_cli.analyses.variables import own_dims
+from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
 from fiv_cli.case.conditions import parse_condition
 from fiv_cli.case.physics import Physics, note_no_axis

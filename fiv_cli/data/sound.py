@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.analyses.variables import named
+from fiv_cli.analyses.catalogue import named
 from fiv_cli.case.structure import FigureTable
 from fiv_cli.flags import TABLES
 from fiv_cli.notation.names import can_name_a_file

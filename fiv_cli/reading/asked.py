@@ -10,8 +10,9 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import StateName
-from fiv_cli.analyses.variables import COMPUTED, Variable, motions, variables_of
+from fiv_cli.analyses.variables import COMPUTED, Variable, motions
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.lines import locate
 from fiv_cli.case.load import load_case
