@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from math import asin, atan, cos, hypot, inf, nan, pi, sin, sqrt
 from typing import Any
 
-from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
+from fiv_cli.analyses.base import Outcome, Section, Setup, SolverSettings, Start, Varied
+from fiv_cli.codegen.setup import default_parameters
 
 RTOL = 1e-12  # tighter than the default of runs, so that closed forms are met to rounding
 CLOSED = 1e-11  # tolerance against a closed form
@@ -92,34 +93,19 @@ class _Bench:
     ) -> Outcome:
         """One outcome; `changes` are parameters that differ from the defaults."""
         from fiv_cli.analyses import get_analysis
-        from fiv_cli.dynamics.compiled import load_driver
-        from fiv_cli.dynamics.system import build_system
-        from fiv_cli.models import get_model
+        from fiv_cli.analyses.execute import Request, answer, prepare
 
-        chosen = get_model(model).default_options() | dict(options or {})
-        parameters = default_parameters(model, law) | changes
-        solver = SolverSettings(rtol=RTOL)
-        system = build_system(model, law, chosen, parameters, solver, self.announce)
+        setup = Setup.of(model, law, options, rtol=RTOL)
+        parameters = default_parameters(setup.model, setup.law, **changes)
         kind = get_analysis(analysis)
-        if not kind.linear:
-            load_driver(self.announce)
         filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
         begin = Start("start", "state", start) if isinstance(start, Mapping) else start
-        return kind.run(system, parameters, begin, filled, solver)
+        request = Request(setup, parameters, analysis, filled, SolverSettings(rtol=RTOL), begin)
+        prepare([request], self.announce)
+        return answer(request)
 
 
 Problem = Callable[[_Bench], Iterator[Check]]
-
-
-def default_parameters(model: str, law: str) -> dict[str, float]:
-    """Default of every parameter of a model with a law, SI."""
-    from fiv_cli.friction import get_law
-    from fiv_cli.models import get_model
-
-    table = get_model(model)
-    own = (*table.parameters, *table.adopted(get_law(law).parameters))
-    given = {p.name: p.default for p in own if p.default is not None}
-    return given | {p.name: given[p.default_from] for p in own if p.default_from is not None}
 
 
 def _value(outcome: Outcome, name: str) -> float:

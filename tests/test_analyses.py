@@ -17,6 +17,7 @@ from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.history import sample_times
 from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import system as systems
 
 FORCED = {"u0": 0.5, "omega": 1.2}
@@ -441,9 +442,8 @@ def test_after_the_end_of_a_motion_there_are_no_samples() -> None:
 
 # --- execution -----------------------------------------------------------------------------------
 def test_an_exception_is_an_outcome() -> None:
-    request = execute.Request(
-        "belt-1dof", "coulomb", {}, {"m": 1.0}, "response", {}, start=Start("a", "state")
-    )
+    belt, start = Setup.of("belt-1dof", "coulomb"), Start("a", "state")
+    request = execute.Request(belt, {"m": 1.0}, "response", {}, start=start)
     found = execute.execute(request)
     assert (found.status, found.reason) == ("failed", "internal_error")
     assert "KeyError" in found.message
@@ -454,9 +454,8 @@ def test_a_request_gives_what_the_analysis_gives() -> None:
     settings = {"section": Section("event"), "observe": None, "t_max": 1000.0, "transient": 0.0,
                 "lyapunov": "auto"}  # fmt: skip
     start = Start("a", "state", {"x": 0.0})
-    request = execute.Request(
-        "belt-1dof", "coulomb", {}, parameters, "response", settings, start=start
-    )
+    belt = Setup.of("belt-1dof", "coulomb")
+    request = execute.Request(belt, parameters, "response", settings, start=start)
     said: list[str] = []
     execute.prepare([request, request], said.append)
     found = execute.execute(request)
@@ -494,9 +493,8 @@ def test_tangents_are_compiled_only_where_they_are_carried(
     kept = get_analysis(analysis)
     settings = {setting.name: setting.default for setting in kept.settings} | {"t_end": 1.0}
     start = Start("a", kind) if kept.uses_starts else None
-    request = execute.Request(
-        "belt-1dof", "coulomb", {}, parameters, analysis, settings, start=start
-    )
+    belt = Setup.of("belt-1dof", "coulomb")
+    request = execute.Request(belt, parameters, analysis, settings, start=start)
     execute.prepare([request], lambda sentence: None)
     (built,) = systems._BUILT.values()
     assert set(built.generated._engines) == compiled

@@ -31,6 +31,7 @@ FLOORS = {
     "models": 1,
     "notation": 0,
     "plate": 1,
+    "schedule": 0,
     "codegen": 2,
     "dynamics": 3,
     "analyses": 4,

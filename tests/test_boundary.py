@@ -354,7 +354,7 @@ of = { expect = "periodic" }
 """
     )
     assert parse_case(text.replace("LOW", "0.1"), "pin.toml", ()).analyses
-    with pytest.raises(CaseError, match=r"mu_k = 0.25 is above mu_s = 0.2"):
+    with pytest.raises(CaseError, match=r"mu_k = 0.25, mu_s = 0.2: mu_k is above mu_s"):
         parse_case(text.replace("LOW", "0.25"), "pin.toml", ())
 
 

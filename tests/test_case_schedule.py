@@ -192,7 +192,7 @@ def test_points_of_an_axis_are_excluded_where_friction_rises_on_the_way() -> Non
     lines = "mu_k = { start = 0.1, stop = 0.3, over = 1 }"
     text = with_schedule(lines, above="[grid]\nmu_s = [0.2, 0.4]")
     plan = make_plan(parse(text))
-    assert plan.analyses[0].excluded() == 1
+    assert plan.analyses[0].excluded().total() == 1
 
 
 def test_the_plan_prints_it() -> None:

@@ -13,11 +13,12 @@ from motions import TIGHT, defaults
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.cli.main import run
-from fiv_cli.dynamics.schedule import make_schedule
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.system import build_system
 from fiv_cli.errors import UsageError
 from fiv_cli.fourier import HANN_BANDWIDTH, short_time
 from fiv_cli.plots import drawing
+from fiv_cli.schedule import make_schedule
 
 
 # --- the transform --------------------------------------------------------------------------------
@@ -59,7 +60,7 @@ def belt(
     """Spectrogram of a belt that always slips, with scheduled parameters."""
     parameters = defaults("belt-1dof", "coulomb", v=1e6, **changes)
     schedule = make_schedule(curves)
-    built = build_system("belt-1dof", "coulomb", {}, parameters, TIGHT, schedule=schedule)
+    built = build_system(Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule))
     analysis = get_analysis("spectrum")
     filled = {item.name: item.default for item in analysis.settings} | settings
     return analysis.run(built, parameters, Start("a", "state", start), filled, solver)

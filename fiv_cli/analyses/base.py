@@ -11,11 +11,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from fiv_cli.dynamics.schedule import STEADY, Points, Schedule
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.settings import Section, SolverSettings
+from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
-    from fiv_cli.models.base import Model
+    from fiv_cli.friction.base import Law
+    from fiv_cli.models.base import Model, Requirement
 
 __all__ = [
     "STEADY",
@@ -26,6 +28,7 @@ __all__ = [
     "Schedule",
     "Section",
     "Setting",
+    "Setup",
     "SolverSettings",
     "Start",
     "Varied",
@@ -102,28 +105,17 @@ class Question:
     counts: bool = False
 
 
-def off_the_plate(parameters: Mapping[str, float]) -> str:
-    """Reason why the slider is on no disc; empty where it is, or the model has no disc."""
-    if not parameters.keys() >= {"a", "b", "r0"}:
-        return ""
-    a, b, r0 = (parameters[name] for name in ("a", "b", "r0"))
-    return "" if a < b and a <= r0 <= b else "no_plate"
+def broken(
+    model: Model, law: Law, parameters: Mapping[str, float], linear: bool = False
+) -> Requirement | None:
+    """The first requirement of the model and its law that the parameters do not meet, if any."""
+    return next((r for r in requirements(model, law, linear) if not r.holds(parameters)), None)
 
 
-FRICTION_PAIRS = (("mu_k", "mu_s"), ("mu_k_2", "mu_s_2"))
-"""Kinetic and static coefficients that belong together."""
-
-
-def friction_rises(parameters: Mapping[str, float]) -> str:
-    """Reason why a motion must not be computed (mu_k > mu_s); empty when it may be.
-
-    Coefficients of the sector count only where there is one.
-    """
-    for kinetic, static in FRICTION_PAIRS:
-        counts = kinetic != "mu_k_2" or parameters.get("beta", 0.0) > 0.0
-        if counts and parameters.get(kinetic, 0.0) > parameters.get(static, float("inf")):
-            return "mu_k_above_mu_s"
-    return ""
+def requirements(model: Model, law: Law, linear: bool = False) -> list[Requirement]:
+    """What the parameters of a point must be to one another; `linear`: no motion is followed."""
+    own = (*model.requirements, *law.requirements)
+    return [requirement for requirement in own if not (linear and requirement.in_motion)]
 
 
 @dataclass(frozen=True)
@@ -193,10 +185,10 @@ class Analysis:
     run : ``(system, parameters, start, settings, solver) -> Outcome``; `start` is None where
         `uses_starts` is false; `settings` holds every setting, defaults filled in, a section as
         `Section`
-    linear : True where no motion is followed: mu_k > mu_s is harmless, tangents are not carried
+    linear : no motion is followed: some requirements fall away, tangents are not carried
     varying : whether parameters may vary in time
     unsuited : model -> why it cannot be analysed so; empty where it can
-    generated : whether `run` takes a compiled system; otherwise `execute.Plain` is enough
+    generated : whether `run` takes a compiled system; otherwise its `Setup` is enough
     chains : whether a point may continue from its neighbour along an axis
     recorded : ``(schedule) -> bool``: whether `run` follows a motion and no more, so that tangents
         are not needed nor, from a given state, equilibria

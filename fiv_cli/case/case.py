@@ -8,9 +8,9 @@ from typing import Any
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.grammar import Expected
-from fiv_cli.dynamics.schedule import STEADY, Schedule
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
+from fiv_cli.schedule import STEADY, Schedule
 
 
 @dataclass(frozen=True)

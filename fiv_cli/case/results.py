@@ -6,40 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from fiv_cli.analyses.variables import own_dims
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
 from fiv_cli.case.grammar import parse_condition
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, TakeTable
 from fiv_cli.case.tables import read_tables
+from fiv_cli.flags import ATTRACTOR
 from fiv_cli.notation.names import ascii_name, can_name_a_file, listed, suggest
 from fiv_cli.notation.units import convert
 
 # The classes of motion that the variable `attractor` can hold.
-ATTRACTORS = (
-    "equilibrium",
-    "periodic",
-    "quasiperiodic",
-    "chaotic",
-    "undecided",
-    "diverged",
-    "contact_lost",
-)
-_OWN_DIMS = (
-    "mode",
-    "solution",
-    "state",
-    "contact",
-    "multiplier",
-    "time",
-    "frequency",
-    "crossing",
-    "range",
-    "scan",
-    "k",
-    "l",
-    "point",
-)
+ATTRACTORS = tuple(name for name in ATTRACTOR.codes if name != ATTRACTOR.fill)
 
 
 @dataclass(frozen=True)
@@ -153,7 +132,7 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
 
 def _take(table: TakeTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
     """What is taken, its axes by their contract names and its reference in SI."""
-    known = [*answers.axis_names(), "initial", *_OWN_DIMS]
+    known = [*answers.axis_names(), "initial", *own_dims()]
     over = [ascii_name(name).removeprefix("friction.") for name in table.over]
     for name in over:
         if answers.physics is not None and name not in known:
@@ -172,7 +151,7 @@ def _selection(
     given: Mapping[str, Any], answers: Answers, place: Path, report: Report
 ) -> dict[str, Any]:
     """Axis -> value in SI, or label, or condition, for the keys that are dims."""
-    kinds = answers.axis_names() | {"initial": "label"} | dict.fromkeys(_OWN_DIMS, "own")
+    kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
     found = {}
     for key, value in given.items():
         name = ascii_name(key).removeprefix("friction.")

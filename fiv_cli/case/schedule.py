@@ -14,11 +14,11 @@ from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import CurveTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.dynamics.schedule import STEADY, Points, Schedule, make_schedule
 from fiv_cli.models.base import Forcing, Parameter
 from fiv_cli.notation.names import ascii_name, listed, suggest
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity, describe
+from fiv_cli.schedule import STEADY, Points, Schedule, make_schedule
 
 _FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
 
@@ -206,7 +206,7 @@ def _refuse_sectors(curves: Mapping[str, Points], physics: Physics, report: Repo
     """The bounds of a sector are read once."""
     if not physics.model.forcings:
         return
-    from fiv_cli.codegen.symbols import Symbols
+    from fiv_cli.models.symbols import Symbols
 
     zone = physics.model.equations(Symbols(), physics.options).zone
     for name in sorted(curves.keys() & (() if zone is None else {zone.start, zone.width})):

@@ -161,9 +161,10 @@ def refuse_the_immense(figure: Figure, path: Path) -> None:
 
 @cache
 def _is_sound(words: str) -> bool:
-    """Whether matplotlib can set the mathematics in `words`, if there is any."""
+    """Whether matplotlib can set the mathematics in `words`, if there is any (line by line)."""
     try:
-        MathTextParser("path").parse(words)
+        for line in words.splitlines():
+            MathTextParser("path").parse(line)
     except ValueError:
         return False
     return True

@@ -18,13 +18,16 @@ import numpy as np
 from fiv_cli.analyses.base import (
     STEADY,
     Schedule,
+    Setup,
     SolverSettings,
     Start,
-    friction_rises,
-    off_the_plate,
+    broken,
 )
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+from fiv_cli.models.base import Requirement
 
 Values = tuple[Any, ...]
 
@@ -68,13 +71,13 @@ class Template:
 
     Attributes
     ----------
-    model, law, options : as in `Request`; what an axis varies is overridden by it
+    model, law, options : names, and every option; what an axis varies is overridden by it
     parameters : law -> values that no axis varies, SI
     names : law -> names of all parameters of the model and the law
     followers : (parameter, leader): parameters that take another one's value unless given
     axes : (name, kind) of every axis, in order
     entries : the starts; a single None where the analysis has none
-    linear : mu_k > mu_s is harmless
+    linear : no motion is followed
     base : digest of everything that decides a point but its axis values and its start
     schedule : parameters that vary in time
     """
@@ -111,27 +114,27 @@ def law_at(template: Template, values: Values) -> str:
     return laws[0] if laws else template.law
 
 
-def exclusion(template: Template, parameters: Mapping[str, float]) -> str:
-    """Reason why a point must not be computed; empty when it may be."""
-    if off_the_plate(parameters) or template.linear:
-        return off_the_plate(parameters)
+def exclusion(template: Template, values: Values) -> Requirement | None:
+    """What the parameters of a point do not meet, so that it is not computed; None when it is."""
+    model, law = get_model(template.model), get_law(law_at(template, values))
+    parameters = parameters_at(template, values)
     varied = ({**parameters, **template.schedule.values(t)} for t in template.schedule.instants)
-    return next(filter(None, map(friction_rises, varied)), "")
+    unmet = (broken(model, law, there, template.linear) for there in varied)
+    return next(filter(None, unmet), None)
 
 
 def request_at(template: Template, values: Values, start: Start | None) -> Request:
     """The run of a point from `start`."""
-    return Request(
-        model=template.model,
-        law=law_at(template, values),
-        options={**template.options, **_of_kind(template, values, "option")},
-        parameters=parameters_at(template, values),
-        analysis=template.analysis,
-        settings=template.settings,
-        solver=template.solver,
-        start=start,
-        schedule=template.schedule,
+    parameters = parameters_at(template, values)
+    setup = Setup.of(
+        template.model,
+        law_at(template, values),
+        {**template.options, **_of_kind(template, values, "option")},
+        parameters,
+        template.solver.rtol,
+        template.schedule,
     )
+    return Request(setup, parameters, template.analysis, template.settings, template.solver, start)
 
 
 def place_digest(template: Template, values: Values) -> bytes:

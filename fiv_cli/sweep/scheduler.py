@@ -6,9 +6,8 @@ says which points to run.
 
 from __future__ import annotations
 
-import importlib
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,14 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fiv_cli import ending
-from fiv_cli.analyses.execute import Request
 from fiv_cli.errors import FivError
 from fiv_cli.flags import STATUS
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
-from fiv_cli.sweep.worker import Result, last_beat, lost_point, run_task
+from fiv_cli.sweep.worker import Result, imported, last_beat, lost_point, run_task
 
 if TYPE_CHECKING:
     from fiv_cli.sweep.pool import WorkerPool
@@ -161,13 +159,9 @@ class Scheduler:
 
     def _prepare(self, indices: list[int]) -> None:
         """Generate and compile before workers start, so that none does it twice."""
-        module, _, name = self.policy.preparer.partition(":")
-        prepare: Callable[[Iterable[Request], Callable[[str], None]], None] = getattr(
-            importlib.import_module(module), name
-        )
         analyses = self.journal.plan.analyses
         requests = (request for i in indices for request in analyses[i].systems())
-        prepare(requests, self.progress.note)
+        imported(self.policy.preparer)(requests, self.progress.note)
 
     def _drain(self, index: int, queue: Queue, pace: Pace) -> None:
         """Run everything in one queue, in this process or in workers."""

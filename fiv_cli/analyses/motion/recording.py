@@ -120,7 +120,7 @@ def varying_at(system: System, times: Vector) -> dict[str, Vector]:
     """Each parameter that varies in time, at `times`."""
     return {
         name: np.interp(times, [t for t, _ in points], [value for _, value in points])
-        for name, points in system.schedule.curves
+        for name, points in system.setup.schedule.curves
     }
 
 

@@ -42,7 +42,7 @@ def run(
         return Outcome(status="failed", reason=found.reason, values=counts)
     forces = np.array([state.contact_forces(y) for y in solutions])
     m = len(system.coordinates)
-    if system.model.surface is not None:
+    if system.setup.model.surface is not None:
         counts["w"] = np.array([at_the_contact(system, parameters, y) for y in solutions])
     return Outcome(
         values=counts

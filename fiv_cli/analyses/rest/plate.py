@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fiv_cli.analyses.base import Analysis, Outcome, Setting, SolverSettings, Start
+from fiv_cli.analyses.base import Analysis, Outcome, Setting, Setup, SolverSettings, Start
 
 if TYPE_CHECKING:
     from fiv_cli.models.base import Model
@@ -23,7 +23,7 @@ SETTINGS = (
 
 
 def run(
-    system: Any,
+    setup: Setup,
     parameters: Mapping[str, float],
     start: Start | None,
     settings: Mapping[str, Any],
@@ -32,7 +32,7 @@ def run(
     """Frequencies, modal masses and shapes of the plate's modes."""
     from fiv_cli.analyses.rest.plate_modes import plate_modes
 
-    return plate_modes(system.options, parameters, int(settings["n_r"]))
+    return plate_modes(setup.options, parameters, int(settings["n_r"]))
 
 
 def unsuited(model: Model) -> str:

@@ -54,7 +54,7 @@ def spectrogram(
 def end_of(system: System, settings: Mapping[str, Any]) -> float:
     """End of the run, s: as the case says, else the last kink of what varies."""
     given = settings["t_end"]
-    return float(given) if given is not None else system.schedule.kinks[-1]
+    return float(given) if given is not None else system.setup.schedule.kinks[-1]
 
 
 def _sampled(

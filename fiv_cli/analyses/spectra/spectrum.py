@@ -72,7 +72,7 @@ def run(
     from fiv_cli.analyses.spectra.spectrogram import spectrogram
 
     assert start is not None
-    if system.schedule.curves:
+    if system.setup.schedule.curves:
         return spectrogram(system, parameters, start, settings, solver)
     return steady_spectrum(system, parameters, start, settings, solver)
 
