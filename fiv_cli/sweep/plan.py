@@ -134,11 +134,6 @@ class AnalysisPlan:
                 keys[chain, chains.entry] = np.frombuffer(along, np.uint8).reshape(-1, KEY_BYTES)
         return keys.reshape(-1, KEY_BYTES)
 
-    def keys_of(self, positions: Positions) -> NDArray[np.uint8]:
-        """Keys of points that start on their own, (any number, 32)."""
-        keys = [np.frombuffer(self._key(int(p), b""), np.uint8) for p in positions]
-        return np.array(keys, np.uint8).reshape(-1, KEY_BYTES)
-
     def chain_key(self, positions: Positions) -> bytes:
         """Key of the last of the first points of a chain."""
         return list(self._chain_keys(positions))[-1]
