@@ -7,7 +7,7 @@ import pytest
 from motions import defaults
 
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.analyses.variables import variables_of
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.history import parse_places
