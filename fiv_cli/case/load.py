@@ -18,7 +18,7 @@ from fiv_cli.case.physics import Physics, read_physics
 from fiv_cli.case.refinement import refuse_chains
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import Answers, read_claims, read_figures
-from fiv_cli.case.schedule import at_the_start, read_schedule, refuse_constant_analyses
+from fiv_cli.case.schedule import at_the_start, read_schedule, refuse_unsuited_analyses
 from fiv_cli.case.solver import read_solver
 from fiv_cli.case.starts import read_starts
 from fiv_cli.case.structure import CaseTable, HeaderTable
@@ -142,7 +142,7 @@ def _build(
     _refuse_unused_start_axes(axes, analyses, report)
     _refuse_needless_chains(analyses, starts, report)
     refuse_chains(grid.refinement, starts, report)
-    refuse_constant_analyses(schedule, analyses, report)
+    refuse_unsuited_analyses(raw, schedule, analyses, report)
     physics = at_the_start(physics, schedule)
     _refuse_too_many_runs(axes, zips, starts, report)
     parameters = _fixed_parameters(physics, axes)
