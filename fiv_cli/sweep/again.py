@@ -26,7 +26,7 @@ from fiv_cli.models import get_model
 from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
-from fiv_cli.sweep.points import Values, exclusion, request_at
+from fiv_cli.sweep.points import Values, request_at
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.worker import ChainState, Segment, Task, imported, run_task
 
@@ -243,7 +243,7 @@ def _off_the_grid(axis: Axis, text: str) -> UsageError:
 
 
 def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
-    unmet = exclusion(analysis.template, values)
+    unmet = analysis.unmet(values)
     if unmet is not None:
         message = f"--at: this point is not computed: {unmet.reason}"
         raise UsageError(f"{message}\nnext: {advice(unmet.reason)}")
