@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,8 +56,7 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
     undecided = Undecided()
     ledger = [e for path in case_files(paths or (DEFAULT,)) for e in judge(path, undecided)]
     if as_json:
-        found = {"claims": [asdict(entry) for entry in ledger], "classes": undecided.as_plain()}
-        print_json(found)
+        print_json({"claims": ledger, "classes": undecided.as_plain()})
     else:
         counted = [undecided.line()] if undecided.points else []
         click.echo(printable("\n".join([*lines(ledger), *counted])))
