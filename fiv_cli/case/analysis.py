@@ -9,8 +9,8 @@ from typing import Any
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import ParameterName, Refusal, read_settings
-from fiv_cli.analyses.variables import variables_of
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report

@@ -9,12 +9,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import StateName
-from fiv_cli.analyses.variables import Variable, motions, variables_of
+from fiv_cli.analyses.variables import COMPUTED, Variable, motions
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass
 from fiv_cli.case.lines import locate
-from fiv_cli.case.load import load_case
+from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.report import Path, Report, in_order
 from fiv_cli.case.toml import parse_toml
@@ -24,16 +25,14 @@ from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed, suggest
 
-# What a sweep that is refined tells of each point besides.
-OF_REFINED = "computed"
-
-
 Held = Mapping[str, Sequence[Variable]]
 """Name of an analysis -> its variables."""
 
 
-def load_checked(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
-    """The case at `path`; what its figures and claims ask for will be there.
+def load_checked(
+    path: str | FilePath, overrides: Sequence[str] = (), text: str | None = None
+) -> Case:
+    """The case at `path` (or of `text`); what its figures and claims ask for will be there.
 
     Raises
     ------
@@ -41,7 +40,10 @@ def load_checked(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
         as `load_case`; the problems of figures and claims are told with all the others.
     """
     try:
-        case = load_case(path, overrides)
+        if text is None:
+            case = load_case(path, overrides)
+        else:
+            case = parse_case(text, str(path), overrides)
     except CaseError as error:
         refused = error.case
         if refused is None or not all(_is_sound(refused, spec) for spec in refused.analyses):
@@ -117,7 +119,7 @@ def _known(
     """
     chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
     found: dict[str, Variable | None] = dict.fromkeys(
-        [*(axis.dim for axis in case.axes), OF_REFINED]
+        [*(axis.dim for axis in case.axes), COMPUTED.name]
     )
     if with_motions:
         own = variables_of("history", get_model(case.model), case.options, {})

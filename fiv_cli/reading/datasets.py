@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fiv_cli.analyses.variables import INT_FILL, Role, Variable, named
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import INT_FILL, Role, Variable
 from fiv_cli.case.case import FigureSpec
-from fiv_cli.case.grammar import figure_of_before
+from fiv_cli.case.grammar import figure_of_before, text_of_before
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.data.sound import fault_of
 from fiv_cli.errors import InputError
@@ -72,8 +73,9 @@ def figures_in(analyses: Mapping[str, xr.Dataset]) -> list[FigureSpec]:
         ]
     from fiv_cli.case.load import parse_case
 
+    text = text_of_before(str(attributes["case"]))
     overrides = str(attributes.get("overrides", "")).splitlines()
-    return list(parse_case(str(attributes["case"]), "the case in the dataset", overrides).figures)
+    return list(parse_case(text, "the case in the dataset", overrides).figures)
 
 
 def name_of_only(dataset: xr.Dataset) -> str:

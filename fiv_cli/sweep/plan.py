@@ -208,6 +208,9 @@ class Plan:
         """Number of points of all analyses."""
         return sum(analysis.size for analysis in self.analyses)
 
+    def __str__(self) -> str:
+        return "\n".join(self.describe())
+
     def describe(self) -> list[str]:
         """The plan in lines for people."""
         case = self.case
