@@ -10,10 +10,8 @@ import pytest
 from fiv_cli.analyses.base import Section, SolverSettings
 from fiv_cli.case.case import Case, StartSpec
 from fiv_cli.case.load import load_case, parse_case
-from fiv_cli.case.results import ATTRACTORS
 from fiv_cli.case.starts import AT_REST
 from fiv_cli.errors import CaseError, Problem, UsageError
-from fiv_cli.flags import ATTRACTOR
 
 PIN = """\
 schema = 1
@@ -619,9 +617,6 @@ class TestClaims:
         assert found == {
             f"claim.0.{key}" for key in ("source", "text", "variable", "expect", "holds")
         }
-
-    def test_classes_are_those_of_datasets(self) -> None:
-        assert set(ATTRACTORS) == set(ATTRACTOR.codes) - {ATTRACTOR.fill}
 
 
 class TestOverrides:

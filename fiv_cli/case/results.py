@@ -13,12 +13,8 @@ from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, TakeTable
 from fiv_cli.case.tables import read_tables
-from fiv_cli.flags import ATTRACTOR
 from fiv_cli.notation.names import ascii_name, can_name_a_file, listed, suggest
 from fiv_cli.notation.units import convert
-
-# The classes of motion that the variable `attractor` can hold.
-ATTRACTORS = tuple(name for name in ATTRACTOR.codes if name != ATTRACTOR.fill)
 
 
 @dataclass(frozen=True)

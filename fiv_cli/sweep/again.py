@@ -26,7 +26,7 @@ from fiv_cli.models import get_model
 from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
-from fiv_cli.sweep.points import Values, exclusion, request_at
+from fiv_cli.sweep.points import Values, request_at
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.worker import ChainState, Segment, Task, imported, run_task
 
@@ -243,7 +243,7 @@ def _off_the_grid(axis: Axis, text: str) -> UsageError:
 
 
 def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
-    unmet = exclusion(analysis.template, values)
+    unmet = analysis.unmet(values)
     if unmet is not None:
         message = f"--at: this point is not computed: {unmet.reason}"
         raise UsageError(f"{message}\nnext: {advice(unmet.reason)}")
@@ -260,7 +260,7 @@ def _alone(point: Point, settings: Mapping[str, float]) -> Case:
 
 def _settings(case: Case) -> dict[str, Any]:
     """Settings of ``history``: those that the case gives it, or the defaults."""
-    settings = {setting.name: setting.default for setting in get_analysis("history").settings}
+    settings = get_analysis("history").default_settings
     for spec in case.analyses:
         if spec.kind == "history":
             settings |= spec.settings
