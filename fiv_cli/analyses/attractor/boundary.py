@@ -2,7 +2,7 @@
 
 The suppression boundary A_b against R by simulation, the speeds at which stick-slip exists at each
 preload, the ends of a bistable range: a scan of a bracket, and each change found in it bisected.
-What is computed at each value is the analysis `response`; see ``boundaries.py``.
+What is computed at each value is the analysis `response`; see ``scan.py``.
 """
 
 from __future__ import annotations
@@ -98,6 +98,6 @@ ANALYSIS = Analysis(
         *response.SETTINGS,
     ),
     variables,
-    Later("fiv_cli.analyses.attractor.boundaries:boundaries"),
+    Later("fiv_cli.analyses.attractor.scan:boundaries"),
     chains=False,
 )
