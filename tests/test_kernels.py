@@ -32,6 +32,7 @@ from fiv_cli.codegen.memory import (
     float_of,
     native,
 )
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
@@ -99,7 +100,7 @@ REARRANGED = Compiled("test-rearranged", (HERE,), declared)
 
 def left_by(function: Callable[..., float], factor: float, length: int) -> list[Any]:
     """Result and arrays afterwards, from the same arrays each time."""
-    made = generate(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8)
+    made = generate(Setup(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8))
     random = np.random.default_rng(length)
     arrays: dict[str, Any] = {
         "flat": random.normal(size=made.n_coefficients + length),

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from fiv_cli import ending
 from fiv_cli.codegen.memory import address_of, call_generated
-from fiv_cli.codegen.names import rate_of
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import FIRST_STRIDE, NO_SECTION, PLACES, MotionArrays, layout_of
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
+from fiv_cli.models.base import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": kernel.SLIP, "stick": kernel.STICK, "separation": kernel.SEPARATION}
@@ -142,7 +142,7 @@ class Motion:
         self.samples = no_samples(system)
         values = system.parameter_values(parameters)
         arrays.floats[layout.given] = values
-        self.kink = self._take_up_schedule(time) if system.schedule.curves else INFINITE
+        self.kink = self._take_up_schedule(time) if system.setup.schedule.curves else INFINITE
         if len(state):
             vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
             arrays.y[:] = vector
@@ -223,7 +223,7 @@ class Motion:
     # --- parameters that vary in time -----------------------------------------------------------
     def _take_up_schedule(self, time: float) -> float:
         """Set what varies to the piece that begins at `time`; returns where it ends, s."""
-        schedule, names = self.system.schedule, self.system.generated.parameter_names
+        schedule, names = self.system.setup.schedule, self.system.generated.parameter_names
         for name, (value, rate) in schedule.piece(time).items():
             self.arrays.parameters[names.index(name)] = value
             self.arrays.parameters[names.index(rate_of(name))] = rate
