@@ -49,7 +49,7 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
     \b
     Examples:
       fiv claims configs/ch7
-      fiv claims configs/ch7/fig_7_06.toml --json
+      fiv claims configs/ch7/fig_7_06_reached.toml --json
     """
     from fiv_cli.reading.undecided import Undecided
 
@@ -102,9 +102,9 @@ def _is_case(file: Path) -> bool:
 
 def judge(path: Path, undecided: Undecided) -> list[Entry]:
     """The ledger of one case file; its points without a class are counted in `undecided`."""
-    from fiv_cli.reading.asked import load_checked
+    from fiv_cli import api
 
-    case = load_checked(path)
+    case = api.load(path)
     analyses, missing = _dataset_of(case)
     undecided.add((analyses or {}).values())
     return [_entry(path, claim, analyses, missing) for claim in case.claims]
