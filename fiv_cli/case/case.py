@@ -178,7 +178,7 @@ class Case:
         follows another one (`Parameter.default_from`) takes that one's value at this point.
         """
         model = get_model(self.model)
-        own = (*model.parameters, *model.adopted(get_law(law).parameters))
+        own = model.parameters_under(get_law(law).parameters)
         given = {**self.parameters, **_of_law(self.parameters, law), **varied}
         leaders = {p.name: p.default_from for p in own if p.default_from is not None}
         sources = {p.name: p.name if p.name in given else leaders.get(p.name) for p in own}

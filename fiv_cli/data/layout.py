@@ -18,7 +18,7 @@ from fiv_cli.models.base import Parameter
 def varying_in(case: Case) -> tuple[Parameter, ...]:
     """The parameters of a case that vary in time."""
     model = get_model(case.model)
-    table = (*model.parameters, *model.adopted(get_law(case.law).parameters))
+    table = model.parameters_under(get_law(case.law).parameters)
     return tuple(p for p in table if p.name in case.schedule.names)
 
 
