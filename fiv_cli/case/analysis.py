@@ -10,6 +10,7 @@ from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis, Question, Section, Setting, Varied
 from fiv_cli.analyses.rest.linear import SYSTEM
 from fiv_cli.analyses.spectra.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
+from fiv_cli.analyses.variables import variables_of
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.physics import Physics, note_no_state
 from fiv_cli.case.report import Path, Report
@@ -21,9 +22,6 @@ from fiv_cli.models.base import Parameter
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_interval, check_number, check_quantity, describe
-
-NUMBERS = ("L_s", "period", "multiplicity", "period_ratio", "response_frequency", "lyapunov")
-EXTREMES = ("min", "max", "rms")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
@@ -345,9 +343,8 @@ class _Reader:
 
     def numbers(self, physics: Physics) -> list[str]:
         """The variables of a response that are one number at each point."""
-        shares = ("stick_fraction", "slip_fraction", "separation_fraction")
-        extremes = [f"{n}_{kind}" for n in physics.units_of_states() for kind in EXTREMES]
-        return [*NUMBERS, *(shares if physics.model.contacts == 1 else ()), *extremes]
+        held = variables_of("response", physics.model, physics.options, {})
+        return [variable.name for variable in held if variable.askable]
 
     def section(self, setting: Setting, value: object, place: Path) -> Section:
         table = read_table(SectionTable, value, place, self.report)

@@ -7,43 +7,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from fiv_cli.analyses.variables import own_dims
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
 from fiv_cli.case.conditions import parse_condition
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, ReduceTable, ShareTable
 from fiv_cli.case.tables import read_tables
+from fiv_cli.flags import ATTRACTOR
 from fiv_cli.notation.names import ascii_name, can_name_a_file, listed, suggest
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_number, describe
 
 # The classes of motion that the variable `attractor` can hold.
-ATTRACTORS = (
-    "equilibrium",
-    "periodic",
-    "quasiperiodic",
-    "chaotic",
-    "undecided",
-    "diverged",
-    "contact_lost",
-)
+ATTRACTORS = tuple(name for name in ATTRACTOR.codes if name != ATTRACTOR.fill)
 TRENDS = ("increasing", "decreasing")
 
-_OWN_DIMS = (
-    "mode",
-    "solution",
-    "state",
-    "contact",
-    "multiplier",
-    "time",
-    "frequency",
-    "crossing",
-    "range",
-    "scan",
-    "k",
-    "l",
-    "point",
-)
 _CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
 _OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
 _EXPECT_FORMS = (
@@ -164,7 +143,7 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
 
 def _share(table: ShareTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
     """A share with its axes by their contract names and its reference in SI."""
-    known = [*answers.axis_names(), "initial", *_OWN_DIMS]
+    known = [*answers.axis_names(), "initial", *own_dims()]
     over = [ascii_name(name).removeprefix("friction.") for name in table.over]
     for name in over:
         if answers.physics is not None and name not in known:
@@ -178,9 +157,9 @@ def _share(table: ShareTable, answers: Answers, place: Path, report: Report) -> 
 def _reduce(table: ReduceTable, place: Path, report: Report) -> dict[str, Any]:
     """A reduction, its axis by its contract name."""
     over = ascii_name(table.over)
-    if over not in _OWN_DIMS:
+    if over not in own_dims():
         message = f"{over!r} is no axis that a variable has of its own"
-        report.add((*place, "over"), message, listed(_OWN_DIMS), suggest(over, _OWN_DIMS))
+        report.add((*place, "over"), message, listed(own_dims()), suggest(over, own_dims()))
     _note_error(lambda: _check_reduced(table), (*place, "of"), report)
     return {"over": over, "take": table.take} | ({"of": table.of} if table.of else {})
 
@@ -204,7 +183,7 @@ def _selection(
     given: Mapping[str, Any], answers: Answers, place: Path, report: Report
 ) -> dict[str, Any]:
     """Axis -> value in SI, or label, or condition, for the keys that are dims."""
-    kinds = answers.axis_names() | {"initial": "label"} | dict.fromkeys(_OWN_DIMS, "own")
+    kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
     found = {}
     for key, value in given.items():
         name = ascii_name(key).removeprefix("friction.")

@@ -184,7 +184,7 @@ def _refuse_sectors(curves: Mapping[str, Points], physics: Physics, report: Repo
     """The bounds of a sector are read once."""
     if not physics.model.forcings:
         return
-    from fiv_cli.codegen.symbols import Symbols
+    from fiv_cli.models.symbols import Symbols
 
     zone = physics.model.equations(Symbols(), physics.options).zone
     for name in sorted(curves.keys() & (() if zone is None else {zone.start, zone.width})):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from fiv_cli.analyses.base import Analysis, Section, Setting
+from fiv_cli.analyses.variables import Role, possible_variables
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Parameter
@@ -13,7 +14,6 @@ from fiv_cli.models.base import Model, Parameter
 _SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
 _DRIVES = ("Omega", "v")
 _COMMENT_COLUMN = 34
-_CLASSES = {"response": "attractor", "eigenvalues": "stable"}
 _FIGURES = {
     "history": "history",
     "response": "bifurcation",
@@ -108,7 +108,8 @@ def _grid(axis: Parameter | None, example: Parameter) -> list[str]:
 
 def _sweep(analysis: Analysis) -> list[str]:
     """How a grid is refined, where the analysis has a class whose borders can be followed."""
-    of = _CLASSES.get(analysis.kind)
+    classes = [v for v in possible_variables(analysis.kind) if v.role is Role.CLASS]
+    of = next((v.name for v in classes if v.headline), None)
     if of is None:
         return []
     line = f'# refine = {{ levels = 5, of = "{of}" }}'

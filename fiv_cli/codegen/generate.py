@@ -20,7 +20,7 @@ from fiv_cli.codegen.setup import Setup
 
 if TYPE_CHECKING:
     from fiv_cli.codegen.derive import ContactState, Derivation
-    from fiv_cli.codegen.emit import TaylorStep
+    from fiv_cli.codegen.emit import Coefficients, TaylorStep
     from fiv_cli.codegen.graph import Graph, Node
     from fiv_cli.models.base import Model
 
@@ -212,7 +212,7 @@ def _saturating(state: ContactState) -> list[tuple[str, Any]]:
 
 
 def _flow_text(
-    derivation: Derivation, state: ContactState, order: int, coefficients: Any
+    derivation: Derivation, state: ContactState, order: int, coefficients: Coefficients
 ) -> list[str]:
     from fiv_cli.codegen.emit import TaylorStep, pointwise
 
@@ -238,7 +238,7 @@ def _flow_text(
 
 
 def _tangent_text(
-    derivation: Derivation, state: ContactState, order: int, coefficients: Any
+    derivation: Derivation, state: ContactState, order: int, coefficients: Coefficients
 ) -> list[str]:
     graph, name = derivation.graph, state.name
     step = _step_with_tangents(graph, state, [], order + TANGENT_EXTRA, coefficients)
@@ -252,14 +252,16 @@ def _tangent_text(
     return lines
 
 
-def _jacobian_text(derivation: Derivation, state: ContactState, coefficients: Any) -> list[str]:
+def _jacobian_text(
+    derivation: Derivation, state: ContactState, coefficients: Coefficients
+) -> list[str]:
     """What an equilibrium asks of the tangents, a hundredth of their text."""
     step = _step_with_tangents(derivation.graph, state, [], JACOBIAN_ORDER, coefficients)
     return step.text(f"{state.name}_jacobian", f"rates of state and tangent, {state.name}")
 
 
 def _impact_tangent_text(
-    derivation: Derivation, state: ContactState, contact: int, coefficients: Any
+    derivation: Derivation, state: ContactState, contact: int, coefficients: Coefficients
 ) -> list[str]:
     """State after an impact and its tangent, each with its rate along the flow before it."""
     after = _after_impact(state, contact)
@@ -274,7 +276,7 @@ def _after_impact(state: ContactState, contact: int) -> list[Node]:
 
 
 def _step_with_tangents(
-    graph: Graph, state: ContactState, watched: list[Node], order: int, coefficients: Any
+    graph: Graph, state: ContactState, watched: list[Node], order: int, coefficients: Coefficients
 ) -> TaylorStep:
     """A Taylor step of the state, what is watched along it, and a tangent of both."""
     from fiv_cli.codegen.emit import TaylorStep

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.analyses.variables import INT_FILL, Variable
+from fiv_cli.analyses.variables import INT_FILL, Role, Variable
 from fiv_cli.flags import STATUS, TABLES, reason_code
 
 KEY_BYTES = 32
@@ -63,7 +63,7 @@ def pack(
     variables : the variables of the analysis
     carries : row -> plain data for a continuing neighbour
     """
-    stored = [variable for variable in variables if variable.name not in ("status", "reason")]
+    stored = [variable for variable in variables if variable.role is not Role.STATUS]
     checked = [_storable(outcome, stored) for outcome in outcomes]
     block = Block(
         keys=np.frombuffer(b"".join(keys), np.uint8).reshape(len(keys), KEY_BYTES),

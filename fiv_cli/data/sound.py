@@ -7,13 +7,14 @@ behind it a missing class or a row of negative length cannot occur.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.analyses.variables import named
 from fiv_cli.case.structure import FigureTable
-from fiv_cli.flags import ATTRACTOR, CONTACT_STATE
+from fiv_cli.flags import TABLES
 from fiv_cli.notation.names import can_name_a_file
 
 if TYPE_CHECKING:
@@ -27,12 +28,7 @@ COUNTS = ("refined_levels", "points_run", "points_filled_in", "sample_size", "sa
 STATUSES = {"ok", "pending", "not_computed"}
 
 # Classes that are drawn and counted by their names; to other tables a later fiv may add.
-CLOSED = {
-    "attractor": ATTRACTOR.codes,
-    "contact_state": CONTACT_STATE.codes,
-    "event_from": CONTACT_STATE.codes,
-    "event_to": CONTACT_STATE.codes,
-}
+CLOSED = ("attractor", "contact_state")
 
 
 def fault_of(dataset: xr.Dataset, name: str) -> str:
@@ -178,10 +174,16 @@ def _of_flag(name: str, variable: xr.Variable) -> Iterator[str]:
         yield f"{name}: its classes are no whole numbers"
     elif not len(codes) == len(names) == len(set(codes.tolist())) == len(set(names)) > 0:
         yield f"{name}: {len(codes)} flag_values do not go with {len(names)} flag_meanings"
-    elif not set(names) <= set(CLOSED.get(name, names)):
+    elif not set(names) <= _classes(name, names):
         yield f"{name} names classes that there are not"
     elif not np.isin(variable.values, codes).all():
         yield f"{name} holds a number that no class has"
+
+
+def _classes(name: str, names: Iterable[str]) -> set[str]:
+    """The classes that a flag variable may have: `names` where its table is open."""
+    table = named(name).flags
+    return set(TABLES[table].codes if table in CLOSED else names)
 
 
 def _of_status(dataset: xr.Dataset) -> Iterator[str]:

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from fiv_cli import ending
 from fiv_cli.codegen.memory import address_of, call_generated
-from fiv_cli.codegen.names import rate_of
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import FIRST_STRIDE, NO_SECTION, PLACES, MotionArrays, layout_of
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import System, Vector
+from fiv_cli.models.base import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": kernel.SLIP, "stick": kernel.STICK, "separation": kernel.SEPARATION}

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from fiv_cli.codegen.generate import JACOBIAN, Generated, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.names import rate_of
 from fiv_cli.codegen.setup import Setup
+from fiv_cli.models.base import rate_of
 
 Vector = NDArray[np.float64]
 

@@ -16,20 +16,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Parameter, Requirement
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 
 @dataclass(frozen=True)
 class Slip:
     """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states."""
 
-    v: Any
-    sign: Any
-    speed: Any
-    N: Any
-    states: Mapping[str, Any] = field(default_factory=dict)
+    v: Expr
+    sign: Expr
+    speed: Expr
+    N: Expr
+    states: Mapping[str, Expr] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +62,10 @@ class Law:
     reference: str
     numerics_version: int
     parameters: tuple[Parameter, ...]
-    force: Callable[[Slip, Mapping[str, Any]], Any]
-    capacity: Callable[[Any, Mapping[str, Any]], Any] | None
+    force: Callable[[Slip, Mapping[str, Expr]], Expr]
+    capacity: Callable[[Expr, Mapping[str, Expr]], Expr] | None
     states: Mapping[str, str] = field(default_factory=dict)
-    rates: Callable[[Slip, Mapping[str, Any]], Mapping[str, Any]] | None = None
+    rates: Callable[[Slip, Mapping[str, Expr]], Mapping[str, Expr]] | None = None
     structural: tuple[str, ...] = ()
-    average: Callable[[Slip, Mapping[str, Any], Any, bool], Any] | None = None
+    average: Callable[[Slip, Mapping[str, Expr], Expr, bool], Expr] | None = None
     requirements: tuple[Requirement, ...] = ()

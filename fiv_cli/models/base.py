@@ -18,12 +18,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from fiv_cli.models.symbols import Symbols
+
 Options = Mapping[str, str]
+
+
+def rate_of(parameter: str) -> str:
+    """Name of the rate of a parameter that varies in time."""
+    return f"{parameter}.rate"
 
 
 @dataclass(frozen=True)
@@ -208,14 +218,14 @@ class Contact:
     static_friction : False: it sticks up to the kinetic friction at zero speed, not more
     """
 
-    slip_velocity: Any
+    slip_velocity: Expr
     slip_coordinate: str
-    normal_force: Any | None
-    gap: Any | None = None
+    normal_force: Expr | None
+    gap: Expr | None = None
     gap_coordinate: str | None = None
     ends_at_zero_normal_force: bool = False
     impact: str = "plastic"
-    closing_rate: Any | None = None
+    closing_rate: Expr | None = None
     sliding_only: bool = False
     static_friction: bool = True
 
@@ -231,7 +241,7 @@ class Zone:
     contact : index of the contact whose sticking freezes the angle
     """
 
-    angle: Any
+    angle: Expr
     start: str
     width: str
     contact: int = 0
@@ -251,11 +261,11 @@ class Equations:
     zone : the non-uniform sector, if any
     """
 
-    accelerations: Mapping[str, Any]
+    accelerations: Mapping[str, Expr]
     contacts: tuple[Contact, ...]
-    kinetic_energy: Any
-    potential_energy: Any
-    law_parameters: Mapping[str, Any] = field(default_factory=dict)
+    kinetic_energy: Expr
+    potential_energy: Expr
+    law_parameters: Mapping[str, Expr] = field(default_factory=dict)
     zone: Zone | None = None
 
 
@@ -291,7 +301,7 @@ class Model:
     numerics_version: int
     parameters: tuple[Parameter, ...]
     states: Callable[[Options], tuple[State, ...]]
-    equations: Callable[[Any, Options], Equations]
+    equations: Callable[[Symbols, Options], Equations]
     laws: tuple[str, ...]
     law_defaults: Mapping[str, float | str]
     options: tuple[Option, ...] = ()

@@ -17,7 +17,7 @@ phase psi_a is an input: the answer depends on it. A sticking pin cannot change 
 from __future__ import annotations
 
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import (
     Contact,
@@ -30,6 +30,9 @@ from fiv_cli.models.base import (
     State,
     Zone,
 )
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 
 def _length(name: str, symbol: str, meaning: str) -> Parameter:
@@ -70,7 +73,7 @@ STATES = (
 )
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 7.12, 7.13 and 7.17 under a given friction force."""
     p = symbols.parameter
     phi, theta = symbols.coordinate("phi"), symbols.coordinate("theta")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fiv_cli.analyses.variables import INT_FILL
+from fiv_cli.analyses.variables import INT_FILL, Role, Variable, named
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.data.sound import fault_of
@@ -75,6 +75,24 @@ def figures_in(analyses: Mapping[str, xr.Dataset]) -> list[FigureSpec]:
 def name_of_only(dataset: xr.Dataset) -> str:
     """The name of the analysis of a dataset that holds one, which the file does not say."""
     return next(iter(json.loads(dataset.attrs.get("analyses_json", "{}"))), "")
+
+
+def variables_in(dataset: xr.Dataset, *roles: Role) -> list[Variable]:
+    """What is known of the variables of a dataset that are there for one of `roles`."""
+    known = (named(str(name)) for name in dataset.data_vars)
+    return [variable for variable in known if variable.role in roles]
+
+
+def headlines(dataset: xr.Dataset) -> list[str]:
+    """What figures show of a dataset unless they say otherwise, the first choice first."""
+    known = (named(str(name)) for name in dataset.data_vars)
+    shown = [variable for variable in known if variable.headline]
+    return [variable.name for variable in sorted(shown, key=lambda variable: variable.headline)]
+
+
+def width_of(dataset: xr.Dataset, name: str) -> xr.DataArray | None:
+    """The width of the interval in which each value of a variable lies, where one is known."""
+    return dataset.get(named(name).width)
 
 
 def flag_names(attributes: Mapping[str, object]) -> dict[int, str]:

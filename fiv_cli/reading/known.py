@@ -4,17 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fiv_cli.analyses.variables import Role, named
 from fiv_cli.reading.datasets import flag_names, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
-
-# These two say whether a point was computed, so they are known at every point.
-ALWAYS_KNOWN = ("status", "reason")
-
-# Measured over the last stretch of a run whatever its class: how a motion that has not settled
-# sticks and slips is known even where its period is not.
-MEASURED_ANYWAY = ("stick_fraction", "slip_fraction", "separation_fraction")
 
 
 def unknown_points(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr.DataArray:
@@ -26,11 +20,12 @@ def unknown_points(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr
     variable : what is asked for
     allow_undecided : "undecided" is itself an answer: a run that used up its budget and says so
     """
-    status = part["status"]
-    if variable in ALWAYS_KNOWN:
+    status, role = part["status"], named(variable).role
+    if role is Role.STATUS:
         return status != status
     missing = ~is_class(status, ("ok",)) & ~filled_in(part, variable)
-    if "attractor" not in part or variable in MEASURED_ANYWAY:
+    # how a motion that has not settled sticks and slips is known even where its period is not
+    if "attractor" not in part or role is Role.SHARE:
         return missing
     undecided = is_class(part["attractor"], ("undecided",))
     if allow_undecided and variable == "attractor":

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Points, Start, requirements
 from fiv_cli.analyses.execute import Request
-from fiv_cli.analyses.variables import Variable
+from fiv_cli.analyses.variables import Role, Variable
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.lines import locate
@@ -49,9 +49,6 @@ from fiv_cli.sweep.points import (
 from fiv_cli.sweep.refine import Maps, maps_of
 
 Positions = NDArray[np.int64]
-
-WORK = ("n_steps", "n_events")
-"""Counts that say how an answer was reached; no borders run between them."""
 
 
 @dataclass(frozen=True)
@@ -136,11 +133,6 @@ class AnalysisPlan:
                 along = keys_along([places[i] for i in chain], entries[chains.entry])
                 keys[chain, chains.entry] = np.frombuffer(along, np.uint8).reshape(-1, KEY_BYTES)
         return keys.reshape(-1, KEY_BYTES)
-
-    def keys_of(self, positions: Positions) -> NDArray[np.uint8]:
-        """Keys of points that start on their own, (any number, 32)."""
-        keys = [np.frombuffer(self._key(int(p), b""), np.uint8) for p in positions]
-        return np.array(keys, np.uint8).reshape(-1, KEY_BYTES)
 
     def chain_key(self, positions: Positions) -> bytes:
         """Key of the last of the first points of a chain."""
@@ -279,9 +271,9 @@ def _maps(case: Case, layout: Layout) -> Maps | None:
 
 
 def _is_class(variable: Variable) -> bool:
-    """Whether a variable has one of a few values at each point."""
-    counted = variable.kind in ("flag", "int") and not variable.dims and not variable.ragged
-    return counted and variable.name not in ("status", "reason", *WORK)
+    """Whether a variable has one of a few values at each point, and borders between them."""
+    bordered = variable.role not in (Role.STATUS, Role.WORK) and variable.one_per_point
+    return bordered and variable.kind in ("flag", "int")
 
 
 def _template(

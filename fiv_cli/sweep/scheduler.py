@@ -7,6 +7,7 @@ says which points to run.
 from __future__ import annotations
 
 import time
+from collections import defaultdict
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import dataclass, field
@@ -108,6 +109,7 @@ class Scheduler:
     progress: Progress
     log: Callable[[str], None]
     ran: int = 0
+    _paces: defaultdict[int, Pace] = field(default_factory=lambda: defaultdict(Pace))
     _pool: WorkerPool | None = None
     _flights: dict[Future[Result], _Flight] = field(default_factory=dict)
     _held: Job | None = None
@@ -116,46 +118,37 @@ class Scheduler:
     _fruitless: int = 0
     _beats: int = 0
 
-    def run(self) -> None:
-        """Run what is left.
+    def __enter__(self) -> Scheduler:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._close()
+        self.progress.end()
+
+    def run(self) -> bool:
+        """Run what the journal wants and does not hold; False when there is nothing more to do.
 
         Raises
         ------
         StorageError
             a result cannot be stored; what is stored stays.
         """
-        indices = range(len(self.journal.plan.analyses))
-        queues = [self._queue(index) for index in indices]
+        queues = [self._queue(index) for index in range(len(self.journal.records))]
         left = sum(queue.left for queue in queues)
-        total = sum(int(np.count_nonzero(self.journal.wanted(index))) for index in indices)
+        total = sum(int(np.count_nonzero(record.wanted())) for record in self.journal.records)
         self.progress.begin(total, max(0, total - left))
-        try:
-            if left:
-                self._prepare([i for i, queue in enumerate(queues) if queue.left])
-            with ending.heeded():
-                for index, queue in enumerate(queues):
-                    self._drain_and_refine(index, queue)
-        finally:
-            self._close()
-            self.progress.end()
+        if not left:
+            return False
+        self._prepare([index for index, queue in enumerate(queues) if queue.left])
+        with ending.heeded():
+            for index, queue in enumerate(queues):
+                self._drain(index, queue, self._paces[index])
+        return not self._full()
 
     def _queue(self, index: int) -> Queue:
         """What is left of one analysis, as far as is known."""
-        analysis = self.journal.plan.analyses[index]
-        wanted = None if analysis.maps is None else self.journal.wanted(index)
-        record, policy = self.journal.records[index], self.policy
-        return Queue(analysis, record, policy.executor, policy.time_limit, wanted)
-
-    def _drain_and_refine(self, index: int, queue: Queue) -> None:
-        """Run everything in one queue, then what its results ask for, until they ask no more."""
-        pace = Pace()
-        self._drain(index, queue, pace)
-        while self.journal.plan.analyses[index].maps is not None and not self._full():
-            queue = self._queue(index)
-            if not queue.left:
-                return
-            self.progress.more(queue.left)
-            self._drain(index, queue, pace)
+        analysis, record = self.journal.plan.analyses[index], self.journal.records[index]
+        return Queue(analysis, record, self.policy.executor, self.policy.time_limit)
 
     def _prepare(self, indices: list[int]) -> None:
         """Generate and compile before workers start, so that none does it twice."""
