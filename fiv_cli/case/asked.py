@@ -6,22 +6,16 @@ A misspelt variable is told before anything is computed, not after.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path as FilePath
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.variables import Variable, motions, variables_of
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
-from fiv_cli.case.lines import locate
-from fiv_cli.case.load import load_case
-from fiv_cli.case.overrides import apply_overrides, parse_override
-from fiv_cli.case.report import Path, Report, in_order
+from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import TRENDS
-from fiv_cli.case.toml import parse_toml
-from fiv_cli.errors import CaseError, Problem
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
-from fiv_cli.notation.names import listed, suggest
+from fiv_cli.notation.names import listed
 
 # What a sweep that is refined tells of each point besides.
 OF_REFINED = "computed"

@@ -67,9 +67,7 @@ def _refuse_too_many_runs(
         report.add(("initial",), message, f"at most {MOST_POINTS:,}")
 
 
-def _refuse_unmet_requirements(
-    case: Case, form: Form, physics: Physics, report: Report
-) -> None:
+def _refuse_unmet_requirements(case: Case, form: Form, physics: Physics, report: Report) -> None:
     """Note parameters that are not to one another what the model and its laws require.
 
     Those of an axis are left to the plan, which counts the points; those that were given and
@@ -121,5 +119,7 @@ def _in_time(case: Case, law: Law, physics: Physics) -> Iterable[dict[str, float
         varied, bracket = spec.settings.get("parameter"), spec.settings.get("bracket")
         if varied is not None and bracket is not None and not get_analysis(spec.kind).linear:
             ends = [varied.at(values, end) for end in bracket]
-            values = next((end for end in ends if not _unmet(physics.model, law, end, False)), ends[0])
+            values = next(
+                (end for end in ends if not _unmet(physics.model, law, end, False)), ends[0]
+            )
     return ({**values, **case.schedule.values(time)} for time in case.schedule.instants)

@@ -64,9 +64,7 @@ def read_grid(form: Form, physics: Physics, report: Report) -> Grid:
     return Grid(axes, zips, refinement)
 
 
-def _candidates(
-    form: Form, physics: Physics, report: Report
-) -> list[tuple[Candidate, Values]]:
+def _candidates(form: Form, physics: Physics, report: Report) -> list[tuple[Candidate, Values]]:
     """Every axis that has a known name; one that cannot be built is noted and becomes empty."""
     found: dict[str, tuple[Candidate, Values]] = {}
     for name, place, value in form.grid:

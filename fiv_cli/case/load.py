@@ -3,36 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any
 
-from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import requirements
 from fiv_cli.case.analysis import read_analyses
-from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
-from fiv_cli.case.grid import MOST_POINTS, Grid, count_points, read_grid, refuse_fixed_axes
+from fiv_cli.case.asked import check_what_is_asked
+from fiv_cli.case.case import Axis, Case
+from fiv_cli.case.fit import refuse_what_does_not_fit
+from fiv_cli.case.form import read_form
+from fiv_cli.case.grid import read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.physics import Physics, read_physics
-from fiv_cli.case.refinement import refuse_chains
-from fiv_cli.case.report import Path, Report
+from fiv_cli.case.report import Report
 from fiv_cli.case.results import Answers, read_claims, read_figures
-from fiv_cli.case.schedule import at_the_start, read_schedule, refuse_constant_analyses
+from fiv_cli.case.schedule import at_the_start, read_schedule
 from fiv_cli.case.solver import read_solver
 from fiv_cli.case.starts import read_starts
-from fiv_cli.case.structure import CaseTable, HeaderTable
-from fiv_cli.case.tables import keys_of, read_table
 from fiv_cli.case.toml import MOST_BYTES, TooMuchError, parse_toml, too_large
 from fiv_cli.errors import CaseError, Problem, UsageError
 from fiv_cli.friction.base import Law
-from fiv_cli.models import get_model
-from fiv_cli.models.base import Model, Parameter, Requirement
-from fiv_cli.notation.names import listed, nearest, suggest
-from fiv_cli.schedule import STEADY
-
-
-
+from fiv_cli.models.base import Parameter
+from fiv_cli.notation.names import suggest
 
 _AT_LINE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from fiv_cli.case.report import Path, Report
 from fiv_cli.case.form import Form
+from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import FrictionTable, ModelTable
 from fiv_cli.friction import TANH_OF, get_law
 from fiv_cli.friction.base import Law
@@ -194,9 +194,7 @@ class _Reader:
         key, written = ("of", table.of) if table.law == "tanh" and table.of else ("law", table.law)
         return [self.law(model, table.law, table.of, ("friction", key), written)]
 
-    def law(
-        self, model: Model, name: str, of: str | None, place: Path, written: str
-    ) -> str | None:
+    def law(self, model: Model, name: str, of: str | None, place: Path, written: str) -> str | None:
         """The contract name of a law; None, and a note, where the model knows none of the kind."""
         try:
             return resolve_law(model, name, of)
@@ -204,16 +202,12 @@ class _Reader:
             self.report.unknown(place, str(error), written, law_names(model))
             return None
 
-    def of_model(
-        self, model: Model, laws: Sequence[Law], table: ModelTable
-    ) -> dict[str, float]:
+    def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:
         known = {p.name: p for p in model.parameters}
         elsewhere = {p.name: "friction" for law in laws for p in law.parameters}
         return self.parameters(table.parameters, known, elsewhere, ("model", "parameters"))
 
-    def of_laws(
-        self, model: Model, laws: Sequence[Law], table: FrictionTable
-    ) -> dict[str, float]:
+    def of_laws(self, model: Model, laws: Sequence[Law], table: FrictionTable) -> dict[str, float]:
         """The laws' parameters, and those of the tables ``[friction.LAW]``."""
         extra = table.model_extra or {}
         own_tables = {name: value for name, value in extra.items() if isinstance(value, dict)}
@@ -240,15 +234,15 @@ class _Reader:
         self, laws: Sequence[Law], name: str, values: Mapping[str, object]
     ) -> dict[str, float]:
         """``[friction.NAME]``: the parameters of one of the laws in use."""
-        place, regularised = ("friction", name), name == "tanh"
-        matching = [w for w in laws if w.name == name or regularised and w.name.startswith(TANH_OF)]
+        whole = [law for law in laws if law.name == name]
+        matching = whole or [law for law in laws if law.name.startswith(f"{name} of ")]
         if not matching:
-            known = [*(w.name for w in laws), *(p.name for w in laws for p in w.parameters)]
+            names = [*(law.name for law in laws), *(p.name for law in laws for p in law.parameters)]
             message = f"{name!r} is no friction law that this case uses"
-            self.report.unknown(place, message, name, known)
+            self.report.unknown(("friction", name), message, name, names)
             return {}
         known = {p.name: p for p in matching[0].parameters}
-        found = self.parameters(values, known, {}, place)
+        found = self.parameters(values, known, {}, ("friction", name))
         if len(laws) == 1:
             return found
         return {f"{law.name}.{key}": value for law in matching for key, value in found.items()}

@@ -43,9 +43,7 @@ def read_refinement(
     sound = _sound(refine, report)
     if not _known(axes, alone, physics, report) or not sound:
         return None
-    return Refinement(
-        refine.levels, ascii_name(refine.of), tuple(axes), refine.sample, refine.seed
-    )
+    return Refinement(refine.levels, ascii_name(refine.of), tuple(axes), refine.sample, refine.seed)
 
 
 def _sound(refine: RefineTable, report: Report) -> bool:

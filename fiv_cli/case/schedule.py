@@ -13,17 +13,15 @@ from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import CurveTable
 from fiv_cli.models.base import Forcing, Parameter
-from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.names import listed
 from fiv_cli.notation.units import convert
-from fiv_cli.notation.values import check_quantity, describe
+from fiv_cli.notation.values import check_quantity
 from fiv_cli.schedule import STEADY, Points, Schedule, make_schedule
 
 _FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
 
 
-def read_schedule(
-    form: Form, physics: Physics, axes: Sequence[Axis], report: Report
-) -> Schedule:
+def read_schedule(form: Form, physics: Physics, axes: Sequence[Axis], report: Report) -> Schedule:
     """What varies in time, with every parameter that follows one of them."""
     curves: dict[str, Points] = {}
     for name, place, table in form.schedule:

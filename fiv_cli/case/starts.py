@@ -117,9 +117,7 @@ def _box(
     if table.kind == "random" and not table.box:
         report.add(place, "a random start needs its box", "box = { STATE = [low, high], ... }")
     found = {}
-    for name, unit, key_place, bounds in _known_states(
-        table.box, physics, (*place, "box"), report
-    ):
+    for name, unit, key_place, bounds in _known_states(table.box, physics, (*place, "box"), report):
         try:
             low, high = (convert(bound, unit) for bound in bounds)
         except ValueError as error:

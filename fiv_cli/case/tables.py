@@ -8,7 +8,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from fiv_cli.case.report import Path, Report
-from fiv_cli.notation.names import listed, nearest, suggest
+from fiv_cli.notation.names import nearest, suggest
 from fiv_cli.notation.values import describe
 
 MOST_TABLES = 2000

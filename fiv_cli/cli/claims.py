@@ -103,9 +103,9 @@ def _is_case(file: Path) -> bool:
 
 def judge(path: Path, undecided: Undecided) -> list[Entry]:
     """The ledger of one case file; its points without a class are counted in `undecided`."""
-    from fiv_cli.reading.asked import load_checked
+    from fiv_cli.case.load import load_case
 
-    case = load_checked(path)
+    case = load_case(path)
     analyses, missing = _dataset_of(case)
     undecided.add((analyses or {}).values())
     return [_entry(path, claim, analyses, missing) for claim in case.claims]

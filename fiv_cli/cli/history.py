@@ -65,11 +65,11 @@ def command(
       fiv history configs/ch7/fig_7_06.toml --at Omega=2,N0=30,initial=far --t-end 20
       fiv history a.toml --at mu_k=0.3 -o motion.nc && fiv plot motion.nc
     """
-    from fiv_cli.reading.asked import load_checked
+    from fiv_cli.case.load import load_case
     from fiv_cli.sweep.again import find_point, run_again
 
     provide_cache()
-    loaded = load_checked(case, overrides)
+    loaded = load_case(case, overrides)
     settings = {"t_end": _seconds("--t-end", t_end), "sample": _seconds("--sample", sample)}
     given = {name: value for name, value in settings.items() if value is not None}
     point = find_point(loaded, parse_places(places))

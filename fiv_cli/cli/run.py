@@ -100,12 +100,12 @@ def command(
 
 def load_all(sources: Sequence[str], overrides: Sequence[str]) -> list[Case]:
     """Every case, or one error with everything that is wrong in any of them."""
-    from fiv_cli.reading.asked import load_checked
+    from fiv_cli.case.load import load_case
 
     cases, wrong = [], []
     for source in sources:
         try:
-            cases.append(load_checked(source, overrides))
+            cases.append(load_case(source, overrides))
         except CaseError as error:
             wrong.append(error)
     if len(wrong) == 1:

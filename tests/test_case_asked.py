@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from fiv_cli.case.load import parse_case
+from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.errors import CaseError, Problem
-from fiv_cli.reading.asked import load_checked
 from fiv_cli.sweep.plan import make_plan
 
 BELT = """\
@@ -97,5 +96,5 @@ def test_a_state_that_is_not_there_hides_no_other_problem(tmp_path: Path) -> Non
     text = BELT.replace('kind = "response"', 'kind = "response"\nobserve = "xinf"')
     case.write_text(text + '[[claim]]\ntext = "b"\nvariable = "L_s"\nexpect = "increasing"\n')
     with pytest.raises(CaseError) as caught:
-        load_checked(case)
+        load_case(case)
     assert [p.path for p in caught.value.problems] == ["analysis.0.observe", "claim.0.source"]
