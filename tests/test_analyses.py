@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from math import atan, cos, pi, sin, sqrt
 from typing import Any
 
@@ -10,11 +11,11 @@ import pytest
 from motions import TIGHT, analyse, defaults, motion, system
 from small_models import TWO_MASSES
 
-from fiv_cli.analyses import execute, get_analysis
-from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses import all_analyses, execute, get_analysis
+from fiv_cli.analyses.base import Later, Outcome, Section, SolverSettings, Start
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.motion import recording
-from fiv_cli.analyses.motion.history import sample_times
+from fiv_cli.analyses.motion.recording import sample_times
 from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.codegen.setup import Setup
@@ -473,6 +474,14 @@ def test_a_pin_that_starts_off_its_disc_is_an_answer_without_energies() -> None:
     assert (found.status, found.reason) == ("ok", "contact_lost")
     assert np.isnan(found.values["energy_residual"])
     assert len(found.ragged["event_time"]) == 0
+
+
+@pytest.mark.parametrize("kind", all_analyses())
+def test_what_computes_an_analysis_takes_what_every_analysis_is_given(kind: str) -> None:
+    analysis = get_analysis(kind)
+    run = analysis.run.function if isinstance(analysis.run, Later) else analysis.run
+    of = "system" if analysis.generated else "setup"
+    assert list(signature(run).parameters) == [of, "parameters", "start", "settings", "solver"]
 
 
 @pytest.mark.parametrize(

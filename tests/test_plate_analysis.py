@@ -10,8 +10,9 @@ import xarray as xr
 from motions import defaults
 from scipy.optimize import brentq
 
+from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.execute import Request, execute
-from fiv_cli.analyses.rest.plate_modes import plate_modes
+from fiv_cli.analyses.rest.plate import plate_modes
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run
@@ -65,7 +66,8 @@ def test_frequencies_masses_and_shapes(dataset: xr.Dataset) -> None:
 def test_a_node_at_the_slider_is_said() -> None:
     shape = mode(AnnularPlate(0.044, 0.12, 0.002, 7200.0, 150e9, 0.211), 1, 0).shape
     node = brentq(lambda r: float(shape(r)), 0.06, 0.119, xtol=1e-16)
-    found = plate_modes({"modes": "0,0 1,0"}, {**DEFAULTS, "r0": node}, 5)
+    setup = Setup.of("annular-plate", options={"modes": "0,0 1,0"})
+    found = plate_modes(setup, {**DEFAULTS, "r0": node}, None, {"n_r": 5}, SolverSettings())
     assert (found.status, found.reason) == ("ok", "node_at_r0")
     assert "mode (1, 0) has a node" in found.message
     assert found.values["inverse_modal_mass"][1, 0] == 0.0

@@ -61,7 +61,7 @@ def belt(
     parameters = defaults("belt-1dof", "coulomb", v=1e6, **changes)
     schedule = make_schedule(curves)
     built = build_system(Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule))
-    analysis = get_analysis("spectrum")
+    analysis = get_analysis("spectrogram")
     filled = {item.name: item.default for item in analysis.settings} | settings
     return analysis.run(built, parameters, Start("a", "state", start), filled, solver)
 
@@ -120,7 +120,7 @@ name = "belt-1dof"
 [schedule]
 v = { start = 1.5, stop = 0.5, over = 200.0 }
 [[analysis]]
-kind = "spectrum"
+kind = "spectrogram"
 f_max = 0.5
 resolution = 0.05
 [[analysis]]
@@ -134,12 +134,12 @@ def test_datasets_and_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(CASE)
     assert run(["run", "a.toml", "--workers", "1", "-q"]) == 0
-    with xr.open_dataset("runs/a.nc", group="spectrum") as dataset:
+    with xr.open_dataset("runs/a.nc", group="spectrogram") as dataset:
         assert dataset["spectrogram"].dims == ("initial", "time", "frequency")
         assert dataset["spectrogram"].attrs["units"] == "m"
         assert dataset["v"].dims == ("initial", "time")
     figures = drawing.figures_of("runs/a.nc")
-    assert [figure.kind for figure in figures if figure.settings["analysis"] == "spectrum"] == [
+    assert [figure.kind for figure in figures if figure.settings["analysis"] == "spectrogram"] == [
         "spectrogram"
     ]
     stored = next(figure for figure in figures if figure.kind == "spectrogram")

@@ -117,7 +117,7 @@ def _needs(request: Request) -> _Needs:
     from fiv_cli.analyses import get_analysis
 
     analysis = get_analysis(request.analysis)
-    recorded = analysis.recorded(request.setup.schedule)
+    recorded = analysis.recorded
     starts_at_state = request.start is not None and request.start.kind == "state"
     return _Needs(
         equilibria=not (recorded and starts_at_state),

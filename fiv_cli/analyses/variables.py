@@ -220,8 +220,7 @@ def variables_of(
     """
     contact = "contact" if model.contacts > 1 else ""
     subject = Subject(model.states(options), contact, model.surface is not None, settings)
-    by_kind = _VARYING_BY_KIND if varying and kind in _VARYING_BY_KIND else _BY_KIND
-    own = by_kind[kind](subject)
+    own = _BY_KIND[kind](subject)
     over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
     return (STATUS, REASON, *own, *over_time)
 
@@ -247,7 +246,7 @@ def possible_variables(kind: str) -> list[Variable]:
 def every_variable() -> Mapping[str, Variable]:
     """All variables that there are, by name; the state ``state`` stands for those of any model."""
     known = [v for kind in _BY_KIND for v in possible_variables(kind)]
-    return {v.name: v for v in (STATUS, REASON, COMPUTED, *known, *_spectrogram(_ANYTHING))}
+    return {v.name: v for v in (STATUS, REASON, COMPUTED, *known)}
 
 
 def named(name: str) -> Variable:
@@ -765,9 +764,6 @@ def _end(side: str, varied: Varied) -> list[Variable]:
     ]
 
 
-_VARYING_BY_KIND: Mapping[str, Callable[[Subject], list[Variable]]] = {"spectrum": _spectrogram}
-"""Where parameters vary in time, analyses that have other variables then."""
-
 _BY_KIND: Mapping[str, Callable[[Subject], list[Variable]]] = {
     "history": _history,
     "equilibrium": _equilibrium,
@@ -778,4 +774,5 @@ _BY_KIND: Mapping[str, Callable[[Subject], list[Variable]]] = {
     "boundary": _boundary,
     "cycle": _cycle,
     "plate": _plate,
+    "spectrogram": _spectrogram,
 }

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.settings import StateName
 from fiv_cli.analyses.variables import Variable, motions, variables_of
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.report import Path, Report
@@ -65,7 +66,9 @@ def _is_sound(case: Case, spec: AnalysisSpec) -> bool:
     those of the model."""
     settings = get_analysis(spec.kind).settings
     needed = [setting.name for setting in settings if setting.required]
-    named = [spec.settings.get(setting.name) for setting in settings if setting.type == "state"]
+    named = [
+        spec.settings.get(setting.name) for setting in settings if isinstance(setting, StateName)
+    ]
     states = [name for name, *_ in motions(get_model(case.model).states(case.options))]
     given = all(spec.settings.get(name) is not None for name in needed)
     return given and all(name is None or name in states for name in named)

@@ -46,6 +46,20 @@ class Physics:
         """Every state and velocity -> its unit."""
         return state_units(self.model, self.options)
 
+    def varying(self) -> dict[str, Parameter]:
+        """The parameters that can vary in one run: of the model, or of every law in use.
+
+        Whole numbers and what is written into the generated code cannot.
+        """
+        own = {parameter.name for parameter in self.model.parameters}
+        shared = set.intersection(*({p.name for p in law.parameters} for law in self.laws))
+        structural = {name for law in self.laws for name in law.structural}
+        return {
+            name: parameter
+            for name, parameter in self.table().items()
+            if name in (own | shared) - structural and not parameter.integer
+        }
+
     def what_varies(self) -> dict[str, str]:
         """Everything that may be an axis of the grid -> its meaning."""
         return (

@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from fiv_cli.analyses import all_analyses, get_analysis
-from fiv_cli.case.analysis import varying
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics
@@ -45,19 +44,30 @@ def at_the_start(physics: Physics, schedule: Schedule) -> Physics:
     return replace(physics, fixed=kept | schedule.values(0.0))
 
 
-def refuse_constant_analyses(
-    schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
+def refuse_unsuited_analyses(
+    raw: Mapping[str, Any], schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
 ) -> None:
-    """Steady states, equilibria and eigenvalues belong to constant parameters."""
-    able = [kind for kind, analysis in all_analyses().items() if analysis.varying]
-    names = listed(schedule.names) if schedule.curves else ""
-    for index, analysis in enumerate(analyses):
-        if schedule.curves and not get_analysis(analysis.kind).varying:
+    """Steady states, equilibria and eigenvalues belong to constant parameters, others do not."""
+    names = listed(schedule.names)
+    for index, spec in enumerate(analyses):
+        analysis = get_analysis(spec.kind)
+        meant = f'kind = "{analysis.counterpart}"' if analysis.counterpart else ""
+        if schedule.curves and not analysis.varying:
+            able = [kind for kind, other in all_analyses().items() if other.varying]
             report.add(
                 ("analysis", index),
-                f"{analysis.kind!r} belongs to constant parameters, but {names} varies in time",
+                f"{spec.kind!r} belongs to constant parameters, but {names} varies in time",
                 f"analyses of kind {listed(able)}",
-                f"give it a case of its own without [schedule], with {names} fixed or an axis",
+                meant
+                or f"give it a case of its own without [schedule], with {names} fixed or an axis",
+            )
+        elif not raw.get("schedule") and not analysis.constant:
+            report.add(
+                ("analysis", index),
+                f"{spec.kind!r} belongs to parameters that vary, but there is no [schedule]",
+                "parameters under [schedule]",
+                f'{meant} is of a steady state; a [[figure]] of kind "spectrogram" transforms a '
+                "history window by window",
             )
 
 
@@ -65,7 +75,7 @@ def _may_vary(
     name: str, place: Path, form: Form, physics: Physics, axes: Sequence[Axis], report: Report
 ) -> bool:
     """Whether a schedule of `name` makes sense; notes why it does not."""
-    known = varying(physics)
+    known = physics.varying()
     if name not in physics.table():
         meanings = {key: parameter.meaning for key, parameter in known.items()}
         report.unknown(place, f"there is no parameter {name!r} to vary in time", name, meanings)

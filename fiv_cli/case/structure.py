@@ -170,18 +170,6 @@ class AnalysisTable(OpenTable):
     name: str | None = Field(default=None, description="unique name; default: the kind")
 
 
-class SectionTable(Table):
-    """A Poincaré section: one of `event`, `zero` and `phase`."""
-
-    event: Literal["slip->stick", "stick->slip"] | None = Field(
-        default=None, description="a transition of a contact"
-    )
-    contact: int = Field(default=1, description="contact of the event, from 1")
-    zero: str | None = Field(default=None, description="velocity that passes zero, e.g. x_dot")
-    direction: Literal["up", "down", "both"] = Field(default="both", description="sense of it")
-    phase: Quantity | None = Field(default=None, description="phase of the excitation, rad")
-
-
 class ShareTable(Table):
     """How many of the points along some axes satisfy a condition."""
 
@@ -207,23 +195,6 @@ class ReduceTable(Table):
     )
     of: str | None = Field(
         default=None, description='share, entries: condition (". > 0"), a class, or "not CLASS"'
-    )
-
-
-class QuestionTable(Table):
-    """A question that a run answers with yes or no."""
-
-    placeholders: ClassVar[Mapping[str, Any]] = {"expect": "periodic"}
-
-    variable: str = Field(default="attractor", description="variable that decides")
-    expect: str | dict[str, Any] = Field(
-        description='a class, "not CLASS", or { less_than = NUMBER } for a number; a motion that '
-        "diverges has L_s, greatest and effective values below none"
-    )
-    undecided: Literal["open", "counts"] = Field(
-        default="open",
-        description="a run that is undecided at t_max: open, it has no answer; counts, undecided "
-        "is a class like the others (a contact that was not lost within t_max is not lost)",
     )
 
 

@@ -8,73 +8,47 @@ reaches.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
-
-from fiv_cli.analyses.base import Analysis, Outcome, Section, Setting, SolverSettings, Start
-
-if TYPE_CHECKING:
-    from fiv_cli.dynamics.system import System
-
-SETTINGS = (
-    Setting(
-        "section",
-        "section",
-        Section("event"),
-        "Poincaré section whose returns give the first guess, and where the cycle is reported",
-    ),
-    Setting(
-        "observe",
-        "state",
-        None,
-        "state whose value at the section is kept; the first state when left out",
-    ),
-    Setting(
-        "t_max",
-        "number",
-        100.0,
-        "time allowed for reaching a first guess",
-        "s",
-        minimum=0.0,
-        exclusive=True,
-    ),
-    Setting(
-        "transient", "number", 0.0, "time before a first guess is looked for", "s", minimum=0.0
-    ),
-    Setting(
-        "multiplicity",
-        "integer",
-        None,
-        "section points per period; found from the motion when left out",
-        minimum=1,
-    ),
-    Setting(
-        "parameter", "parameter", None, "along which the branch is followed: no axis of the grid"
-    ),
-    Setting("bracket", "bracket", None, "how far the branch is followed"),
-    Setting(
-        "width",
-        "number",
-        1e-6,
-        "width to which its ends are bracketed, as a share of the bracket",
-        minimum=0.0,
-        exclusive=True,
-    ),
+from fiv_cli.analyses.base import Analysis, Later, Section
+from fiv_cli.analyses.settings import (
+    Bracket,
+    Integer,
+    Number,
+    ParameterName,
+    SectionSetting,
+    StateName,
 )
 
-
-def run(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start | None,
-    settings: Mapping[str, Any],
-    solver: SolverSettings,
-) -> Outcome:
-    """The cycle near what `start` leads to, and its branch where a parameter is given."""
-    from fiv_cli.analyses.cycles.find_cycle import find_cycle
-
-    assert start is not None
-    return find_cycle(system, parameters, start, settings, solver)
-
-
-ANALYSIS = Analysis("cycle", "periodic orbits and where they end", SETTINGS, True, run)
+ANALYSIS = Analysis(
+    "cycle",
+    "periodic orbits and where they end",
+    (
+        SectionSetting(
+            "section",
+            "Poincaré section whose returns give the first guess, and where the cycle is reported",
+            default=Section("event"),
+        ),
+        StateName(
+            "observe", "state whose value at the section is kept; the first state when left out"
+        ),
+        Number(
+            "t_max", "time allowed for reaching a first guess", default=100.0, unit="s", above=0.0
+        ),
+        Number(
+            "transient", "time before a first guess is looked for", default=0.0, unit="s", least=0.0
+        ),
+        Integer("multiplicity", "section points per period; found from the motion when left out"),
+        ParameterName(
+            "parameter",
+            "along which the branch is followed: no axis of the grid",
+            partner="bracket",
+        ),
+        Bracket("bracket", "how far the branch is followed", partner="parameter"),
+        Number(
+            "width",
+            "width to which its ends are bracketed, as a share of the bracket",
+            default=1e-6,
+            above=0.0,
+        ),
+    ),
+    Later("fiv_cli.analyses.cycles.find_cycle:find_cycle"),
+)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings
 from fiv_cli.analyses.rest.linear import SYSTEM
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def run(
     system: System,
     parameters: Mapping[str, float],
-    start: Start | None,
+    start: None,
     settings: Mapping[str, Any],
     solver: SolverSettings,
 ) -> Outcome:
@@ -64,7 +64,7 @@ ANALYSIS = Analysis(
     "equilibrium",
     "sliding equilibria of the unexcited system",
     (SYSTEM,),
-    False,
     run,
+    uses_starts=False,
     linear=True,
 )

@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
-from fiv_cli.analyses.base import Setting
+from collections.abc import Iterator
 
-SYSTEM = Setting(
+from fiv_cli.analyses.settings import Choice, Known, Refusal
+from fiv_cli.friction import all_laws
+from fiv_cli.notation.names import listed
+
+
+class SystemChoice(Choice):
+    """The system without its excitation, or averaged over it."""
+
+    def check(self, value: str, known: Known) -> Iterator[Refusal]:
+        """An average needs a fast motion, and laws that have one over it."""
+        if value != "averaged":
+            return
+        if known.model.averaged_forcing() is None:
+            message = f"{known.model.name} has no fast excitation to average over"
+            yield Refusal(message, suggestion='write system = "original"')
+        averaged = [name for name, law in all_laws().items() if law.average is not None]
+        for law in [law for law in known.laws if law.average is None]:
+            message = f"the law {law.name!r} has no average"
+            yield Refusal(message, listed(averaged), follows=("law",))
+
+
+SYSTEM = SystemChoice(
     "system",
-    "string",
-    "original",
     "without its excitation, or averaged over it (thesis 5.7-5.15)",
+    default="original",
     choices=("original", "averaged"),
 )
