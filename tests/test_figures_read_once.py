@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fiv_cli.case.conditions import parse_condition
+from fiv_cli.case.grammar import parse_condition
 from fiv_cli.case.load import load_case
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.data.netcdf import read_datasets

@@ -6,14 +6,13 @@ A misspelt variable is told before anything is computed, not after.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.settings import StateName
 from fiv_cli.analyses.variables import Variable, motions, variables_of
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
+from fiv_cli.case.grammar import OfClass
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.results import TRENDS
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed
@@ -117,25 +116,20 @@ def _check_expected(
     claim: ClaimSpec, variable: Variable | None, place: Path, report: Report
 ) -> None:
     """Note a class that is expected of a number, and a number that is expected of a class."""
-    if variable is None or claim.share or claim.reduce:
+    if variable is None or claim.take:
         return
-    if variable.kind == "flag":
-        _check_of_class(claim.expect, variable, (*place, "expect"), report)
-    elif isinstance(claim.expect, str) and claim.expect not in TRENDS:
-        message = f"{claim.variable!r} is a number and has no class {claim.expect!r}"
+    classes = list(TABLES[variable.flags].codes) if variable.kind == "flag" else []
+    if not isinstance(claim.expect, OfClass):
+        if classes:
+            message = f"{variable.name!r} holds a class, not a number"
+            report.add((*place, "expect"), message, f'{listed(classes)}, or "not CLASS"')
+    elif not classes:
+        message = f"{claim.variable!r} is a number and has no class {claim.expect.name!r}"
         forms = '"increasing", "decreasing", { value, tolerance } or { less_than }'
         report.add((*place, "expect"), message, forms)
-
-
-def _check_of_class(expect: Any, variable: Variable, place: Path, report: Report) -> None:
-    classes = list(TABLES[variable.flags].codes)
-    if isinstance(expect, dict) and "interval" not in expect:
-        message = f"{variable.name!r} holds a class, not a number"
-        report.add(place, message, f'{listed(classes)}, or "not CLASS"')
-    elif isinstance(expect, str):
-        name = expect.removeprefix("not ")
-        if name not in classes and expect not in TRENDS:
-            report.unknown(place, f"{variable.name!r} has no class {name!r}", name, classes)
+    elif claim.expect.name not in classes:
+        message = f"{variable.name!r} has no class {claim.expect.name!r}"
+        report.unknown((*place, "expect"), message, claim.expect.name, classes)
 
 
 def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:

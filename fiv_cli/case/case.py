@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
@@ -107,13 +108,12 @@ class ClaimSpec:
     source: str
     text: str
     variable: str
-    expect: Any
+    expect: Expected
     at: Mapping[str, Any] = field(default_factory=dict)
     holds: str | float = "all"
     note: str = ""
     analysis: str = ""
-    share: Mapping[str, Any] = field(default_factory=dict)
-    reduce: Mapping[str, Any] = field(default_factory=dict)
+    take: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

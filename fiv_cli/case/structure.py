@@ -6,11 +6,28 @@ against the model, law and analysis tables elsewhere in this package.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    WithJsonSchema,
+    model_validator,
+)
 
+from fiv_cli.case.grammar import (
+    EXPECT_SCHEMA,
+    HOLDS_SCHEMA,
+    check_counted,
+    check_holds,
+    in_place_of_reduce,
+    in_place_of_share,
+    parse_expect,
+)
 from fiv_cli.notation.values import (
     INTERVAL_SCHEMA,
     QUANTITY_SCHEMA,
@@ -64,9 +81,8 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, populate_by_name=False)
 
-    # What stands in for required keys that are missing or wrong, so that the rest of the table
-    # can be checked all the same.
-    placeholders: ClassVar[Mapping[str, Any]] = {}
+    # Key of 0.1.0 that is gone -> what to write now for the value it has.
+    gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {}
 
 
 class OpenTable(BaseModel):
@@ -114,8 +130,6 @@ class CurveTable(Table):
 class RefineTable(Table):
     """How a grid is halved along the borders of a class."""
 
-    placeholders: ClassVar[Mapping[str, Any]] = {"levels": 1}
-
     levels: int = Field(description="how often the spacing of the grid is halved")
     of: str = Field(default="attractor", description="class whose borders are followed")
     along: list[str] | None = Field(
@@ -139,8 +153,6 @@ class SweepTable(Table):
 
 class InitialTable(Table):
     """One start of the motion."""
-
-    placeholders: ClassVar[Mapping[str, Any]] = {"kind": "state"}
 
     label: str | None = Field(default=None, description="unique name; default: the kind")
     kind: Literal["equilibrium", "state", "random", "continue"] = Field(
@@ -170,32 +182,45 @@ class AnalysisTable(OpenTable):
     name: str | None = Field(default=None, description="unique name; default: the kind")
 
 
-class ShareTable(Table):
-    """How many of the points along some axes satisfy a condition."""
+Names = Annotated[
+    list[str],
+    BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
+]
+What = Literal["share", "entries", "first", "last", "least", "greatest", "mean", "spread", "peak"]
+# What is counted needs `of`; what is found in one place needs one axis.
+COUNTED = ("share", "entries", "first", "last")
+ALONG_ONE = ("entries", "first", "last", "peak")
 
-    placeholders: ClassVar[Mapping[str, Any]] = {"of": ". > 0", "over": []}
 
-    of: str = Field(description='condition (". > 0"), a class, or "not CLASS"')
-    over: list[str] = Field(description="axes, or initial, that are counted along")
+class TakeTable(Table):
+    """One number in place of all that a variable holds along some axes."""
+
+    what: What = Field(
+        description="least, greatest, mean; spread: greatest less least; peak: where on the axis "
+        "the greatest lies; share: of the points at which `of` holds; entries: how often `of` "
+        "comes to hold; first, last: where on the axis `of` holds"
+    )
+    over: Names = Field(description="axis, or axes, along which it is taken")
+    of: str | None = Field(
+        default=None,
+        description='share, entries, first, last: condition (". > 0"), a class, or "not CLASS"',
+    )
     relative_to: dict[str, Quantity] = Field(
         default={}, description="axis -> value: the shares are over that at this point"
     )
 
-
-class ReduceTable(Table):
-    """One number for all that a variable holds along an axis of its own, such as time."""
-
-    placeholders: ClassVar[Mapping[str, Any]] = {"over": "time", "take": "greatest"}
-
-    over: str = Field(description="axis that is none of the grid: time, frequency, mode, ...")
-    take: Literal["least", "greatest", "range", "mean", "peak", "share", "entries"] = Field(
-        description="what is taken along it; range: greatest less least; peak: where on the axis "
-        "the greatest lies; share: of the samples at which `of` holds; entries: how often `of` "
-        "comes to hold, from sample to sample"
-    )
-    of: str | None = Field(
-        default=None, description='share, entries: condition (". > 0"), a class, or "not CLASS"'
-    )
+    @model_validator(mode="after")
+    def _agrees(self) -> Self:
+        if self.what in COUNTED:
+            check_counted(self.of or "")
+        elif self.of is not None:
+            raise ValueError(f"of is for {', '.join(COUNTED)}; {self.what} is taken of all values")
+        if self.what in ALONG_ONE and len(self.over) > 1:
+            raise ValueError(f"{self.what} is taken along one axis, not {len(self.over)}")
+        if self.what != "share" and self.relative_to:
+            raise ValueError(f"relative_to is for share, not {self.what}")
+        return self
 
 
 FigureKind = Literal[
@@ -215,7 +240,7 @@ FigureKind = Literal[
 class FigureTable(Table):
     """One figure that `fiv plot` draws."""
 
-    placeholders: ClassVar[Mapping[str, Any]] = {"kind": "history"}
+    gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {"share": in_place_of_share}
 
     kind: FigureKind = Field(description="kind of figure")
     name: str | None = Field(default=None, description="unique name; default: the kind")
@@ -225,8 +250,8 @@ class FigureTable(Table):
     y: str | None = Field(default=None, description="vertical: an axis (map) or a state (phase)")
     variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
     select: dict[str, Quantity] = Field(default={}, description="axis or initial -> value to draw")
-    share: ShareTable | None = Field(
-        default=None, description="draw the share of points at which the variable is so"
+    take: TakeTable | None = Field(
+        default=None, description="draw one number for all that the variable holds along axes"
     )
     level: Levels | None = Field(
         default=None, description="map of numbers: a line at this value, or at each of these"
@@ -249,32 +274,26 @@ class FigureTable(Table):
 class ClaimTable(Table):
     """What the publication says, as a check."""
 
-    placeholders: ClassVar[Mapping[str, Any]] = {
-        "source": "",
-        "text": "",
-        "variable": "",
-        "expect": "periodic",
+    gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {
+        "share": in_place_of_share,
+        "reduce": in_place_of_reduce,
     }
 
     source: str = Field(description="where it says so")
     text: str = Field(description="what it says")
     variable: str = Field(description="variable of the dataset that decides")
-    expect: str | dict[str, Any] = Field(
+    expect: Annotated[Any, PlainValidator(parse_expect), WithJsonSchema(EXPECT_SCHEMA)] = Field(
         description='a class, "not CLASS", "increasing", "decreasing", { value, tolerance }, '
-        '{ interval, tolerance }, { less_than = N } or { less_than = "CASE:variable" }'
+        "{ less_than }, { greater_than } or { between }"
+    )
+    take: TakeTable | None = Field(
+        default=None, description="the claim is about one number for all along axes"
     )
     at: dict[str, Quantity] = Field(
         default={}, description='axis -> value or condition ("0.9 <= . < 1.8")'
     )
-    holds: Annotated[
-        Any,
-        WithJsonSchema({"anyOf": [{"enum": ["all", "any"]}, {"type": "number"}]}),
-    ] = Field(default="all", description="all, any, or the share of points that must agree")
-    share: ShareTable | None = Field(
-        default=None, description="the claim is about the share of points at which it is so"
-    )
-    reduce: ReduceTable | None = Field(
-        default=None, description="the claim is about one number along an axis, such as time"
+    holds: Annotated[Any, PlainValidator(check_holds), WithJsonSchema(HOLDS_SCHEMA)] = Field(
+        default="all", description="all, any, or the share of points that must agree"
     )
     note: str = Field(default="", description="what is known about a difference")
     analysis: str | None = Field(default=None, description="name of the analysis that decides")

@@ -84,7 +84,10 @@ def _place_in_file(loc: tuple[str | int, ...]) -> Path:
 
 def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report: Report) -> None:
     kind, value = details["type"], details["input"]
-    if kind == "extra_forbidden":
+    gone = getattr(form, "gone", {}).get(path[-1])
+    if kind == "extra_forbidden" and gone is not None:
+        report.add(path, gone(value))
+    elif kind == "extra_forbidden":
         _note_unknown(form, path, report)
     elif kind == "missing":
         _note_missing(form, path, value, report)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.analyses.variables import named
+from fiv_cli.case.grammar import figure_of_before
 from fiv_cli.case.structure import FigureTable
 from fiv_cli.flags import TABLES
 from fiv_cli.notation.names import can_name_a_file
@@ -101,7 +102,7 @@ def _is_figure(figure: Mapping[str, Any]) -> bool:
     if not can_name_a_file(figure["name"]):
         return False
     try:
-        FigureTable.model_validate({**settings, "kind": figure["kind"]})
+        FigureTable.model_validate({**figure_of_before(settings), "kind": figure["kind"]})
     except ValueError:
         return False
     return True

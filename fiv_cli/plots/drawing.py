@@ -24,9 +24,8 @@ from fiv_cli.plots import (
 )
 from fiv_cli.plots import map as map_
 from fiv_cli.plots.points import Layer
-from fiv_cli.reading import select
+from fiv_cli.reading import select, take
 from fiv_cli.reading.datasets import figures_in, read_analyses
-from fiv_cli.reading.shares import SHARE, with_share
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -132,19 +131,18 @@ def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> F
     if len(layers) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
     settings = figure.settings
-    if "share" in settings:
-        layers = [Layer(layer.label, _counted(layer.dataset, settings)) for layer in layers]
-        settings = {**settings, "variable": SHARE}
+    if "take" in settings:
+        layers = [Layer(layer.label, _taken(layer.dataset, settings)) for layer in layers]
+        settings = {**settings, "variable": settings["take"]["what"]}
     if "title" in settings:
         layers = [Layer(layer.label, _retitled(layer.dataset, figure)) for layer in layers]
     with style.looks():
         return kind.draw(layers, settings)
 
 
-def _counted(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
-    """The dataset as the share that the figure draws."""
-    variable = points.one_variable(settings, "attractor")
-    return with_share(dataset, variable, settings["share"])
+def _taken(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
+    """The dataset as what the figure takes of its variable."""
+    return take.taken(dataset, points.one_variable(settings, "attractor"), settings["take"])
 
 
 def _retitled(dataset: xr.Dataset, figure: FigureSpec) -> xr.Dataset:

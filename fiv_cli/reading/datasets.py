@@ -11,6 +11,7 @@ import numpy as np
 
 from fiv_cli.analyses.variables import INT_FILL, Role, Variable, named
 from fiv_cli.case.case import FigureSpec
+from fiv_cli.case.grammar import figure_of_before
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.data.sound import fault_of
 from fiv_cli.errors import InputError
@@ -65,7 +66,10 @@ def figures_in(analyses: Mapping[str, xr.Dataset]) -> list[FigureSpec]:
     """
     attributes = next(iter(analyses.values())).attrs
     if "figures_json" in attributes:
-        return [FigureSpec(**figure) for figure in json.loads(attributes["figures_json"])]
+        return [
+            FigureSpec(figure["name"], figure["kind"], figure_of_before(figure["settings"]))
+            for figure in json.loads(attributes["figures_json"])
+        ]
     from fiv_cli.case.load import parse_case
 
     overrides = str(attributes.get("overrides", "")).splitlines()

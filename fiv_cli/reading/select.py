@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fiv_cli.case.conditions import parse_condition
+from fiv_cli.case.grammar import parse_condition
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import ascii_name
 from fiv_cli.notation.units import convert
