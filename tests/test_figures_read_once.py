@@ -88,17 +88,6 @@ def test_a_dataset_of_before_is_read_from_its_case(monkeypatch: pytest.MonkeyPat
     assert understood[1].name == "second"
 
 
-def test_everything_wrong_is_told_at_once() -> None:
-    text = CASE.replace('name = "pin-on-disc"', 'name = "pin-on-disc"\nparameters = { c1 = -1 }')
-    text = text.replace('variable = "n_solutions"\nat', 'variable = "n_solution"\nat')
-    text = text.replace('"n_solutions"\nselect', '"solutions"\nselect')
-    Path("a.toml").write_text(text)
-    with pytest.raises(CaseError) as caught:
-        load_case("a.toml")
-    told = [problem.path for problem in caught.value.problems]
-    assert told == ["model.parameters.c1", "figure.0.variable", "claim.0.variable"]
-
-
 def test_what_is_missing_is_told_once() -> None:
     Path("a.toml").write_text(CASE.replace('variable = "n_solutions"\nat', "at"))
     with pytest.raises(CaseError) as caught:

@@ -12,7 +12,7 @@ from fiv_cli.case.grid import MOST_POINTS, count_points
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.refinement import refuse_chains
 from fiv_cli.case.report import Report
-from fiv_cli.case.schedule import refuse_constant_analyses
+from fiv_cli.case.schedule import refuse_unsuited_analyses
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Requirement
 from fiv_cli.notation.names import listed
@@ -23,7 +23,7 @@ def refuse_what_does_not_fit(case: Case, form: Form, physics: Physics, report: R
     _refuse_unused_start_axes(case.axes, case.analyses, report)
     _refuse_needless_chains(case.analyses, case.starts, report)
     refuse_chains(case.refinement, case.starts, report)
-    refuse_constant_analyses(case.schedule, case.analyses, report)
+    refuse_unsuited_analyses(form, case.schedule, case.analyses, report)
     _refuse_too_many_runs(case.axes, case.zips, case.starts, report)
     _refuse_unmet_requirements(case, form, physics, report)
 

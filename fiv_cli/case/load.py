@@ -120,7 +120,7 @@ def _build(
     refuse_fixed_axes(form, report)
     schedule = read_schedule(form, given, axes, report)
     physics = at_the_start(given, schedule)
-    analyses = read_analyses(raw, given, axes, report)
+    analyses = read_analyses(form, given, axes, report)
     starts = read_starts(form, given, axes, report)
     answers = Answers(given, axes, starts, analyses)
     case = Case(
@@ -139,8 +139,8 @@ def _build(
         zips=zips,
         starts=starts,
         analyses=analyses,
-        figures=read_figures(raw, answers, report),
-        claims=read_claims(raw, answers, report),
+        figures=read_figures(form, raw.get("figure", []), answers, report),
+        claims=read_claims(form, answers, report),
         solver=read_solver(form, report),
         refinement=refinement,
         schedule=schedule,

@@ -54,17 +54,28 @@ class Report:
         self._lines = lines
         self._overrides = overrides
 
-    def add(self, path: Path, message: str, allowed: str = "", suggestion: str = "") -> None:
-        """Note that `message` is wrong with the value at `path`."""
-        self._note(self._values, path, message, allowed, suggestion)
+    def add(
+        self,
+        path: Path,
+        message: str,
+        allowed: str = "",
+        suggestion: str = "",
+        of_name: bool = False,
+    ) -> None:
+        """Note that `message` is wrong with the value, or the name (`of_name`), at `path`."""
+        problems = self._names if of_name else self._values
+        if len(problems) <= MOST_PROBLEMS:
+            override = self._override_at(path)
+            place = dotted(path) if override is None else f"{dotted(path)} (--set {override})"
+            line = None if override is not None else self._line_at(path)
+            problems.append(Problem(place, message, allowed, suggestion, line))
 
     def unknown(
         self, path: Path, message: str, name: str, known: Collection[str], suggestion: str = ""
     ) -> None:
         """Note that `name`, at `path`, is none of the `known` names."""
         if len(self._names) <= MOST_PROBLEMS:
-            hint = suggestion or suggest(name, known)
-            self._note(self._names, path, message, listed(known), hint)
+            self.add(path, message, listed(known), suggestion or suggest(name, known), True)
 
     def add_problems(self, problems: Sequence[Problem]) -> None:
         """Note problems that know their place already."""
@@ -85,16 +96,6 @@ class Report:
         if len(problems) > MOST_PROBLEMS:
             told.append(Problem("case", f"no more than {MOST_PROBLEMS:,} problems are told"))
         raise CaseError(self.source, told)
-
-    def _note(
-        self, problems: list[Problem], path: Path, message: str, allowed: str, suggestion: str
-    ) -> None:
-        if len(problems) > MOST_PROBLEMS:
-            return
-        override = self._override_at(path)
-        place = dotted(path) if override is None else f"{dotted(path)} (--set {override})"
-        line = None if override is not None else self._line_at(path)
-        problems.append(Problem(place, message, allowed, suggestion, line))
 
     def _override_at(self, path: Path) -> str | None:
         """The last override that wrote `path`, or a table above it, or made it on its way."""

@@ -45,7 +45,7 @@ def at_the_start(physics: Physics, schedule: Schedule) -> Physics:
 
 
 def refuse_unsuited_analyses(
-    raw: Mapping[str, Any], schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
+    form: Form, schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
 ) -> None:
     """Steady states, equilibria and eigenvalues belong to constant parameters, others do not."""
     names = listed(schedule.names)
@@ -61,7 +61,7 @@ def refuse_unsuited_analyses(
                 meant
                 or f"give it a case of its own without [schedule], with {names} fixed or an axis",
             )
-        elif not raw.get("schedule") and not analysis.constant:
+        elif not form.schedule and not analysis.constant:
             report.add(
                 ("analysis", index),
                 f"{spec.kind!r} belongs to parameters that vary, but there is no [schedule]",
