@@ -399,6 +399,7 @@ def test_a_case_may_take_a_number():
         ('over = "time", what = "mean", of = "stick"', "of is for share, entries, first, last"),
         ('over = "time", what = "median"', "'median' .a string. is not allowed"),
         ('over = ["time", "initial"], what = "peak"', "along one axis, not 2"),
+        ('over = [], what = "mean"', "along one axis, not 0"),
         ('over = "time", what = "mean", relative_to = { time = 1 }', "is for share, not mean"),
     ],
 )

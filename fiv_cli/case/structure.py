@@ -216,7 +216,7 @@ class TakeTable(Table):
             check_counted(self.of or "")
         elif self.of is not None:
             raise ValueError(f"of is for {', '.join(COUNTED)}; {self.what} is taken of all values")
-        if self.what in ALONG_ONE and len(self.over) > 1:
+        if not self.over or (self.what in ALONG_ONE and len(self.over) > 1):
             raise ValueError(f"{self.what} is taken along one axis, not {len(self.over)}")
         if self.what != "share" and self.relative_to:
             raise ValueError(f"relative_to is for share, not {self.what}")

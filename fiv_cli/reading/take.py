@@ -167,7 +167,8 @@ def _words(variable: str, take: Mapping[str, Any]) -> str:
 
 # --- ways of taking -------------------------------------------------------------------------------
 def _dims(axes: Sequence[xr.DataArray]) -> list[str]:
-    return [str(axis.dims[0]) for axis in axes]
+    """Their dims; axes that advance together have one."""
+    return list(dict.fromkeys(str(axis.dims[0]) for axis in axes))
 
 
 def _entries(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
