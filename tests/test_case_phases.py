@@ -139,8 +139,8 @@ def test_then_values_and_the_third_look_is_the_last() -> None:
         "initial.0.count",
         "analysis.0.t_max",
         "figure.0.x",
-        "claim.0.expect",
         "claim.0.at.N0",
+        "claim.0.expect",
         "solver.rtol",
     ]
     assert parse_case(mended(text, VALUES), "a.toml").zips == (("N0", "Omega"),)

@@ -61,16 +61,13 @@ def _check_refined(case: Case, held: Held, report: Report) -> None:
 
 
 def _is_sound(case: Case, spec: AnalysisSpec) -> bool:
-    """Whether the variables of an analysis can be told: all it needs is given, and its states are
-    those of the model."""
-    settings = get_analysis(spec.kind).settings
-    needed = [setting.name for setting in settings if setting.required]
-    named = [
-        spec.settings.get(setting.name) for setting in settings if isinstance(setting, StateName)
-    ]
-    states = [name for name, *_ in motions(get_model(case.model).states(case.options))]
-    given = all(spec.settings.get(name) is not None for name in needed)
-    return given and all(name is None or name in states for name in named)
+    """Whether the variables of an analysis can be told: it suits the model, all it needs is given,
+    and its states are those of the model."""
+    analysis, model = get_analysis(spec.kind), get_model(case.model)
+    needed = [spec.settings.get(one.name) for one in analysis.settings if one.required]
+    named = [spec.settings.get(one.name) for one in analysis.settings if isinstance(one, StateName)]
+    states = {None, *(name for name, *_ in motions(model.states(case.options)))}
+    return not analysis.unsuited(model) and None not in needed and states.issuperset(named)
 
 
 def _variables(case: Case, spec: AnalysisSpec) -> Sequence[Variable]:
