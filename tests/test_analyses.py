@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import TIGHT, analyse, defaults, motion, system
+from motions import TIGHT, defaults, motion, system
 from small_models import TWO_MASSES
 
 from fiv_cli.analyses import all_analyses, execute, get_analysis
@@ -17,6 +17,7 @@ from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
 from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
+from fiv_cli.api import analyse
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import system as systems

@@ -12,7 +12,7 @@ import xarray as xr
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Outcome, Varied
-from fiv_cli.analyses.variables import variables_of
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.case.case import Axis
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.block import Block, pack

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from disc_reference import ExcitedDisc, NonlinearContact, RigidContact, SliderOnDisc
 from lumped_reference import integrate
-from motions import TIGHT, analyse, defaults, motion, times, transitions
+from motions import TIGHT, defaults, motion, times, transitions
 
+from fiv_cli.api import analyse
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop

@@ -61,6 +61,19 @@ def test_the_case_is_right() -> None:
     assert parse_case(case, "squeal.toml").model == "pin-on-disc"
 
 
+def test_the_notebook_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("squeal.toml").write_text(blocks("toml")[0])
+    (notebook,) = [block for block in blocks("python") if "import api" in block]
+    exec(notebook, {})
+    said = capsys.readouterr().out
+    assert "Omega = 2.0, 8.0" in said
+    assert re.search(r"2\.0 +far +periodic\n8\.0 +far +equilibrium", said)
+    assert {path.name for path in tmp_path.iterdir()} == {"squeal.toml", "phase.png"}
+
+
 def test_the_claim_is_understood() -> None:
     """On the grid that it speaks of, with every way of taking and of expecting that is listed."""
     case, claim = blocks("toml")

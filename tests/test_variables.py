@@ -11,7 +11,8 @@ import pytest
 import fiv_cli
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Varied
-from fiv_cli.analyses.variables import Role, Variable, every_variable, named, variables_of
+from fiv_cli.analyses.catalogue import every_variable, named, variables_of
+from fiv_cli.analyses.variables import Role, Variable
 from fiv_cli.flags import TABLES
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model

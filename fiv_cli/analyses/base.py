@@ -3,11 +3,11 @@
 To add an analysis:
 
 1. write ``fiv_cli/analyses/QUESTION/my_kind.py`` with ``ANALYSIS = Analysis(...)``: its kind and
-   title, its settings (``settings.py`` has their types), and the function that computes it. That
-   function may stand in the same file if the file needs no engine to be imported; otherwise in a
-   file of its own, named by `Later`;
-2. list it in ``fiv_cli/analyses/__init__.py``, and its variables in
-   ``fiv_cli/analyses/variables.py``;
+   title, its settings (``settings.py`` has their types), its variables (``variables.py`` says what
+   there is to say of one), and the function that computes it. That function may stand in the same
+   file if the file needs no engine to be imported; otherwise in a file of its own, named by
+   `Later`;
+2. list it in ``fiv_cli/analyses/__init__.py``;
 3. add a row to ``tests/test_analyses.py`` and a case in ``configs/``.
 
 An analysis knows nothing of workers and files.
@@ -15,7 +15,7 @@ An analysis knows nothing of workers and files.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,7 @@ from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
     from fiv_cli.analyses.settings import Setting
+    from fiv_cli.analyses.variables import Subject, Variable
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model, Requirement
 
@@ -183,6 +184,7 @@ class Analysis:
     kind : name in case files
     title : one line
     settings : what a case may say of it
+    variables : what its answers hold on a subject, without ``status`` and ``reason``
     run : ``(system, parameters, start, settings, solver) -> Outcome``; `start` is None where
         `uses_starts` is false; `settings` holds every setting, defaults filled in
     uses_starts : whether the dim ``initial`` exists
@@ -202,6 +204,7 @@ class Analysis:
     kind: str
     title: str
     settings: tuple[Setting, ...]
+    variables: Callable[[Subject], Sequence[Variable]]
     run: Callable[..., Outcome]
     _: KW_ONLY
     uses_starts: bool = True

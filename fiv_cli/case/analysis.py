@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fiv_cli.analyses import all_analyses
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import read_settings
-from fiv_cli.analyses.variables import variables_of
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics

@@ -8,18 +8,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import StateName
-from fiv_cli.analyses.variables import Variable, motions, variables_of
+from fiv_cli.analyses.variables import COMPUTED, Variable, motions
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass
 from fiv_cli.case.report import Path, Report
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed
-
-# What a sweep that is refined tells of each point besides.
-OF_REFINED = "computed"
-
 
 Held = Mapping[str, Sequence[Variable]]
 """Name of an analysis -> its variables."""
@@ -89,7 +86,7 @@ def _known(
     """
     chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
     found: dict[str, Variable | None] = dict.fromkeys(
-        [*(axis.dim for axis in case.axes), OF_REFINED]
+        [*(axis.dim for axis in case.axes), COMPUTED.name]
     )
     if with_motions:
         own = variables_of("history", get_model(case.model), case.options, {})

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fiv_cli.analyses.variables import own_dims
+from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
 from fiv_cli.case.form import Form
 from fiv_cli.case.grammar import parse_condition

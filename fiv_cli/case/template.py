@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 
 from fiv_cli.analyses.base import Analysis
+from fiv_cli.analyses.catalogue import possible_variables
 from fiv_cli.analyses.settings import ParameterName, Setting
-from fiv_cli.analyses.variables import Role, possible_variables
+from fiv_cli.analyses.variables import Role
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Parameter
@@ -102,7 +103,7 @@ def _grid(axis: Parameter | None, example: Parameter) -> list[str]:
 
 def _sweep(analysis: Analysis) -> list[str]:
     """How a grid is refined, where the analysis has a class whose borders can be followed."""
-    classes = [v for v in possible_variables(analysis.kind) if v.role is Role.CLASS]
+    classes = [v for v in possible_variables(analysis) if v.role is Role.CLASS]
     of = next((v.name for v in classes if v.headline), None)
     if of is None:
         return []

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.analyses.variables import named
+from fiv_cli.analyses.catalogue import named
 from fiv_cli.case.grammar import figure_of_before
 from fiv_cli.case.structure import FigureTable
 from fiv_cli.flags import TABLES

@@ -18,7 +18,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.variables import Role, named
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import Role
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR

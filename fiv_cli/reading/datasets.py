@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fiv_cli.analyses.variables import INT_FILL, Role, Variable, named
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import INT_FILL, Role, Variable
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.grammar import figure_of_before
 from fiv_cli.data.netcdf import read_datasets

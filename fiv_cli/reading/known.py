@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fiv_cli.analyses.variables import Role, named
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import Role
 from fiv_cli.reading.datasets import flag_names, numbers
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, Requirement
 from fiv_cli.sweep.points import (
     StartEntry,
     Template,
@@ -151,9 +151,13 @@ class AnalysisPlan:
         first = {axis.name: axis.values[0] for axis in axes}
         points = ({**first, **choice} for choice in _choices(dims))
         named = (tuple(point[name] for name, _ in self.template.axes) for point in points)
-        unmet = (exclusion(self.template, values) for values in named)
+        unmet = (self.unmet(values) for values in named)
         faults = Counter(requirement.fault for requirement in unmet if requirement is not None)
         return Counter({fault: count * others for fault, count in faults.items()})
+
+    def unmet(self, values: Values) -> Requirement | None:
+        """Why a point is not computed; None where it is."""
+        return exclusion(request_at(self.template, values, None), self.template.linear)
 
     def _steering(self) -> set[str]:
         """The axes that decide whether a point is computed."""
@@ -201,6 +205,9 @@ class Plan:
     def size(self) -> int:
         """Number of points of all analyses."""
         return sum(analysis.size for analysis in self.analyses)
+
+    def __str__(self) -> str:
+        return "\n".join(self.describe())
 
     def describe(self) -> list[str]:
         """The plan in lines for people."""

@@ -22,8 +22,9 @@ from typing import Any
 
 from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Start
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.execute import Request
-from fiv_cli.analyses.variables import Variable, variables_of
+from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import from_plain, to_plain
 from fiv_cli.data.states import on_all_states
@@ -233,7 +234,7 @@ def _executed(
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
     request = request_at(template, values, start)
-    unmet = exclusion(template, values)
+    unmet = exclusion(request, template.linear)
     if unmet is not None:
         return Outcome("not_computed", unmet.reason)
     return _placed(execute(request), request, template)

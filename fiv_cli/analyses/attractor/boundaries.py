@@ -37,7 +37,8 @@ from fiv_cli.analyses.attractor.bisection import (
 )
 from fiv_cli.analyses.attractor.steady_state import steady_state
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, broken
-from fiv_cli.analyses.variables import EVENT_RESIDUAL, OF_SOLVER, Role, Variable, named
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import EVENT_RESIDUAL, OF_SOLVER, Role, Variable
 from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"

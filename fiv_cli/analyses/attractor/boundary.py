@@ -17,6 +17,71 @@ from fiv_cli.analyses.settings import (
     ParameterName,
     QuestionSetting,
 )
+from fiv_cli.analyses.variables import (
+    EVENT_RESIDUAL,
+    OF_SOLVER,
+    Role,
+    Subject,
+    Variable,
+    axis,
+    classes,
+    count,
+)
+
+
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each change, of the scan, and of all runs."""
+    varied, sides = subject.settings["parameter"], "class of the steady state"
+    way = "direction in which it was met; none: every run begins at the start"
+    confirmed = "distance within which runs in shorter steps and with more time find it; missing "
+    confirmed += "where a side is open or they do not find it"
+    return [
+        Variable(
+            "boundary", varied.unit, f"{varied.name} at which the answer changes", "crossing",
+            headline=1, width="boundary_width",
+        ),
+        Variable(
+            "boundary_width", varied.unit, "width of the interval that it was bisected to",
+            "crossing", comment="no bound of its error",
+        ),
+        Variable(
+            "boundary_error", varied.unit, "how far it may be off", "crossing", comment=confirmed
+        ),
+        classes("class_below", f"{sides} below", "crossing", of="attractor"),
+        classes("class_above", f"{sides} above", "crossing", of="attractor"),
+        classes(
+            "answer_below", "answer to the question below", "crossing", of="answer",
+            role=Role.DETAIL,
+        ),
+        classes(
+            "answer_above", "answer to the question above", "crossing", of="answer",
+            role=Role.DETAIL,
+        ),
+        classes("found_going", way, "crossing", of="followed", role=Role.DETAIL),
+        count("n_crossings", "changes in the bracket"),
+        count("n_runs", "responses computed"),
+        count("n_undecided", "responses without an answer"),
+        axis("scan", varied.unit, f"{varied.name} looked at first"),
+        classes("scan_class", f"{sides} there", "scan", of="attractor", role=Role.DETAIL),
+        *(_way_back(varied.unit, sides) if subject.settings["follow"] == "both" else ()),
+        *OF_SOLVER,
+        EVENT_RESIDUAL,
+    ]  # fmt: skip
+
+
+def _way_back(unit: str, sides: str) -> list[Variable]:
+    """What a bracket followed up and down again has besides."""
+    back = f"{sides} there on the way down"
+    end = "end of a range in which the way up and the way down differ"
+    known = "width of the interval that it was bisected to; missing at the end of the bracket"
+    return [
+        classes("scan_class_back", back, "scan", of="attractor", role=Role.DETAIL),
+        Variable("bistable_low", unit, f"lower {end}", "range", width="bistable_low_width"),
+        Variable("bistable_low_width", unit, known, "range"),
+        Variable("bistable_high", unit, f"upper {end}", "range", width="bistable_high_width"),
+        Variable("bistable_high_width", unit, known, "range"),
+    ]
+
 
 ANALYSIS = Analysis(
     "boundary",
@@ -40,6 +105,7 @@ ANALYSIS = Analysis(
         ),
         *response.SETTINGS,
     ),
+    variables,
     Later("fiv_cli.analyses.attractor.boundaries:boundaries"),
     chains=False,
 )

@@ -7,6 +7,21 @@ from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later, Section
 from fiv_cli.analyses.settings import Choice, Number, SectionSetting, StateName
+from fiv_cli.analyses.variables import (
+    ATTRACTOR,
+    MULTIPLICITY,
+    MULTIPLIERS,
+    OF_STEADY_STATE,
+    PERIOD,
+    PERIOD_RATIO,
+    Role,
+    Subject,
+    Variable,
+    count,
+    extremes,
+    section_value,
+    share,
+)
 
 SETTINGS = (
     SectionSetting(
@@ -28,10 +43,73 @@ SETTINGS = (
     ),
 )
 
+
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of a steady state."""
+    states, contact = subject.states, subject.contact
+    return [
+        ATTRACTOR,
+        Variable(
+            "L_s",
+            subject.of_states("2"),
+            "vibration intensity: mean squared distance from the sliding equilibrium",
+            symbol="L_s",
+            comment="thesis 6.20, on discs 6.42 (of the slider alone); over one period, or over "
+            "L_s_window; 0 at the equilibrium",
+            headline=1,
+            statistic=True,
+            unbounded=True,
+        ),
+        *_reference(subject),
+        Variable(
+            "L_s_window", "s", "window of L_s, of extremes and of fractions", role=Role.DETAIL
+        ),
+        PERIOD,
+        MULTIPLICITY,
+        PERIOD_RATIO,
+        Variable("response_frequency", "Hz", "one over the period"),
+        section_value(subject),
+        share("stick_fraction", "share of time in stick", contact),
+        share("slip_fraction", "share of time in slip", contact),
+        share("separation_fraction", "share of time in separation", contact),
+        *extremes(states, rms=True),
+        Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
+        *MULTIPLIERS,
+        *OF_STEADY_STATE,
+    ]
+
+
+def _reference(subject: Subject) -> list[Variable]:
+    """The equilibria that a steady state is measured from, and comes to rest at."""
+    return [
+        Variable(
+            "L_s_reference",
+            subject.of_states(),
+            "sliding equilibrium that L_s is measured from",
+            "state",
+            comment=subject.mixed,
+            role=Role.DETAIL,
+        ),
+        count(
+            "L_s_reference_index",
+            "number of that equilibrium among the solutions of `equilibrium`, from 1",
+            comment="the one reached; of a motion that does not rest, the first, from which a "
+            "start of kind `equilibrium` is offset too",
+            role=Role.DETAIL,
+        ),
+        count(
+            "equilibrium_index",
+            "number of the equilibrium reached, among the solutions of `equilibrium`, from 1",
+            role=Role.DETAIL,
+        ),
+    ]
+
+
 ANALYSIS = Analysis(
     "response",
     "steady-state response",
     SETTINGS,
+    variables,
     Later("fiv_cli.analyses.attractor.steady_state:steady_state"),
     figure="bifurcation",
 )

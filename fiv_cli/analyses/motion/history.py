@@ -4,6 +4,59 @@ from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import DiscPoints, Number
+from fiv_cli.analyses.variables import (
+    OF_SOLVER,
+    Role,
+    Subject,
+    Variable,
+    axis,
+    classes,
+    count,
+    motions,
+    trust,
+)
+
+_EVENTS = (
+    Variable("event_time", "s", "instant of the event", ragged="event"),
+    classes(
+        "event_from", "contact before", of="contact_state", ragged="event", role=Role.DETAIL
+    ),
+    classes("event_to", "contact after", of="contact_state", ragged="event", role=Role.DETAIL),
+    count("event_contact", "contact, counted from 1", ragged="event"),
+    trust("event_residual", "switching function left at the event", ragged="event"),
+)  # fmt: skip
+
+_SURFACE = (
+    Variable("w", "m", "transverse displacement of the disc", "point time", symbol="w"),
+    axis("point_radius", "m", "radius of the point", "point", symbol="r"),
+    axis("point_angle", "rad", "angle of the point", "point", symbol=r"\theta"),
+)
+"""The displacement of a disc at points that are fixed in space."""
+
+
+def variables(subject: Subject) -> list[Variable]:
+    """What a motion holds at its samples, of its events, and of its energy."""
+    at_contacts = f"{subject.contact} time"
+    return [
+        axis("time", "s", "time", symbol="t"),
+        *(Variable(n, u, m, "time", symbol=s) for n, u, s, m in motions(subject.states)),
+        Variable("F_T", "N", "tangential contact force", at_contacts, symbol="F_T"),
+        Variable("F_N", "N", "normal contact force", at_contacts, symbol="F_N"),
+        classes("contact_state", "state of contact", at_contacts, role=Role.DETAIL),
+        Variable("kinetic_energy", "J", "kinetic energy", "time"),
+        Variable("potential_energy", "J", "potential energy", "time"),
+        Variable("friction_power", "W", "power of friction on the model", "time"),
+        Variable("drive_power", "W", "power of the drive", "time"),
+        Variable("other_power", "W", "power of all other forces", "time"),
+        Variable("friction_work", "J", "work of friction on the model"),
+        Variable("drive_work", "J", "work of the drive"),
+        Variable("other_work", "J", "work of all other forces"),
+        Variable("impact_loss", "J", "energy lost in impacts"),
+        *_EVENTS,
+        *(_SURFACE if subject.settings.get("points") else ()),
+        *OF_SOLVER,
+    ]
+
 
 ANALYSIS = Analysis(
     "history",
@@ -18,6 +71,7 @@ ANALYSIS = Analysis(
             "[radius (m), angle (rad)] on the disc, fixed in space, whose displacement w is given",
         ),
     ),
+    variables,
     Later("fiv_cli.analyses.motion.recording:record"),
     varying=True,
     recorded=True,

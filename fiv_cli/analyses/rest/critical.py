@@ -7,8 +7,36 @@ in it: every crossing inside a bracket, of any mode, to rounding (``crossings.py
 from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later
-from fiv_cli.analyses.rest.linear import SYSTEM
+from fiv_cli.analyses.rest.linear import SYSTEM, averaging
 from fiv_cli.analyses.settings import Bracket, ParameterName
+from fiv_cli.analyses.variables import Subject, Variable, classes, count
+
+
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each crossing, and of the bracket."""
+    varied = subject.settings["parameter"]
+    ranked = "as at the lower end of the bracket, by rising frequency from 0; followed from there"
+    moves = f"what the mode (or the equilibrium) does as {varied.name} rises"
+    return [
+        Variable(
+            "critical_value", varied.unit, f"critical value of {varied.name}", "crossing",
+            headline=1, width="critical_width",
+        ),
+        Variable("critical_width", varied.unit, "width of the interval that holds it", "crossing"),
+        classes("crossing_kind", "what happens there", "crossing"),
+        classes("crossing_direction", moves, "crossing"),
+        count("crossing_mode", "mode that crosses; -1: none", "crossing", comment=ranked),
+        Variable(
+            "crossing_frequency", "rad s-1", "frequency of the mode that crosses", "crossing"
+        ),
+        count("unstable_below", "growing eigenvalues below; -1: none at all", "crossing"),
+        count("unstable_above", "growing eigenvalues above; -1: none at all", "crossing"),
+        count("n_crossings", "crossings in the bracket"),
+        Variable("growth_at_low", "rad s-1", "largest real part at the lower end of the bracket"),
+        Variable("growth_at_high", "rad s-1", "largest real part at the upper end of the bracket"),
+        *averaging(subject, "crossing"),
+    ]  # fmt: skip
+
 
 ANALYSIS = Analysis(
     "critical",
@@ -18,6 +46,7 @@ ANALYSIS = Analysis(
         Bracket("bracket", "where its critical values are looked for", required=True),
         SYSTEM,
     ),
+    variables,
     Later("fiv_cli.analyses.rest.crossings:critical_values"),
     uses_starts=False,
     linear=True,

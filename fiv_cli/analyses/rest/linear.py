@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fiv_cli.analyses.settings import Choice, Known, Refusal
+from fiv_cli.analyses.variables import Subject, Variable
 from fiv_cli.friction import all_laws
 from fiv_cli.notation.names import listed
 
@@ -31,3 +32,12 @@ SYSTEM = SystemChoice(
     default="original",
     choices=("original", "averaged"),
 )
+
+
+def averaging(subject: Subject, along: str = "") -> list[Variable]:
+    """How far an averaged system can be trusted."""
+    if subject.settings.get("system") != "averaged":
+        return []
+    comment = "of the averaged system without damping; below 5 averaging is in doubt"
+    name = "excitation frequency over the highest natural one"
+    return [Variable("averaging_ratio", "1", name, along, comment=comment)]

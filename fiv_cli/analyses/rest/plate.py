@@ -18,6 +18,7 @@ from fiv_cli.plate import mode
 
 if TYPE_CHECKING:
     from fiv_cli.models.base import Model
+from fiv_cli.analyses.variables import Subject, Variable, axis
 
 NODE = 1e-9  # a mode whose shape at r0 is below this share of its largest has a node there
 
@@ -69,6 +70,19 @@ def unsuited(model: Model) -> str:
     return f"{model.name} has no elastic disc, so there is no plate to compute modes of"
 
 
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each mode."""
+    comment = "R(r0)^2/M: how a unit force at r0 accelerates the mode there; 0: a node"
+    return [
+        axis("k", "1", "nodal circles"),
+        axis("l", "1", "nodal diameters"),
+        Variable("radius", "m", "radius", "r", symbol="r"),
+        Variable("plate_frequency", "rad s-1", "natural frequency of the disc", "k l"),
+        Variable("inverse_modal_mass", "kg-1", "inverse modal mass at r0", "k l", comment=comment),
+        Variable("shape", "1", "mode shape R(r)/R(r0)", "k l r"),
+    ]
+
+
 ANALYSIS = Analysis(
     "plate",
     "natural frequencies and mode shapes of the elastic disc",
@@ -80,6 +94,7 @@ ANALYSIS = Analysis(
             least=2,
         ),
     ),
+    variables,
     plate_modes,
     uses_starts=False,
     linear=True,

@@ -30,7 +30,7 @@ from fiv_cli.analyses.common import start_motion, stopped
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import spectrum
 from fiv_cli.analyses.spectra.resolution import bin_width, frequencies, window_length
-from fiv_cli.analyses.variables import KEPT_OF_STEADY_STATE
+from fiv_cli.analyses.spectra.spectrum import KEPT_OF_STEADY_STATE
 from fiv_cli.dynamics.motion import Motion, samples_at
 from fiv_cli.dynamics.system import System, Vector
 

@@ -7,7 +7,24 @@ from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import Number, StateName
-from fiv_cli.analyses.spectra.spectrum import F_MAX, OBSERVED, RESOLUTION
+from fiv_cli.analyses.spectra.spectrum import F_MAX, FREQUENCY, OBSERVED, RESOLUTION
+from fiv_cli.analyses.variables import EVENT_RESIDUAL, OF_SOLVER, Subject, Variable, axis
+
+
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each window."""
+    observed, unit = subject.observed
+    comment = "peak of a sinusoid; root of the sum of squares over the bin, mean left out; Hann"
+    amplitude = f"amplitude of {observed}"
+    return [
+        axis("time", "s", "middle of the window", symbol="t"),
+        FREQUENCY,
+        Variable("spectrogram", unit, amplitude, "time frequency", comment=comment),
+        Variable("mean", unit, f"mean of {observed} in the window", "time"),
+        *OF_SOLVER,
+        EVENT_RESIDUAL,
+    ]
+
 
 ANALYSIS = Analysis(
     "spectrogram",
@@ -35,6 +52,7 @@ ANALYSIS = Analysis(
             above=0.0,
         ),
     ),
+    variables,
     Later("fiv_cli.analyses.spectra.over_time:spectrogram"),
     varying=True,
     constant=False,

@@ -10,12 +10,55 @@ from dataclasses import replace
 from fiv_cli.analyses.attractor import response
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import Number
+from fiv_cli.analyses.variables import (
+    ATTRACTOR,
+    MULTIPLICITY,
+    OF_STEADY_STATE,
+    PERIOD,
+    Subject,
+    Variable,
+    axis,
+)
 
 OBSERVED = "state whose amplitudes are shown; the first state when left out"
 F_MAX = Number("f_max", "highest frequency", unit="Hz", above=0.0, required=True)
 RESOLUTION = Number(
     "resolution", "width of a frequency bin; f_max / 256 when left out", unit="Hz", above=0.0
 )
+
+
+KEPT_OF_STEADY_STATE = (ATTRACTOR, PERIOD, MULTIPLICITY, *OF_STEADY_STATE)
+"""What a spectrum says of the steady state that it is of."""
+
+FREQUENCY = axis("frequency", "Hz", "middle of the bin", symbol="f")
+
+
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each bin, of the modes, and of the steady state."""
+    observed, unit = subject.observed
+    pair = "of the linearised system at the first sliding equilibrium, a conjugate pair once"
+    return [
+        FREQUENCY,
+        ATTRACTOR,
+        Variable(
+            "amplitude",
+            unit,
+            f"amplitude of {observed}",
+            "frequency",
+            comment="peak of a sinusoid; root of the sum of squares over the bin, mean left out; "
+            "lines of a period, or a Hann window where the motion is not periodic",
+        ),
+        Variable("mean", unit, f"mean of {observed}"),
+        Variable("response_frequency", "Hz", "frequency of the largest amplitude"),
+        Variable("variance_shown", "1", "share of the mean square that lies below f_max"),
+        PERIOD,
+        MULTIPLICITY,
+        Variable("mode_frequency", "Hz", "frequency of the mode", "mode", comment=pair),
+        Variable("mode_growth", "rad s-1", "growth rate of the mode", "mode", comment=pair),
+        Variable("unstable_frequency", "Hz", "frequency of the growing mode", "mode", comment=pair),
+        *OF_STEADY_STATE,
+    ]
+
 
 ANALYSIS = Analysis(
     "spectrum",
@@ -35,6 +78,7 @@ ANALYSIS = Analysis(
             above=0.0,
         ),
     ),
+    variables,
     Later("fiv_cli.analyses.spectra.amplitudes:steady_spectrum"),
     counterpart="spectrogram",
     figure="spectrum",
