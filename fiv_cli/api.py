@@ -401,11 +401,11 @@ def _settings(analysis: str, given: Mapping[str, Any]) -> dict[str, Any]:
     """Every setting of an analysis, where all that are given exist and none is missing."""
     from fiv_cli.analyses import all_analyses
 
-    table = pick(analysis, all_analyses(), "analysis", "fiv schema").settings
-    known = {setting.name: setting.default for setting in table}
+    kind = pick(analysis, all_analyses(), "analysis", "fiv schema")
+    known = kind.default_settings
     for name in given:
         pick(name, known, f"setting of {analysis}", f"choose from {', '.join(known)}")
-    missing = [setting.name for setting in table if setting.required and setting.name not in given]
+    missing = [one.name for one in kind.settings if one.required and one.name not in given]
     if missing:
         raise UsageError(
             f"{analysis}: {missing[0]} is missing\nnext: settings={{{missing[0]!r}: ...}}"

@@ -501,7 +501,7 @@ def test_tangents_are_compiled_only_where_they_are_carried(
     monkeypatch.setattr(systems, "_BUILT", {})
     parameters = defaults("belt-1dof", "coulomb")
     kept = get_analysis(analysis)
-    settings = {setting.name: setting.default for setting in kept.settings} | {"t_end": 1.0}
+    settings = kept.default_settings | {"t_end": 1.0}
     start = Start("a", kind) if kept.uses_starts else None
     belt = Setup.of("belt-1dof", "coulomb")
     request = execute.Request(belt, parameters, analysis, settings, start=start)

@@ -284,6 +284,9 @@ class Choice(Text):
     def schema(self) -> Schema:
         return {"type": "string", "enum": list(self.choices)}
 
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return f'"{self.choices[0]}"'
+
 
 @dataclass(frozen=True)
 class StateName(Text):
@@ -534,6 +537,9 @@ class _Expectation(Setting):
 
     def schema(self) -> Schema:
         return {"anyOf": [{"type": "string"}, {"type": "object"}]}
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return '"periodic"'
 
 
 @dataclass(frozen=True)

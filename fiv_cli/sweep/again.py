@@ -260,7 +260,7 @@ def _alone(point: Point, settings: Mapping[str, float]) -> Case:
 
 def _settings(case: Case) -> dict[str, Any]:
     """Settings of ``history``: those that the case gives it, or the defaults."""
-    settings = {setting.name: setting.default for setting in get_analysis("history").settings}
+    settings = get_analysis("history").default_settings
     for spec in case.analyses:
         if spec.kind == "history":
             settings |= spec.settings
