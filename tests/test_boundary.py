@@ -21,7 +21,7 @@ from fiv_cli.analyses.attractor.bisection import (
     hysteresis,
     scanned,
 )
-from fiv_cli.analyses.attractor.boundaries import answered, going_on
+from fiv_cli.analyses.attractor.scan import answered, going_on
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case

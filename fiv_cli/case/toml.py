@@ -10,6 +10,7 @@ import json
 import re
 import tomllib
 from collections.abc import Mapping
+from datetime import date, time
 from typing import Any
 
 from fiv_cli.errors import CaseError, Problem
@@ -119,6 +120,8 @@ def toml_value(value: Any, place: str) -> str:
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, int | float):
         return repr(value)
+    if isinstance(value, date | time):  # a datetime is a date
+        return value.isoformat()
     if isinstance(value, list | tuple):
         return f"[{', '.join(toml_value(v, f'{place}.{i}') for i, v in enumerate(value))}]"
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""What the tables of the linear analyses share."""
+"""Which system the linear analyses look at: the setting `system`, and what it adds to answers."""
 
 from __future__ import annotations
 
