@@ -170,7 +170,7 @@ def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> Non
         _ = system.jacobians
         statics_of(system, parameters)
     if needs.tangents:
-        _ = system.tangent_table
+        _ = system.tangent_tables
 
 
 def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:
