@@ -122,7 +122,9 @@ class CaseError(InputError):
             lines.extend(self._describe(problem))
             if others:
                 lines.append(f"      likewise: {', '.join(map(_place, others))}")
-        lines.append(f"next: correct the file, then `fiv check {self.source}`")
+        is_file = not self.source.startswith("<")
+        then = f"the file, then `fiv check {self.source}`" if is_file else "it and load it again"
+        lines.append(f"next: correct {then}")
         return lines
 
     def _describe(self, problem: Problem) -> list[str]:

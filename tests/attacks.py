@@ -63,7 +63,7 @@ CASES = {
     + '[[figure]]\nkind = "phase"\noverlay = true\n[[figure]]\nkind = "history"\n'
     + "select = { v = 1.0, mu_k = 0.2 }\n"
     + CLAIMS.replace("VARIABLE", "x").replace(
-        "EXPECT", '{ less_than = 9 }\nreduce = { over = "time", take = "range" }'
+        "EXPECT", '{ less_than = 9 }\ntake = { over = "time", what = "spread" }'
     ),
     "linear": 'schema = 1\n[model]\nname = "flutter-2dof"\n'
     + "[grid]\nmu_k = { start = 3.0, stop = 5.0, num = 9 }\n"
@@ -76,7 +76,7 @@ CASES = {
     + '[sweep]\nrefine = { levels = 1, along = ["v"] }\n'
     + '[[analysis]]\nkind = "response"\nt_max = 20.0\n'
     + CLAIMS.replace("VARIABLE", "attractor").replace(
-        "EXPECT", '"increasing"\nshare = { of = "periodic", over = ["mu_k"] }'
+        "EXPECT", '"increasing"\ntake = { what = "share", of = "periodic", over = ["mu_k"] }'
     ),
     "boundary": BELT.replace("v = [0.5, 1.0, 1.5]\n", "")
     + '[[analysis]]\nkind = "boundary"\nparameter = "v"\nbracket = [0.1, 3.0]\n'

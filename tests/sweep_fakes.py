@@ -67,7 +67,7 @@ def case(text: str = BELT, *overrides: str) -> Case:
 
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:
     """Nothing has to be compiled; the requests must be sound all the same."""
-    assert all(request.model for request in requests)
+    assert all(request.setup for request in requests)
 
 
 def answer(request: Request) -> Outcome:
@@ -90,6 +90,19 @@ def answer(request: Request) -> Outcome:
         ragged={"section_value": np.sin(np.arange(count) + x)},
         carry={"x": x, "state": np.array([x, 2 * x])},
     )
+
+
+MOTIONS: list[Request] = []
+"""Requests for a motion that `motion` was asked."""
+
+
+def motion(request: Request) -> Outcome:
+    """A motion of three samples, or `answer` where no motion is asked for."""
+    if request.analysis != "history":
+        return answer(request)
+    MOTIONS.append(request)
+    time = np.linspace(0.0, 1.0, 3)
+    return Outcome(values={"time": time, "x": time})
 
 
 def counted(request: Request) -> Outcome:

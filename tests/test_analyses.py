@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from math import atan, cos, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
 import pytest
-from motions import TIGHT, analyse, defaults, motion, system
+from motions import TIGHT, defaults, motion, system
 from small_models import TWO_MASSES
 
-from fiv_cli.analyses import execute, get_analysis
-from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses import all_analyses, execute, get_analysis
+from fiv_cli.analyses.base import Later, Outcome, Section, SolverSettings, Start
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.motion import recording
-from fiv_cli.analyses.motion.history import sample_times
+from fiv_cli.analyses.motion.recording import sample_times
 from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
+from fiv_cli.api import analyse
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import system as systems
 
 FORCED = {"u0": 0.5, "omega": 1.2}
@@ -441,9 +444,8 @@ def test_after_the_end_of_a_motion_there_are_no_samples() -> None:
 
 # --- execution -----------------------------------------------------------------------------------
 def test_an_exception_is_an_outcome() -> None:
-    request = execute.Request(
-        "belt-1dof", "coulomb", {}, {"m": 1.0}, "response", {}, start=Start("a", "state")
-    )
+    belt, start = Setup.of("belt-1dof", "coulomb"), Start("a", "state")
+    request = execute.Request(belt, {"m": 1.0}, "response", {}, start=start)
     found = execute.execute(request)
     assert (found.status, found.reason) == ("failed", "internal_error")
     assert "KeyError" in found.message
@@ -454,9 +456,8 @@ def test_a_request_gives_what_the_analysis_gives() -> None:
     settings = {"section": Section("event"), "observe": None, "t_max": 1000.0, "transient": 0.0,
                 "lyapunov": "auto"}  # fmt: skip
     start = Start("a", "state", {"x": 0.0})
-    request = execute.Request(
-        "belt-1dof", "coulomb", {}, parameters, "response", settings, start=start
-    )
+    belt = Setup.of("belt-1dof", "coulomb")
+    request = execute.Request(belt, parameters, "response", settings, start=start)
     said: list[str] = []
     execute.prepare([request, request], said.append)
     found = execute.execute(request)
@@ -476,6 +477,14 @@ def test_a_pin_that_starts_off_its_disc_is_an_answer_without_energies() -> None:
     assert len(found.ragged["event_time"]) == 0
 
 
+@pytest.mark.parametrize("kind", all_analyses())
+def test_what_computes_an_analysis_takes_what_every_analysis_is_given(kind: str) -> None:
+    analysis = get_analysis(kind)
+    run = analysis.run.function if isinstance(analysis.run, Later) else analysis.run
+    of = "system" if analysis.generated else "setup"
+    assert list(signature(run).parameters) == [of, "parameters", "start", "settings", "solver"]
+
+
 @pytest.mark.parametrize(
     ("analysis", "kind", "compiled"),
     [
@@ -492,11 +501,10 @@ def test_tangents_are_compiled_only_where_they_are_carried(
     monkeypatch.setattr(systems, "_BUILT", {})
     parameters = defaults("belt-1dof", "coulomb")
     kept = get_analysis(analysis)
-    settings = {setting.name: setting.default for setting in kept.settings} | {"t_end": 1.0}
+    settings = kept.default_settings | {"t_end": 1.0}
     start = Start("a", kind) if kept.uses_starts else None
-    request = execute.Request(
-        "belt-1dof", "coulomb", {}, parameters, analysis, settings, start=start
-    )
+    belt = Setup.of("belt-1dof", "coulomb")
+    request = execute.Request(belt, parameters, analysis, settings, start=start)
     execute.prepare([request], lambda sentence: None)
     (built,) = systems._BUILT.values()
     assert set(built.generated._engines) == compiled

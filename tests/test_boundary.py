@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions import analyse
 
 from fiv_cli.analyses.attractor.bisection import (
     MOST_LOOKS,
@@ -22,8 +21,9 @@ from fiv_cli.analyses.attractor.bisection import (
     hysteresis,
     scanned,
 )
-from fiv_cli.analyses.attractor.boundaries import answered, going_on
+from fiv_cli.analyses.attractor.scan import answered, going_on
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
+from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError
@@ -354,7 +354,7 @@ of = { expect = "periodic" }
 """
     )
     assert parse_case(text.replace("LOW", "0.1"), "pin.toml", ()).analyses
-    with pytest.raises(CaseError, match=r"mu_k = 0.25 is above mu_s = 0.2"):
+    with pytest.raises(CaseError, match=r"mu_k = 0.25, mu_s = 0.2: mu_k is above mu_s"):
         parse_case(text.replace("LOW", "0.25"), "pin.toml", ())
 
 

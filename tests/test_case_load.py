@@ -10,10 +10,8 @@ import pytest
 from fiv_cli.analyses.base import Section, SolverSettings
 from fiv_cli.case.case import Case, StartSpec
 from fiv_cli.case.load import load_case, parse_case
-from fiv_cli.case.results import ATTRACTORS
 from fiv_cli.case.starts import AT_REST
 from fiv_cli.errors import CaseError, Problem, UsageError
-from fiv_cli.flags import ATTRACTOR
 
 PIN = """\
 schema = 1
@@ -562,9 +560,9 @@ class TestClaims:
             '"increasing"',
             '"decreasing"',
             "{ value = 1.0, tolerance = 0.1 }",
-            "{ interval = [0.1, 0.2], tolerance = 0 }",
-            '{ interval = [0.1, 0.2], tolerance = 0, of = "chaotic" }',
+            "{ between = [0.1, 0.2] }",
             '{ less_than = "fig_3_5:L_s" }',
+            "{ greater_than = 3 }",
         ],
     )
     def test_good(self, expect: str) -> None:
@@ -573,15 +571,13 @@ class TestClaims:
     @pytest.mark.parametrize(
         "expect",
         [
-            '"perodic"',
-            '"not perodic"',
             '"Periodic!"',
             "{ value = 1.0 }",
             "{ value = nan, tolerance = 0.1 }",
             "{ value = 1, tolerance = -1 }",
-            "{ interval = [2, 1], tolerance = 0 }",
-            "{ interval = 2, tolerance = 0 }",
-            '{ interval = [1, 2], tolerance = 0, of = "caotic" }',
+            "{ between = [2, 1] }",
+            "{ between = 2 }",
+            "{ between = [1, 2], tolerance = 0 }",
             '{ less_than = "L_s" }',
             "{ }",
             "3",
@@ -589,6 +585,23 @@ class TestClaims:
     )
     def test_bad(self, expect: str) -> None:
         assert only_problem(self.claim(f"expect = {expect}")).path.startswith("claim.0.expect")
+
+    @pytest.mark.parametrize(
+        ("expect", "words"),
+        [
+            (
+                "{ interval = [0.1, 0.2], tolerance = 0.05 }",
+                "write expect = { between = [0.05, 0.25] }",
+            ),
+            (
+                '{ interval = [0.1, 0.2], tolerance = 0, of = "chaotic" }',
+                'write take = { what = "first", of = "chaotic", over = AXIS } and '
+                "expect = { value = 0.1, tolerance = 0 }, or",
+            ),
+        ],
+    )
+    def test_intervals_of_before(self, expect: str, words: str) -> None:
+        assert words in only_problem(self.claim(f"expect = {expect}")).message
 
     @pytest.mark.parametrize("holds", ['"most"', "0", "1.5", "true"])
     def test_bad_share(self, holds: str) -> None:
@@ -604,9 +617,6 @@ class TestClaims:
         assert found == {
             f"claim.0.{key}" for key in ("source", "text", "variable", "expect", "holds")
         }
-
-    def test_classes_are_those_of_datasets(self) -> None:
-        assert set(ATTRACTORS) == set(ATTRACTOR.codes) - {ATTRACTOR.fill}
 
 
 class TestOverrides:

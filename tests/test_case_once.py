@@ -42,7 +42,7 @@ analysis = "response"
 x = "Omega"
 y = "N0"
 select = { initial = "far" }
-share = { of = "not equilibrium", over = ["Omega"] }
+take = { what = "share", of = "not equilibrium", over = ["Omega"] }
 [[figure]]
 kind = "curve"
 analysis = "boundary"
@@ -159,7 +159,7 @@ def test_the_cases_are_sound(text: str) -> None:
         (PIN, 'kind = "boundary"', 'knd = "boundary"', "analysis.1.knd"),
         (PIN, 'kind = "boundary"', 'nane = "boundary"\nkind = "boundary"', "analysis.1.nane"),
         (PIN, '"pin-on-disc"', '"disc"', "model.name"),
-        (PIN, 'over = ["Omega"]', 'ovr = ["Omega"]', "figure.0.share.ovr"),
+        (PIN, 'over = ["Omega"]', 'ovr = ["Omega"]', "figure.0.take.ovr"),
         (PIN, 'label = "far"', 'lable = "far"', "initial.0.lable"),
         (LAW, 'law = "stribeck"', 'law = "tahn"\nof = "stribeck"', "friction.law"),
         (FORCED, '"belt-1dof"', '"belt-dof"', "model.name"),

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 
 from fiv_cli.case.axes import AxisError, span_by_count, span_by_step
 from fiv_cli.case.lines import locate
-from fiv_cli.case.names import ascii_name, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
-from fiv_cli.case.units import UNITS, convert, exact, parse_unit
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.models import all_models
+from fiv_cli.notation.names import ascii_name, suggest
+from fiv_cli.notation.units import UNITS, convert, exact, parse_unit
 
 DECIMALS = st.decimals(-10_000, 10_000, allow_nan=False, places=4)
 STEPS = st.decimals("0.0001", 10, allow_nan=False, places=4)

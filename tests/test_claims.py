@@ -12,12 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fiv_cli.case.case import ClaimSpec
+from fiv_cli.case.grammar import parse_expect
 from fiv_cli.cli.claims import Entry, case_files, command, lines
 from fiv_cli.errors import UsageError
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate, tally
 
 MU_K = np.arange(1, 11) / 10
+NONE = {}
 
 
 def friction_axis(values=MU_K):
@@ -31,8 +33,9 @@ def sweep(classes, L_s=None, status=None, rows=None, **given):
     return data.response(classes, L_s, coords, ("mu_k",), status, rows, **given)
 
 
-def claim(variable, expect, at=None, holds="all", analysis=""):
-    return ClaimSpec("7.3", "as printed", variable, expect, at or {}, holds, "", analysis)
+def claim(variable, expect, at=None, holds="all", analysis="", take=NONE):
+    expected = parse_expect(expect)
+    return ClaimSpec("7.3", "as printed", variable, expected, at or {}, holds, "", analysis, take)
 
 
 def tried(dataset, *arguments, other=lambda case: None, **keywords):
@@ -236,57 +239,62 @@ def test_integers_that_were_not_computed_are_no_numbers():
 
 
 @pytest.mark.parametrize(
-    ("interval", "verdict"),
+    ("expect", "verdict"),
     [
-        ([1, 4], CONFIRMED),
-        ([1.05, 3.95], CONFIRMED),
-        ([0, 4], CONTRADICTED),
-        ([1, 3], CONTRADICTED),
+        ({"between": [1, 4]}, CONFIRMED),
+        ({"between": [1.1, 4]}, CONTRADICTED),
+        ({"between": [1, 3.9]}, CONTRADICTED),
+        ({"less_than": 4.1}, CONFIRMED),
+        ({"less_than": 4}, CONTRADICTED),
+        ({"greater_than": 0.9}, CONFIRMED),
+        ({"greater_than": 1}, CONTRADICTED),
     ],
 )
-def test_an_interval_is_what_the_values_span(interval, verdict):
-    dataset = sweep(["periodic"] * 3, L_s=[2.0, 1.0, 4.0])
-    expect = {"interval": interval, "tolerance": 0.1}
-    assert tried(dataset, "L_s", expect).verdict == verdict
+def test_bounds_of_between_are_included_and_the_others_are_not(expect, verdict):
+    assert tried(sweep(["periodic"] * 3, L_s=[2.0, 1.0, 4.0]), "L_s", expect).verdict == verdict
 
 
-def test_open_points_may_extend_an_interval_but_not_shrink_it():
-    dataset = sweep(["periodic", "undecided", "periodic"], L_s=[1.0, np.nan, 4.0])
-    spanned = {"interval": [1, 4], "tolerance": 0.1}
-    wider, narrower = spanned | {"interval": [1, 9]}, spanned | {"interval": [1, 3]}
-    assert tried(dataset, "L_s", spanned).verdict == UNDETERMINED
-    assert tried(dataset, "L_s", wider).verdict == UNDETERMINED
-    assert tried(dataset, "L_s", narrower).verdict == CONTRADICTED
+PERIODIC = ["equilibrium"] * 3 + ["periodic"] * 4 + ["equilibrium"] * 3
 
 
-def test_an_interval_of_a_class_is_where_it_occurs_along_the_axis():
-    dataset = sweep(["equilibrium"] * 3 + ["periodic"] * 4 + ["equilibrium"] * 3)
-    expect = {"interval": [0.4, 0.7], "tolerance": 0.01, "of": "periodic"}
-    assert tried(dataset, "attractor", expect).verdict == CONFIRMED
-    expect["interval"] = [0.4, 0.9]
-    assert tried(dataset, "attractor", expect).verdict == CONTRADICTED
-    assert "found 0.4 to 0.7" in tried(dataset, "attractor", expect).found
-    outside = {"interval": [0.1, 1.0], "tolerance": 0.01, "of": "not periodic"}
-    assert tried(dataset, "attractor", outside).verdict == CONFIRMED
+def where(what, of="periodic"):
+    return {"what": what, "of": of, "over": ["mu_k"]}
 
 
 @pytest.mark.parametrize(
-    ("place", "verdict"), [(4, CONFIRMED), (1, UNDETERMINED), (3, UNDETERMINED), (9, UNDETERMINED)]
+    ("take", "value"),
+    [
+        (where("first"), 0.4),
+        (where("last"), 0.7),
+        (where("first", "not periodic"), 0.1),
+        (where("last", "not periodic"), 1.0),
+    ],
 )
-def test_an_undecided_point_matters_only_where_it_could_move_an_end(place, verdict):
-    """Periodic from 0.4 to 0.7: inside it cannot matter, at an end or outside it can."""
-    classes = ["equilibrium"] * 3 + ["periodic"] * 4 + ["equilibrium"] * 3
+def test_where_a_class_begins_and_ends_along_the_axis(take, value):
+    said = {"expect": {"value": value, "tolerance": 0.01}, "take": take}
+    found = tried(sweep(PERIODIC), "attractor", **said)
+    assert (found.verdict, found.found) == (CONFIRMED, f"1 of 1 points, found {value:g}")
+    said["expect"] = {"value": value + 0.1, "tolerance": 0.01}
+    assert tried(sweep(PERIODIC), "attractor", **said).verdict == CONTRADICTED
+
+
+@pytest.mark.parametrize(
+    ("place", "verdict"), [(1, UNDETERMINED), (3, UNDETERMINED), (4, CONFIRMED), (9, CONFIRMED)]
+)
+def test_an_undecided_point_matters_only_where_it_could_come_first(place, verdict):
+    """Periodic from 0.4 to 0.7: from there on it cannot matter, before or there it can."""
+    classes = [*PERIODIC]
     classes[place] = "undecided"
-    expect = {"interval": [0.4, 0.7], "tolerance": 0.01, "of": "periodic"}
-    assert tried(sweep(classes), "attractor", expect).verdict == verdict
+    expect = {"value": 0.4, "tolerance": 0.01}
+    assert tried(sweep(classes), "attractor", expect, take=where("first")).verdict == verdict
 
 
-def test_an_end_that_no_undecided_point_could_reach_is_missed():
-    classes = ["undecided"] + ["equilibrium"] * 4 + ["periodic"] * 4
-    expect = {"interval": [0.4, 0.9], "tolerance": 0.01, "of": "periodic"}
-    assert tried(sweep(classes), "attractor", expect).verdict == CONTRADICTED
-    never = tried(sweep(["equilibrium"] * 3), "attractor", expect)
-    assert (never.verdict, never.hits) == (CONTRADICTED, 0)
+def test_what_occurs_nowhere_begins_nowhere():
+    expect = {"value": 0.4, "tolerance": 0.01}
+    never, perhaps = (sweep([*["equilibrium"] * 3, last]) for last in ("chaotic", "undecided"))
+    found = tried(never, "attractor", expect, take=where("first"))
+    assert (found.verdict, found.hits) == (CONTRADICTED, 0)
+    assert tried(perhaps, "attractor", expect, take=where("first")).verdict == UNDETERMINED
 
 
 def test_section_values_are_claimed_row_by_row():
@@ -450,7 +458,8 @@ def test_the_ledger_tells_source_text_verdict_and_finding(workplace):
 
 
 def test_a_case_may_claim_where_a_class_occurs(workplace):
-    expect = 'expect = { interval = [0.2, 0.3], tolerance = 0.01, of = "periodic" }'
+    take = 'take = { what = "first", of = "periodic", over = "mu_k" }'
+    expect = f"expect = {{ value = 0.2, tolerance = 0.01 }}\n{take}"
     (workplace / "stick.toml").write_text(CASE.replace('expect = "periodic"', expect))
     store(["equilibrium", "periodic", "periodic"])
     assert "confirmed" in run("stick.toml").output

@@ -15,6 +15,7 @@ from motions import defaults
 from fiv_cli.analyses import execute
 from fiv_cli.analyses.base import Start
 from fiv_cli.cli import common
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import StorageError
 
 
@@ -61,7 +62,7 @@ def test_a_disk_that_fills_up_while_compiling_is_named(monkeypatch: pytest.Monke
     monkeypatch.setenv("FIV_CACHE_DIR", "/somewhere")
     monkeypatch.setattr(execute, "_load", full)
     parameters, start = defaults("belt-1dof", "coulomb"), Start("a", "state")
-    request = execute.Request("belt-1dof", "coulomb", {}, parameters, "history", {}, start=start)
+    request = execute.Request(Setup.of("belt-1dof"), parameters, "history", {}, start=start)
     with pytest.raises(StorageError, match=r"/somewhere: .*No space left on device\nnext: free"):
         execute.prepare([request], lambda sentence: None)
 

@@ -17,7 +17,7 @@ import pytest
 from disturbed import by_default
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.analyses.spectra.spectrum import OF_SPECTROGRAMS, OF_STEADY_STATES
+from fiv_cli.analyses.settings import DiscPoints
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.schema import case_schema
 from fiv_cli.case.template import case_template
@@ -319,7 +319,7 @@ class TestNew:
         text = case_template(all_models()[name], all_analyses()[kind])
         case = parse_case(text, "new.toml")
         assert (case.model, case.analyses[0].kind) == (name, kind)
-        assert not case.explicit
+        assert set(case.explicit) == set(case.schedule.names)
 
     @pytest.mark.parametrize(("name", "kind"), SUITED)
     def test_valid_with_every_default_spelt_out(self, name: str, kind: str) -> None:
@@ -331,7 +331,7 @@ class TestNew:
             text = text.replace(f"\n# {parameter} = ", f"\n{parameter} = ")
         text = text.replace("# [solver]", "[solver]").replace("# method", "method")
         spelt = parse_case(text.replace("# rtol", "rtol"), "new.toml")
-        assert set(spelt.explicit) == set(parameters)
+        assert set(spelt.explicit) == {*parameters, *bare.schedule.names}
         assert spelt.parameters == bare.parameters
         assert spelt.solver == bare.solver
 
@@ -339,22 +339,18 @@ class TestNew:
         ("name", "kind"), [(n, k) for n, k in SUITED if all_analyses()[k].varying]
     )
     def test_the_schedule_is_valid_when_its_lines_are_taken_in(self, name: str, kind: str) -> None:
-        text = with_schedule(case_template(all_models()[name], all_analyses()[kind]))
+        text = case_template(all_models()[name], all_analyses()[kind])
+        text = with_schedule(text) if all_analyses()[kind].constant else text
         assert parse_case(text, "new.toml").schedule.names in (("v",), ("Omega",))
 
-    @pytest.mark.parametrize(
-        ("kind", "idle"),
-        [(kind, ()) for kind in all_analyses() if kind != "spectrum"]
-        + [("spectrum", OF_STEADY_STATES), ("spectrum", OF_SPECTROGRAMS)],
-    )
-    def test_every_setting_is_there(self, kind: str, idle: Sequence[str]) -> None:
+    @pytest.mark.parametrize("kind", list(all_analyses()))
+    def test_every_setting_is_there(self, kind: str) -> None:
         analysis = all_analyses()[kind]
-        settings = [setting.name for setting in analysis.settings if setting.name not in idle]
+        settings = [setting.name for setting in analysis.settings]
         belt, disc = all_models()["belt-1dof"], all_models()["disc-rigid-contact"]
-        on_discs = any(setting.type == "points" for setting in analysis.settings)
+        on_discs = any(isinstance(setting, DiscPoints) for setting in analysis.settings)
         model = disc if on_discs or analysis.unsuited(belt) else belt
         text = case_template(model, analysis)
-        text = with_schedule(text) if analysis.varying and idle != OF_SPECTROGRAMS else text
         for name in settings:
             text = text.replace(f"\n# {name} = ", f"\n{name} = ")
         given = parse_case(text, "new.toml").analyses[0].settings

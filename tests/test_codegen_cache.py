@@ -18,6 +18,7 @@ import pytest
 import fiv_cli
 from fiv_cli.codegen import cache
 from fiv_cli.codegen.generate import generate
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import compiled
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
@@ -30,9 +31,10 @@ KEY = "from fiv_cli.dynamics.compiled import DRIVER; print(DRIVER.key())"
 ACCELERATE = """
 import ctypes
 from fiv_cli.codegen.generate import generate
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-made = generate(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8)
+made = generate(Setup(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8))
 values = {"m": 1, "k": 1, "N": 10, "v": 9, "mu_k": 0.1, "sign.0": 1}
 vector = [values.get(name, 0.0) for name in made.parameter_names]
 pointer = ctypes.POINTER(ctypes.c_double)
@@ -45,9 +47,10 @@ print(out[2], made.key)
 
 GENERATE = """
 from fiv_cli.codegen.generate import generate
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-made = generate(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 12)
+made = generate(Setup(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 12))
 made.address("slip_taylor"), made.address("slip_tangent", "tangent")
 print(made.key)
 """
@@ -223,12 +226,12 @@ def test_keys_tell_parts_from_their_concatenation() -> None:
 
 def test_damaged_code_is_made_again(own_cache: Path) -> None:
     belt, coulomb = get_model("belt-1dof"), get_law("coulomb")
-    first = generate(belt, coulomb, {}, {}, 8)
+    first = generate(Setup(belt, coulomb, {}, {}, 8))
     first.address("slip_taylor")
     for path in own_cache.iterdir():
         path.write_bytes(path.read_bytes()[:-7])
     said: list[str] = []
-    second = generate(belt, coulomb, {}, {}, 8, said.append)
+    second = generate(Setup(belt, coulomb, {}, {}, 8), said.append)
     assert len(said) == 1
     assert not second.is_compiled()
     assert second.address("slip_taylor") != 0
@@ -239,11 +242,11 @@ def test_damaged_code_is_made_again(own_cache: Path) -> None:
 def test_the_key_follows_law_options_structure_and_order(own_cache: Path) -> None:
     belt = get_model("belt-1dof")
     keys = {
-        generate(belt, get_law("coulomb"), {}, {}, 8).key,
-        generate(belt, get_law("coulomb"), {}, {}, 9).key,
-        generate(belt, get_law("hyperbolic"), {}, {}, 8).key,
-        generate(belt, get_law("stribeck"), {}, {"delta": 1.0}, 8).key,
-        generate(belt, get_law("stribeck"), {}, {"delta": 2.0}, 8).key,
+        generate(Setup(belt, get_law("coulomb"), {}, {}, 8)).key,
+        generate(Setup(belt, get_law("coulomb"), {}, {}, 9)).key,
+        generate(Setup(belt, get_law("hyperbolic"), {}, {}, 8)).key,
+        generate(Setup(belt, get_law("stribeck"), {}, {"delta": 1.0}, 8)).key,
+        generate(Setup(belt, get_law("stribeck"), {}, {"delta": 2.0}, 8)).key,
     }
     assert len(keys) == 5
 

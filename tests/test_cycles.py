@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import analyse, defaults, system
+from motions import defaults, system
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from small_models import BALL
@@ -24,8 +24,9 @@ from fiv_cli.analyses.cycles.branch import (
 )
 from fiv_cli.analyses.cycles.first_guess import Returns, near_returns
 from fiv_cli.analyses.cycles.periodic import Anchor, Problem, _closed, begin, close, newton, passage
+from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
-from fiv_cli.codegen.names import SEPARATION, SLIP, STICK
+from fiv_cli.codegen.codes import SEPARATION, SLIP, STICK
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Stop
 from fiv_cli.errors import CaseError

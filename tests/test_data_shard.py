@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.analyses.variables import INT_FILL, variables_of
+from fiv_cli.analyses.catalogue import variables_of
+from fiv_cli.analyses.variables import INT_FILL
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import (
     UnreadableShard,

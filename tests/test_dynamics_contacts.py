@@ -15,7 +15,7 @@ from small_models import BOUNCER, TWO_BOUNCERS, TWO_MASSES
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
-from fiv_cli.codegen.names import SEPARATION
+from fiv_cli.codegen.codes import SEPARATION
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop, samples_at
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import analyse, defaults, system
+from motions import defaults, system
 
 from fiv_cli.analyses.rest.equilibria import (
     all_equilibria,
@@ -15,9 +15,10 @@ from fiv_cli.analyses.rest.equilibria import (
     relative_residual,
     sliding,
 )
+from fiv_cli.api import analyse
 from fiv_cli.codegen.reduce import derive_statics
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.flags import reason_code
-from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter, State
 
@@ -153,9 +154,8 @@ def test_a_rigid_contact_on_a_disc_in_closed_form() -> None:
 @pytest.mark.parametrize("slope_force", ["omit", "include"])
 def test_modes_of_a_disc_leave_a_polynomial(model: str, slope_force: str) -> None:
     """The two parts of a doublet combine, in the slope at the contact too."""
-    table, law = get_model(model), get_law("exponential")
-    options = table.default_options() | {"modes": "0,1", "slope_force": slope_force}
-    first = derive_statics(table, law, options, {}).reductions[0]
+    options = {"modes": "0,1", "slope_force": slope_force}
+    first = derive_statics(Setup.of(model, "exponential", options)).reductions[0]
     assert first.scalar == "F_N.0"
     assert first.eliminated == ("C_0_1", "D_0_1")
 

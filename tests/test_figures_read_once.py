@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fiv_cli.case.conditions import parse_condition
+from fiv_cli.case.grammar import parse_condition
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError
@@ -86,6 +86,27 @@ def test_a_dataset_of_before_is_read_from_its_case(monkeypatch: pytest.MonkeyPat
         del dataset.attrs["figures_json"]
     assert figures_in(analyses) == understood
     assert understood[1].name == "second"
+
+
+def test_shares_that_a_dataset_of_before_asks_for_are_drawn() -> None:
+    """Its text says ``share`` where a case now says `take`; so do the figures of later ones."""
+    now = 'take = { what = "share", of = ". > 0", over = ["N0"] }'
+    before = now.replace("take", "share").replace('what = "share", ', "")
+    Path("a.toml").write_text(CASE.replace('kind = "curve"\n[[', f'kind = "curve"\n{now}\n[['))
+    run()
+    analyses = read_analyses("a.nc")
+    understood = figures_in(analyses)
+    assert understood[1].settings["take"]["what"] == "share"
+    for dataset in analyses.values():
+        figures = json.loads(dataset.attrs["figures_json"])
+        share = figures[1]["settings"].pop("take")
+        figures[1]["settings"]["share"] = {k: v for k, v in share.items() if k != "what"}
+        dataset.attrs["figures_json"] = json.dumps(figures)
+    assert figures_in(analyses) == understood
+    for dataset in analyses.values():
+        del dataset.attrs["figures_json"]
+        dataset.attrs["case"] = dataset.attrs["case"].replace(now, before)
+    assert figures_in(analyses) == understood
 
 
 def test_everything_wrong_is_told_at_once() -> None:

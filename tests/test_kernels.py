@@ -34,6 +34,7 @@ from fiv_cli.codegen.memory import (
     float_of,
     native,
 )
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
@@ -110,7 +111,7 @@ REARRANGED = Compiled("test-rearranged", (HERE,), declared)
 
 def left_by(function: Callable[..., float], factor: float, length: int) -> list[Any]:
     """Result and frame afterwards, from the same frame each time."""
-    made = generate(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8)
+    made = generate(Setup(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8))
     random = np.random.default_rng(length)
     arrays: dict[str, Any] = {
         "flat": random.normal(size=made.n_coefficients + length),

@@ -9,10 +9,10 @@ import pytest
 import sympy
 from motions import defaults, motion, system
 
-from fiv_cli.codegen.symbols import Symbols
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.models import all_models, get_model
 from fiv_cli.models.base import Equations, Model
+from fiv_cli.models.symbols import Symbols
 
 # One row for each model: a start, parameters that excite it, and how long it is followed, s.
 ROWS: dict[str, tuple[dict[str, float], dict[str, float], float]] = {

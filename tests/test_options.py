@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from motions import analyse, defaults
+from motions import defaults
 
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.analyses.variables import variables_of
+from fiv_cli.analyses.catalogue import variables_of
+from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
-from fiv_cli.case.names import ascii_name
 from fiv_cli.cli.history import parse_places
 from fiv_cli.data.states import on_all_states
 from fiv_cli.errors import CaseError
 from fiv_cli.models import get_model
 from fiv_cli.models.disc import read_modes
+from fiv_cli.notation.names import ascii_name
 from fiv_cli.plate import AnnularPlate, mode
 from fiv_cli.sweep.again import find_point
 

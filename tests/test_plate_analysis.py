@@ -10,11 +10,13 @@ import xarray as xr
 from motions import defaults
 from scipy.optimize import brentq
 
+from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.execute import Request, execute
-from fiv_cli.analyses.rest.plate_modes import plate_modes
+from fiv_cli.analyses.rest.plate import plate_modes
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import CaseError, UsageError
 from fiv_cli.models import get_model
 from fiv_cli.plate import AnnularPlate, mode
@@ -64,7 +66,8 @@ def test_frequencies_masses_and_shapes(dataset: xr.Dataset) -> None:
 def test_a_node_at_the_slider_is_said() -> None:
     shape = mode(AnnularPlate(0.044, 0.12, 0.002, 7200.0, 150e9, 0.211), 1, 0).shape
     node = brentq(lambda r: float(shape(r)), 0.06, 0.119, xtol=1e-16)
-    found = plate_modes({"modes": "0,0 1,0"}, {**DEFAULTS, "r0": node}, 5)
+    setup = Setup.of("annular-plate", options={"modes": "0,0 1,0"})
+    found = plate_modes(setup, {**DEFAULTS, "r0": node}, None, {"n_r": 5}, SolverSettings())
     assert (found.status, found.reason) == ("ok", "node_at_r0")
     assert "mode (1, 0) has a node" in found.message
     assert found.values["inverse_modal_mass"][1, 0] == 0.0
@@ -77,13 +80,10 @@ def test_a_slider_on_a_node_is_no_reason_for_nonsense() -> None:
     shape = mode(AnnularPlate(0.044, 0.12, 0.002, 7200.0, 150e9, 0.211), 1, 0).shape
     node = brentq(lambda r: float(shape(r)), 0.06, 0.119, xtol=1e-16)
     model, law = get_model("excited-disc"), "exponential"
-    options = {**model.default_options(), "modes": "1,0"}
     for r0, expected in ((node, "node_at_r0"), (node + 1e-3, "")):
         parameters = defaults(model, law, r0=r0)
-        request = Request(
-            model.name, law, options, parameters, "equilibrium", {"system": "original"}
-        )
-        found = execute(request)
+        setup = Setup.of(model, law, {"modes": "1,0"})
+        found = execute(Request(setup, parameters, "equilibrium", {"system": "original"}))
         assert found.reason == expected
         assert ("mode (1, 0)" in found.message) == bool(expected)
 
@@ -113,8 +113,8 @@ def test_an_excited_disc_needs_a_doublet(given: str) -> None:
 def test_points_off_the_disc_are_not_computed() -> None:
     case = parse_case(CASE + "[grid]\nr0 = [0.1, 0.12, 0.13]\n", "a.toml")
     (plan,) = make_plan(case).analyses
-    assert plan.excluded() == 1
-    assert "off the disc" in "\n".join(make_plan(case).describe())
+    assert plan.excluded() == {"the slider is not on the disc": 1}
+    assert "1 point where the slider is not on the disc" in "\n".join(make_plan(case).describe())
 
 
 @pytest.mark.parametrize("kind", ["history", "response", "equilibrium", "eigenvalues"])
@@ -174,10 +174,10 @@ def test_a_hole_of_next_to_nothing_has_a_reason_of_its_own(
     model: str, kind: str, settings: dict[str, object], share: float
 ) -> None:
     """A mode with diameters is then that of a disc without a hole, to the last bit."""
-    options = get_model(model).default_options() | {"modes": "0,1 0,3"}
+    options = {"modes": "0,1 0,3"}
     law = "coulomb" if get_model(model).contacts else "none"
     parameters = defaults(model, law) if get_model(model).contacts else dict(DEFAULTS)
     parameters["a"] = share * parameters["b"]
-    found = execute(Request(model, law, options, parameters, kind, settings))
+    found = execute(Request(Setup.of(model, law, options), parameters, kind, settings))
     assert (found.status, found.reason) == ("failed", "hole_too_small")
     assert "is too small" in found.message

@@ -7,6 +7,7 @@ import xarray as xr
 from click.testing import CliRunner
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
@@ -18,7 +19,7 @@ from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, save
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.law import force
 from fiv_cli.plots.spectrum import amplitude_spectrum
-from fiv_cli.plots.style import class_colours, dot_size, line_colours
+from fiv_cli.plots.style import class_colours, dot_size, line_colours, tame_texts
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
 
@@ -698,6 +699,14 @@ def test_a_figure_may_have_a_title_of_its_own():
     drawn = draw(data.bifurcation(), figure("curve", title="Both branches"))
     assert drawn.get_suptitle() == "Both branches"
     assert draw(data.bifurcation(), figure("curve")).get_suptitle() == "A sweep (Figure 7.6)"
+
+
+def test_a_title_of_two_lines_is_drawn_without_a_word_of_complaint(caplog):
+    drawn = Figure()
+    title = drawn.suptitle("Both branches\nat $\\mu_k$ = 0.3")
+    tame_texts(drawn)
+    assert caplog.messages == []
+    assert title.get_parse_math()
 
 
 # --- words and colours -------------------------------------------------------------------------

@@ -6,10 +6,13 @@ import importlib
 import re
 import shlex
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
+from fiv_cli.case.grammar import parse_expect
 from fiv_cli.case.load import parse_case
+from fiv_cli.case.structure import What
 from fiv_cli.cli.main import COMMANDS
 from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
@@ -54,8 +57,34 @@ def test_every_make_target_exists(target: str) -> None:
 
 
 def test_the_case_is_right() -> None:
-    (case,) = blocks("toml")
+    case, _ = blocks("toml")
     assert parse_case(case, "squeal.toml").model == "pin-on-disc"
+
+
+def test_the_notebook_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("squeal.toml").write_text(blocks("toml")[0])
+    (notebook,) = [block for block in blocks("python") if "import api" in block]
+    exec(notebook, {})
+    said = capsys.readouterr().out
+    assert "Omega = 2.0, 8.0" in said
+    assert re.search(r"2\.0 +far +periodic\n8\.0 +far +equilibrium", said)
+    assert {path.name for path in tmp_path.iterdir()} == {"squeal.toml", "phase.png"}
+
+
+def test_the_claim_is_understood() -> None:
+    """On the grid that it speaks of, with every way of taking and of expecting that is listed."""
+    case, claim = blocks("toml")
+    grid = "[grid]\npsi_a = [0.0, 1.0]\nbeta = [0.0, 0.2]"
+    (_, said) = parse_case(case.replace("[grid]", grid) + claim, "a.toml").claims
+    page = README.partition("## What a figure or a claim can say")[2].partition("\n## ")[0]
+    listed = re.findall(r"^\| (.*?) \|", page, re.MULTILINE)
+    assert said.expect == parse_expect({"less_than": 0.6})
+    assert [w for row in listed for w in re.findall(r"`(\w+)`", row) if w in get_args(What)] == [
+        *get_args(What)
+    ]
 
 
 def test_models_and_laws_are_all_named() -> None:

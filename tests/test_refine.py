@@ -234,8 +234,8 @@ def test_progress_grows_with_what_is_asked_for(tmp_path: Path) -> None:
 def test_the_bar_grows_with_it() -> None:
     bar = Bar()
     bar.begin(10, 2)
-    bar.more(20)
     bar.advance(5, 1)
+    bar.begin(30, 7)
     (task,) = bar._bar.tasks
     assert (task.total, task.completed) == (30, 7)
     bar.end()

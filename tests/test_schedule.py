@@ -8,17 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from motions import TIGHT, defaults
 
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.motion import Motion, Stop
-from fiv_cli.dynamics.schedule import Schedule, make_schedule
 from fiv_cli.dynamics.system import build_system
+from fiv_cli.schedule import Schedule, make_schedule
 
 
 def belt(curves: dict[str, list[tuple[float, float]]], **changes: float) -> Motion:
     """The Coulomb belt with scheduled parameters, from rest."""
     parameters = defaults("belt-1dof", "coulomb", **changes)
-    built = build_system(
-        "belt-1dof", "coulomb", {}, parameters, TIGHT, schedule=make_schedule(curves)
-    )
+    schedule = make_schedule(curves)
+    built = build_system(Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule))
     return Motion(built, parameters, TIGHT, {})
 
 

@@ -13,11 +13,12 @@ from motions import TIGHT, defaults
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.cli.main import run
-from fiv_cli.dynamics.schedule import make_schedule
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.system import build_system
 from fiv_cli.errors import UsageError
 from fiv_cli.fourier import HANN_BANDWIDTH, short_time
 from fiv_cli.plots import drawing
+from fiv_cli.schedule import make_schedule
 
 
 # --- the transform --------------------------------------------------------------------------------
@@ -59,9 +60,9 @@ def belt(
     """Spectrogram of a belt that always slips, with scheduled parameters."""
     parameters = defaults("belt-1dof", "coulomb", v=1e6, **changes)
     schedule = make_schedule(curves)
-    built = build_system("belt-1dof", "coulomb", {}, parameters, TIGHT, schedule=schedule)
-    analysis = get_analysis("spectrum")
-    filled = {item.name: item.default for item in analysis.settings} | settings
+    built = build_system(Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule))
+    analysis = get_analysis("spectrogram")
+    filled = analysis.default_settings | settings
     return analysis.run(built, parameters, Start("a", "state", start), filled, solver)
 
 
@@ -119,7 +120,7 @@ name = "belt-1dof"
 [schedule]
 v = { start = 1.5, stop = 0.5, over = 200.0 }
 [[analysis]]
-kind = "spectrum"
+kind = "spectrogram"
 f_max = 0.5
 resolution = 0.05
 [[analysis]]
@@ -133,12 +134,12 @@ def test_datasets_and_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(CASE)
     assert run(["run", "a.toml", "--workers", "1", "-q"]) == 0
-    with xr.open_dataset("runs/a.nc", group="spectrum") as dataset:
+    with xr.open_dataset("runs/a.nc", group="spectrogram") as dataset:
         assert dataset["spectrogram"].dims == ("initial", "time", "frequency")
         assert dataset["spectrogram"].attrs["units"] == "m"
         assert dataset["v"].dims == ("initial", "time")
     figures = drawing.figures_of("runs/a.nc")
-    assert [figure.kind for figure in figures if figure.settings["analysis"] == "spectrum"] == [
+    assert [figure.kind for figure in figures if figure.settings["analysis"] == "spectrogram"] == [
         "spectrogram"
     ]
     stored = next(figure for figure in figures if figure.kind == "spectrogram")

@@ -2,40 +2,34 @@
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 import sweep_fakes
 
-from fiv_cli.analyses.base import Outcome
 from fiv_cli.analyses.execute import Request
 from fiv_cli.errors import UsageError
-from fiv_cli.sweep import again, worker
 from fiv_cli.sweep.again import find_point, run_again
+from fiv_cli.sweep.policy import Policy
 
 
 @pytest.fixture
-def seen(monkeypatch: pytest.MonkeyPatch) -> list[Request]:
-    """Requests that reach the physics, for which the stand-in answers."""
-    requests: list[Request] = []
+def seen() -> Iterator[list[Request]]:
+    """Requests for a motion that reach the physics, for which the stand-in answers."""
+    sweep_fakes.MOTIONS.clear()
+    yield sweep_fakes.MOTIONS
+    sweep_fakes.MOTIONS.clear()
 
-    def motion(request: Request) -> Outcome:
-        requests.append(request)
-        time = np.linspace(0.0, 1.0, 3)
-        return Outcome(values={"time": time, "x": time})
 
-    monkeypatch.setattr(again, "execute", motion)
-    monkeypatch.setattr(again, "prepare", sweep_fakes.prepare)
-    monkeypatch.setattr(again, "Task", partial(worker.Task, executor="sweep_fakes:answer"))
-    return requests
+POLICY = Policy(executor="sweep_fakes:motion", preparer="sweep_fakes:prepare")
 
 
 def run(text: str, at: dict[str, str], **settings: float) -> Any:
     """Run a point again."""
     point = find_point(sweep_fakes.case(text), at)
-    return run_again(point, settings, lambda text: None)
+    return run_again(point, settings, lambda text: None, POLICY)
 
 
 def test_the_point_keeps_its_parameters_start_and_place(seen: list[Request]) -> None:

@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import TIGHT, analyse, defaults, motion, system, transitions
+from motions import TIGHT, defaults, motion, system, transitions
 from numpy.typing import NDArray
 from small_models import BALL, BOUNCER, TWO_BOUNCERS
 
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.base import Section, Start
+from fiv_cli.api import analyse
+from fiv_cli.codegen.codes import STICK
 from fiv_cli.codegen.generate import FLOW, TANGENT
-from fiv_cli.codegen.names import STICK
 from fiv_cli.dynamics.motion import Motion
 
 Matrix = NDArray[np.float64]

@@ -1,4 +1,8 @@
-"""The analyses, by kind."""
+"""The analyses, by kind.
+
+One folder per question; in it one file per kind, of its name, declares what is asked and answered,
+and the others compute.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.cycles import cycle
 from fiv_cli.analyses.motion import history
 from fiv_cli.analyses.rest import critical, eigenvalues, equilibrium, plate
-from fiv_cli.analyses.spectra import spectrum
+from fiv_cli.analyses.spectra import spectrogram, spectrum
 
 _ANALYSES: tuple[Analysis, ...] = (
     history.ANALYSIS,
@@ -16,6 +20,7 @@ _ANALYSES: tuple[Analysis, ...] = (
     critical.ANALYSIS,
     response.ANALYSIS,
     spectrum.ANALYSIS,
+    spectrogram.ANALYSIS,
     boundary.ANALYSIS,
     cycle.ANALYSIS,
     plate.ANALYSIS,

@@ -1,65 +1,49 @@
-"""What an analysis is: ``(system, parameters, start, settings) -> Outcome``.
+"""What an analysis is: ``(system, parameters, start, settings, solver) -> Outcome``.
 
-To add an analysis: write ``fiv_cli/analyses/my_kind.py`` with its `SETTINGS` table, a function
-``run`` and ``ANALYSIS = Analysis(...)``; list it in ``fiv_cli/analyses/__init__.py``; add its
-variables to ``fiv_cli/analyses/variables.py``. An analysis knows nothing of workers and files.
+To add an analysis:
+
+1. write ``fiv_cli/analyses/QUESTION/my_kind.py`` with ``ANALYSIS = Analysis(...)``: its kind and
+   title, its settings (``settings.py`` has their types), its variables (``variables.py`` says what
+   there is to say of one), and the function that computes it. That function may stand in the same
+   file if the file needs no engine to be imported; otherwise in a file of its own, named by
+   `Later`;
+2. list it in ``fiv_cli/analyses/__init__.py``;
+3. add a row to ``tests/test_analyses.py`` and a case in ``configs/``.
+
+An analysis knows nothing of workers and files.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from fiv_cli.dynamics.schedule import STEADY, Points, Schedule
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.settings import Section, SolverSettings
+from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
-    from fiv_cli.models.base import Model
+    from fiv_cli.analyses.settings import Setting
+    from fiv_cli.analyses.variables import Subject, Variable
+    from fiv_cli.friction.base import Law
+    from fiv_cli.models.base import Model, Requirement
 
 __all__ = [
     "STEADY",
     "Analysis",
+    "Later",
     "Outcome",
     "Points",
     "Question",
     "Schedule",
     "Section",
-    "Setting",
+    "Setup",
     "SolverSettings",
     "Start",
     "Varied",
 ]
-
-
-@dataclass(frozen=True)
-class Setting:
-    """One key of an ``[[analysis]]`` table.
-
-    Attributes
-    ----------
-    name : key
-    type : "number", "integer", "string", "boolean", "section" (a table, see `Section`), "state"
-        (the name of a state of the model), "parameter" (that of a parameter of the model or the
-        law, see `Varied`), "bracket" (its lowest and highest value, SI), "question" (a table, see
-        `Question`) or "points" (on a disc: pairs of radius, m, and angle, rad)
-    default : value when the key is left out; None: see `meaning`
-    meaning : one line
-    unit : unit of a number, for "30 s" strings
-    choices : allowed strings
-    minimum : least value; exclusive where `exclusive`
-    required : must be given
-    """
-
-    name: str
-    type: str
-    default: Any
-    meaning: str
-    unit: str = "1"
-    choices: tuple[str, ...] = ()
-    minimum: float = float("-inf")
-    exclusive: bool = False
-    required: bool = False
 
 
 @dataclass(frozen=True)
@@ -102,28 +86,17 @@ class Question:
     counts: bool = False
 
 
-def off_the_plate(parameters: Mapping[str, float]) -> str:
-    """Reason why the slider is on no disc; empty where it is, or the model has no disc."""
-    if not parameters.keys() >= {"a", "b", "r0"}:
-        return ""
-    a, b, r0 = (parameters[name] for name in ("a", "b", "r0"))
-    return "" if a < b and a <= r0 <= b else "no_plate"
+def broken(
+    model: Model, law: Law, parameters: Mapping[str, float], linear: bool = False
+) -> Requirement | None:
+    """The first requirement of the model and its law that the parameters do not meet, if any."""
+    return next((r for r in requirements(model, law, linear) if not r.holds(parameters)), None)
 
 
-FRICTION_PAIRS = (("mu_k", "mu_s"), ("mu_k_2", "mu_s_2"))
-"""Kinetic and static coefficients that belong together."""
-
-
-def friction_rises(parameters: Mapping[str, float]) -> str:
-    """Reason why a motion must not be computed (mu_k > mu_s); empty when it may be.
-
-    Coefficients of the sector count only where there is one.
-    """
-    for kinetic, static in FRICTION_PAIRS:
-        counts = kinetic != "mu_k_2" or parameters.get("beta", 0.0) > 0.0
-        if counts and parameters.get(kinetic, 0.0) > parameters.get(static, float("inf")):
-            return "mu_k_above_mu_s"
-    return ""
+def requirements(model: Model, law: Law, linear: bool = False) -> list[Requirement]:
+    """What the parameters of a point must be to one another; `linear`: no motion is followed."""
+    own = (*model.requirements, *law.requirements)
+    return [requirement for requirement in own if not (linear and requirement.in_motion)]
 
 
 @dataclass(frozen=True)
@@ -181,37 +154,72 @@ def _without_contact(model: Model) -> str:
 
 
 @dataclass(frozen=True)
+class Later:
+    """A function that is imported when it is called, so that a declaration needs no engine.
+
+    Attributes
+    ----------
+    place : "module:function"
+    """
+
+    place: str
+
+    @property
+    def function(self) -> Callable[..., Outcome]:
+        """The function."""
+        module, name = self.place.split(":")
+        found: Callable[..., Outcome] = getattr(import_module(module), name)
+        return found
+
+    def __call__(self, *arguments: object) -> Outcome:
+        return self.function(*arguments)
+
+
+@dataclass(frozen=True)
 class Analysis:
-    """An analysis: its settings and its function.
+    """An analysis: what it is asked, what computes it, and what it suits.
 
     Attributes
     ----------
     kind : name in case files
     title : one line
-    settings : table of settings
-    uses_starts : whether the dim ``initial`` exists
+    settings : what a case may say of it
+    variables : what its answers hold on a subject, without ``status`` and ``reason``
     run : ``(system, parameters, start, settings, solver) -> Outcome``; `start` is None where
-        `uses_starts` is false; `settings` holds every setting, defaults filled in, a section as
-        `Section`
-    linear : True where no motion is followed: mu_k > mu_s is harmless, tangents are not carried
+        `uses_starts` is false; `settings` holds every setting, defaults filled in
+    uses_starts : whether the dim ``initial`` exists
+    linear : no motion is followed: some requirements fall away, tangents are not carried
     varying : whether parameters may vary in time
+    constant : whether parameters may all be constant in time
+    counterpart : the kind that is meant where they vary, or do not; "" where there is none
     unsuited : model -> why it cannot be analysed so; empty where it can
-    generated : whether `run` takes a compiled system; otherwise `execute.Plain` is enough
+    generated : whether `run` takes a compiled system; otherwise its `Setup` is enough
     chains : whether a point may continue from its neighbour along an axis
-    recorded : ``(schedule) -> bool``: whether `run` follows a motion and no more, so that tangents
-        are not needed nor, from a given state, equilibria
-    sizes : ``(settings) -> {dim: coordinate values}`` of own dims that settings fix (``time``)
+    recorded : whether `run` follows a motion and no more, so that tangents are not needed nor,
+        from a given state, equilibria
+    single : whether one point says something, so that a template has no grid
+    figure : kind of figure that shows its answer
     """
 
     kind: str
     title: str
     settings: tuple[Setting, ...]
-    uses_starts: bool
+    variables: Callable[[Subject], Sequence[Variable]]
     run: Callable[..., Outcome]
+    _: KW_ONLY
+    uses_starts: bool = True
     linear: bool = False
     varying: bool = False
+    constant: bool = True
+    counterpart: str = ""
     unsuited: Callable[[Model], str] = _without_contact
     generated: bool = True
     chains: bool = True
-    recorded: Callable[[Schedule], bool] = lambda schedule: False
-    sizes: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda settings: {}
+    recorded: bool = False
+    single: bool = False
+    figure: str = "curve"
+
+    @property
+    def default_settings(self) -> dict[str, Any]:
+        """Every setting as it is when a case leaves it out."""
+        return {setting.name: setting.default for setting in self.settings}

@@ -1,8 +1,4 @@
-"""One run from plain values: what a worker process executes.
-
-A `Request` holds names and numbers only, so it pickles cheaply and hashes exactly; the compiled
-system is looked up (or loaded from the per-user cache) inside the worker.
-"""
+"""One run of an analysis: what a worker process executes."""
 
 from __future__ import annotations
 
@@ -12,8 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
-from fiv_cli.dynamics.schedule import STEADY, Schedule
+from fiv_cli.analyses.base import Outcome, Setup, SolverSettings, Start
 from fiv_cli.errors import StorageError
 from fiv_cli.plate import ModeNotFoundError
 
@@ -27,50 +22,26 @@ class Request:
 
     Attributes
     ----------
-    model, law : contract names (``tanh of coulomb`` for a regularised law)
-    options : every option of the model
+    setup : the model, the law, and how they are taken
     parameters : every parameter of the model and of the law, SI
     analysis : kind
     settings : every setting of the analysis
     solver : integrator settings
     start : None where the analysis has no starts
-    schedule : parameters that vary in time
     """
 
-    model: str
-    law: str
-    options: Mapping[str, str]
+    setup: Setup
     parameters: Mapping[str, float]
     analysis: str
     settings: Mapping[str, object]
     solver: SolverSettings = field(default_factory=SolverSettings)
     start: Start | None = None
-    schedule: Schedule = STEADY
-
-
-@dataclass(frozen=True)
-class Plain:
-    """What an analysis that needs no generated code knows of the model: its options."""
-
-    options: Mapping[str, str]
 
 
 def execute(request: Request) -> Outcome:
     """Run one point; whatever goes wrong is an `Outcome`, never an exception."""
-    from fiv_cli.analyses import get_analysis
-    from fiv_cli.analyses.rest.surface import nodes_at_r0
-    from fiv_cli.dynamics.system import System
-
     try:
-        analysis = get_analysis(request.analysis)
-        system = _system(request) if analysis.generated else Plain(request.options)
-        nodes = nodes_at_r0(system, request.parameters) if isinstance(system, System) else []
-        if nodes:
-            said = f"mode {', '.join(nodes)} has a node at r0 = {request.parameters['r0']!r} m"
-            return Outcome(status="failed", reason="node_at_r0", message=said)
-        return analysis.run(
-            system, request.parameters, request.start, request.settings, request.solver
-        )
+        return answer(request)
     except ModeNotFoundError as error:
         return Outcome(status="failed", reason="hole_too_small", message=str(error))
     except Exception as error:
@@ -81,6 +52,24 @@ def execute(request: Request) -> Outcome:
         )
 
 
+def answer(request: Request) -> Outcome:
+    """Run one point; what goes wrong is raised."""
+    from fiv_cli.analyses import get_analysis
+    from fiv_cli.analyses.rest.surface import nodes_at_r0
+    from fiv_cli.dynamics.system import build_system
+
+    analysis, parameters = get_analysis(request.analysis), request.parameters
+    what = parameters, request.start, request.settings, request.solver
+    if not analysis.generated:
+        return analysis.run(request.setup, *what)
+    system = build_system(request.setup)
+    nodes = nodes_at_r0(system, parameters)
+    if nodes:
+        said = f"mode {', '.join(nodes)} has a node at r0 = {parameters['r0']!r} m"
+        return Outcome(status="failed", reason="node_at_r0", message=said)
+    return analysis.run(system, *what)
+
+
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:
     """Generate, compile and load all that `requests` need, once, before workers start.
 
@@ -88,28 +77,18 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
     something must be generated or compiled.
     """
     from fiv_cli.analyses import get_analysis
-    from fiv_cli.dynamics.system import system_key
 
     seen = set()
     for request in requests:
-        if not get_analysis(request.analysis).generated:
-            continue
-        key = system_key(
-            request.model,
-            request.law,
-            request.options,
-            request.parameters,
-            request.solver,
-            request.schedule,
-        )
         needs = _needs(request)
-        if (key, needs) not in seen:
-            seen.add((key, needs))
-            with _stored():
-                for system in _systems(request, announce):
-                    _load(system, request.parameters, needs)
-                if needs.motions:
-                    _load_kernels(needs, announce)
+        if not get_analysis(request.analysis).generated or (request.setup.key, needs) in seen:
+            continue
+        seen.add((request.setup.key, needs))
+        with _stored():
+            for system in _systems(request, announce):
+                _load(system, needs)
+            if needs.motions:
+                _load_kernels(needs, announce)
 
 
 @contextmanager
@@ -138,7 +117,7 @@ def _needs(request: Request) -> _Needs:
     from fiv_cli.analyses import get_analysis
 
     analysis = get_analysis(request.analysis)
-    recorded = analysis.recorded(request.schedule)
+    recorded = analysis.recorded
     starts_at_state = request.start is not None and request.start.kind == "state"
     return _Needs(
         equilibria=not (recorded and starts_at_state),
@@ -149,16 +128,17 @@ def _needs(request: Request) -> _Needs:
 
 def _systems(request: Request, announce: Callable[[str], None]) -> list[System]:
     """The compiled systems that a request needs: its own and, on demand, the averaged ones."""
-    own = _system(request, announce)
+    from fiv_cli.dynamics.system import build_system
+
+    own = build_system(request.setup, announce)
     if request.settings.get("system") != "averaged":
         return [own]
     from fiv_cli.analyses.rest.averaging import averaged_system
 
-    averages = [averaged_system(own, request.parameters, r, announce) for r in (False, True)]
-    return [own, *averages]
+    return [own, *(averaged_system(own, reversing, announce) for reversing in (False, True))]
 
 
-def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> None:
+def _load(system: System, needs: _Needs) -> None:
     """Bring machine code into memory, so that no point's time contains it.
 
     What is not needed is left out: the tangents are more than half of what there is to compile.
@@ -168,7 +148,7 @@ def _load(system: System, parameters: Mapping[str, float], needs: _Needs) -> Non
     _ = system.tables
     if needs.equilibria:
         _ = system.jacobians
-        statics_of(system, parameters)
+        statics_of(system)
     if needs.tangents:
         _ = system.tangent_tables
 
@@ -183,17 +163,3 @@ def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:
     load_driver(announce)
     if needs.tangents:
         load_settling(announce)
-
-
-def _system(request: Request, announce: Callable[[str], None] = lambda sentence: None) -> System:
-    from fiv_cli.dynamics.system import build_system
-
-    return build_system(
-        request.model,
-        request.law,
-        request.options,
-        request.parameters,
-        request.solver,
-        announce,
-        request.schedule,
-    )

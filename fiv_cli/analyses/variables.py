@@ -1,20 +1,34 @@
-"""The one table of dataset variables: names, units, meanings, own dims, flags.
+"""What there is to say of a variable of a dataset: its name, unit, meaning, own dims, and its role.
 
-To add a variable: add a `Variable` to the function of its analysis. Everything else (shards,
-assembly, NetCDF attributes, comparison) reads it from here.
+Each analysis declares its own (`Analysis.variables`); shards, assembly, NetCDF attributes,
+comparison, summaries, figures and what a case may ask for read them through ``catalogue.py``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import KW_ONLY, dataclass
+from enum import Enum, auto
+from typing import Any, TypedDict, Unpack
 
 from fiv_cli.analyses.base import Varied
-from fiv_cli.models.base import Model, Parameter, State
+from fiv_cli.models.base import State
 
 INT_FILL = -2147483647
 """Stands for "not computed" in integer variables (the NetCDF default for int32)."""
+
+
+class Role(Enum):
+    """What a variable is there for."""
+
+    STATUS = auto()  # whether a point was computed, and how: known at every point
+    ANSWER = auto()  # a number that the analysis is asked for
+    CLASS = auto()  # an answer that is one of a few classes
+    SHARE = auto()  # share of time, measured over a motion of any class, an undecided one too
+    DETAIL = auto()  # what an answer refers to, or what was met on the way to it
+    TRUST = auto()  # how far an answer can be trusted
+    WORK = auto()  # what an answer has cost
+    ALONG = auto()  # a coordinate along a dim of its own: no dims of the grid
 
 
 @dataclass(frozen=True)
@@ -26,63 +40,159 @@ class Variable:
     name : name in datasets and in `Outcome.values` / `Outcome.ragged`
     units : UDUNITS string
     long_name : what it is
-    dims : own dims, after those of the grid and ``initial``
-    kind : "float", "int", "flag" or "coordinate" (along its own only dim, no grid dims)
+    along : its own dims, after those of the grid and ``initial``, separated by spaces
+    kind : "float", "int" or "flag"
     flags : key of `flags.TABLES` when kind is "flag"
     ragged : name of the group of ragged arrays it belongs to ("" when it is not ragged)
     symbol : LaTeX
     comment : what else a reader must know
+    role : what it is there for
+    headline : place among what a figure shows unless it says otherwise; 0: not among these
+    width : name of the variable that holds the width of the interval it was bisected to
+    statistic : a mean over the motion: two computations of a motion that is not periodic agree in
+        it, and in no other number, but for the error of a finite window
+    unbounded : has no bound where the motion diverges
+    margin : the least is the worst
+    velocities : its dim ``state`` holds the velocities too, behind the displacements
     """
 
     name: str
     units: str
     long_name: str
-    dims: tuple[str, ...] = ()
+    along: str = ""
+    _: KW_ONLY
     kind: str = "float"
     flags: str = ""
     ragged: str = ""
     symbol: str = ""
     comment: str = ""
+    role: Role = Role.ANSWER
+    headline: int = 0
+    width: str = ""
+    statistic: bool = False
+    unbounded: bool = False
+    margin: bool = False
+    velocities: bool = False
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Own dims, after those of the grid and ``initial``."""
+        return tuple(self.along.split())
 
     @property
     def sample_dim(self) -> str:
         """Dim along which its ragged group is stored."""
         return f"{self.ragged}_obs"
 
+    @property
+    def one_per_point(self) -> bool:
+        """Whether it has one value at each point."""
+        return self.role is not Role.ALONG and not self.along and not self.ragged
 
-_NO_WAY = (
-    "zero for what contact determines: a slip velocity that sticks, and the transverse position "
-    "and velocity of a slider in rigid contact"
+    @property
+    def askable(self) -> bool:
+        """Whether a question about a run can be about this number."""
+        answers = self.role in (Role.ANSWER, Role.SHARE) and self.kind != "flag"
+        return answers and self.one_per_point
+
+    @property
+    def tells_trust(self) -> bool:
+        """Whether it says how an answer was reached, and is none itself."""
+        return self.role in (Role.TRUST, Role.WORK)
+
+
+class Facts(TypedDict, total=False):
+    """What may be said of a variable besides, see `Variable`."""
+
+    ragged: str
+    symbol: str
+    comment: str
+    role: Role
+    headline: int
+
+
+def classes(
+    name: str, long_name: str, along: str = "", of: str = "", **facts: Unpack[Facts]
+) -> Variable:
+    """A flag variable; `of` names its table where that has another name."""
+    facts.setdefault("role", Role.CLASS)
+    return Variable(name, "1", long_name, along, kind="flag", flags=of or name, **facts)
+
+
+def count(name: str, long_name: str, along: str = "", **facts: Unpack[Facts]) -> Variable:
+    """A whole number."""
+    return Variable(name, "1", long_name, along, kind="int", **facts)
+
+
+def axis(name: str, units: str, long_name: str, along: str = "", symbol: str = "") -> Variable:
+    """A coordinate along a dim that no grid has, of its own name unless `along` says another."""
+    return Variable(name, units, long_name, along or name, role=Role.ALONG, symbol=symbol)
+
+
+def share(name: str, long_name: str, along: str) -> Variable:
+    """A share of the time of a motion."""
+    return Variable(name, "1", long_name, along, role=Role.SHARE, statistic=True)
+
+
+def trust(name: str, long_name: str, along: str = "", **facts: Unpack[Facts]) -> Variable:
+    """A pure number that says how far to trust an answer."""
+    facts["role"] = Role.TRUST
+    return Variable(name, "1", long_name, along, **facts)
+
+
+STATUS = classes("status", "whether the point was computed", role=Role.STATUS)
+REASON = classes("reason", "why there is no better answer", role=Role.STATUS)
+COMPUTED = classes(
+    "computed",
+    "whether the point was run, or its class filled in from those around it",
+    role=Role.STATUS,
+    comment="sampled: filled in first, then run all the same",
 )
-
-STATUS = Variable("status", "1", "whether the point was computed", kind="flag", flags="status")
-REASON = Variable("reason", "1", "why there is no better answer", kind="flag", flags="reason")
+"""Beside these two where the grid was refined."""
 
 
-def variables_of(
-    kind: str,
-    model: Model,
-    options: Mapping[str, str],
-    settings: Mapping[str, Any],
-    varying: tuple[Parameter, ...] = (),
-) -> tuple[Variable, ...]:
-    """Every variable of an analysis of `kind` on `model`, ``status`` and ``reason`` first.
+@dataclass(frozen=True)
+class Subject:
+    """What the variables of an analysis depend on.
 
-    Parameters
+    Attributes
     ----------
-    kind : kind of the analysis
-    options : options of the model (they decide its states)
-    settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
-    varying : parameters that vary in time; each is a variable over ``time``
+    states : displacements of the model
+    contact : the dim of its contacts; "" where it has one only
+    surface : whether it has an elastic disc to look at
+    settings : settings of the analysis
     """
-    states = model.states(options)
-    contact = ("contact",) if model.contacts > 1 else ()
-    by_kind = _VARYING_BY_KIND if varying and kind in _VARYING_BY_KIND else _BY_KIND
-    own = by_kind[kind](states, contact, settings)
-    if kind == "equilibrium" and model.surface is not None:
-        own.append(Variable("w", "m", "displacement of the disc at the contact", ("solution",)))
-    over_time = [Variable(p.name, p.unit, p.meaning, ("time",), symbol=p.symbol) for p in varying]
-    return (STATUS, REASON, *own, *over_time)
+
+    states: tuple[State, ...]
+    contact: str
+    surface: bool
+    settings: Mapping[str, Any]
+
+    @property
+    def varied(self) -> Varied | None:
+        """The parameter that the analysis itself varies."""
+        return self.settings.get("parameter")
+
+    @property
+    def observed(self) -> tuple[str, str]:
+        """The state that is looked at, and its unit."""
+        units = {name: unit for name, unit, _, _ in motions(self.states)}
+        name = self.settings.get("observe") or self.states[0].name
+        return name, units[name]
+
+    @property
+    def units(self) -> list[str]:
+        """The units that displacements have, each once."""
+        return sorted({state.unit for state in self.states})
+
+    def of_states(self, power: str = "") -> str:
+        """Unit of what holds every displacement (to a `power`); "1" where they have several."""
+        return f"{self.units[0]}{power}" if len(self.units) == 1 else "1"
+
+    @property
+    def mixed(self) -> str:
+        """What must be said of a variable over the displacements."""
+        return "each state in its own unit (state_units)" if len(self.units) > 1 else ""
 
 
 def rate_unit(unit: str) -> str:
@@ -100,479 +210,74 @@ def motions(states: tuple[State, ...]) -> list[tuple[str, str, str, str]]:
     return positions + velocities
 
 
-def _squared_unit(states: tuple[State, ...]) -> str:
-    units = {state.unit for state in states}
-    return f"{units.pop()}2" if len(units) == 1 else "1"
+# --- what several analyses have -------------------------------------------------------------------
+ATTRACTOR = classes("attractor", "class of the steady state", headline=1)
+PERIOD = Variable("period", "s", "period of the attractor", symbol="T")
+MULTIPLICITY = count("multiplicity", "section points per period")
+PERIOD_RATIO = Variable("period_ratio", "1", "period over the period of the excitation")
 
+OF_SOLVER = (
+    trust("energy_residual", "largest energy imbalance over the energy exchanged"),
+    count("n_steps", "integration steps", role=Role.WORK),
+    count("n_events", "events (transitions of contact)", role=Role.WORK),
+)
+"""What every motion says of itself."""
 
-def _common_unit(states: tuple[State, ...]) -> str:
-    units = {state.unit for state in states}
-    return units.pop() if len(units) == 1 else "1"
+EVENT_RESIDUAL = trust("event_residual", "largest switching function left at an event")
 
+GROUNDS = (
+    Variable(
+        "decay_margin",
+        "1",
+        "share of the way to the nearest switching surface that a slide to rest leaves free",
+        comment="of the level set through the motion when its class was told; equilibria only",
+        role=Role.TRUST,
+        margin=True,
+    ),
+    trust(
+        "cycle_residual",
+        "miss of the cycle after a period, over its extent",
+        comment="of the cycle that Newton's method found; periodic motions only",
+    ),
+    trust(
+        "section_drift",
+        "difference between the halves of the section set, over its spread; 0: stationary",
+        comment="of means and spreads, the largest beyond what sampling explains",
+    ),
+)
+"""By how much a class meets its grounds (`analyses/attractor/grounds.py`)."""
 
-def _mixed(states: tuple[State, ...]) -> str:
-    mixed = len({state.unit for state in states}) > 1
-    return "each state in its own unit (state_units)" if mixed else ""
-
-
-def _solver_trust() -> list[Variable]:
-    return [
-        Variable("energy_residual", "1", "largest energy imbalance over the energy exchanged"),
-        Variable("n_steps", "1", "integration steps", kind="int"),
-        Variable("n_events", "1", "events (transitions of contact)", kind="int"),
-    ]
-
-
-def _history(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    along = (*contact, "time")
-    return [
-        Variable("time", "s", "time", ("time",), kind="coordinate", symbol="t"),
-        *(Variable(n, u, m, ("time",), symbol=s) for n, u, s, m in motions(states)),
-        Variable("F_T", "N", "tangential contact force", along, symbol="F_T"),
-        Variable("F_N", "N", "normal contact force", along, symbol="F_N"),
-        Variable("contact_state", "1", "state of contact", along, "flag", "contact_state"),
-        Variable("kinetic_energy", "J", "kinetic energy", ("time",)),
-        Variable("potential_energy", "J", "potential energy", ("time",)),
-        Variable("friction_power", "W", "power of friction on the model", ("time",)),
-        Variable("drive_power", "W", "power of the drive", ("time",)),
-        Variable("other_power", "W", "power of all other forces", ("time",)),
-        Variable("friction_work", "J", "work of friction on the model"),
-        Variable("drive_work", "J", "work of the drive"),
-        Variable("other_work", "J", "work of all other forces"),
-        Variable("impact_loss", "J", "energy lost in impacts"),
-        Variable("event_time", "s", "instant of the event", ragged="event"),
-        Variable("event_from", "1", "contact before", (), "flag", "contact_state", ragged="event"),
-        Variable("event_to", "1", "contact after", (), "flag", "contact_state", ragged="event"),
-        Variable("event_contact", "1", "contact, counted from 1", (), "int", ragged="event"),
-        Variable("event_residual", "1", "switching function left at the event", ragged="event"),
-        *(_surface() if settings.get("points") else ()),
-        *_solver_trust(),
-    ]
-
-
-def _surface() -> list[Variable]:
-    """The displacement of a disc at points that are fixed in space."""
-    point = ("point",)
-    return [
-        Variable("w", "m", "transverse displacement of the disc", ("point", "time"), symbol="w"),
-        Variable("point_radius", "m", "radius of the point", point, "coordinate", symbol="r"),
-        Variable("point_angle", "rad", "angle of the point", point, "coordinate", symbol=r"\theta"),
-    ]
-
-
-def _equilibrium(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    forces = ("solution", *contact)
-    return [
-        Variable(
-            "equilibrium",
-            _common_unit(states),
-            "sliding equilibrium of the unexcited system",
-            ("solution", "state"),
-            comment=_mixed(states),
-        ),
-        Variable(
-            "n_solutions",
-            "1",
-            "sliding equilibria with closed contacts",
-            kind="int",
-            comment="the first is the one that growing loads lead to, then by distance from it",
-        ),
-        Variable("n_pulling", "1", "real solutions in which a contact would pull", kind="int"),
-        Variable("n_complex", "1", "solutions that are not real", kind="int"),
-        Variable("complete", "1", "whether these are all the solutions", (), "flag", "complete"),
-        Variable("F_N", "N", "normal contact force", forces, symbol="F_N"),
-        Variable("F_T", "N", "tangential contact force", forces, symbol="F_T"),
-        Variable("residual", "1", "largest acceleration left", ("solution",)),
-    ]
-
-
-def _eigenvalues(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    mode, vector = ("mode",), ("mode", "state")
-    mixed = "each state in its own unit; scaled to length one"
-    return [
-        Variable("eigenvalue_real", "rad s-1", "real part of the eigenvalue", mode),
-        Variable("eigenvalue_imag", "rad s-1", "imaginary part of the eigenvalue", mode),
-        Variable("mode_frequency", "Hz", "frequency of the mode", mode),
-        Variable("damping_ratio", "1", "damping ratio of the mode", mode),
-        Variable("eigenvector_real", "1", "real part of the eigenvector", vector, comment=mixed),
-        Variable("eigenvector_imag", "1", "imaginary part of the mode", vector, comment=mixed),
-        Variable("coupled_with", "1", "mode of equal frequency; -1: none", mode, "int"),
-        Variable(
-            "coupling_point",
-            "1",
-            "where on the longest numeric axis the mode merges with another, before the next point",
-            mode,
-            comment="between the points, where the two come to differ more in growth than in "
-            "frequency, and in both by less than 1 %; with more damping they pass at a distance",
-        ),
-        Variable("growth_rate", "rad s-1", "largest real part"),
-        Variable(
-            "stable",
-            "1",
-            "whether the equilibrium is stable",
-            (),
-            "flag",
-            "stable",
-            comment="neutral: the largest real part is zero to rounding, as without damping",
-        ),
-        *_averaging(settings),
-    ]
-
-
-def _critical(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    varied, along = settings["parameter"], ("crossing",)
-    ranked = "as at the lower end of the bracket, by rising frequency from 0; followed from there"
-    return [
-        Variable("critical_value", varied.unit, f"critical value of {varied.name}", along),
-        Variable("critical_width", varied.unit, "width of the interval that holds it", along),
-        Variable("crossing_kind", "1", "what happens there", along, "flag", "crossing_kind"),
-        Variable(
-            "crossing_direction",
-            "1",
-            f"what the mode (or the equilibrium) does as {varied.name} rises",
-            along,
-            "flag",
-            "crossing_direction",
-        ),
-        Variable("crossing_mode", "1", "mode that crosses; -1: none", along, "int", comment=ranked),
-        Variable("crossing_frequency", "rad s-1", "frequency of the mode that crosses", along),
-        Variable("unstable_below", "1", "growing eigenvalues below; -1: none at all", along, "int"),
-        Variable("unstable_above", "1", "growing eigenvalues above; -1: none at all", along, "int"),
-        Variable("n_crossings", "1", "crossings in the bracket", kind="int"),
-        Variable("growth_at_low", "rad s-1", "largest real part at the lower end of the bracket"),
-        Variable("growth_at_high", "rad s-1", "largest real part at the upper end of the bracket"),
-        *_averaging(settings, along),
-    ]
-
-
-def _averaging(settings: Mapping[str, Any], dims: tuple[str, ...] = ()) -> list[Variable]:
-    """How far an averaged system can be trusted."""
-    if settings.get("system") != "averaged":
-        return []
-    comment = "of the averaged system without damping; below 5 averaging is in doubt"
-    name = "excitation frequency over the highest natural one"
-    return [Variable("averaging_ratio", "1", name, dims, comment=comment)]
-
-
-def _response(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    units = {name: unit for name, unit, _, _ in motions(states)}
-    observed = settings.get("observe") or states[0].name
-    return [
-        Variable("attractor", "1", "class of the steady state", (), "flag", "attractor"),
-        Variable(
-            "L_s",
-            _squared_unit(states),
-            "vibration intensity: mean squared distance from the sliding equilibrium",
-            symbol="L_s",
-            comment="thesis 6.20, on discs 6.42 (of the slider alone); over one period, or over "
-            "L_s_window; 0 at the equilibrium",
-        ),
-        Variable(
-            "L_s_reference",
-            _common_unit(states),
-            "sliding equilibrium that L_s is measured from",
-            ("state",),
-            comment=_mixed(states),
-        ),
-        Variable(
-            "L_s_reference_index",
-            "1",
-            "number of that equilibrium among the solutions of `equilibrium`, from 1",
-            kind="int",
-            comment="the one reached; of a motion that does not rest, the first, from which a "
-            "start of kind `equilibrium` is offset too",
-        ),
-        _EQUILIBRIUM_REACHED,
-        Variable("L_s_window", "s", "window of L_s, of extremes and of fractions"),
-        Variable("period", "s", "period of the attractor", symbol="T"),
-        Variable("multiplicity", "1", "section points per period", kind="int"),
-        Variable("period_ratio", "1", "period over the period of the excitation"),
-        Variable("response_frequency", "Hz", "one over the period"),
-        Variable("section_value", units[observed], f"{observed} at the section", ragged="section"),
-        Variable("stick_fraction", "1", "share of time in stick", contact),
-        Variable("slip_fraction", "1", "share of time in slip", contact),
-        Variable("separation_fraction", "1", "share of time in separation", contact),
-        *_extremes(states),
-        Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
-        *_multipliers(),
-        *_grounds(),
-        *_solver_trust(),
-        Variable("event_residual", "1", "largest switching function left at an event"),
-        Variable("transient_used", "s", "time simulated before the steady state was accepted"),
-    ]
-
-
-_EQUILIBRIUM_REACHED = Variable(
-    "equilibrium_index",
-    "1",
-    "number of the equilibrium reached, among the solutions of `equilibrium`, from 1",
-    kind="int",
+TRANSIENT_USED = Variable(
+    "transient_used", "s", "time simulated before the steady state was accepted", role=Role.WORK
 )
 
+OF_STEADY_STATE = (*GROUNDS, *OF_SOLVER, EVENT_RESIDUAL, TRANSIENT_USED)
+"""How a steady state was reached, and how far to trust its class."""
 
-def _grounds() -> list[Variable]:
-    """By how much a class meets its grounds (`analyses/attractor/grounds.py`)."""
+_NO_WAY = (
+    "zero for what contact determines: a slip velocity that sticks, and the transverse position "
+    "and velocity of a slider in rigid contact"
+)
+MULTIPLIERS = (
+    Variable("floquet_multiplier", "1", "modulus of the multiplier", "multiplier", comment=_NO_WAY),
+    Variable("floquet_multiplier_real", "1", "real part of the multiplier", "multiplier"),
+    Variable("floquet_multiplier_imag", "1", "imaginary part", "multiplier"),
+)
+"""Floquet multipliers of a periodic motion."""
+
+
+def section_value(subject: Subject) -> Variable:
+    """The observed state wherever a steady motion passes the section."""
+    observed, unit = subject.observed
+    return Variable("section_value", unit, f"{observed} at the section", ragged="section")
+
+
+def extremes(states: tuple[State, ...], *, rms: bool) -> list[Variable]:
+    """The bounds of a steady motion, and its mean size."""
+    words = [("min", "least"), ("max", "greatest")] + rms * [("rms", "root mean square of")]
     return [
-        Variable(
-            "decay_margin",
-            "1",
-            "share of the way to the nearest switching surface that a slide to rest leaves free",
-            comment="of the level set through the motion when its class was told; equilibria only",
-        ),
-        Variable(
-            "cycle_residual",
-            "1",
-            "miss of the cycle after a period, over its extent",
-            comment="of the cycle that Newton's method found; periodic motions only",
-        ),
-        Variable(
-            "section_drift",
-            "1",
-            "difference between the halves of the section set, over its spread; 0: stationary",
-            comment="of means and spreads, the largest beyond what sampling explains",
-        ),
-    ]
-
-
-def _boundary(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    varied, along = settings["parameter"], ("crossing",)
-    way = "direction in which it was met; none: every run begins at the start"
-    unit, classes = varied.unit, "class of the steady state"
-    bisected = "width of the interval that it was bisected to"
-    confirmed = "distance within which runs in shorter steps and with more time find it; missing "
-    confirmed += "where a side is open or they do not find it"
-    return [
-        Variable("boundary", unit, f"{varied.name} at which the answer changes", along),
-        Variable("boundary_width", unit, bisected, along, comment="no bound of its error"),
-        Variable("boundary_error", unit, "how far it may be off", along, comment=confirmed),
-        Variable("class_below", "1", f"{classes} below", along, "flag", "attractor"),
-        Variable("class_above", "1", f"{classes} above", along, "flag", "attractor"),
-        Variable("answer_below", "1", "answer to the question below", along, "flag", "answer"),
-        Variable("answer_above", "1", "answer to the question above", along, "flag", "answer"),
-        Variable("found_going", "1", way, along, "flag", "followed"),
-        Variable("n_crossings", "1", "changes in the bracket", kind="int"),
-        Variable("n_runs", "1", "responses computed", kind="int"),
-        Variable("n_undecided", "1", "responses without an answer", kind="int"),
-        Variable("scan", unit, f"{varied.name} looked at first", ("scan",), kind="coordinate"),
-        Variable("scan_class", "1", f"{classes} there", ("scan",), "flag", "attractor"),
-        *(_way_back(unit, classes) if settings["follow"] == "both" else ()),
-        *_solver_trust(),
-        Variable("event_residual", "1", "largest switching function left at an event"),
-    ]
-
-
-def _way_back(unit: str, classes: str) -> list[Variable]:
-    """What a bracket followed up and down again has besides."""
-    back = f"{classes} there on the way down"
-    end = "end of a range in which the way up and the way down differ"
-    known = "width of the interval that it was bisected to; missing at the end of the bracket"
-    return [
-        Variable("scan_class_back", "1", back, ("scan",), "flag", "attractor"),
-        Variable("bistable_low", unit, f"lower {end}", ("range",)),
-        Variable("bistable_low_width", unit, known, ("range",)),
-        Variable("bistable_high", unit, f"upper {end}", ("range",)),
-        Variable("bistable_high_width", unit, known, ("range",)),
-    ]
-
-
-def _spectrum(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    units = {name: unit for name, unit, _, _ in motions(states)}
-    observed = settings.get("observe") or states[0].name
-    unit, mode = units[observed], ("mode",)
-    pair = "of the linearised system at the first sliding equilibrium, a conjugate pair once"
-    return [
-        Variable("frequency", "Hz", "middle of the bin", ("frequency",), "coordinate", symbol="f"),
-        Variable("attractor", "1", "class of the steady state", (), "flag", "attractor"),
-        Variable(
-            "amplitude",
-            unit,
-            f"amplitude of {observed}",
-            ("frequency",),
-            comment="peak of a sinusoid; root of the sum of squares over the bin, mean left out; "
-            "lines of a period, or a Hann window where the motion is not periodic",
-        ),
-        Variable("mean", unit, f"mean of {observed}"),
-        Variable("response_frequency", "Hz", "frequency of the largest amplitude"),
-        Variable("variance_shown", "1", "share of the mean square that lies below f_max"),
-        Variable("period", "s", "period of the attractor", symbol="T"),
-        Variable("multiplicity", "1", "section points per period", kind="int"),
-        Variable("mode_frequency", "Hz", "frequency of the mode", mode, comment=pair),
-        Variable("mode_growth", "rad s-1", "growth rate of the mode", mode, comment=pair),
-        Variable("unstable_frequency", "Hz", "frequency of the growing mode", mode, comment=pair),
-        *_grounds(),
-        *_solver_trust(),
-        Variable("event_residual", "1", "largest switching function left at an event"),
-        Variable("transient_used", "s", "time simulated before the steady state was accepted"),
-    ]
-
-
-def _spectrogram(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    units = {name: unit for name, unit, _, _ in motions(states)}
-    observed = settings.get("observe") or states[0].name
-    comment = "peak of a sinusoid; root of the sum of squares over the bin, mean left out; Hann"
-    along = ("time", "frequency")
-    return [
-        Variable("time", "s", "middle of the window", ("time",), "coordinate", symbol="t"),
-        Variable("frequency", "Hz", "middle of the bin", ("frequency",), "coordinate", symbol="f"),
-        Variable(
-            "spectrogram", units[observed], f"amplitude of {observed}", along, comment=comment
-        ),
-        Variable("mean", units[observed], f"mean of {observed} in the window", ("time",)),
-        *_solver_trust(),
-        Variable("event_residual", "1", "largest switching function left at an event"),
-    ]
-
-
-def _cycle(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    units = {name: unit for name, unit, _, _ in motions(states)}
-    observed = settings.get("observe") or states[0].name
-    return [
-        Variable("cycle_period", "s", "period of the cycle", symbol="T"),
-        Variable("stable", "1", "whether the cycle is stable", (), "flag", "stable"),
-        Variable("multiplicity", "1", "section points per period", kind="int"),
-        Variable("period_ratio", "1", "period over the period of the excitation"),
-        Variable(
-            "cycle_section",
-            "1",
-            f"point of the cycle at the section, where {observed} is least",
-            ("state",),
-            comment="each state in its own unit (state_units)",
-        ),
-        Variable("section_value", units[observed], f"{observed} at the section", ragged="section"),
-        *_multipliers(),
-        *_extremes(states, _LEAST_AND_GREATEST),
-        Variable("residual", "1", "miss after a period, over the extent of the cycle"),
-        Variable("n_events", "1", "events per period", kind="int"),
-        *(_branch(settings["parameter"], observed, units[observed]) if _varies(settings) else []),
-    ]
-
-
-def _varies(settings: Mapping[str, Any]) -> bool:
-    return settings.get("parameter") is not None
-
-
-def _branch(varied: Varied, observed: str, unit: str) -> list[Variable]:
-    """The branch of a cycle along a parameter, and where it changes or ends."""
-    name, branch, end = varied.name, "branch", "cycle_end"
-    kind = "fold, flip (a multiplier passes -1), torus (a pair passes 1 in modulus), branching (a "
-    kind += "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
-    kind += "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
-    kind += "closed (round to its first cycle)"
-    off = "how far it may be off"
-    again = "what it was bisected to, and what cycles of ten times the error of integration move "
-    again += "it by; missing where these do not show it"
-    return [
-        Variable("branch_value", varied.unit, f"{name} along the branch", ragged=branch),
-        Variable("branch_period", "s", "period along the branch", ragged=branch),
-        Variable("branch_min", unit, f"least {observed} of the cycle", ragged=branch),
-        Variable("branch_max", unit, f"greatest {observed} of the cycle", ragged=branch),
-        Variable(
-            "branch_multiplier", "1", "modulus of the largest nontrivial multiplier", ragged=branch
-        ),
-        Variable("branch_stable", "1", "stability", (), "flag", "stable", ragged=branch),
-        Variable(
-            "cycle_end",
-            varied.unit,
-            f"{name} where the branch changes or ends",
-            ragged=end,
-            comment="in the order of the branch, within cycle_end_error",
-        ),
-        Variable(
-            "cycle_end_width",
-            varied.unit,
-            "half the bracket that it was bisected to",
-            ragged=end,
-            comment="no bound of its error",
-        ),
-        Variable("cycle_end_error", varied.unit, off, ragged=end, comment=again),
-        Variable("cycle_end_kind", "1", "what happens", (), "flag", "cycle_end", end, comment=kind),
-        Variable("cycle_end_direction", "1", f"1: {name} rising, -1: falling", (), "int", "", end),
-        Variable(
-            "cycle_end_goes_on", "1", "whether the branch goes on", (), "flag", "goes_on", end
-        ),
-        *(
-            variable
-            for side in ("lowest", "highest")
-            for variable in (
-                Variable(f"cycle_{side}", varied.unit, f"{side} {name} of the branch"),
-                Variable(
-                    f"cycle_{side}_width", varied.unit, "half the bracket that it was bisected to"
-                ),
-                Variable(f"cycle_{side}_error", varied.unit, off, comment=again),
-                Variable(f"cycle_{side}_kind", "1", "what is there", (), "flag", "cycle_end"),
-            )
-        ),
-    ]
-
-
-_LEAST_AND_GREATEST = (("min", "least"), ("max", "greatest"))
-
-
-def _multipliers() -> tuple[Variable, ...]:
-    """Floquet multipliers of a periodic motion."""
-    dims, what = ("multiplier",), "of the multiplier"
-    return (
-        Variable("floquet_multiplier", "1", f"modulus {what}", dims, comment=_NO_WAY),
-        Variable("floquet_multiplier_real", "1", f"real part {what}", dims),
-        Variable("floquet_multiplier_imag", "1", "imaginary part", dims),
-    )
-
-
-def _extremes(
-    states: tuple[State, ...],
-    kinds: tuple[tuple[str, str], ...] = (*_LEAST_AND_GREATEST, ("rms", "root mean square of")),
-) -> list[Variable]:
-    return [
-        Variable(f"{name}_{short}", unit, f"{long} {name} in the steady state")
+        Variable(f"{name}_{ending}", unit, f"{word} {name} in the steady state",
+                 unbounded=ending != "min")
         for name, unit, _, _ in motions(states)
-        for short, long in kinds
-    ]
-
-
-def _plate(
-    states: tuple[State, ...], contact: tuple[str, ...], settings: Mapping[str, Any]
-) -> list[Variable]:
-    mode, along_r = ("k", "l"), ("k", "l", "r")
-    comment = "R(r0)^2/M: how a unit force at r0 accelerates the mode there; 0: a node"
-    return [
-        Variable("k", "1", "nodal circles", ("k",), "coordinate"),
-        Variable("l", "1", "nodal diameters", ("l",), "coordinate"),
-        Variable("radius", "m", "radius", ("r",), symbol="r"),
-        Variable("plate_frequency", "rad s-1", "natural frequency of the disc", mode),
-        Variable("inverse_modal_mass", "kg-1", "inverse modal mass at r0", mode, comment=comment),
-        Variable("shape", "1", "mode shape R(r)/R(r0)", along_r),
-    ]
-
-
-_VARYING_BY_KIND = {"spectrum": _spectrogram}
-"""Where parameters vary in time, analyses that have other variables then."""
-
-_BY_KIND = {
-    "history": _history,
-    "equilibrium": _equilibrium,
-    "eigenvalues": _eigenvalues,
-    "critical": _critical,
-    "response": _response,
-    "spectrum": _spectrum,
-    "boundary": _boundary,
-    "cycle": _cycle,
-    "plate": _plate,
-}
+        for ending, word in words
+    ]  # fmt: skip

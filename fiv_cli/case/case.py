@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.dynamics.schedule import STEADY, Schedule
+from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
+from fiv_cli.schedule import STEADY, Schedule
 
 
 @dataclass(frozen=True)
@@ -106,13 +107,12 @@ class ClaimSpec:
     source: str
     text: str
     variable: str
-    expect: Any
+    expect: Expected
     at: Mapping[str, Any] = field(default_factory=dict)
     holds: str | float = "all"
     note: str = ""
     analysis: str = ""
-    share: Mapping[str, Any] = field(default_factory=dict)
-    reduce: Mapping[str, Any] = field(default_factory=dict)
+    take: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

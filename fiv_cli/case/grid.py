@@ -10,11 +10,8 @@ from typing import Any, NamedTuple
 
 from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Span, span_by_count, span_by_step
 from fiv_cli.case.case import Axis, Refinement
-from fiv_cli.case.names import ascii_name, listed, nearest, suggest
 from fiv_cli.case.physics import (
     Physics,
-    allowed,
-    check_range,
     law_names,
     note_no_axis,
     note_no_state,
@@ -22,10 +19,11 @@ from fiv_cli.case.physics import (
 )
 from fiv_cli.case.refinement import halved, read_refinement
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import RangeTable, SweepTable, check_quantity, describe
+from fiv_cli.case.structure import RangeTable, SweepTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.case.units import exact, nearest_double
-from fiv_cli.models.base import Parameter
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.units import exact, nearest_double
+from fiv_cli.notation.values import check_quantity, describe
 
 MOST_POINTS = 10**9
 _RANGE_KEYS = {"start", "stop", "step", "num", "scale"}
@@ -161,15 +159,10 @@ def _parameter_axis(name: str, place: Path, physics: Physics, report: Report) ->
         name,
         "parameter",
         place,
-        lambda value: _in_range(table[name], value),
+        table[name].checked,
         table[name].unit,
-        allowed(table[name]),
+        table[name].allowed,
     )
-
-
-def _in_range(parameter: Parameter, value: float) -> float:
-    check_range(parameter, value)
-    return value
 
 
 def _form(candidate: Candidate, value: object, report: Report) -> Span | list[Any] | None:

@@ -8,27 +8,28 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import friction_rises, off_the_plate
+from fiv_cli.analyses.base import requirements
 from fiv_cli.case.analysis import read_analyses
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.grid import MOST_POINTS, Grid, count_points, read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
-from fiv_cli.case.names import listed, nearest, suggest
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.physics import Physics, read_physics
 from fiv_cli.case.refinement import refuse_chains
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.results import Answers, read_claims, read_figures
-from fiv_cli.case.schedule import at_the_start, read_schedule, refuse_constant_analyses
+from fiv_cli.case.schedule import at_the_start, read_schedule, refuse_unsuited_analyses
 from fiv_cli.case.solver import read_solver
 from fiv_cli.case.starts import read_starts
 from fiv_cli.case.structure import CaseTable, HeaderTable
 from fiv_cli.case.tables import keys_of, read_table
 from fiv_cli.case.toml import MOST_BYTES, TooMuchError, parse_toml, too_large
-from fiv_cli.dynamics.schedule import STEADY
 from fiv_cli.errors import CaseError, Problem, UsageError
 from fiv_cli.friction.base import Law
-from fiv_cli.models.base import Parameter
+from fiv_cli.models import get_model
+from fiv_cli.models.base import Model, Parameter, Requirement
+from fiv_cli.notation.names import listed, nearest, suggest
+from fiv_cli.schedule import STEADY
 
 # What decides which variables there will be.
 DECIDE_VARIABLES = ("analyses", "axes", "law", "options")
@@ -141,7 +142,7 @@ def _build(
     _refuse_unused_start_axes(axes, analyses, report)
     _refuse_needless_chains(analyses, starts, report)
     refuse_chains(grid.refinement, starts, report)
-    refuse_constant_analyses(schedule, analyses, report)
+    refuse_unsuited_analyses(raw, schedule, analyses, report)
     physics = at_the_start(physics, schedule)
     _refuse_too_many_runs(axes, zips, starts, report)
     parameters = _fixed_parameters(physics, axes)
@@ -167,8 +168,8 @@ def _build(
         refinement=grid.refinement,
         schedule=schedule,
     )
-    _refuse_rising_friction(case, physics, raw, report)
-    _refuse_no_plate(case, raw, report)
+    if report.is_sure_of("law", "parameters", "axes"):
+        _refuse_what_does_not_fit(case, physics, raw, report)
     return case
 
 
@@ -264,59 +265,59 @@ def _refuse_too_many_runs(
         report.add(("initial",), message, f"at most {MOST_POINTS:,}")
 
 
-def _refuse_rising_friction(
+def _refuse_what_does_not_fit(
     case: Case, physics: Physics, raw: Mapping[str, Any], report: Report
 ) -> None:
-    """mu_k > mu_s where both are fixed: impossible in a transient, harmless in a linear analysis.
+    """Note parameters that are not to one another what the model and its laws require.
 
-    On an axis such points are left to the plan, which counts them.
+    Those of an axis are left to the plan, which counts the points.
     """
     linear = all(get_analysis(analysis.kind).linear for analysis in case.analyses)
-    if linear or not report.is_sure_of("law", "parameters", "axes"):
-        return
     for law in physics.laws:
-        values = _values_in_time(case, law)
-        for name in [name for name in values if name.startswith("mu_k")]:
-            static = name.replace("mu_k", "mu_s", 1)
-            above = [pair for pair in _pairs(case, values, name, static) if pair[0] > pair[1]]
-            if above:
-                report.add(
-                    _place_of(name, raw),
-                    f"{name} = {above[0][0]!r} is above {static} = {above[0][1]!r}",
-                    f"{name} <= {static} in an analysis in time",
-                    f"give {static} as well" if static not in physics.fixed else "",
-                )
+        for values in _in_time(case, law):
+            requirement = _unmet(physics.model, law, values, linear)
+            if requirement is not None:
+                _note_unmet(requirement, values, case, raw, report)
+                return
 
 
-def _refuse_no_plate(case: Case, raw: Mapping[str, Any], report: Report) -> None:
-    """Radii that make no disc with the slider on it; on an axis such points are left out."""
-    values = case.parameters_at(case.law, {})
-    if off_the_plate(values) and report.is_sure_of("parameters", "axes"):
-        given = [name for name in ("r0", "a", "b") if name in case.explicit] or ["r0"]
-        shown = ", ".join(f"{name} = {values[name]!r}" for name in ("a", "r0", "b"))
-        message = f"{shown} m: the slider is not on the disc"
-        report.add(_place_of(given[0], raw), message, "a < b and a <= r0 <= b")
+def _note_unmet(
+    requirement: Requirement,
+    values: Mapping[str, float],
+    case: Case,
+    raw: Mapping[str, Any],
+    report: Report,
+) -> None:
+    given = [name for name in requirement.reads if name in (*case.explicit, *case.schedule.names)]
+    left = [name for name in requirement.reads if name not in given]
+    shown = ", ".join(f"{name} = {values[name]!r}" for name in requirement.reads)
+    report.add(
+        _place_of((given or left)[0], raw),
+        f"{shown}: {requirement.fault}",
+        requirement.rule + (" in an analysis in time" if requirement.in_motion else ""),
+        f"not given, so its default stands: {listed(left)}" if given and left else "",
+    )
 
 
-def _values_in_time(case: Case, law: Law) -> dict[str, float]:
-    """The fixed parameters in an analysis in time; one that it varies itself, where it may be."""
+def _unmet(model: Model, law: Law, values: Mapping[str, float], linear: bool) -> Requirement | None:
+    """The first requirement that these parameters do not meet; some may be left to the point."""
+    complete = (r for r in requirements(model, law, linear) if values.keys() >= set(r.reads))
+    return next((r for r in complete if not r.holds(values)), None)
+
+
+def _in_time(case: Case, law: Law) -> Iterable[dict[str, float]]:
+    """The fixed parameters at the start and wherever a schedule has a kink.
+
+    Of one that an analysis in time varies itself, an end of the bracket where it may be.
+    """
     values = case.parameters_at(law.name, {})
+    model = get_model(case.model)
     for spec in case.analyses:
         varied, bracket = spec.settings.get("parameter"), spec.settings.get("bracket")
         if varied is not None and bracket is not None and not get_analysis(spec.kind).linear:
             ends = [varied.at(values, end) for end in bracket]
-            values = next((end for end in ends if not friction_rises(end)), ends[0])
-    return values
-
-
-def _pairs(
-    case: Case, values: Mapping[str, float], kinetic: str, static: str
-) -> Iterable[tuple[float, float]]:
-    """Both coefficients at the start and wherever a schedule has a kink."""
-    if static in values:
-        for time in case.schedule.instants:
-            found = {**values, **case.schedule.values(time)}
-            yield found[kinetic], found[static]
+            values = next((end for end in ends if not _unmet(model, law, end, False)), ends[0])
+    return ({**values, **case.schedule.values(time)} for time in case.schedule.instants)
 
 
 def _place_of(name: str, raw: Mapping[str, Any]) -> Path:

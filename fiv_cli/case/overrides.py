@@ -13,10 +13,10 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
-from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.report import Path, dotted
 from fiv_cli.case.toml import DEEPEST, TooMuchError, parse_toml
 from fiv_cli.errors import Problem, UsageError
+from fiv_cli.notation.names import listed, suggest
 
 _KEY = r"""(?:"[^"]*"|'[^']*'|[^\s."'=\[\]]+)"""
 _PATH = re.compile(rf"\s*({_KEY}(?:\.{_KEY})*)\s*=(.*)", re.DOTALL)

@@ -7,15 +7,14 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from fiv_cli.case.names import ascii_name, listed, nearest, suggest
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import FrictionTable, ModelTable, check_quantity
+from fiv_cli.case.structure import FrictionTable, ModelTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.case.units import convert
 from fiv_cli.friction import TANH_OF, get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
 
 @dataclass(frozen=True)
@@ -45,6 +44,20 @@ class Physics:
     def units_of_states(self) -> dict[str, str]:
         """Every state and velocity -> its unit."""
         return state_units(self.model, self.options)
+
+    def varying(self) -> dict[str, Parameter]:
+        """The parameters that can vary in one run: of the model, or of every law in use.
+
+        Whole numbers and what is written into the generated code cannot.
+        """
+        own = {parameter.name for parameter in self.model.parameters}
+        shared = set.intersection(*({p.name for p in law.parameters} for law in self.laws))
+        structural = {name for law in self.laws for name in law.structural}
+        return {
+            name: parameter
+            for name, parameter in self.table().items()
+            if name in (own | shared) - structural and not parameter.integer
+        }
 
     def what_varies(self) -> dict[str, str]:
         """Everything that may be an axis of the grid -> its meaning."""
@@ -118,35 +131,6 @@ def note_no_state(
     if report.is_sure_of("options"):
         text = message or f"there is no state {name!r}"
         report.add(place, text, listed(units), suggest(name, units))
-
-
-def quantity(parameter: Parameter, value: object) -> float:
-    """`value` as an SI number that `parameter` may take; ValueError says why not."""
-    number = convert(check_quantity(value), parameter.unit)
-    check_range(parameter, number)
-    return number
-
-
-def check_range(parameter: Parameter, number: float) -> None:
-    """ValueError unless `parameter` may take the SI value `number`."""
-    low = number > parameter.minimum if parameter.exclusive else number >= parameter.minimum
-    if not (low and number <= parameter.maximum):
-        raise ValueError(f"{number!r} is out of range")
-    if parameter.integer and number != int(number):
-        raise ValueError(f"{number!r} is not a whole number")
-
-
-def allowed(parameter: Parameter) -> str:
-    """What a parameter may be, in one line."""
-    kind = "a whole number" if parameter.integer else "a number"
-    unit = "" if parameter.unit == "1" else f" in {parameter.unit}"
-    bounds = []
-    if parameter.minimum != float("-inf"):
-        bounds.append(f"{'>' if parameter.exclusive else '>='} {parameter.minimum:g}")
-    if parameter.maximum != float("inf"):
-        bounds.append(f"<= {parameter.maximum:g}")
-    range_ = f", {' and '.join(bounds)}" if bounds else ""
-    return f"{kind}{unit}{range_} ({parameter.meaning})"
 
 
 def law_names(model: Model) -> list[str]:
@@ -355,9 +339,9 @@ def _read_parameter(
     parameter: Parameter, value: object, place: Path, found: dict[str, float], report: Report
 ) -> None:
     try:
-        found[parameter.name] = quantity(parameter, value)
+        found[parameter.name] = parameter.read(value)
     except ValueError as error:
-        report.add(place, str(error), allowed(parameter))
+        report.add(place, str(error), parameter.allowed)
         report.unsure_of("parameters")
 
 

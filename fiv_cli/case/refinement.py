@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.axes import AxisError, Span, span_of_list
 from fiv_cli.case.case import Refinement, StartSpec
-from fiv_cli.case.names import ascii_name
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import SweepTable, check_quantity
-from fiv_cli.case.units import exact
+from fiv_cli.case.structure import SweepTable
+from fiv_cli.notation.names import ascii_name
+from fiv_cli.notation.units import exact
+from fiv_cli.notation.values import check_quantity
 
 if TYPE_CHECKING:
     from fiv_cli.case.grid import Candidate

@@ -2,61 +2,19 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
-from fiv_cli.case.conditions import parse_condition
-from fiv_cli.case.names import ascii_name, can_name_a_file, listed, suggest
+from fiv_cli.case.grammar import parse_condition
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import (
-    ClaimTable,
-    FigureTable,
-    ReduceTable,
-    ShareTable,
-    check_number,
-    describe,
-)
+from fiv_cli.case.structure import ClaimTable, FigureTable, TakeTable
 from fiv_cli.case.tables import read_tables
-from fiv_cli.case.units import convert
-
-# The classes of motion that the variable `attractor` can hold.
-ATTRACTORS = (
-    "equilibrium",
-    "periodic",
-    "quasiperiodic",
-    "chaotic",
-    "undecided",
-    "diverged",
-    "contact_lost",
-)
-TRENDS = ("increasing", "decreasing")
-
-_OWN_DIMS = (
-    "mode",
-    "solution",
-    "state",
-    "contact",
-    "multiplier",
-    "time",
-    "frequency",
-    "crossing",
-    "range",
-    "scan",
-    "k",
-    "l",
-    "point",
-)
-_CLASS = re.compile(r"(?:not )?[a-z][a-z0-9_+\->]*")
-_OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
-_EXPECT_FORMS = (
-    'a class, "not CLASS", "increasing", "decreasing", { value = V, tolerance = T }, '
-    "{ interval = [A, B], tolerance = T }, the same with of = CLASS (where along the axis), "
-    'or { less_than = N } or { less_than = "CASE:variable" }'
-)
+from fiv_cli.notation.names import ascii_name, can_name_a_file, listed, suggest
+from fiv_cli.notation.units import convert
 
 
 @dataclass(frozen=True)
@@ -163,54 +121,33 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
             changed[key] = ascii_name(value)
     if table.select:
         changed["select"] = _selection(table.select, answers, (*place, "select"), report)
-    if table.share is not None:
-        changed["share"] = _share(table.share, answers, (*place, "share"), report)
+    if table.take is not None:
+        changed["take"] = _take(table.take, answers, (*place, "take"), report)
     return changed
 
 
-def _share(table: ShareTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
-    """A share with its axes by their contract names and its reference in SI."""
-    known = [*answers.axis_names(), "initial", *_OWN_DIMS]
+def _take(table: TakeTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
+    """What is taken, its axes by their contract names and its reference in SI."""
+    known = [*answers.axis_names(), "initial", *own_dims()]
     over = [ascii_name(name).removeprefix("friction.") for name in table.over]
     for name in over:
         if answers.physics is not None and name not in known:
             message = f"{name!r} is no axis of this case"
             note_no_axis(name, message, (*place, "over"), known, answers.physics, report)
-    _note_error(lambda: _check_share_of(table.of), (*place, "of"), report)
-    reference = _selection(table.relative_to, answers, (*place, "relative_to"), report)
-    return {"of": table.of, "over": over, "relative_to": reference}
-
-
-def _reduce(table: ReduceTable, place: Path, report: Report) -> dict[str, Any]:
-    """A reduction, its axis by its contract name."""
-    over = ascii_name(table.over)
-    if over not in _OWN_DIMS:
-        message = f"{over!r} is no axis that a variable has of its own"
-        report.add((*place, "over"), message, listed(_OWN_DIMS), suggest(over, _OWN_DIMS))
-    _note_error(lambda: _check_reduced(table), (*place, "of"), report)
-    return {"over": over, "take": table.take} | ({"of": table.of} if table.of else {})
-
-
-def _check_reduced(table: ReduceTable) -> None:
-    """ValueError unless there is something to count where it is counted, and only there."""
-    counts = table.take in ("share", "entries")
-    if counts:
-        _check_share_of(table.of or "")
-    elif table.of is not None:
-        raise ValueError(f"is for share and entries; {table.take} is taken of all values")
-
-
-def _check_share_of(text: str) -> None:
-    """ValueError unless `text` is a condition or a class."""
-    if not _CLASS.fullmatch(text) and not parse_condition(text):
-        raise ValueError(f'{text!r} is neither a condition such as ". > 0" nor a class')
+    found: dict[str, Any] = {"what": table.what, "over": over}
+    if table.of is not None:
+        found["of"] = table.of
+    if table.relative_to:
+        at = (*place, "relative_to")
+        found["relative_to"] = _selection(table.relative_to, answers, at, report)
+    return found
 
 
 def _selection(
     given: Mapping[str, Any], answers: Answers, place: Path, report: Report
 ) -> dict[str, Any]:
     """Axis -> value in SI, or label, or condition, for the keys that are dims."""
-    kinds = answers.axis_names() | {"initial": "label"} | dict.fromkeys(_OWN_DIMS, "own")
+    kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
     found = {}
     for key, value in given.items():
         name = ascii_name(key).removeprefix("friction.")
@@ -261,13 +198,6 @@ def _unit(name: str, answers: Answers) -> str:
 
 def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> ClaimSpec:
     _check_analysis(table.analysis, answers, place, report)
-    _note_error(lambda: _check_holds(table.holds), (*place, "holds"), report)
-    _note_error(
-        lambda: _check_expect(table.expect, table.variable),
-        (*place, "expect"),
-        report,
-        _EXPECT_FORMS,
-    )
     return ClaimSpec(
         source=table.source,
         text=table.text,
@@ -277,68 +207,5 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         holds=table.holds,
         note=table.note,
         analysis=table.analysis or "",
-        share=_share(table.share, answers, (*place, "share"), report) if table.share else {},
-        reduce=_reduce(table.reduce, (*place, "reduce"), report) if table.reduce else {},
+        take=_take(table.take, answers, (*place, "take"), report) if table.take else {},
     )
-
-
-def _note_error(check: Callable[[], None], place: Path, report: Report, accepted: str = "") -> None:
-    try:
-        check()
-    except ValueError as error:
-        report.add(place, str(error), accepted)
-
-
-def _check_holds(holds: object) -> None:
-    """ValueError unless `holds` is all, any or a share."""
-    if holds in ("all", "any"):
-        return
-    if isinstance(holds, bool) or not isinstance(holds, int | float) or not 0 < holds <= 1:
-        raise ValueError(f'must be "all", "any" or a share in (0, 1], not {describe(holds)}')
-
-
-def _check_expect(expect: str | dict[str, Any], variable: str) -> None:
-    """ValueError unless `expect` has one of the known forms."""
-    if isinstance(expect, str):
-        _check_expected_class(expect, variable)
-    elif set(expect) == {"less_than"}:
-        _check_bound(expect["less_than"])
-    elif set(expect) == {"value", "tolerance"}:
-        check_number(expect["value"])
-        _check_tolerance(expect["tolerance"])
-    elif set(expect) - {"of"} == {"interval", "tolerance"}:
-        _check_expected_class(str(expect.get("of", "periodic")), variable)
-        _check_interval(expect["interval"])
-        _check_tolerance(expect["tolerance"])
-    else:
-        raise ValueError(f"a table with {listed(list(expect))} says nothing to check")
-
-
-def _check_expected_class(expect: str, variable: str) -> None:
-    if not _CLASS.fullmatch(expect):
-        raise ValueError(f"{expect!r} is no class")
-    name = expect.removeprefix("not ")
-    if variable == "attractor" and name not in ATTRACTORS and expect not in TRENDS:
-        hint = suggest(name, ATTRACTORS)
-        raise ValueError(f"there is no class {name!r}; {hint or listed(ATTRACTORS)}")
-
-
-def _check_bound(value: object) -> None:
-    """ValueError unless `value` is a number or names a variable of another case."""
-    if isinstance(value, int | float):
-        check_number(value)
-    elif not isinstance(value, str) or not _OTHER_CASE.fullmatch(value):
-        raise ValueError(f'less_than takes a number or "CASE:variable", not {describe(value)}')
-
-
-def _check_tolerance(value: object) -> None:
-    if check_number(value) < 0:
-        raise ValueError(f"the tolerance is negative: {value!r}")
-
-
-def _check_interval(value: object) -> None:
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"interval takes [low, high], not {describe(value)}")
-    low, high = (check_number(bound) for bound in value)
-    if low > high:
-        raise ValueError(f"the interval [{low!r}, {high!r}] is empty")

@@ -7,17 +7,17 @@ from dataclasses import replace
 from typing import Any
 
 from fiv_cli.analyses import all_analyses, get_analysis
-from fiv_cli.case.analysis import varying
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.grid import fixed_places
-from fiv_cli.case.names import ascii_name, listed, suggest
-from fiv_cli.case.physics import Physics, allowed, quantity
+from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import CurveTable, check_quantity, describe
+from fiv_cli.case.structure import CurveTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.case.units import convert
-from fiv_cli.dynamics.schedule import STEADY, Points, Schedule, make_schedule
 from fiv_cli.models.base import Forcing, Parameter
+from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import check_quantity, describe
+from fiv_cli.schedule import STEADY, Points, Schedule, make_schedule
 
 _FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
 
@@ -49,19 +49,30 @@ def at_the_start(physics: Physics, schedule: Schedule) -> Physics:
     return replace(physics, fixed=kept | schedule.values(0.0))
 
 
-def refuse_constant_analyses(
-    schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
+def refuse_unsuited_analyses(
+    raw: Mapping[str, Any], schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
 ) -> None:
-    """Steady states, equilibria and eigenvalues belong to constant parameters."""
-    able = [kind for kind, analysis in all_analyses().items() if analysis.varying]
-    names = listed(schedule.names) if schedule.curves else ""
-    for index, analysis in enumerate(analyses):
-        if schedule.curves and not get_analysis(analysis.kind).varying:
+    """Steady states, equilibria and eigenvalues belong to constant parameters, others do not."""
+    names = listed(schedule.names)
+    for index, spec in enumerate(analyses):
+        analysis = get_analysis(spec.kind)
+        meant = f'kind = "{analysis.counterpart}"' if analysis.counterpart else ""
+        if schedule.curves and not analysis.varying:
+            able = [kind for kind, other in all_analyses().items() if other.varying]
             report.add(
                 ("analysis", index),
-                f"{analysis.kind!r} belongs to constant parameters, but {names} varies in time",
+                f"{spec.kind!r} belongs to constant parameters, but {names} varies in time",
                 f"analyses of kind {listed(able)}",
-                f"give it a case of its own without [schedule], with {names} fixed or an axis",
+                meant
+                or f"give it a case of its own without [schedule], with {names} fixed or an axis",
+            )
+        elif not raw.get("schedule") and not analysis.constant:
+            report.add(
+                ("analysis", index),
+                f"{spec.kind!r} belongs to parameters that vary, but there is no [schedule]",
+                "parameters under [schedule]",
+                f'{meant} is of a steady state; a [[figure]] of kind "spectrogram" transforms a '
+                "history window by window",
             )
 
 
@@ -86,7 +97,7 @@ def _may_vary(
     report: Report,
 ) -> bool:
     """Whether a schedule of `name` makes sense; notes why it does not."""
-    known = varying(physics)
+    known = physics.varying()
     if name not in known:
         meanings = {key: parameter.meaning for key, parameter in known.items()}
         report.add(place, _why_not(name, physics), listed(known), suggest(name, meanings))
@@ -161,9 +172,9 @@ def _listed(
 
 def _value(parameter: Parameter, value: object, place: Path, report: Report) -> float | None:
     try:
-        return quantity(parameter, value)
+        return parameter.read(value)
     except ValueError as error:
-        report.add(place, str(error), allowed(parameter))
+        report.add(place, str(error), parameter.allowed)
         return None
 
 
@@ -205,7 +216,7 @@ def _refuse_sectors(curves: Mapping[str, Points], physics: Physics, report: Repo
     """The bounds of a sector are read once."""
     if not physics.model.forcings:
         return
-    from fiv_cli.codegen.symbols import Symbols
+    from fiv_cli.models.symbols import Symbols
 
     zone = physics.model.equations(Symbols(), physics.options).zone
     for name in sorted(curves.keys() & (() if zone is None else {zone.start, zone.width})):

@@ -5,23 +5,16 @@ Pydantic gives the form; the names and meanings come from the model, law and ana
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.analyses.base import Analysis, Setting
-from fiv_cli.case.structure import (
-    INTERVAL_SCHEMA,
-    QUANTITY_SCHEMA,
-    CaseTable,
-    QuestionTable,
-    SectionTable,
-)
+from fiv_cli.analyses.base import Analysis
+from fiv_cli.analyses.settings import Schema, schema_of
+from fiv_cli.case.structure import CaseTable
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
-
-Schema = dict[str, Any]
+from fiv_cli.notation.values import QUANTITY_SCHEMA
 
 # Greek spellings of known names are accepted too; a schema cannot tell which ones mean what.
 _GREEK_SPELLINGS: Schema = {"[^\\x00-\\x7F]": QUANTITY_SCHEMA}
@@ -31,8 +24,6 @@ def case_schema() -> Schema:
     """The JSON schema (draft 2020-12) of a case file."""
     schema = CaseTable.model_json_schema(by_alias=True)
     tables = schema["$defs"]
-    tables["SectionTable"] = SectionTable.model_json_schema(by_alias=True)
-    tables["QuestionTable"] = QuestionTable.model_json_schema(by_alias=True)
     models = all_models().values()
     _fill_model(tables["ModelTable"], models)
     _fill_friction(tables["FrictionTable"])
@@ -50,14 +41,13 @@ def _fill_model(table: Schema, models: Iterable[Model]) -> None:
 
 def _of_model(model: Model) -> Schema:
     options = {option.name: _option(option) for option in model.options}
-    return {
-        "parameters": {
-            "properties": _parameters(model.parameters),
-            "patternProperties": _GREEK_SPELLINGS,
-            "additionalProperties": False,
-        },
-        "options": {"properties": options, "additionalProperties": False},
+    parameters = {
+        "properties": _parameters(model.parameters),
+        "patternProperties": _GREEK_SPELLINGS,
+        "additionalProperties": False,
     }
+    chosen = {"properties": options, "additionalProperties": False}
+    return {"properties": {"parameters": parameters, "options": chosen}}
 
 
 def _option(option: Option) -> Schema:
@@ -78,35 +68,8 @@ def _fill_friction(table: Schema) -> None:
 def _fill_analysis(table: Schema, analyses: Iterable[Analysis]) -> None:
     table["properties"]["kind"]["enum"] = [analysis.kind for analysis in analyses]
     table["allOf"] = [
-        _when("kind", analysis.kind, _settings(analysis), _required(analysis))
-        for analysis in analyses
+        _when("kind", analysis.kind, schema_of(analysis.settings)) for analysis in analyses
     ]
-
-
-def _settings(analysis: Analysis) -> Schema:
-    return {setting.name: _setting(setting) for setting in analysis.settings}
-
-
-def _required(analysis: Analysis) -> list[str]:
-    return [setting.name for setting in analysis.settings if setting.required]
-
-
-def _setting(setting: Setting) -> Schema:
-    forms: Mapping[str, Schema] = {
-        "number": QUANTITY_SCHEMA,
-        "integer": {"type": "integer"},
-        "string": {"type": "string"},
-        "boolean": {"type": "boolean"},
-        "section": {"$ref": "#/$defs/SectionTable"},
-        "state": {"type": "string"},
-        "parameter": {"type": "string"},
-        "bracket": INTERVAL_SCHEMA,
-        "points": {"type": "array", "items": INTERVAL_SCHEMA},
-        "question": {"$ref": "#/$defs/QuestionTable"},
-    }
-    unit = "" if setting.unit == "1" else f" ({setting.unit})"
-    form = {**forms[setting.type], "description": f"{setting.meaning}{unit}"}
-    return {**form, "enum": list(setting.choices)} if setting.choices else form
 
 
 def _fill_grid(table: Schema, models: Iterable[Model]) -> None:
@@ -163,9 +126,6 @@ def _number(parameter: Parameter) -> Schema:
     return number
 
 
-def _when(key: str, value: str, properties: Schema, required: Sequence[str] = ()) -> Schema:
-    """Where `key` is `value`, the table has these properties."""
-    then: Schema = {"properties": properties}
-    if required:
-        then["required"] = list(required)
+def _when(key: str, value: str, then: Schema) -> Schema:
+    """Where `key` is `value`, the table is so."""
     return {"if": {"properties": {key: {"const": value}}, "required": [key]}, "then": then}

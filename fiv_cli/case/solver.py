@@ -9,7 +9,7 @@ from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.report import Report
 from fiv_cli.case.structure import SolverTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.case.units import convert
+from fiv_cli.notation.units import convert
 
 _RTOL = (1e-15, 1e-3)
 

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fiv_cli.case.case import Axis, StartSpec
-from fiv_cli.case.names import ascii_name, listed, suggest
 from fiv_cli.case.physics import Physics, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import InitialTable
 from fiv_cli.case.tables import read_tables
-from fiv_cli.case.units import convert
+from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.units import convert
 
 AT_REST = StartSpec("rest", "state")
 

@@ -6,21 +6,39 @@ against the model, law and analysis tables elsewhere in this package.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import isfinite
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    WithJsonSchema,
+    model_validator,
+)
+
+from fiv_cli.case.grammar import (
+    EXPECT_SCHEMA,
+    HOLDS_SCHEMA,
+    check_counted,
+    check_holds,
+    in_place_of_reduce,
+    in_place_of_share,
+    parse_expect,
+)
+from fiv_cli.notation.values import (
+    INTERVAL_SCHEMA,
+    QUANTITY_SCHEMA,
+    check_interval,
+    check_number,
+    check_quantity,
+    describe,
+)
 
 # The version of the case-file format that this program reads.
 SCHEMA_VERSION = 1
-
-QUANTITY_SCHEMA = {
-    "anyOf": [{"type": "number"}, {"type": "string"}],
-    "description": 'a number in SI, or a string with its unit: "20 rpm", "15 deg", "5 mm"',
-}
-
-INTERVAL_SCHEMA = {"type": "array", "items": QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}
 
 LEVELS_SCHEMA = {
     "anyOf": [
@@ -28,51 +46,6 @@ LEVELS_SCHEMA = {
         {"type": "array", "items": {"type": "number"}, "minItems": 1},
     ]
 }
-
-
-def describe(value: object) -> str:
-    """A value and its type in TOML's words, for messages."""
-    if isinstance(value, bool):
-        return f"{str(value).lower()} (a boolean)"
-    if isinstance(value, str):
-        return f"{value!r} (a string)"
-    if isinstance(value, dict):
-        return "a table"
-    if isinstance(value, list):
-        return "a list"
-    return repr(value)
-
-
-def check_quantity(value: object) -> float | str:
-    """A finite number or a string; ValueError for anything else."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"must be a number, or a string with a unit, not {describe(value)}")
-    return value if isinstance(value, str) else check_finite(value)
-
-
-def check_number(value: object) -> float:
-    """A finite number; ValueError for anything else."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"must be a number, not {describe(value)}")
-    return check_finite(value)
-
-
-def check_finite(value: float) -> float:
-    """`value` unless it is NaN, infinite or beyond a double."""
-    try:
-        finite = isfinite(value)
-    except OverflowError:
-        finite = False
-    if not finite:
-        raise ValueError(f"must be a finite number, not {describe(value)}")
-    return value
-
-
-def check_interval(value: object) -> tuple[Any, Any]:
-    """Two quantities; ValueError for anything else."""
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"must be a list of two numbers [low, high], not {describe(value)}")
-    return check_quantity(value[0]), check_quantity(value[1])
 
 
 def check_levels(value: object) -> list[float]:
@@ -111,6 +84,9 @@ class Table(BaseModel):
     # What stands in for required keys that are missing or wrong, so that the rest of the table
     # can be checked all the same.
     placeholders: ClassVar[Mapping[str, Any]] = {}
+
+    # Key of 0.1.0 that is gone -> what to write now for the value it has.
+    gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {}
 
 
 class OpenTable(BaseModel):
@@ -214,61 +190,45 @@ class AnalysisTable(OpenTable):
     name: str | None = Field(default=None, description="unique name; default: the kind")
 
 
-class SectionTable(Table):
-    """A Poincaré section: one of `event`, `zero` and `phase`."""
+Names = Annotated[
+    list[str],
+    BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
+]
+What = Literal["share", "entries", "first", "last", "least", "greatest", "mean", "spread", "peak"]
+# What is counted needs `of`; what is found in one place needs one axis.
+COUNTED = ("share", "entries", "first", "last")
+ALONG_ONE = ("entries", "first", "last", "peak")
 
-    event: Literal["slip->stick", "stick->slip"] | None = Field(
-        default=None, description="a transition of a contact"
+
+class TakeTable(Table):
+    """One number in place of all that a variable holds along some axes."""
+
+    what: What = Field(
+        description="least, greatest, mean; spread: greatest less least; peak: where on the axis "
+        "the greatest lies; share: of the points at which `of` holds; entries: how often `of` "
+        "comes to hold; first, last: where on the axis `of` holds"
     )
-    contact: int = Field(default=1, description="contact of the event, from 1")
-    zero: str | None = Field(default=None, description="velocity that passes zero, e.g. x_dot")
-    direction: Literal["up", "down", "both"] = Field(default="both", description="sense of it")
-    phase: Quantity | None = Field(default=None, description="phase of the excitation, rad")
-
-
-class ShareTable(Table):
-    """How many of the points along some axes satisfy a condition."""
-
-    placeholders: ClassVar[Mapping[str, Any]] = {"of": ". > 0", "over": []}
-
-    of: str = Field(description='condition (". > 0"), a class, or "not CLASS"')
-    over: list[str] = Field(description="axes, or initial, that are counted along")
+    over: Names = Field(description="axis, or axes, along which it is taken")
+    of: str | None = Field(
+        default=None,
+        description='share, entries, first, last: condition (". > 0"), a class, or "not CLASS"',
+    )
     relative_to: dict[str, Quantity] = Field(
         default={}, description="axis -> value: the shares are over that at this point"
     )
 
-
-class ReduceTable(Table):
-    """One number for all that a variable holds along an axis of its own, such as time."""
-
-    placeholders: ClassVar[Mapping[str, Any]] = {"over": "time", "take": "greatest"}
-
-    over: str = Field(description="axis that is none of the grid: time, frequency, mode, ...")
-    take: Literal["least", "greatest", "range", "mean", "peak", "share", "entries"] = Field(
-        description="what is taken along it; range: greatest less least; peak: where on the axis "
-        "the greatest lies; share: of the samples at which `of` holds; entries: how often `of` "
-        "comes to hold, from sample to sample"
-    )
-    of: str | None = Field(
-        default=None, description='share, entries: condition (". > 0"), a class, or "not CLASS"'
-    )
-
-
-class QuestionTable(Table):
-    """A question that a run answers with yes or no."""
-
-    placeholders: ClassVar[Mapping[str, Any]] = {"expect": "periodic"}
-
-    variable: str = Field(default="attractor", description="variable that decides")
-    expect: str | dict[str, Any] = Field(
-        description='a class, "not CLASS", or { less_than = NUMBER } for a number; a motion that '
-        "diverges has L_s, greatest and effective values below none"
-    )
-    undecided: Literal["open", "counts"] = Field(
-        default="open",
-        description="a run that is undecided at t_max: open, it has no answer; counts, undecided "
-        "is a class like the others (a contact that was not lost within t_max is not lost)",
-    )
+    @model_validator(mode="after")
+    def _agrees(self) -> Self:
+        if self.what in COUNTED:
+            check_counted(self.of or "")
+        elif self.of is not None:
+            raise ValueError(f"of is for {', '.join(COUNTED)}; {self.what} is taken of all values")
+        if not self.over or (self.what in ALONG_ONE and len(self.over) > 1):
+            raise ValueError(f"{self.what} is taken along one axis, not {len(self.over)}")
+        if self.what != "share" and self.relative_to:
+            raise ValueError(f"relative_to is for share, not {self.what}")
+        return self
 
 
 FigureKind = Literal[
@@ -289,6 +249,7 @@ class FigureTable(Table):
     """One figure that `fiv plot` draws."""
 
     placeholders: ClassVar[Mapping[str, Any]] = {"kind": "history"}
+    gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {"share": in_place_of_share}
 
     kind: FigureKind = Field(description="kind of figure")
     name: str | None = Field(default=None, description="unique name; default: the kind")
@@ -298,8 +259,8 @@ class FigureTable(Table):
     y: str | None = Field(default=None, description="vertical: an axis (map) or a state (phase)")
     variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
     select: dict[str, Quantity] = Field(default={}, description="axis or initial -> value to draw")
-    share: ShareTable | None = Field(
-        default=None, description="draw the share of points at which the variable is so"
+    take: TakeTable | None = Field(
+        default=None, description="draw one number for all that the variable holds along axes"
     )
     level: Levels | None = Field(
         default=None, description="map of numbers: a line at this value, or at each of these"
@@ -328,26 +289,26 @@ class ClaimTable(Table):
         "variable": "",
         "expect": "periodic",
     }
+    gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {
+        "share": in_place_of_share,
+        "reduce": in_place_of_reduce,
+    }
 
     source: str = Field(description="where it says so")
     text: str = Field(description="what it says")
     variable: str = Field(description="variable of the dataset that decides")
-    expect: str | dict[str, Any] = Field(
+    expect: Annotated[Any, PlainValidator(parse_expect), WithJsonSchema(EXPECT_SCHEMA)] = Field(
         description='a class, "not CLASS", "increasing", "decreasing", { value, tolerance }, '
-        '{ interval, tolerance }, { less_than = N } or { less_than = "CASE:variable" }'
+        "{ less_than }, { greater_than } or { between }"
+    )
+    take: TakeTable | None = Field(
+        default=None, description="the claim is about one number for all along axes"
     )
     at: dict[str, Quantity] = Field(
         default={}, description='axis -> value or condition ("0.9 <= . < 1.8")'
     )
-    holds: Annotated[
-        Any,
-        WithJsonSchema({"anyOf": [{"enum": ["all", "any"]}, {"type": "number"}]}),
-    ] = Field(default="all", description="all, any, or the share of points that must agree")
-    share: ShareTable | None = Field(
-        default=None, description="the claim is about the share of points at which it is so"
-    )
-    reduce: ReduceTable | None = Field(
-        default=None, description="the claim is about one number along an axis, such as time"
+    holds: Annotated[Any, PlainValidator(check_holds), WithJsonSchema(HOLDS_SCHEMA)] = Field(
+        default="all", description="all, any, or the share of points that must agree"
     )
     note: str = Field(default="", description="what is known about a difference")
     analysis: str | None = Field(default=None, description="name of the analysis that decides")

@@ -8,9 +8,9 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from fiv_cli.case.names import listed, nearest, suggest
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import describe
+from fiv_cli.notation.names import listed, nearest, suggest
+from fiv_cli.notation.values import describe
 
 MOST_TABLES = 2000
 """Elements of an array of tables; of starts, one table may give as many as one likes."""
@@ -128,7 +128,10 @@ def _place_in_file(loc: tuple[str | int, ...]) -> Path:
 
 def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report: Report) -> None:
     kind, value = details["type"], details["input"]
-    if kind == "extra_forbidden":
+    gone = getattr(form, "gone", {}).get(path[-1])
+    if kind == "extra_forbidden" and gone is not None:
+        report.add(path, gone(value))
+    elif kind == "extra_forbidden":
         _note_unknown(keys_of(form), path, report)
     elif kind == "missing":
         report.add(path, "is missing", keys_of(form).get(str(path[-1]), ""))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
-from fiv_cli.analyses.base import Analysis, Section, Setting
+from fiv_cli.analyses.base import Analysis
+from fiv_cli.analyses.catalogue import possible_variables
+from fiv_cli.analyses.settings import ParameterName, Setting
+from fiv_cli.analyses.variables import Role
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Parameter
@@ -13,33 +16,25 @@ from fiv_cli.models.base import Model, Parameter
 _SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
 _DRIVES = ("Omega", "v")
 _COMMENT_COLUMN = 34
-_CLASSES = {"response": "attractor", "eigenvalues": "stable"}
-_FIGURES = {
-    "history": "history",
-    "response": "bifurcation",
-    "eigenvalues": "eigenvalues",
-    "equilibrium": "curve",
-    "spectrum": "spectrum",
-    "plate": "mode-shape",
-}
 
 
 def case_template(model: Model, analysis: Analysis) -> str:
     """TOML text of a case of `model` and `analysis`.
 
     What is required is set, the rest is there with its default behind a ``#``. There is a grid
-    of a few points, but for a ``history``, which is one motion.
+    of a few points, but where one motion or one plate says something.
     """
     law = get_law(model.laws[0])
     first, second, *_ = _swept(model, law)
-    varies = any(setting.type == "parameter" for setting in analysis.settings)
-    single = analysis.kind in ("history", "plate")  # one motion, one plate
-    axis = None if single else second if varies else first
+    varies = any(isinstance(setting, ParameterName) for setting in analysis.settings)
+    axis = None if analysis.single else second if varies else first
+    drive = _drive(model, axis) if analysis.varying else None
+    taken = {p.name for p in (axis, None if analysis.constant else drive) if p is not None}
     blocks = [
         _header(model, analysis),
-        _model(model, axis),
-        _friction(model, law, axis) if model.contacts else [],
-        _schedule(model, axis) if analysis.varying else [],
+        _model(model, taken),
+        _friction(model, law, taken) if model.contacts else [],
+        [] if drive is None else _schedule(drive, "# " * analysis.constant),
         _grid(axis, first),
         [] if axis is None else _sweep(analysis),
         _starts(model) if analysis.uses_starts else [],
@@ -60,10 +55,10 @@ def _header(model: Model, analysis: Analysis) -> list[str]:
     ]
 
 
-def _model(model: Model, axis: Parameter | None) -> list[str]:
+def _model(model: Model, taken: Collection[str]) -> list[str]:
     lines = ["[model]", f'name = "{model.name}"', ""]
     lines += [_with_comment("[model.parameters]", 'in SI, or with a unit: "20 rpm", "15 deg"')]
-    lines += _parameters(model.parameters, axis)
+    lines += _parameters(model.parameters, taken)
     if model.options:
         lines += ["", "[model.options]"]
     for option in model.options:
@@ -73,19 +68,19 @@ def _model(model: Model, axis: Parameter | None) -> list[str]:
     return lines
 
 
-def _friction(model: Model, law: Law, axis: Parameter | None) -> list[str]:
+def _friction(model: Model, law: Law, taken: Collection[str]) -> list[str]:
     others = ", ".join(name for name in model.laws if name != law.name)
     line = f'law = "{law.name}"'
     head = _with_comment(line, f"or {others}") if others else line
-    return ["[friction]", head, *_parameters(model.adopted(law.parameters), axis)]
+    return ["[friction]", head, *_parameters(model.adopted(law.parameters), taken)]
 
 
-def _parameters(parameters: Iterable[Parameter], axis: Parameter | None) -> list[str]:
-    """One commented line for each parameter that is not the axis."""
+def _parameters(parameters: Iterable[Parameter], taken: Collection[str]) -> list[str]:
+    """One commented line for each parameter that the case does not give elsewhere."""
     return [
         _with_comment(f"# {p.name} = {_default(p)}", f"{p.meaning}{_unit(p.unit)}")
         for p in parameters
-        if axis is None or p.name != axis.name
+        if p.name not in taken
     ]
 
 
@@ -108,7 +103,8 @@ def _grid(axis: Parameter | None, example: Parameter) -> list[str]:
 
 def _sweep(analysis: Analysis) -> list[str]:
     """How a grid is refined, where the analysis has a class whose borders can be followed."""
-    of = _CLASSES.get(analysis.kind)
+    classes = [v for v in possible_variables(analysis) if v.role is Role.CLASS]
+    of = next((v.name for v in classes if v.headline), None)
     if of is None:
         return []
     line = f'# refine = {{ levels = 5, of = "{of}" }}'
@@ -118,16 +114,17 @@ def _sweep(analysis: Analysis) -> list[str]:
     ]
 
 
-def _schedule(model: Model, axis: Parameter | None) -> list[str]:
-    """The drive slowing down, where the model has one that is no axis."""
-    drive = next((p for p in model.parameters if p.name in _DRIVES and p != axis), None)
-    if drive is None:
-        return []
+def _drive(model: Model, axis: Parameter | None) -> Parameter | None:
+    """What drives the model; None where that is the axis, or nothing does."""
+    return next((p for p in model.parameters if p.name in _DRIVES and p != axis), None)
+
+
+def _schedule(drive: Parameter, mark: str) -> list[str]:
+    """The drive slowing down."""
     start = drive.default or 1.0
-    return [
-        _with_comment("# [schedule]", "parameters that vary in time; points = [[t, value], ...]"),
-        f"#   {drive.name} = {{ start = {start!r}, stop = {start / 2!r}, over = 20.0 }}",
-    ]
+    line = f"{drive.name} = {{ start = {start!r}, stop = {start / 2!r}, over = 20.0 }}"
+    said = "parameters that vary in time; points = [[t, value], ...]"
+    return [_with_comment(f"{mark}[schedule]", said), f"{mark and '#   '}{line}"]
 
 
 def _swept(model: Model, law: Law) -> list[Parameter]:
@@ -150,47 +147,18 @@ def _starts(model: Model) -> list[str]:
 
 def _analysis(model: Model, analysis: Analysis, varied: Parameter) -> list[str]:
     lines = ["[[analysis]]", f'kind = "{analysis.kind}"']
-    suited = [s for s in analysis.settings if s.type != "points" or model.surface is not None]
+    suited = [setting for setting in analysis.settings if setting.suits(model)]
     return lines + [_setting(model, setting, varied) for setting in suited]
 
 
 def _setting(model: Model, setting: Setting, varied: Parameter) -> str:
-    line = f"{setting.name} = {_value(model, setting, varied)}"
-    choices = f": {' | '.join(setting.choices)}" if setting.choices else ""
-    comment = f"{setting.meaning}{_unit(setting.unit)}{choices}"
-    return _with_comment(line if setting.required else f"# {line}", comment)
-
-
-def _value(model: Model, setting: Setting, varied: Parameter) -> str:
-    """The default of a setting, or an example where the default follows from something else."""
-    if setting.default is not None:
-        return _toml(setting.default)
-    size = varied.default or 1.0
-    examples = {
-        "parameter": f'"{varied.name}"',
-        "bracket": f"[{size / 2!r}, {2 * size!r}]",
-        "state": f'"{model.states(model.default_options())[0].name}"',
-        "section": '{ event = "slip->stick" }',
-        "points": "[[0.1, 0.0]]",
-        "number": "30.0" if setting.required else "0.01",
-        "question": '{ variable = "attractor", expect = "equilibrium" }',
-        "integer": "1",
-        "boolean": "true",
-    }
-    return examples.get(setting.type, '""')
-
-
-def _toml(value: object) -> str:
-    if isinstance(value, Section):
-        return f'{{ event = "{value.event}" }}'
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f'"{value}"' if isinstance(value, str) else repr(value)
+    line = f"{setting.name} = {setting.example(model, varied)}"
+    return _with_comment(line if setting.required else f"# {line}", setting.description)
 
 
 def _figure(analysis: Analysis, axis: Parameter | None) -> list[str]:
-    kind = _FIGURES.get(analysis.kind, "curve")
-    lines = [_with_comment("[[figure]]", "what `fiv plot` draws"), f'kind = "{kind}"']
+    shown = f'kind = "{analysis.figure}"'
+    lines = [_with_comment("[[figure]]", "what `fiv plot` draws"), shown]
     return lines if axis is None else [*lines, f'x = "{axis.name}"']
 
 

@@ -51,11 +51,10 @@ def command(cases: tuple[str, ...], overrides: tuple[str, ...], as_json: bool) -
 
 def check_case(source: str, overrides: Sequence[str]) -> Verdict:
     """Read one case and plan it; an error becomes part of the verdict."""
-    from fiv_cli.reading.asked import load_checked
-    from fiv_cli.sweep.plan import make_plan
+    from fiv_cli import api
 
     try:
-        plan = make_plan(load_checked(source, overrides))
+        plan = api.check(api.load(source, overrides))
     except FivError as error:
         return Verdict(source, error=error)
     return Verdict(source, plan=tuple(plan.describe()))

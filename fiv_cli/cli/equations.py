@@ -11,7 +11,7 @@ from fiv_cli.models.base import Contact, Model
 
 def equation_lines(model: Model) -> list[str]:
     """Accelerations, contacts and energies of `model` under its default options."""
-    from fiv_cli.codegen.symbols import Symbols
+    from fiv_cli.models.symbols import Symbols
 
     options = model.default_options()
     symbols = Symbols()

@@ -86,7 +86,7 @@ class LazyGroup(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """As click's, with a "did you mean" for an unknown command."""
-        from fiv_cli.case.names import suggest
+        from fiv_cli.notation.names import suggest
 
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             hint = suggest(args[0], COMMANDS.keys()) or "`fiv --help` lists the commands"

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from fiv_cli.cli.common import json_option, print_json, print_table
-from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
     from fiv_cli.friction.base import Law
@@ -43,7 +42,7 @@ def _show_models(name: str | None, as_json: bool) -> None:
 
     models = all_models()
     if name is not None:
-        model = _pick(name, models, "model", "fiv models")
+        model = pick(name, models, "model", "fiv models")
         print_json(model_document(model)) if as_json else _print_model(model)
     elif as_json:
         print_json({"models": [model_document(model) for model in models.values()]})
@@ -57,7 +56,7 @@ def _show_laws(name: str | None, as_json: bool) -> None:
 
     laws = all_laws()
     if name is not None:
-        law = _pick(name, laws, "friction law", "fiv models --laws")
+        law = pick(name, laws, "friction law", "fiv models --laws")
         print_json(law_document(law)) if as_json else _print_law(law)
     elif as_json:
         print_json({"laws": [law_document(law) for law in laws.values()]})
@@ -65,18 +64,6 @@ def _show_laws(name: str | None, as_json: bool) -> None:
         rows = [(law.name, law.title, _names(law.parameters)) for law in laws.values()]
         print_table('Friction laws (law = "NAME")', ("name", "what", "parameters"), rows)
         click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"')
-
-
-def _pick(name: str, known: Mapping[str, Any], what: str, listing: str) -> Any:
-    """The thing called `name`; UsageError with a "did you mean" when there is none."""
-    from fiv_cli.case.names import suggest
-
-    if name not in known:
-        hint = suggest(name, known.keys())
-        raise UsageError(
-            f"there is no {what} {name!r}" + (f"; {hint}" if hint else "") + f"\nnext: {listing}"
-        )
-    return known[name]
 
 
 def model_document(model: Model) -> dict[str, Any]:

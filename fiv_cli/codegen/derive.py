@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import sympy
+from sympy import Expr
 
-from fiv_cli.codegen.graph import Graph, Node
-from fiv_cli.codegen.names import (
+from fiv_cli.codegen.codes import (
     CAPACITY_DOWN,
     CAPACITY_UP,
     GAP,
@@ -26,11 +25,12 @@ from fiv_cli.codegen.names import (
     SLIP,
     STICK,
     VELOCITY,
-    rate_of,
 )
-from fiv_cli.codegen.symbols import Symbols, parameter_names
-from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Contact, Equations, Model
+from fiv_cli.codegen.graph import Graph, Node
+from fiv_cli.codegen.setup import Setup
+from fiv_cli.friction.base import Slip
+from fiv_cli.models.base import Contact, Equations, rate_of
+from fiv_cli.models.symbols import Symbols
 
 
 @dataclass(frozen=True)
@@ -100,41 +100,25 @@ def index_of(kinds: Sequence[int]) -> int:
     return sum(kind * 3**place for place, kind in enumerate(kinds))
 
 
-def derive(
-    model: Model,
-    law: Law,
-    options: Mapping[str, str],
-    structural: Mapping[str, float],
-    scheduled: tuple[str, ...] = (),
-) -> Derivation:
-    """Derive all contact states of `model` under `options` with `law`.
-
-    `scheduled` names the parameters that vary (linearly) in time.
-    """
-    return _Deriver(model, law, options, structural, scheduled).derive()
+def derive(setup: Setup) -> Derivation:
+    """Derive all contact states."""
+    return _Deriver(setup).derive()
 
 
 class _Deriver:
-    def __init__(
-        self,
-        model: Model,
-        law: Law,
-        options: Mapping[str, str],
-        structural: Mapping[str, float],
-        scheduled: tuple[str, ...],
-    ) -> None:
-        self.law = law
-        self.symbols = Symbols(structural, scheduled)
+    def __init__(self, setup: Setup) -> None:
+        self.law, scheduled = setup.law, setup.schedule.names
+        self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
-        self.equations: Equations = model.equations(self.symbols, options)
+        self.equations: Equations = setup.model.equations(self.symbols, setup.options)
         self.contacts = self.equations.contacts
-        self.coordinates = [state.name for state in model.states(options)]
+        self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
             f"{name}_{i + 1}" if len(self.contacts) > 1 else name
             for i in range(len(self.contacts))
-            for name in law.states
+            for name in self.law.states
         ]
-        self.parameters = parameter_names(model, law, options)
+        self.parameters = setup.parameter_names
         self.parameters += [rate_of(name) for name in scheduled]
         self.law_forces = [self._law_force(i) for i in range(len(self.contacts))]
 
@@ -168,7 +152,7 @@ class _Deriver:
         return True
 
     # --- the law ----------------------------------------------------------------------------------
-    def _law_parameters(self) -> dict[str, Any]:
+    def _law_parameters(self) -> dict[str, Expr]:
         given = self.equations.law_parameters
         return {
             p.name: given.get(p.name, self.symbols.parameter(p.name)) for p in self.law.parameters
@@ -193,7 +177,7 @@ class _Deriver:
         width = len(self.law.states)
         return self.internal[contact * width : (contact + 1) * width]
 
-    def _law_force(self, contact: int) -> Any:
+    def _law_force(self, contact: int) -> Expr:
         return self.law.force(self._slip(contact), self._law_parameters())
 
     def _is_smooth(self, contact: int) -> bool:
@@ -220,12 +204,15 @@ class _Deriver:
             impacts=self._impacts(kinds, names),
         )
 
-    def _entry(self, name: str) -> Any:
+    def _entry(self, name: str) -> Expr:
         return self.symbols.coordinate(name)
 
-    def _leaves(self, kinds: tuple[int, ...]) -> dict[Any, Node]:
+    def _leaves(self, kinds: tuple[int, ...]) -> dict[Expr, Node]:
         symbols, graph = self.symbols, self.graph
-        names: dict[Any, Node] = {symbols.time: graph.time(), symbols.zone: graph.parameter("zone")}
+        names: dict[Expr, Node] = {
+            symbols.time: graph.time(),
+            symbols.zone: graph.parameter("zone"),
+        }
         for position, name in enumerate(self.state_names):
             names[self._entry(name)] = graph.state(position, name)
         for name in self.parameters:
@@ -235,7 +222,7 @@ class _Deriver:
             names[symbols.closed(i)] = graph.number(0.0 if kind == SEPARATION else 1.0)
         return names
 
-    def _constrain(self, kinds: tuple[int, ...], names: dict[Any, Node]) -> None:
+    def _constrain(self, kinds: tuple[int, ...], names: dict[Expr, Node]) -> None:
         """Replace the entries that a closed rigid gap or a sticking contact determines.
 
         In stick the slip velocity is zero identically, not up to integration error.
@@ -253,7 +240,7 @@ class _Deriver:
                 velocities[f"{contact.slip_coordinate}_dot"] = contact.slip_velocity
         self._eliminate(velocities, names)
 
-    def _eliminate(self, conditions: Mapping[str, Any], names: dict[Any, Node]) -> None:
+    def _eliminate(self, conditions: Mapping[str, Expr], names: dict[Expr, Node]) -> None:
         """Replace entries by what makes the conditions, affine in them, vanish jointly."""
         entries = [self._entry(name) for name in conditions]
         rows = [self._affine(condition, entries, names) for condition in conditions.values()]
@@ -263,7 +250,7 @@ class _Deriver:
     def _is_rigid(contact: Contact) -> bool:
         return contact.normal_force is None
 
-    def _time_derivative(self, expression: Any) -> Any:
+    def _time_derivative(self, expression: Expr) -> Expr:
         """Total derivative of a function of coordinates and time."""
         total = sympy.diff(expression, self.symbols.time)
         for name in self.coordinates:
@@ -272,7 +259,7 @@ class _Deriver:
         return total
 
     # --- contact forces ---------------------------------------------------------------------------
-    def _forces(self, kinds: tuple[int, ...], names: dict[Any, Node]) -> _Forces:
+    def _forces(self, kinds: tuple[int, ...], names: dict[Expr, Node]) -> _Forces:
         unknowns, conditions = self._unknowns(kinds)
         known = self._explicit_forces(kinds, names)
         names = {**names, **known}
@@ -287,11 +274,11 @@ class _Deriver:
                 known[self.symbols.tangential_force(i)] = self.graph.build(force, names)
         return _Forces(known, determinant)
 
-    def _slip_force(self, contact: int) -> Any:
+    def _slip_force(self, contact: int) -> Expr:
         v = self._slip(contact).v
         return self.law_forces[contact].subs(v, self.contacts[contact].slip_velocity)
 
-    def _unknowns(self, kinds: tuple[int, ...]) -> tuple[list[Any], list[Any]]:
+    def _unknowns(self, kinds: tuple[int, ...]) -> tuple[list[Expr], list[Expr]]:
         """Force symbols to solve for, and the expressions that must vanish."""
         unknowns, conditions = [], []
         for i, (contact, kind) in enumerate(zip(self.contacts, kinds, strict=True)):
@@ -310,9 +297,9 @@ class _Deriver:
         return unknowns, [condition.subs(slipping) for condition in conditions]
 
     def _explicit_forces(
-        self, kinds: tuple[int, ...], names: Mapping[Any, Node]
-    ) -> dict[Any, Node]:
-        known: dict[Any, Node] = {}
+        self, kinds: tuple[int, ...], names: Mapping[Expr, Node]
+    ) -> dict[Expr, Node]:
+        known: dict[Expr, Node] = {}
         for i, (contact, kind) in enumerate(zip(self.contacts, kinds, strict=True)):
             if kind == SEPARATION:
                 known[self.symbols.normal_force(i)] = self.graph.zero
@@ -322,13 +309,13 @@ class _Deriver:
                 known[self.symbols.normal_force(i)] = node
         return known
 
-    def _slip_acceleration(self, contact: Contact) -> Any:
+    def _slip_acceleration(self, contact: Contact) -> Expr:
         return self._second_derivative(contact.slip_velocity)
 
-    def _gap_acceleration(self, contact: Contact) -> Any:
+    def _gap_acceleration(self, contact: Contact) -> Expr:
         return self._second_derivative(self._time_derivative(contact.gap))
 
-    def _second_derivative(self, velocity: Any) -> Any:
+    def _second_derivative(self, velocity: Expr) -> Expr:
         """Total derivative of a function of coordinates, velocities and time."""
         total = self._time_derivative(velocity)
         for name in self.coordinates:
@@ -338,7 +325,7 @@ class _Deriver:
         return total
 
     def _affine(
-        self, expression: Any, unknowns: Sequence[Any], names: Mapping[Any, Node]
+        self, expression: Expr, unknowns: Sequence[Expr], names: Mapping[Expr, Node]
     ) -> tuple[list[Node], Node]:
         """``(coefficients, rest)`` of an expression affine in `unknowns`."""
         slopes = [sympy.diff(expression, symbol) for symbol in unknowns]
@@ -347,7 +334,7 @@ class _Deriver:
         return [build(slope, names) for slope in slopes], build(rest, names)
 
     # --- rates, guards, outputs -------------------------------------------------------------------
-    def _rates(self, names: Mapping[Any, Node]) -> list[Node]:
+    def _rates(self, names: Mapping[Expr, Node]) -> list[Node]:
         build = self.graph.build
         rates = [names[self.symbols.velocity(name)] for name in self.coordinates]
         rates += [build(self.equations.accelerations[name], names) for name in self.coordinates]
@@ -355,7 +342,7 @@ class _Deriver:
             rates += self._internal_rates(contact, names)
         return rates
 
-    def _internal_rates(self, contact: int, names: Mapping[Any, Node]) -> list[Node]:
+    def _internal_rates(self, contact: int, names: Mapping[Expr, Node]) -> list[Node]:
         if self.law.rates is None:
             return []
         slip = self._slip(contact)
@@ -366,7 +353,7 @@ class _Deriver:
         ]
 
     def _guards(
-        self, kinds: tuple[int, ...], names: Mapping[Any, Node], determinant: Node | None
+        self, kinds: tuple[int, ...], names: Mapping[Expr, Node], determinant: Node | None
     ) -> tuple[Guard, ...]:
         guards: list[Guard] = []
         for i, kind in enumerate(kinds):
@@ -378,7 +365,7 @@ class _Deriver:
             guards.append(Guard(JAMMING, 0, self.graph.mul(orientation, determinant)))
         return tuple(guards)
 
-    def _guards_of(self, contact: int, kind: int, names: Mapping[Any, Node]) -> list[Guard]:
+    def _guards_of(self, contact: int, kind: int, names: Mapping[Expr, Node]) -> list[Guard]:
         graph, description = self.graph, self.contacts[contact]
         if kind == SEPARATION:
             return [Guard(GAP, contact, graph.build(description.gap, names))]
@@ -397,7 +384,7 @@ class _Deriver:
             guards.append(Guard(NORMAL, contact, normal))
         return guards
 
-    def _capacity(self, contact: int, names: Mapping[Any, Node]) -> Node:
+    def _capacity(self, contact: int, names: Mapping[Expr, Node]) -> Node:
         assert self.law.capacity is not None
         normal, parameters = self.symbols.normal_force(contact), self._law_parameters()
         if not self.contacts[contact].static_friction:
@@ -405,20 +392,20 @@ class _Deriver:
             return self.graph.build(self.law.force(at_rest, parameters), names)
         return self.graph.build(self.law.capacity(normal, parameters), names)
 
-    def _angle(self, kinds: tuple[int, ...], names: Mapping[Any, Node]) -> Node | None:
+    def _angle(self, kinds: tuple[int, ...], names: Mapping[Expr, Node]) -> Node | None:
         zone = self.equations.zone
         if zone is None or kinds[zone.contact] == STICK:
             return None
         return self.graph.build(zone.angle, names)
 
-    def _contact_outputs(self, contact: int, names: Mapping[Any, Node]) -> tuple[Node, Node, Node]:
+    def _contact_outputs(self, contact: int, names: Mapping[Expr, Node]) -> tuple[Node, Node, Node]:
         return (
             names[self.symbols.normal_force(contact)],
             names[self.symbols.tangential_force(contact)],
             self.graph.build(self.contacts[contact].slip_velocity, names),
         )
 
-    def _energies(self, names: Mapping[Any, Node]) -> list[Node]:
+    def _energies(self, names: Mapping[Expr, Node]) -> list[Node]:
         build, graph = self.graph.build, self.graph
         kinetic, potential = self.equations.kinetic_energy, self.equations.potential_energy
         power = self._second_derivative(kinetic + potential)
@@ -434,7 +421,7 @@ class _Deriver:
 
     # --- impacts ----------------------------------------------------------------------------------
     def _impacts(
-        self, kinds: tuple[int, ...], names: Mapping[Any, Node]
+        self, kinds: tuple[int, ...], names: Mapping[Expr, Node]
     ) -> dict[int, dict[int, Node]]:
         return {
             i: self._impact(i, names)
@@ -442,7 +429,7 @@ class _Deriver:
             if kind == SEPARATION and contact.impact == "plastic"
         }
 
-    def _impact(self, contact: int, names: Mapping[Any, Node]) -> dict[int, Node]:
+    def _impact(self, contact: int, names: Mapping[Expr, Node]) -> dict[int, Node]:
         """Velocities after the impulse that closes the gap plastically."""
         graph, description = self.graph, self.contacts[contact]
         force = self.symbols.normal_force(contact)
@@ -468,7 +455,7 @@ class _Deriver:
 
 @dataclass(frozen=True)
 class _Forces:
-    nodes: dict[Any, Node]
+    nodes: dict[Expr, Node]
     determinant: Node | None
 
 

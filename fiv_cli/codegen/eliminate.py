@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
+from sympy import Expr
 
 
 @dataclass(frozen=True)
@@ -24,11 +24,11 @@ class Eliminated:
     values : coordinate -> its value, in terms of what is left
     """
 
-    expressions: dict[Any, Any]
-    values: dict[Any, Any]
+    expressions: dict[Expr, Expr]
+    values: dict[Expr, Expr]
 
 
-def without_modes(vanishing: Mapping[Any, Any], coordinates: Sequence[Any]) -> Eliminated | None:
+def without_modes(vanishing: Mapping[Expr, Expr], coordinates: Sequence[Expr]) -> Eliminated | None:
     """Take the modal coordinates out of the equations at rest.
 
     Parameters
@@ -46,7 +46,7 @@ def without_modes(vanishing: Mapping[Any, Any], coordinates: Sequence[Any]) -> E
     algebraic = {key: expression.subs(names) for key, expression in vanishing.items()}
     turning = [symbol for circle in circles for symbol in circle.names.values()]
     angles = {symbol for circle in circles for symbol in circle.angle.free_symbols}
-    values: dict[Any, Any] = {}
+    values: dict[Expr, Expr] = {}
     modes = [k for k in coordinates if k not in angles and turning and algebraic[k].has(*turning)]
     for key in modes:
         value = _solved(algebraic[key], key, [*unknowns, *turning])
@@ -69,16 +69,16 @@ def without_modes(vanishing: Mapping[Any, Any], coordinates: Sequence[Any]) -> E
 class _Circle:
     """Sine and cosine of one angle, and the symbols that stand for them."""
 
-    angle: Any
-    cosine: Any
-    sine: Any
+    angle: Expr
+    cosine: Expr
+    sine: Expr
 
     @property
-    def names(self) -> dict[Any, Any]:
+    def names(self) -> dict[Expr, Expr]:
         return {sympy.cos(self.angle): self.cosine, sympy.sin(self.angle): self.sine}
 
 
-def _circles(expressions: Any, unknowns: Sequence[Any]) -> list[_Circle]:
+def _circles(expressions: Expr, unknowns: Sequence[Expr]) -> list[_Circle]:
     functions = {f for e in expressions for f in e.atoms(sympy.cos, sympy.sin)}
     angles = {f.args[0] for f in functions if f.free_symbols & set(unknowns)}
     return [
@@ -87,7 +87,7 @@ def _circles(expressions: Any, unknowns: Sequence[Any]) -> list[_Circle]:
     ]
 
 
-def _solved(expression: Any, coordinate: Any, unknowns: Sequence[Any]) -> Any | None:
+def _solved(expression: Expr, coordinate: Expr, unknowns: Sequence[Expr]) -> Expr | None:
     """The coordinate that makes an expression vanish, where it is linear with a constant slope."""
     slope = sympy.diff(expression, coordinate)
     if slope == 0 or slope.free_symbols & set(unknowns):
@@ -95,7 +95,7 @@ def _solved(expression: Any, coordinate: Any, unknowns: Sequence[Any]) -> Any | 
     return -expression.subs(coordinate, 0) / slope
 
 
-def _folded(expression: Any, circles: Sequence[_Circle]) -> Any:
+def _folded(expression: Expr, circles: Sequence[_Circle]) -> Expr:
     """`expression` with sine^2 + cosine^2 = 1 used from the innermost sums outwards."""
     turning = [symbol for circle in circles for symbol in circle.names.values()]
     if not turning or not expression.has(*turning) or not expression.args:

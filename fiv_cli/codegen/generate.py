@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.codegen import NUMERICS_VERSION, cache
+from fiv_cli.codegen.setup import Setup
 
 if TYPE_CHECKING:
     from fiv_cli.codegen.derive import ContactState, Derivation
-    from fiv_cli.codegen.emit import TaylorStep
+    from fiv_cli.codegen.emit import Coefficients, TaylorStep
     from fiv_cli.codegen.graph import Graph, Node
-    from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model
 
 FLOW, TANGENT, JACOBIAN = "flow", "tangent", "jacobian"
@@ -108,46 +108,31 @@ class Generated:
         return cache.read(_object_name(self.texts[part])) is not None
 
 
-def generate(
-    model: Model,
-    law: Law,
-    options: Mapping[str, str],
-    structural: Mapping[str, float],
-    order: int,
-    announce: Callable[[str], None] = lambda message: None,
-    scheduled: tuple[str, ...] = (),
-) -> Generated:
+def generate(setup: Setup, announce: Callable[[str], None] = lambda message: None) -> Generated:
     """Text and tables, from the cache or made now; `announce` says so when they are made."""
-    key = text_key(model, law, options, structural, order, scheduled)
+    key = text_key(setup)
     stored = cache.read(f"{key}.json")
     if stored is None:
-        announce(f"generating code for {model.name} with {law.name} friction (once per user)")
-        stored = _make(model, law, options, structural, order, scheduled)
+        announce(f"generating code for {setup.title} (once per user)")
+        stored = _make(setup)
         cache.write(f"{key}.json", stored)
     return _from_json(key, json.loads(stored))
 
 
-def text_key(
-    model: Model,
-    law: Law,
-    options: Mapping[str, str],
-    structural: Mapping[str, float],
-    order: int,
-    scheduled: tuple[str, ...] = (),
-) -> str:
+def text_key(setup: Setup) -> str:
     """Hash of everything that decides generated text: source files, options, order, SymPy."""
     package = Path(__file__).parent
     sources = sorted(package.glob("*.py"))
     sources += [package.parent / "models" / "base.py"]
     laws = sorted((package.parent / "friction").glob("*.py"))  # they may be composed of one another
-    files = [*sources, *_model_files(model), *laws]
-    written = [dict(sorted(table.items())) for table in (options, structural)]
-    settings = [*written, order, list(scheduled)]
+    files = [*sources, *_model_files(setup.model), *laws]
+    written = [dict(sorted(table.items())) for table in (setup.options, setup.structural)]
+    settings = [*written, setup.order, list(setup.schedule.names)]
     return cache.content_key(
         [
             cache.source_of(*files),
-            model.name,
-            law.name,
+            setup.model.name,
+            setup.law.name,
             json.dumps(settings),
             str(NUMERICS_VERSION),
             version("sympy"),
@@ -174,20 +159,13 @@ def _source_file(module: str) -> Path:
     return Path(file)
 
 
-def _make(
-    model: Model,
-    law: Law,
-    options: Mapping[str, str],
-    structural: Mapping[str, float],
-    order: int,
-    scheduled: tuple[str, ...],
-) -> bytes:
+def _make(setup: Setup) -> bytes:
     from fiv_cli.codegen.derive import derive
     from fiv_cli.codegen.emit import Coefficients, bernstein, constants, sums, value_and_slope
 
-    derivation = derive(model, law, options, structural, scheduled)
+    derivation, order = derive(setup), setup.order
     coefficients = Coefficients()
-    title = f"{model.name}, {law.name} friction, options {dict(options)}"
+    title = f"{setup.model.name}, {setup.law.name} friction, options {dict(setup.options)}"
     flow = [f"# {title}", "# state: " + ", ".join(derivation.state_names)]
     tangent = [f"# tangent flow of {title}"]
     jacobian = [f"# linearised flow of {title}"]
@@ -234,7 +212,7 @@ def _saturating(state: ContactState) -> list[tuple[str, Any]]:
 
 
 def _flow_text(
-    derivation: Derivation, state: ContactState, order: int, coefficients: Any
+    derivation: Derivation, state: ContactState, order: int, coefficients: Coefficients
 ) -> list[str]:
     from fiv_cli.codegen.emit import TaylorStep, pointwise
 
@@ -260,7 +238,7 @@ def _flow_text(
 
 
 def _tangent_text(
-    derivation: Derivation, state: ContactState, order: int, coefficients: Any
+    derivation: Derivation, state: ContactState, order: int, coefficients: Coefficients
 ) -> list[str]:
     graph, name = derivation.graph, state.name
     step = _step_with_tangents(graph, state, [], order + TANGENT_EXTRA, coefficients)
@@ -274,14 +252,16 @@ def _tangent_text(
     return lines
 
 
-def _jacobian_text(derivation: Derivation, state: ContactState, coefficients: Any) -> list[str]:
+def _jacobian_text(
+    derivation: Derivation, state: ContactState, coefficients: Coefficients
+) -> list[str]:
     """What an equilibrium asks of the tangents, a hundredth of their text."""
     step = _step_with_tangents(derivation.graph, state, [], JACOBIAN_ORDER, coefficients)
     return step.text(f"{state.name}_jacobian", f"rates of state and tangent, {state.name}")
 
 
 def _impact_tangent_text(
-    derivation: Derivation, state: ContactState, contact: int, coefficients: Any
+    derivation: Derivation, state: ContactState, contact: int, coefficients: Coefficients
 ) -> list[str]:
     """State after an impact and its tangent, each with its rate along the flow before it."""
     after = _after_impact(state, contact)
@@ -296,7 +276,7 @@ def _after_impact(state: ContactState, contact: int) -> list[Node]:
 
 
 def _step_with_tangents(
-    graph: Graph, state: ContactState, watched: list[Node], order: int, coefficients: Any
+    graph: Graph, state: ContactState, watched: list[Node], order: int, coefficients: Coefficients
 ) -> TaylorStep:
     """A Taylor step of the state, what is watched along it, and a tangent of both."""
     from fiv_cli.codegen.emit import TaylorStep

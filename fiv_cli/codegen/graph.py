@@ -10,9 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 # An inner sum is merged into an outer one up to this many terms: beyond it, sharing the inner
 # sum is cheaper (the normal force of a disc enters every modal equation).
@@ -213,18 +216,20 @@ class Graph:
         return self._node("div_constant", (left, right), None, True)
 
     # --- from SymPy -----------------------------------------------------------------------
-    def build(self, expression: Any, names: Mapping[Any, Node]) -> Node:
+    def build(self, expression: Expr, names: Mapping[Expr, Node]) -> Node:
         """The node of a SymPy expression; `names` maps its free symbols to nodes."""
         return self._build(sympy.sympify(expression), names, {})
 
-    def _build(self, expression: Any, names: Mapping[Any, Node], done: dict[Any, Node]) -> Node:
+    def _build(self, expression: Expr, names: Mapping[Expr, Node], done: dict[Expr, Node]) -> Node:
         node = done.get(expression)
         if node is None:
             node = self._convert(expression, names, done)
             done[expression] = node
         return node
 
-    def _convert(self, expression: Any, names: Mapping[Any, Node], done: dict[Any, Node]) -> Node:
+    def _convert(
+        self, expression: Expr, names: Mapping[Expr, Node], done: dict[Expr, Node]
+    ) -> Node:
         if expression.is_Symbol:
             return names[expression]
         if expression.is_number:
@@ -240,7 +245,7 @@ class Graph:
             raise NotImplementedError(f"no series for {expression.func} in {expression}")
         return self.unary(op, self._build(expression.args[0], names, done))
 
-    def _quotient(self, product: Any, names: Mapping[Any, Node], done: dict[Any, Node]) -> Node:
+    def _quotient(self, product: Expr, names: Mapping[Expr, Node], done: dict[Expr, Node]) -> Node:
         """A product with its negative powers collected in one denominator."""
         above, below = self.one, self.one
         for factor in product.args:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, zip_longest
-from typing import Any
 
 import sympy
+from sympy import Expr
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
@@ -15,21 +15,20 @@ from fiv_cli.codegen.eliminate import without_modes
 from fiv_cli.codegen.emit import constants
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.reduction import ELIMINATED, FUNCTION, Reduction, Slots, Statics
-from fiv_cli.codegen.symbols import Symbols, parameter_names
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Contact, Equations, Model
+from fiv_cli.models.base import Contact, Equations
+from fiv_cli.models.symbols import Symbols
 
 MOST_REDUCTIONS = 3
 LONG_SUM = 4  # terms; sums over the thesis' seven modes, four frequencies, are not longer
 
 
-def derive_statics(
-    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
-) -> Statics:
-    """What is known of `model` with `law` at rest, every contact closed and slipping."""
-    symbols = Symbols(structural)
-    contacts = model.equations(symbols, options).contacts
-    rest = _at_rest(model, law, options, symbols)
+def derive_statics(setup: Setup) -> Statics:
+    """What is known of a system at rest, every contact closed and slipping."""
+    symbols = Symbols(setup.structural)
+    contacts = setup.model.equations(symbols, setup.options).contacts
+    rest = _at_rest(setup, symbols)
     return Statics(
         bilateral=tuple(map(_is_bilateral, contacts)),
         determined=tuple(c.gap_coordinate for c in contacts if c.gap_coordinate is not None),
@@ -56,14 +55,14 @@ class _Rest:
     atoms : functions of parameters alone -> the symbol that stands for each
     """
 
-    unknowns: list[Any]
-    equations: list[Any]
-    eliminated: dict[Any, Any]
-    parameters: dict[Any, str]
+    unknowns: list[Expr]
+    equations: list[Expr]
+    eliminated: dict[Expr, Expr]
+    parameters: dict[Expr, str]
     names: tuple[str, ...]
-    atoms: dict[Any, Any] = field(default_factory=dict)
+    atoms: dict[Expr, Expr] = field(default_factory=dict)
 
-    def with_atoms(self, expression: Any) -> Any:
+    def with_atoms(self, expression: Expr) -> Expr:
         """`expression` with every function of parameters alone replaced by a symbol."""
         whole = not expression.is_Pow or expression.exp.is_Integer
         known = not expression.free_symbols & set(self.unknowns)
@@ -74,19 +73,19 @@ class _Rest:
         return expression.func(*map(self.with_atoms, expression.args))
 
 
-def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbols) -> _Rest | None:
+def _at_rest(setup: Setup, symbols: Symbols) -> _Rest | None:
     """The equations at rest; None where they are not polynomial in the unknowns."""
-    if law.states:
+    if setup.law.states:
         return None
-    equations = model.equations(symbols, options)
-    names = [state.name for state in model.states(options)]
+    equations = setup.model.equations(symbols, setup.options)
+    names = [state.name for state in setup.model.states(setup.options)]
     count = len(equations.contacts)
     unknowns = [symbols.normal_force(i) for i in range(count)]
     unknowns += [symbols.coordinate(name) for name in names]
     still = {symbols.velocity(name): 0 for name in names} | {symbols.time: 0}
     still |= {symbols.closed(i): 1 for i in range(count)}
-    friction = _friction(symbols, law, equations)
-    coefficients: dict[Any, Any] = {}
+    friction = _friction(symbols, setup.law, equations)
+    coefficients: dict[Expr, Expr] = {}
     forces = {
         symbol: _shortened(force.subs(still), unknowns, coefficients)
         for symbol, force in friction.items()
@@ -94,12 +93,12 @@ def _at_rest(model: Model, law: Law, options: Mapping[str, str], symbols: Symbol
     vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
     vanishing += [equations.accelerations[name] for name in names]
     exact = [sympy.sympify(e).subs(forces).subs(still) for e in vanishing]
-    parameters = _parameters(model, law, options, symbols, count)
+    parameters = _parameters(setup, symbols, count)
     laid_out = dict(zip(unknowns, exact, strict=True))
     return _polynomial(laid_out, unknowns[count:], parameters, coefficients)
 
 
-def _shortened(force: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> Any:
+def _shortened(force: Expr, unknowns: Sequence[Expr], atoms: dict[Expr, Expr]) -> Expr:
     """A friction force with its coefficient, where it is a function of parameters, one symbol."""
     coefficient, rest = force.as_independent(*unknowns, as_Add=False)
     if not coefficient.has(sympy.Function, sympy.exp):
@@ -107,21 +106,18 @@ def _shortened(force: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> An
     return atoms.setdefault(coefficient, sympy.Dummy(real=True)) * rest
 
 
-def _parameters(
-    model: Model, law: Law, options: Mapping[str, str], symbols: Symbols, count: int
-) -> dict[Any, str]:
+def _parameters(setup: Setup, symbols: Symbols, count: int) -> dict[Expr, str]:
     """Symbol -> name of every parameter, derived number, sign of slip, and of the zone."""
-    listed = parameter_names(model, law, options)
-    found = {sympy.Symbol(f"p.{name}", real=True): name for name in listed}
+    found = {sympy.Symbol(f"p.{name}", real=True): name for name in setup.parameter_names}
     found |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
     return found | {symbols.zone: "zone"}
 
 
 def _polynomial(
-    vanishing: Mapping[Any, Any],
-    coordinates: Sequence[Any],
-    parameters: dict[Any, str],
-    atoms: dict[Any, Any],
+    vanishing: Mapping[Expr, Expr],
+    coordinates: Sequence[Expr],
+    parameters: dict[Expr, str],
+    atoms: dict[Expr, Expr],
 ) -> _Rest | None:
     """What vanishes, as polynomials; None where that is impossible."""
     left = without_modes(vanishing, coordinates)
@@ -137,7 +133,7 @@ def _polynomial(
     return rest
 
 
-def _lumped(expression: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> Any:
+def _lumped(expression: Expr, unknowns: Sequence[Expr], atoms: dict[Expr, Expr]) -> Expr:
     """`expression` with one symbol for each long sum that multiplies the same unknowns.
 
     Sums over many modes would have a common denominator of as many factors.
@@ -147,7 +143,7 @@ def _lumped(expression: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> 
     inner = expression.func(*(_lumped(one, unknowns, atoms) for one in expression.args))
     if not inner.is_Add:
         return inner
-    groups: dict[Any, list[Any]] = {}
+    groups: dict[Expr, list[Expr]] = {}
     for term in inner.args:
         factor, monomial = term.as_independent(*unknowns, as_Add=False)
         groups.setdefault(monomial, []).append(factor)
@@ -161,7 +157,7 @@ def _lumped(expression: Any, unknowns: Sequence[Any], atoms: dict[Any, Any]) -> 
     return sympy.Add(*terms)
 
 
-def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Any, Any]:
+def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Expr, Expr]:
     """Symbol of each friction force -> what the law makes of it."""
     given = {p.name: symbols.parameter(p.name) for p in law.parameters}
     given |= {name: e for name, e in equations.law_parameters.items() if name in given}
@@ -173,14 +169,14 @@ def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Any, Any
     return found
 
 
-def _contact(symbols: Symbols, contact: Contact, index: int) -> Any:
+def _contact(symbols: Symbols, contact: Contact, index: int) -> Expr:
     """Vanishes at a closed contact: the gap of a rigid one, the force balance of a compliant."""
     if contact.normal_force is None:
         return contact.gap
     return symbols.normal_force(index) - contact.normal_force
 
 
-def _numerator(rest: _Rest, expression: Any) -> Any:
+def _numerator(rest: _Rest, expression: Expr) -> Expr:
     exact = sympy.nsimplify(expression, rational=True)
     return sympy.fraction(sympy.together(rest.with_atoms(exact)))[0]
 
@@ -199,7 +195,7 @@ def _reductions(rest: _Rest) -> Iterator[Reduction]:
                 yield _written(rest, scalar, others, solved, rest.equations[closure])
 
 
-def _candidates(rest: _Rest) -> Iterator[tuple[Any, int]]:
+def _candidates(rest: _Rest) -> Iterator[tuple[Expr, int]]:
     """(scalar, number of the closure) with every other equation linear in the other unknowns."""
     for place, scalar in enumerate(rest.unknowns):
         others = [u for u in rest.unknowns if u != scalar]
@@ -211,7 +207,7 @@ def _candidates(rest: _Rest) -> Iterator[tuple[Any, int]]:
             yield from ((scalar, i) for i in range(len(rest.equations)) if i != place)
 
 
-def _degree(expression: Any, unknowns: Sequence[Any]) -> int:
+def _degree(expression: Expr, unknowns: Sequence[Expr]) -> int:
     """Total degree in `unknowns` as the expression is written (not multiplied out)."""
     if expression in unknowns:
         return 1
@@ -223,7 +219,7 @@ def _degree(expression: Any, unknowns: Sequence[Any]) -> int:
     return max(degrees) if expression.is_Add else sum(degrees)
 
 
-def _solve(equations: Sequence[Any], unknowns: Sequence[Any], scalar: Any) -> list[Any] | None:
+def _solve(equations: Sequence[Expr], unknowns: Sequence[Expr], scalar: Expr) -> list[Expr] | None:
     """Numerators of `unknowns` and, last, their denominator, as polynomials in `scalar`.
 
     None where the equations do not determine the unknowns.
@@ -245,7 +241,7 @@ def _solve(equations: Sequence[Any], unknowns: Sequence[Any], scalar: Any) -> li
 
 # --- the generated function -----------------------------------------------------------------------
 def _written(
-    rest: _Rest, scalar: Any, others: Sequence[Any], solved: Sequence[Any], closure: Any
+    rest: _Rest, scalar: Expr, others: Sequence[Expr], solved: Sequence[Expr], closure: Expr
 ) -> Reduction:
     writer = _Writer(rest)
     polynomials = [writer.polynomial(one) for one in solved]
@@ -264,7 +260,7 @@ def _written(
     )
 
 
-def _name(symbol: Any) -> str:
+def _name(symbol: Expr) -> str:
     """``x1`` of the symbol ``q.x1``, ``F_N.0`` of ``F_N.0``."""
     return str(symbol.name).removeprefix("q.")
 
@@ -284,7 +280,7 @@ class _Writer:
             names[symbol] = self.graph.build(made, names)
         self.leaves = names
 
-    def polynomial(self, found: Any) -> Polynomial:
+    def polynomial(self, found: Expr) -> Polynomial:
         """Nodes of the coefficients of a SymPy polynomial."""
         return [self.graph.build(one, self.leaves) for one in reversed(found.all_coeffs())]
 
@@ -294,7 +290,7 @@ class _Writer:
         self.nodes += polynomial
         return tuple(range(first, len(self.nodes)))
 
-    def text(self, solved: Sequence[Any]) -> str:
+    def text(self, solved: Sequence[Expr]) -> str:
         """The function of parameters alone, and that of what is `solved` beside them."""
         lines = constants(FUNCTION, self.nodes, self.rest.names)
         inner = {symbol: self.graph.parameter(_name(symbol)) for symbol in solved}
@@ -320,8 +316,8 @@ class _Inserted:
     def __init__(
         self,
         writer: _Writer,
-        scalar: Any,
-        numerators: Mapping[Any, Polynomial],
+        scalar: Expr,
+        numerators: Mapping[Expr, Polynomial],
         solved: Sequence[Polynomial],
     ) -> None:
         self.graph = writer.graph
@@ -330,7 +326,7 @@ class _Inserted:
         self.known = {unknown: _Quotient(above, 1) for unknown, above in numerators.items()}
         self.known[scalar] = _Quotient([self.graph.zero, self.graph.one], 0)
 
-    def value(self, expression: Any) -> _Quotient:
+    def value(self, expression: Expr) -> _Quotient:
         """`expression` as a quotient."""
         if expression in self.known:
             return self.known[expression]

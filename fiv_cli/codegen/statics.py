@@ -13,31 +13,26 @@ function gives them back. Models that cannot be reduced so have no reduction.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 from fiv_cli.codegen import cache
 from fiv_cli.codegen.generate import load_text, text_key
 from fiv_cli.codegen.reduction import ELIMINATED, FUNCTION, Reduction, Statics
-
-if TYPE_CHECKING:
-    from fiv_cli.friction.base import Law
-    from fiv_cli.models.base import Model
+from fiv_cli.codegen.setup import Setup
+from fiv_cli.schedule import STEADY
 
 ORDER = 0  # no Taylor series: what stands for the order in the key
 
 
-def generate_statics(
-    model: Model, law: Law, options: Mapping[str, str], structural: Mapping[str, float]
-) -> Statics:
+def generate_statics(setup: Setup) -> Statics:
     """The statics of a system, from the cache or derived now (with SymPy)."""
-    name = text_key(model, law, options, structural, ORDER) + ".statics.json"
+    name = text_key(replace(setup, order=ORDER, schedule=STEADY)) + ".statics.json"
     stored = cache.read(name)
     if stored is None:
         from fiv_cli.codegen.reduce import derive_statics
 
-        stored = json.dumps(asdict(derive_statics(model, law, options, structural))).encode()
+        stored = json.dumps(asdict(derive_statics(setup))).encode()
         cache.write(name, stored)
     return _from_json(json.loads(stored))
 

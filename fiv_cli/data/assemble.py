@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.variables import Variable, motions
+from fiv_cli.analyses.variables import Role, Variable, motions
 from fiv_cli.case.case import Axis
 from fiv_cli.data.block import Array, Block, dtype_of, fill_value, padded
 from fiv_cli.data.follow import follow_modes
@@ -27,9 +27,6 @@ Placed = tuple[NDArray[np.int64], Block]
 """Positions of the rows of a block (negative: not part of the dataset), and the block."""
 
 Blocks = Callable[[], Iterable[Placed]]
-
-WHOLE_STATES = ("eigenvalues", "cycle")
-"""Analyses whose dim ``state`` holds displacements and velocities."""
 
 
 @dataclass
@@ -107,7 +104,7 @@ def _empty(variable: Variable, layout: Layout, survey: _Survey) -> Array:
     """An array of fill values: flat over the points, then the variable's own dims."""
     if variable.ragged:
         shape: tuple[int, ...] = (int(survey.row_sizes[variable.ragged].sum(dtype=np.int64)),)
-    elif variable.kind == "coordinate":
+    elif variable.role is Role.ALONG:
         shape = _own_shape(variable, layout, survey)
     else:
         shape = (layout.size, *_own_shape(variable, layout, survey))
@@ -135,7 +132,7 @@ def _known_size(dim: str, layout: Layout) -> int:
         return model.contacts
     if dim == "state":
         displacements = len(model.states({**model.default_options(), **layout.options}))
-        return 2 * displacements if layout.kind in WHOLE_STATES else displacements
+        return displacements * (1 + any(v.velocities for v in layout.variables))
     return 1
 
 
@@ -165,7 +162,7 @@ def _fill_value(
     targets: NDArray[np.int64],
     rows: NDArray[np.int64],
 ) -> None:
-    if variable.kind == "coordinate":
+    if variable.role is Role.ALONG:
         _fill_coordinate(target, source[rows])
         return
     shape = target.shape[1:]
@@ -204,19 +201,17 @@ def _dataset(layout: Layout, arrays: dict[str, Array], survey: _Survey) -> xr.Da
     own_dims = {dim for v in layout.variables for dim in v.dims}
     coordinates = _coordinates(layout)
     coordinates |= _own_coordinates(layout, own_dims, survey)
-    coordinates |= {
-        v.name: variables.pop(v.name) for v in layout.variables if v.kind == "coordinate"
-    }
+    coordinates |= {v.name: variables.pop(v.name) for v in layout.variables if v.role is Role.ALONG}
     return xr.Dataset(variables, coords=coordinates)
 
 
 def _variable(variable: Variable, layout: Layout, array: Array) -> xr.Variable:
     if variable.ragged:
-        return xr.Variable((variable.sample_dim,), array, _attributes(variable))
-    if variable.kind == "coordinate":
-        return xr.Variable(variable.dims, array, _attributes(variable))
+        return xr.Variable((variable.sample_dim,), array, attributes_of(variable))
+    if variable.role is Role.ALONG:
+        return xr.Variable(variable.dims, array, attributes_of(variable))
     shaped = array.reshape((*layout.shape, *array.shape[1:]))
-    return xr.Variable((*layout.dim_names, *variable.dims), shaped, _attributes(variable))
+    return xr.Variable((*layout.dim_names, *variable.dims), shaped, attributes_of(variable))
 
 
 def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variable:
@@ -228,20 +223,21 @@ def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variab
     return xr.Variable(layout.dim_names, sizes.reshape(layout.shape), attributes)
 
 
-def _attributes(variable: Variable) -> dict[str, Any]:
+def attributes_of(variable: Variable) -> dict[str, Any]:
+    """CF attributes of a variable, ``symbol`` and ``comment``."""
     attributes: dict[str, Any] = {"units": variable.units, "long_name": variable.long_name}
     if variable.symbol:
         attributes["symbol"] = variable.symbol
     if variable.comment:
         attributes["comment"] = variable.comment
     if variable.flags:
-        attributes |= flag_attributes(variable.flags)
-    if variable.name not in ("status", "reason") and variable.kind != "coordinate":
+        attributes |= _flag_attributes(variable.flags)
+    if variable.role not in (Role.STATUS, Role.ALONG):
         attributes["ancillary_variables"] = "status reason"
     return attributes
 
 
-def flag_attributes(table: str) -> dict[str, Any]:
+def _flag_attributes(table: str) -> dict[str, Any]:
     """CF attributes of a flag variable."""
     codes = TABLES[table].codes
     attributes: dict[str, Any] = {

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any
 
-from fiv_cli.analyses.variables import Variable, variables_of
+from fiv_cli.analyses.catalogue import variables_of
+from fiv_cli.analyses.variables import Variable
 from fiv_cli.case.case import Axis, Case
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model

@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fiv_cli.data.assemble import flag_attributes
+from fiv_cli.analyses.variables import COMPUTED as RUN
+from fiv_cli.data.assemble import attributes_of
 from fiv_cli.flags import COMPUTED, NOT_COMPUTED, STATUS, reason_code
 
 _SAMPLED = [COMPUTED.codes["sampled"], COMPUTED.codes["sampled_and_mislabelled"]]
@@ -39,18 +40,9 @@ def fill_in(
     ):
         known = dataset[name]
         found[name] = known.copy(data=np.where(filled, value, known.values).astype(known.dtype))
-    found["computed"] = _computed(dataset, origins)
+    which = origins.reshape(filled.shape)
+    found[RUN.name] = xr.Variable(dataset["status"].dims, which, attributes_of(RUN))
     return found
-
-
-def _computed(dataset: xr.Dataset, origins: NDArray[np.int8]) -> xr.Variable:
-    attributes = {
-        "units": "1",
-        "long_name": "whether the point was run, or its class filled in from those around it",
-        "comment": "sampled: filled in first, then run all the same",
-        **flag_attributes("computed"),
-    }
-    return xr.Variable(dataset["status"].dims, origins.reshape(dataset["status"].shape), attributes)
 
 
 def refinement_attributes(

@@ -7,14 +7,16 @@ behind it a missing class or a row of negative length cannot occur.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.case.names import can_name_a_file
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.case.grammar import figure_of_before
 from fiv_cli.case.structure import FigureTable
-from fiv_cli.flags import ATTRACTOR, CONTACT_STATE
+from fiv_cli.flags import TABLES
+from fiv_cli.notation.names import can_name_a_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,12 +29,7 @@ COUNTS = ("refined_levels", "points_run", "points_filled_in", "sample_size", "sa
 STATUSES = {"ok", "pending", "not_computed"}
 
 # Classes that are drawn and counted by their names; to other tables a later fiv may add.
-CLOSED = {
-    "attractor": ATTRACTOR.codes,
-    "contact_state": CONTACT_STATE.codes,
-    "event_from": CONTACT_STATE.codes,
-    "event_to": CONTACT_STATE.codes,
-}
+CLOSED = ("attractor", "contact_state")
 
 
 def fault_of(dataset: xr.Dataset, name: str) -> str:
@@ -105,7 +102,7 @@ def _is_figure(figure: Mapping[str, Any]) -> bool:
     if not can_name_a_file(figure["name"]):
         return False
     try:
-        FigureTable.model_validate({**settings, "kind": figure["kind"]})
+        FigureTable.model_validate({**figure_of_before(settings), "kind": figure["kind"]})
     except ValueError:
         return False
     return True
@@ -178,10 +175,16 @@ def _of_flag(name: str, variable: xr.Variable) -> Iterator[str]:
         yield f"{name}: its classes are no whole numbers"
     elif not len(codes) == len(names) == len(set(codes.tolist())) == len(set(names)) > 0:
         yield f"{name}: {len(codes)} flag_values do not go with {len(names)} flag_meanings"
-    elif not set(names) <= set(CLOSED.get(name, names)):
+    elif not set(names) <= _classes(name, names):
         yield f"{name} names classes that there are not"
     elif not np.isin(variable.values, codes).all():
         yield f"{name} holds a number that no class has"
+
+
+def _classes(name: str, names: Iterable[str]) -> set[str]:
+    """The classes that a flag variable may have: `names` where its table is open."""
+    table = named(name).flags
+    return set(TABLES[table].codes if table in CLOSED else names)
 
 
 def _of_status(dataset: xr.Dataset) -> Iterator[str]:

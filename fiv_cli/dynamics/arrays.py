@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.names import ENERGY_OUTPUTS, PER_CONTACT
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.kernel import Run
 from fiv_cli.dynamics.settings import SolverSettings

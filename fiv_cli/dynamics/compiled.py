@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fiv_cli.codegen import names
+from fiv_cli.codegen import codes
 from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.dynamics import kernel, roots
 
@@ -40,7 +40,7 @@ def _declare(**options: bool) -> Callable[..., Any]:
 
 FILES = (
     *(FOLDER / name for name in ("kernel.py", "roots.py", "compiled.py")),
-    Path(names.__file__),
+    Path(codes.__file__),
 )
 DRIVER = Compiled("driver", FILES, _declare)
 

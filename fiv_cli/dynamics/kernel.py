@@ -16,23 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fiv_cli.codegen.memory import (
-    FixedFloat,
-    FixedInt,
-    Floats,
-    Floats2,
-    Frame,
-    Ints,
-    Ints2,
-    OwnFloats,
-    OwnInts,
-    bits_of,
-    call_generated,
-    float_of,
-    inlined,
-    native,
-)
-from fiv_cli.codegen.names import (
+from fiv_cli.codegen.codes import (
     CAPACITY_DOWN,
     CAPACITY_UP,
     DRIVE_POWER,
@@ -48,6 +32,22 @@ from fiv_cli.codegen.names import (
     SLIP_VELOCITY,
     STICK,
     VELOCITY,
+)
+from fiv_cli.codegen.memory import (
+    FixedFloat,
+    FixedInt,
+    Floats,
+    Floats2,
+    Frame,
+    Ints,
+    Ints2,
+    OwnFloats,
+    OwnInts,
+    bits_of,
+    call_generated,
+    float_of,
+    inlined,
+    native,
 )
 from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
 

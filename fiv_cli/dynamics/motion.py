@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli import ending
-from fiv_cli.codegen.names import (
+from fiv_cli.codegen.codes import (
     ENERGY_OUTPUTS,
     JAMMING,
     KINETIC,
@@ -22,13 +22,13 @@ from fiv_cli.codegen.names import (
     SEPARATION,
     SLIP,
     STICK,
-    rate_of,
 )
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
+from fiv_cli.models.base import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": SLIP, "stick": STICK, "separation": SEPARATION}
@@ -183,7 +183,7 @@ class Motion:
         self.stride = FIRST_STRIDE  # steps of a call of the driver
         values = system.parameter_values(parameters)
         frame.parameters[: len(values)] = values
-        self.kink = self._take_up_schedule(time) if system.schedule.curves else INFINITE
+        self.kink = self._take_up_schedule(time) if system.setup.schedule.curves else INFINITE
         if len(state):
             vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
             frame.y[:] = vector
@@ -231,7 +231,7 @@ class Motion:
     # --- parameters that vary in time -----------------------------------------------------------
     def _take_up_schedule(self, time: float) -> float:
         """Set what varies to the piece that begins at `time`; returns where it ends, s."""
-        schedule, names = self.system.schedule, self.system.generated.parameter_names
+        schedule, names = self.system.setup.schedule, self.system.generated.parameter_names
         for name, (value, rate) in schedule.piece(time).items():
             self.frame.parameters[names.index(name)] = value
             self.frame.parameters[names.index(rate_of(name))] = rate

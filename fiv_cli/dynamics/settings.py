@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from fiv_cli.codegen.setup import DEFAULT_RTOL
+
 LEAST_RTOL = 1e-14  # shorter steps only add rounding
 RK4_ORDER = 4
 
@@ -45,7 +47,7 @@ class SolverSettings:
     """
 
     method: str = "taylor"
-    rtol: float = 1e-9
+    rtol: float = DEFAULT_RTOL
     step: float = 1e-3
     max_events: int = 1_000_000
     max_steps: int = 50_000_000

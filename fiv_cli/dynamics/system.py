@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from operator import itemgetter
@@ -12,79 +11,29 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
 from fiv_cli.codegen.generate import JACOBIAN, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.memory import call_generated
-from fiv_cli.codegen.names import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION, rate_of
-from fiv_cli.dynamics.schedule import STEADY, Schedule
-from fiv_cli.dynamics.settings import SolverSettings
-from fiv_cli.friction import get_law
-from fiv_cli.friction.base import Law
-from fiv_cli.models import get_model
-from fiv_cli.models.base import Model
+from fiv_cli.codegen.setup import Setup
+from fiv_cli.models.base import rate_of
 
-SystemKey = tuple[
-    str, str, tuple[tuple[str, str], ...], tuple[tuple[str, float], ...], int, Schedule
-]
 Vector = NDArray[np.float64]
 
-LEAST_ORDER = 14
-EXTRA_ORDER = 4.0  # the systems are small: a step costs more in events and roots than in series
+_BUILT: dict[Hashable, System] = {}
 
 
-def taylor_order(rtol: float) -> int:
-    """Even order of the series that costs least at this tolerance: near 5 - ln(rtol)/2.
-
-    Jorba & Zou, Experimental Mathematics 14 (2005) 99, section 3.2, give 1 - ln(rtol)/2 for a cost
-    that is all in the series; what is added was measured on the belt and the pin. An odd order
-    costs one more than the even one below and hardly lengthens the steps.
-    """
-    best = 1.0 - 0.5 * math.log(rtol) + EXTRA_ORDER
-    return max(LEAST_ORDER, 2 * round(best / 2.0))
-
-
-def system_key(
-    model: str,
-    law: str,
-    options: Mapping[str, str],
-    parameters: Mapping[str, float],
-    solver: SolverSettings,
-    schedule: Schedule = STEADY,
-) -> SystemKey:
-    """What makes a system: names, options, structural values, order, and what varies in time."""
-    structural = tuple((name, parameters[name]) for name in get_law(law).structural)
-    chosen = tuple(sorted(options.items()))
-    return model, law, chosen, structural, taylor_order(solver.rtol), schedule
-
-
-_BUILT: dict[SystemKey, System] = {}
-
-
-def build_system(
-    model: str,
-    law: str,
-    options: Mapping[str, str],
-    parameters: Mapping[str, float],
-    solver: SolverSettings,
-    announce: Callable[[str], None] = lambda message: None,
-    schedule: Schedule = STEADY,
-) -> System:
+def build_system(setup: Setup, announce: Callable[[str], None] = lambda message: None) -> System:
     """The compiled system, from memory, from the per-user cache, or made now.
 
     `announce` is called with a sentence when something has to be generated or compiled.
     """
-    key = system_key(model, law, options, parameters, solver, schedule)
-    if key not in _BUILT:
-        _BUILT[key] = _make(get_model(model), get_law(law), key, announce)
-    return _BUILT[key]
-
-
-def _make(model: Model, law: Law, key: SystemKey, announce: Callable[[str], None]) -> System:
-    options, structural, order, schedule = dict(key[2]), dict(key[3]), key[4], key[5]
-    generated = generate(model, law, options, structural, order, announce, schedule.names)
-    if not generated.is_compiled():
-        announce(f"compiling {model.name} with {law.name} friction (once per user)")
-    return System(model, law, options, generated, schedule)
+    if setup.key not in _BUILT:
+        generated = generate(setup, announce)
+        if not generated.is_compiled():
+            announce(f"compiling {setup.title} (once per user)")
+        _BUILT[setup.key] = System(setup, generated)
+    return _BUILT[setup.key]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,16 +42,12 @@ class System:
 
     Attributes
     ----------
-    model, law, options : what it is
+    setup : what it is
     generated : text, tables and machine code
-    schedule : parameters that vary in time
     """
 
-    model: Model
-    law: Law
-    options: Mapping[str, str]
+    setup: Setup
     generated: Generated
-    schedule: Schedule = STEADY
 
     @cached_property
     def state_names(self) -> tuple[str, ...]:
@@ -198,7 +143,7 @@ class System:
 
     @cached_property
     def _is_extended(self) -> bool:
-        return self.model.derived is not None or bool(self.schedule.curves)
+        return self.setup.model.derived is not None or bool(self.setup.schedule.curves)
 
     def known(self, parameters: Mapping[str, float]) -> Mapping[str, float]:
         """The parameters, what is computed from them, and rates (zero) of what varies.
@@ -207,10 +152,10 @@ class System:
         """
         if not self._is_extended:
             return parameters
-        known = {**parameters, **self.schedule.values(0.0)}
-        if self.model.derived is not None:
-            known |= self.model.derived.values(known, self.options)
-        return known | {rate_of(name): 0.0 for name in self.schedule.names}
+        known = {**parameters, **self.setup.schedule.values(0.0)}
+        if self.setup.model.derived is not None:
+            known |= self.setup.model.derived.values(known, self.setup.options)
+        return known | {rate_of(name): 0.0 for name in self.setup.schedule.names}
 
     @cached_property
     def places(self) -> Mapping[str, int]:

@@ -16,10 +16,12 @@ _LAWS: tuple[Law, ...] = (
 TANH_OF = "tanh of "
 
 
+_REGULARISED = tuple(map(tanh.regularised, _LAWS))
+
+
 def all_laws() -> dict[str, Law]:
-    """Every friction law, by name, each law's regularised form included (a fresh dict)."""
-    regularised = [tanh.regularised(law) for law in _LAWS]
-    return {law.name: law for law in (*_LAWS, *regularised)}
+    """Every friction law, by name, each law's regularised form included (a copy)."""
+    return {law.name: law for law in (*_LAWS, *_REGULARISED)}
 
 
 def get_law(name: str) -> Law:

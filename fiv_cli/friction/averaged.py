@@ -16,16 +16,21 @@ which is the one to use.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from functools import cache
+from typing import TYPE_CHECKING
 
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Parameter
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 FAST_VELOCITY = Parameter(
     "fast_velocity", "U", "m s-1", None, "amplitude of the fast slip velocity", "5.14", 0.0
 )
 
 
+@cache
 def averaged(law: Law, reversing: bool) -> Law:
     """`law` averaged over a fast slip velocity that does, or does not, reverse slip.
 
@@ -37,7 +42,7 @@ def averaged(law: Law, reversing: bool) -> Law:
     average = law.average
     assert average is not None, f"{law.name} states no average"
 
-    def force(slip: Slip, p: Mapping[str, Any]) -> Any:
+    def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
         return average(slip, p, p[FAST_VELOCITY.name], reversing)
 
     kind = "reversing" if reversing else "one-way"

@@ -1,8 +1,9 @@
 """What a friction law is.
 
 To add a law: write ``fiv_cli/friction/my_law.py`` with a docstring (formula and source), its
-parameter table, ``force`` and ``capacity``, and ``LAW = Law(...)``; list it in
-``fiv_cli/friction/__init__.py``; add a row to ``tests/test_friction.py``.
+parameter table, what its parameters must be to one another (`Requirement`), ``force`` and
+``capacity``, and ``LAW = Law(...)``; list it in ``fiv_cli/friction/__init__.py``; add a row to
+``tests/test_friction.py``.
 
 ``force(slip, parameters)`` returns F_T as a SymPy expression. `slip` gives the signed slip
 velocity ``v``, the sign of slip ``sign`` (+1 or -1, a property of the contact state, never
@@ -15,23 +16,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, Requirement
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 
 @dataclass(frozen=True)
 class Slip:
     """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states."""
 
-    v: Any
-    sign: Any
-    speed: Any
-    N: Any
-    states: Mapping[str, Any] = field(default_factory=dict)
+    v: Expr
+    sign: Expr
+    speed: Expr
+    N: Expr
+    states: Mapping[str, Expr] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Law:
     """A friction law.
 
@@ -50,6 +54,7 @@ class Law:
     average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
         velocity of amplitude U about v: `reversing` says whether it changes the sign of slip
         (U > |v|); None for a law without such a form (see `averaged.py`)
+    requirements : what its parameters must be to one another
     """
 
     name: str
@@ -57,9 +62,10 @@ class Law:
     reference: str
     numerics_version: int
     parameters: tuple[Parameter, ...]
-    force: Callable[[Slip, Mapping[str, Any]], Any]
-    capacity: Callable[[Any, Mapping[str, Any]], Any] | None
+    force: Callable[[Slip, Mapping[str, Expr]], Expr]
+    capacity: Callable[[Expr, Mapping[str, Expr]], Expr] | None
     states: Mapping[str, str] = field(default_factory=dict)
-    rates: Callable[[Slip, Mapping[str, Any]], Mapping[str, Any]] | None = None
+    rates: Callable[[Slip, Mapping[str, Expr]], Mapping[str, Expr]] | None = None
     structural: tuple[str, ...] = ()
-    average: Callable[[Slip, Mapping[str, Any], Any, bool], Any] | None = None
+    average: Callable[[Slip, Mapping[str, Expr], Expr, bool], Expr] | None = None
+    requirements: tuple[Requirement, ...] = ()

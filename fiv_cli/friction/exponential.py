@@ -26,16 +26,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.friction.coulomb import MU_K, MU_S
+from fiv_cli.friction.coulomb import FALLING, MU_K, MU_S
 from fiv_cli.models.base import Parameter
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 NODES = 48
 
 
-def force(slip: Slip, p: Mapping[str, Any]) -> Any:
+def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     """F_T in N (thesis 4.5, 5.18)."""
     import sympy
 
@@ -43,7 +46,7 @@ def force(slip: Slip, p: Mapping[str, Any]) -> Any:
     return slip.sign * (p["mu_k"] + (p["mu_0"] - p["mu_k"]) * decay) * slip.N
 
 
-def average(slip: Slip, p: Mapping[str, Any], amplitude: Any, reversing: bool) -> Any:
+def average(slip: Slip, p: Mapping[str, Expr], amplitude: Expr, reversing: bool) -> Expr:
     """F_T in N averaged over a fast slip velocity of this amplitude (thesis 5.51)."""
     import sympy
 
@@ -57,7 +60,7 @@ def average(slip: Slip, p: Mapping[str, Any], amplitude: Any, reversing: bool) -
     return (2 * p["mu_k"] * theta + fall * (forward - backward)) / sympy.pi * slip.N
 
 
-def _bessel(argument: Any) -> Any:
+def _bessel(argument: Expr) -> Expr:
     """exp(-z) I_0(z) = 1/pi int_0^pi exp(-z (1 - cos s)) ds."""
     import sympy
 
@@ -65,7 +68,7 @@ def _bessel(argument: Any) -> Any:
     return sum(weight * sympy.exp(-argument * (1 - sympy.cos(s))) for weight, s in angles)
 
 
-def _side(v: Any, theta: Any, alpha: Any, amplitude: Any) -> Any:
+def _side(v: Expr, theta: Expr, alpha: Expr, amplitude: Expr) -> Expr:
     """J(theta), v = U sin theta: what one direction of slip adds to the average."""
     import sympy
 
@@ -110,4 +113,5 @@ LAW = Law(
     force=force,
     capacity=lambda N, p: p["mu_s"] * N,
     average=average,
+    requirements=(FALLING,),
 )

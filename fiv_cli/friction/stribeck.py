@@ -10,14 +10,17 @@ the law non-analytic at v = 0, where every slip starts.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.friction.coulomb import MU_K, MU_S
+from fiv_cli.friction.coulomb import FALLING, MU_K, MU_S
 from fiv_cli.models.base import Parameter
 
+if TYPE_CHECKING:
+    from sympy import Expr
 
-def force(slip: Slip, p: Mapping[str, Any]) -> Any:
+
+def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     """F_T in N (thesis 2.3, 3.12)."""
     import sympy
 
@@ -39,4 +42,5 @@ LAW = Law(
     force=force,
     capacity=lambda N, p: p["mu_s"] * N,
     structural=("delta",),
+    requirements=(FALLING,),
 )

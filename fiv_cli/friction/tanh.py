@@ -20,6 +20,9 @@ SIGMA = Parameter(
 def regularised(law: Law) -> Law:
     """`law` with its sign function replaced by tanh(sigma v)."""
 
+    parameters = _kinetic_parameters(law)
+    kept = {parameter.name for parameter in parameters}
+
     def force(slip: Slip, p):  # type: ignore[no-untyped-def]
         import sympy
 
@@ -31,10 +34,11 @@ def regularised(law: Law) -> Law:
         title=f"{law.title}, regularised by tanh",
         reference="thesis 2.5",
         numerics_version=1 + law.numerics_version,
-        parameters=(*_kinetic_parameters(law), SIGMA),
+        parameters=(*parameters, SIGMA),
         force=force,
         capacity=None,
         structural=law.structural,
+        requirements=tuple(r for r in law.requirements if kept.issuperset(r.reads)),
     )
 
 

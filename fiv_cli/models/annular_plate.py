@@ -6,13 +6,16 @@ analysis ``plate`` (see ``fiv_cli/plate.py`` for the equations). It has no state
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models import disc
 from fiv_cli.models.base import Equations, Model, Options
 
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
-def equations(symbols: Any, options: Options) -> Equations:
+
+def equations(symbols: Symbols, options: Options) -> Equations:
     """None: there is nothing that moves."""
     import sympy
 
@@ -32,4 +35,5 @@ MODEL = Model(
     options=(disc.MODES,),
     contacts=0,
     derived=disc.DERIVED,
+    requirements=(disc.ON_THE_DISC,),
 )

@@ -18,9 +18,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING
+
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import check_quantity
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from fiv_cli.models.symbols import Symbols
 
 Options = Mapping[str, str]
+
+
+def rate_of(parameter: str) -> str:
+    """Name of the rate of a parameter that varies in time."""
+    return f"{parameter}.rate"
 
 
 @dataclass(frozen=True)
@@ -52,6 +65,54 @@ class Parameter:
     exclusive: bool = False
     integer: bool = False
     default_from: str | None = None
+
+    @property
+    def allowed(self) -> str:
+        """What it may be, in one line."""
+        kind = "a whole number" if self.integer else "a number"
+        unit = "" if self.unit == "1" else f" in {self.unit}"
+        bounds = []
+        if self.minimum != float("-inf"):
+            bounds.append(f"{'>' if self.exclusive else '>='} {self.minimum:g}")
+        if self.maximum != float("inf"):
+            bounds.append(f"<= {self.maximum:g}")
+        range_ = f", {' and '.join(bounds)}" if bounds else ""
+        return f"{kind}{unit}{range_} ({self.meaning})"
+
+    def read(self, value: object) -> float:
+        """`value` of a case file in SI; ValueError when it is not allowed."""
+        return self.checked(convert(check_quantity(value), self.unit))
+
+    def checked(self, number: float) -> float:
+        """`number` (SI); ValueError when it is not allowed."""
+        low = number > self.minimum if self.exclusive else number >= self.minimum
+        if not (low and number <= self.maximum):
+            raise ValueError(f"{number!r} is out of range")
+        if self.integer and number != int(number):
+            raise ValueError(f"{number!r} is not a whole number")
+        return number
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What parameters must be to one another: where they are not, nothing is computed.
+
+    Attributes
+    ----------
+    reads : the parameters that decide
+    holds : parameters -> whether they are as they must be
+    rule : what they must be, in one line
+    fault : what is wrong where they are not, in words
+    reason : what a point is told where they are not, see ``fiv_cli/flags.py``
+    in_motion : harmless where no motion is followed
+    """
+
+    reads: tuple[str, ...]
+    holds: Callable[[Mapping[str, float]], bool]
+    rule: str
+    fault: str
+    reason: str
+    in_motion: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,14 +218,14 @@ class Contact:
     static_friction : False: it sticks up to the kinetic friction at zero speed, not more
     """
 
-    slip_velocity: Any
+    slip_velocity: Expr
     slip_coordinate: str
-    normal_force: Any | None
-    gap: Any | None = None
+    normal_force: Expr | None
+    gap: Expr | None = None
     gap_coordinate: str | None = None
     ends_at_zero_normal_force: bool = False
     impact: str = "plastic"
-    closing_rate: Any | None = None
+    closing_rate: Expr | None = None
     sliding_only: bool = False
     static_friction: bool = True
 
@@ -180,7 +241,7 @@ class Zone:
     contact : index of the contact whose sticking freezes the angle
     """
 
-    angle: Any
+    angle: Expr
     start: str
     width: str
     contact: int = 0
@@ -200,15 +261,15 @@ class Equations:
     zone : the non-uniform sector, if any
     """
 
-    accelerations: Mapping[str, Any]
+    accelerations: Mapping[str, Expr]
     contacts: tuple[Contact, ...]
-    kinetic_energy: Any
-    potential_energy: Any
-    law_parameters: Mapping[str, Any] = field(default_factory=dict)
+    kinetic_energy: Expr
+    potential_energy: Expr
+    law_parameters: Mapping[str, Expr] = field(default_factory=dict)
     zone: Zone | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Model:
     """A mechanical model: what the user sees, and where its equations are.
 
@@ -231,6 +292,7 @@ class Model:
         displacement of the disc there, in the space-fixed frame; None without an elastic disc
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     vibration : coordinates that L_s counts (thesis 6.20, 6.42); none named: all
+    requirements : what its parameters, and those of its laws, must be to one another
     """
 
     name: str
@@ -239,7 +301,7 @@ class Model:
     numerics_version: int
     parameters: tuple[Parameter, ...]
     states: Callable[[Options], tuple[State, ...]]
-    equations: Callable[[Any, Options], Equations]
+    equations: Callable[[Symbols, Options], Equations]
     laws: tuple[str, ...]
     law_defaults: Mapping[str, float | str]
     options: tuple[Option, ...] = ()
@@ -251,6 +313,7 @@ class Model:
         None
     )
     vibration: tuple[str, ...] = ()
+    requirements: tuple[Requirement, ...] = ()
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

@@ -12,9 +12,12 @@ neutral centre: what is found there depends on the start.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Contact, Equations, Forcing, Model, Options, Parameter, State
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", "3.1", 0.0, exclusive=True),
@@ -36,7 +39,7 @@ PARAMETERS = (
 )
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 3.1 and 3.10 under a given friction force."""
     import sympy
 

@@ -11,9 +11,12 @@ whether both stick at once is decided jointly.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter, State
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 PARAMETERS = (
     Parameter("m1", "m_1", "kg", 2.5, "mass at the wall", "3.13", 0.0, exclusive=True),
@@ -32,7 +35,7 @@ STATES = (
 )
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 3.13 and 3.14 under given friction forces."""
     import sympy
 

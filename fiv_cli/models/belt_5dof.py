@@ -26,9 +26,14 @@ for mu_k = 1.4 has x1 = +0.0053 m.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from fiv_cli.models.symbols import Symbols
 
 
 def _damping(name: str, symbol: str, meaning: str) -> Parameter:
@@ -109,11 +114,11 @@ OPTIONS = (
 class _Motion:
     """Coordinates and velocities by name; phi is 0 where the belt does not rotate."""
 
-    q: dict[str, Any]
-    rate: dict[str, Any]
+    q: dict[str, Expr]
+    rate: dict[str, Expr]
 
 
-def _motion(symbols: Any, rotates: bool) -> _Motion:
+def _motion(symbols: Symbols, rotates: bool) -> _Motion:
     names = [state.name for state in STATES]
     q = {name: symbols.coordinate(name) for name in names}
     rate = {name: symbols.velocity(name) for name in names}
@@ -127,7 +132,7 @@ def states(options: Options) -> tuple[State, ...]:
     return (*STATES, ROTATION) if options["geometry"] == "nonlinear" else STATES
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 6.1 and 6.2 under given contact forces."""
     motion = _motion(symbols, options["geometry"] == "nonlinear")
     return Equations(
@@ -138,7 +143,7 @@ def equations(symbols: Any, options: Options) -> Equations:
     )
 
 
-def _accelerations(symbols: Any, options: Options, motion: _Motion) -> dict[str, Any]:
+def _accelerations(symbols: Symbols, options: Options, motion: _Motion) -> dict[str, Expr]:
     p, q, rate = symbols.parameter, motion.q, motion.rate
     normal, tangential = symbols.normal_force(0), symbols.tangential_force(0)
     along = normal * q["phi"] if options["slope_force"] == "include" else 0
@@ -158,19 +163,19 @@ def _accelerations(symbols: Any, options: Options, motion: _Motion) -> dict[str,
     return found | ({"phi": moment / p("J")} if q["phi"] != 0 else {})
 
 
-def _wheel(p: Any, motion: _Motion, number: str, arm: Any) -> Any:
+def _wheel(p: Expr, motion: _Motion, number: str, arm: Expr) -> Expr:
     """Force of a wheel's spring and damper."""
     stretch = motion.q["y2"] + arm * motion.q["phi"]
     rate = motion.rate["y2"] + arm * motion.rate["phi"]
     return p(f"c{number}") * rate + p(f"k{number}") * stretch
 
 
-def _compression(motion: _Motion) -> Any:
+def _compression(motion: _Motion) -> Expr:
     q = motion.q
     return q["y2"] - (q["x1"] - q["x2"]) * q["phi"] - q["y1"]
 
 
-def _contact(symbols: Any, options: Options, motion: _Motion) -> Contact:
+def _contact(symbols: Symbols, options: Options, motion: _Motion) -> Contact:
     p, rate = symbols.parameter, motion.rate
     compression = _compression(motion)
     bilateral = options["states"] == "slip"
@@ -186,20 +191,20 @@ def _contact(symbols: Any, options: Options, motion: _Motion) -> Contact:
     )
 
 
-def _closing_rate(motion: _Motion) -> Any:
+def _closing_rate(motion: _Motion) -> Expr:
     """Gap rate as 6.14 has it: without the part that comes from slip."""
     q, rate = motion.q, motion.rate
     return rate["y1"] - rate["y2"] + (q["x1"] - q["x2"]) * rate["phi"]
 
 
-def _kinetic_energy(symbols: Any, motion: _Motion) -> Any:
+def _kinetic_energy(symbols: Symbols, motion: _Motion) -> Expr:
     p, rate = symbols.parameter, motion.rate
     slider = p("M") * (rate["x1"] ** 2 + rate["y1"] ** 2)
     belt = p("m") * (rate["x2"] ** 2 + rate["y2"] ** 2)
     return (slider + belt + p("J") * rate["phi"] ** 2) / 2
 
 
-def _potential_energy(symbols: Any, options: Options, motion: _Motion) -> Any:
+def _potential_energy(symbols: Symbols, options: Options, motion: _Motion) -> Expr:
     p, q = symbols.parameter, motion.q
     springs = p("k1") * q["x1"] ** 2 + p("k3") / 2 * (q["x1"] - q["y1"]) ** 2
     springs += p("k4") * q["x2"] ** 2

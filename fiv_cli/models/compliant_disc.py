@@ -13,10 +13,15 @@ mechanics has and the thesis omits.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models import disc
 from fiv_cli.models.base import Contact, Equations, Options, Parameter, State
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from fiv_cli.models.symbols import Symbols
 
 
 def parameters(damping: float) -> tuple[Parameter, ...]:
@@ -42,19 +47,19 @@ SLIDER = (
 )
 
 
-def compression(symbols: Any, plate: disc.Disc | None) -> Any:
+def compression(symbols: Symbols, plate: disc.Disc | None) -> Expr:
     """d = w - u; on a rigid disc w = 0."""
     displacement = 0 if plate is None else plate.displacement()
     return displacement - symbols.coordinate("u")
 
 
 def equations(
-    symbols: Any,
+    symbols: Symbols,
     options: Options,
     plate: disc.Disc | None,
     contact: Contact,
-    excitation: Any,
-    contact_energy: Any,
+    excitation: Expr,
+    contact_energy: Expr,
 ) -> Equations:
     """Slider and disc under given contact forces; `plate` is None for a rigid disc."""
     p = symbols.parameter
@@ -84,7 +89,7 @@ def states(options: Options) -> tuple[State, ...]:
     return (*SLIDER, *disc.states(options))
 
 
-def slip_velocity(symbols: Any) -> Any:
+def slip_velocity(symbols: Symbols) -> Expr:
     """v_rel of the slider, m/s."""
     p = symbols.parameter
     return p("r0") * (p("Omega") - symbols.velocity("phi"))

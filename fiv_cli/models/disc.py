@@ -28,11 +28,14 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Derived, Option, Options, Parameter, State
+from fiv_cli.models.base import Derived, Option, Options, Parameter, Requirement, State
 
 if TYPE_CHECKING:
+    from sympy import Expr
+
+    from fiv_cli.models.symbols import Symbols
     from fiv_cli.plate import AnnularPlate
 
 THESIS_MODES = "0,0 0,1 0,2 0,3"
@@ -49,6 +52,14 @@ PLATE = (
     Parameter("E", "E", "Pa", 150e9, "Young's modulus", "Table 4.1", 0.0, exclusive=True),
     Parameter("nu", r"\nu", "1", 0.211, "Poisson's ratio", "Table 4.1", 0.0, 0.5),
     Parameter("r0", "r_0", "m", 0.1, "radius of the slider", "Table 4.1", 0.0, exclusive=True),
+)
+
+ON_THE_DISC = Requirement(
+    ("a", "b", "r0"),
+    lambda p: p["a"] < p["b"] and p["a"] <= p["r0"] <= p["b"],
+    "a < b and a <= r0 <= b",
+    "the slider is not on the disc",
+    "no_plate",
 )
 
 SPEED = Parameter("Omega", r"\Omega", "rad s-1", 10.0, "disc speed", "4.3")
@@ -198,21 +209,21 @@ class Disc:
     angle : where the slider is
     """
 
-    symbols: Any
+    symbols: Symbols
     options: Options
-    angle: Any
+    angle: Expr
 
-    def displacement(self) -> Any:
+    def displacement(self) -> Expr:
         """w at the slider, m."""
         return sum((shape * self.symbols.coordinate(name) for name, shape in self._shapes()), 0)
 
-    def slope(self) -> Any:
+    def slope(self) -> Expr:
         """dw/dtheta at the slider, m."""
         import sympy
 
         return sympy.diff(self.displacement(), self.angle)
 
-    def _shapes(self) -> Iterable[tuple[str, Any]]:
+    def _shapes(self) -> Iterable[tuple[str, Expr]]:
         """Modal coordinate -> its shape at the slider's angle."""
         from sympy import cos, sin
 
@@ -220,7 +231,7 @@ class Disc:
             for part in _parts(n):
                 yield f"{part}_{k}_{n}", (cos if part == "C" else sin)(n * self.angle)
 
-    def accelerations(self) -> dict[str, Any]:
+    def accelerations(self) -> dict[str, Expr]:
         """Modal coordinate -> acceleration under the contact forces."""
         import sympy
 
@@ -233,7 +244,7 @@ class Disc:
             found[name] = self._free(name) + mobility * force
         return found
 
-    def _free(self, name: str) -> Any:
+    def _free(self, name: str) -> Expr:
         """Acceleration of a modal coordinate of the free spinning disc."""
         p, symbols = self.symbols.parameter, self.symbols
         part, k, n = name.split("_")
@@ -247,7 +258,7 @@ class Disc:
         turned += symbols.parameter_rate("Omega") * symbols.coordinate(other)
         return free - order * turned if part == "C" else free + order * turned
 
-    def _damping(self, circles: str, diameters: str) -> Any:
+    def _damping(self, circles: str, diameters: str) -> Expr:
         """d of the mode, 1/s."""
         p = self.symbols.parameter
         frequency = p(f"omega_{circles}_{diameters}")
@@ -261,7 +272,7 @@ class Disc:
         k, n = modes(self.options)[0]
         return f"{k}_{n}"
 
-    def kinetic_energy(self) -> Any:
+    def kinetic_energy(self) -> Expr:
         """T of the spinning disc, J (thesis 4.28)."""
         p, total = self.symbols.parameter, 0
         for k, n in modes(self.options):
@@ -272,7 +283,7 @@ class Disc:
             total += square / (2 * p(f"mobility_{k}_{n}"))
         return total
 
-    def strain_energy(self) -> Any:
+    def strain_energy(self) -> Expr:
         """U of the disc, J (thesis 4.29)."""
         p, total = self.symbols.parameter, 0
         for k, n in modes(self.options):
@@ -281,5 +292,5 @@ class Disc:
             total += p(f"omega_{k}_{n}") ** 2 * square / (2 * p(f"mobility_{k}_{n}"))
         return total
 
-    def _pair(self, name: str) -> tuple[Any, Any]:
+    def _pair(self, name: str) -> tuple[Expr, Expr]:
         return self.symbols.coordinate(name), self.symbols.velocity(name)

@@ -17,10 +17,13 @@ which is stick with mu_s = mu_k).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models import compliant_disc, disc
 from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 PARAMETERS = (
     *compliant_disc.parameters(0.1),
@@ -63,7 +66,7 @@ def states(options: Options) -> tuple[State, ...]:
     return compliant_disc.states(options)
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 6.21, 6.22, 6.25 and 6.41, corrected, under given contact forces."""
     p = symbols.parameter
     elastic = options["geometry"] == "nonlinear"
@@ -108,4 +111,5 @@ MODEL = Model(
     derived=disc.DERIVED,
     surface=surface,
     vibration=("phi", "u"),
+    requirements=(disc.ON_THE_DISC,),
 )

@@ -16,10 +16,13 @@ A disc that decelerates or accelerates (4.1, 4.2) is a schedule of Omega.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models import disc
 from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 PARAMETERS = (
     *disc.PLATE,
@@ -50,7 +53,7 @@ def states(options: Options) -> tuple[State, ...]:
     )
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 4.4, 4.18 and 4.33-4.34, corrected, under given contact forces."""
     p = symbols.parameter
     phi, z = symbols.coordinate("phi"), symbols.coordinate("z")
@@ -95,4 +98,5 @@ MODEL = Model(
     derived=disc.DERIVED,
     surface=disc.surface,
     vibration=("phi", "z"),
+    requirements=(disc.ON_THE_DISC,),
 )

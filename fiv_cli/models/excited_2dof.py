@@ -16,10 +16,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi, sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models import inclined_springs
 from fiv_cli.models.base import Equations, Forcing, Model, Options, Parameter
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", "5.1", 0.0, exclusive=True),
@@ -39,7 +42,7 @@ PARAMETERS = (
 )
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equation 5.1 under given contact forces."""
     import sympy
 

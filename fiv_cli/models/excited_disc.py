@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models import compliant_disc, disc
 from fiv_cli.models.base import (
@@ -26,6 +26,9 @@ from fiv_cli.models.base import (
     Options,
     Parameter,
 )
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 PARAMETERS = (
     *compliant_disc.parameters(5.0),
@@ -68,7 +71,7 @@ def _values(parameters: Mapping[str, float], options: Options) -> dict[str, floa
     return found | {"omega_cr": min(speeds, default=0.0)}
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 5.16-5.17 and 5.30 under given contact forces."""
     import sympy
 
@@ -117,4 +120,5 @@ MODEL = Model(
     derived=Derived(_names, _values, disc.DERIVED.sources),
     surface=disc.surface,
     vibration=("phi", "u"),
+    requirements=(disc.ON_THE_DISC,),
 )

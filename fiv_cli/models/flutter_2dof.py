@@ -11,10 +11,13 @@ vertical (c2). In sliding F_T = mu_k F_N makes the stiffness matrix unsymmetric 
 from __future__ import annotations
 
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models import inclined_springs
 from fiv_cli.models.base import Equations, Model, Options, Parameter
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", "3.22", 0.0, exclusive=True),
@@ -30,7 +33,7 @@ PARAMETERS = (
 )
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equation 3.22 under given contact forces."""
     p = symbols.parameter
     x, y = symbols.coordinate("x"), symbols.coordinate("y")

@@ -6,9 +6,14 @@ the contact stiffness k3. The normal force is F_N = -k3 y (3.24, 5.4).
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Contact, Option, Options, State
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from fiv_cli.models.symbols import Symbols
 
 UNTIL_SEPARATION, SLIP, ALL = "until-separation", "slip", "all"
 
@@ -26,7 +31,7 @@ STATES_OF_MOTION = Option(
 )
 
 
-def inclined(alpha_1: Any, alpha_2: Any, first: Any, second: Any) -> tuple[Any, Any, Any]:
+def inclined(alpha_1: Expr, alpha_2: Expr, first: Expr, second: Expr) -> tuple[Expr, Expr, Expr]:
     """(11, 12, 22) of a matrix made by two elements at the angles alpha_1 and -alpha_2.
 
     Thesis 3.23 (without k3) and 5.2.
@@ -40,7 +45,7 @@ def inclined(alpha_1: Any, alpha_2: Any, first: Any, second: Any) -> tuple[Any, 
     )
 
 
-def contact(symbols: Any, options: Options) -> Contact:
+def contact(symbols: Symbols, options: Options) -> Contact:
     """The contact with the belt under the option ``states``."""
     chosen = options["states"]
     y = symbols.coordinate("y")

@@ -17,7 +17,7 @@ phase psi_a is an input: the answer depends on it. A sticking pin cannot change 
 from __future__ import annotations
 
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import (
     Contact,
@@ -26,9 +26,13 @@ from fiv_cli.models.base import (
     Model,
     Options,
     Parameter,
+    Requirement,
     State,
     Zone,
 )
+
+if TYPE_CHECKING:
+    from fiv_cli.models.symbols import Symbols
 
 
 def _length(name: str, symbol: str, meaning: str) -> Parameter:
@@ -69,7 +73,7 @@ STATES = (
 )
 
 
-def equations(symbols: Any, options: Options) -> Equations:
+def equations(symbols: Symbols, options: Options) -> Equations:
     """Equations 7.12, 7.13 and 7.17 under a given friction force."""
     p = symbols.parameter
     phi, theta = symbols.coordinate("phi"), symbols.coordinate("theta")
@@ -104,6 +108,15 @@ def equations(symbols: Any, options: Options) -> Equations:
     )
 
 
+FALLING_ON_THE_SECTOR = Requirement(
+    ("mu_k_2", "mu_s_2", "beta"),
+    lambda p: p["beta"] == 0.0 or p["mu_k_2"] <= p["mu_s_2"],
+    "mu_k_2 <= mu_s_2",
+    "mu_k_2 is above mu_s_2",
+    "mu_k_above_mu_s",
+    in_motion=True,
+)
+
 MODEL = Model(
     name="pin-on-disc",
     title="pin on a spinning disc with an L-mechanism",
@@ -116,4 +129,5 @@ MODEL = Model(
     law_defaults={"mu_s": 0.4, "mu_k": 0.23},
     forcings=(Forcing("beta", lambda p: p["Omega"], "sector of the disc passing the pin"),),
     revolution=lambda p: p["Omega"],
+    requirements=(FALLING_ON_THE_SECTOR,),
 )

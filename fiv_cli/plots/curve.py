@@ -13,24 +13,12 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, numbers
+from fiv_cli.reading.datasets import flag_names, headlines, numbers, width_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-# What a curve shows unless the figure says otherwise: the first of these that is there.
-PREFERRED = (
-    "L_s",
-    "growth_rate",
-    "critical_value",
-    "boundary",
-    "cycle_highest",
-    "cycle_period",
-    "n_solutions",
-    "attractor",
-)
 
 CLASS_SHIFT = 0.06
 
@@ -46,7 +34,7 @@ SORTS = {
 
 def suits(dataset: xr.Dataset) -> bool:
     """Whether there is a scalar variable along some axis."""
-    return any(name in dataset for name in PREFERRED) and bool(points.varying_axes(dataset))
+    return bool(_headlines(dataset)) and bool(points.varying_axes(dataset))
 
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
@@ -69,6 +57,11 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
+def _headlines(dataset: xr.Dataset) -> list[str]:
+    """What a curve shows unless the figure says otherwise: numbers first."""
+    return sorted(headlines(dataset), key=lambda name: bool(flag_names(dataset[name].attrs)))
+
+
 def variables_of(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
     """The variables that the figure names (``variable``, or ``y``), else the preferred one.
 
@@ -76,7 +69,7 @@ def variables_of(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
     ------
     UsageError : the dataset has no such variable
     """
-    default = next((name for name in PREFERRED if name in dataset), "variable")
+    default = next(iter(_headlines(dataset)), "variable")
     named = settings.get("variable", settings.get("y", default))
     return [
         points.known_variable(dataset, str(name))
@@ -166,9 +159,8 @@ def _modes(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
 
 def _widths(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
     """How well each crossing is known; 0 for a variable that does not say."""
-    named = {"critical_value": "critical_width", "boundary": "boundary_width"}
-    name = named.get(str(array.name), "")
-    return numbers(dataset[name]) if name in dataset else array * 0.0
+    width = width_of(dataset, str(array.name))
+    return array * 0.0 if width is None else numbers(width)
 
 
 def _sorting(dataset: xr.Dataset) -> tuple[str, str] | None:

@@ -24,12 +24,12 @@ from fiv_cli.plots import (
 )
 from fiv_cli.plots import map as map_
 from fiv_cli.plots.points import Layer
-from fiv_cli.reading import select
+from fiv_cli.reading import select, take
 from fiv_cli.reading.datasets import figures_in, read_analyses
-from fiv_cli.reading.shares import SHARE, with_share
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     Source = xr.Dataset | str | Path | dict[str, xr.Dataset]
@@ -111,7 +111,30 @@ def can_draw(source: Source, figure: FigureSpec) -> bool:
     return any(_kind(figure.kind).suits(dataset) for dataset in candidates)
 
 
-def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> Figure:
+def possible_figures(source: Source) -> list[FigureSpec]:
+    """The figures of the case that the dataset can show; where it shows none, the default ones."""
+    figures = [figure for figure in figures_of(source) if can_draw(source, figure)]
+    return figures or default_figures(source)
+
+
+def figures_called(source: Source, name: str) -> list[FigureSpec]:
+    """The figures called `name`; a kind that the case does not ask for is drawn as it comes.
+
+    Raises
+    ------
+    UsageError : neither a figure nor a kind is called so
+    """
+    figures = figures_of(source)
+    named = [figure for figure in figures if figure.name == name]
+    if not named and name not in KINDS:
+        known = ", ".join(dict.fromkeys([*(figure.name for figure in figures), *KINDS]))
+        raise UsageError(f"--figure {name}: no such figure\nthere are: {known}")
+    return named or [FigureSpec(name, name, {})]
+
+
+def draw(
+    source: Source | Sequence[tuple[str, Source]], figure: FigureSpec, axis: Axes | None = None
+) -> Figure:
     """Draw one figure.
 
     Parameters
@@ -119,6 +142,7 @@ def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> F
     source : a dataset, its path, its analyses by name, or several of them as (label, source)
         for a figure that overlays them
     figure : what to draw
+    axis : the panel to draw on, of a figure of one panel; None: the figure makes its own
 
     Raises
     ------
@@ -132,19 +156,18 @@ def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> F
     if len(layers) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
     settings = figure.settings
-    if "share" in settings:
-        layers = [Layer(layer.label, _counted(layer.dataset, settings)) for layer in layers]
-        settings = {**settings, "variable": SHARE}
+    if "take" in settings:
+        layers = [Layer(layer.label, _taken(layer.dataset, settings)) for layer in layers]
+        settings = {**settings, "variable": settings["take"]["what"]}
     if "title" in settings:
         layers = [Layer(layer.label, _retitled(layer.dataset, figure)) for layer in layers]
-    with style.looks():
+    with style.looks(axis):
         return kind.draw(layers, settings)
 
 
-def _counted(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
-    """The dataset as the share that the figure draws."""
-    variable = points.one_variable(settings, "attractor")
-    return with_share(dataset, variable, settings["share"])
+def _taken(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
+    """The dataset as what the figure takes of its variable."""
+    return take.taken(dataset, points.one_variable(settings, "attractor"), settings["take"])
 
 
 def _retitled(dataset: xr.Dataset, figure: FigureSpec) -> xr.Dataset:

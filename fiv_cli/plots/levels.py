@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
+from fiv_cli.reading import take
 from fiv_cli.reading.datasets import flag_names
-from fiv_cli.reading.shares import HIGH, LOW, SHARE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,10 +42,9 @@ def levels_of(array: xr.DataArray, settings: Mapping[str, Any]) -> list[float]:
 
 
 def ends_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
-    """The variable, or the two ends of the interval that a share is."""
-    if array.name != SHARE or dataset[LOW].equals(dataset[HIGH]):
-        return [array]
-    return [dataset[LOW], dataset[HIGH]]
+    """The variable, or the two ends of what it may be."""
+    low, high = take.ends_of(dataset, str(array.name))
+    return [array] if low.equals(high) else [low, high]
 
 
 def draw(

@@ -13,15 +13,13 @@ from matplotlib.ticker import MaxNLocator
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, levels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, numbers
-from fiv_cli.reading.known import filled_in, is_class
+from fiv_cli.reading.datasets import filled_in, flag_names, headlines, is_class, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PREFERRED = ("attractor", "stable", "L_s", "growth_rate", "n_solutions")
 MOST_PANELS = 6
 MOST_COLUMNS = 3
 HATCH = "////"
@@ -30,7 +28,7 @@ HATCH = "////"
 def suits(dataset: xr.Dataset) -> bool:
     """Whether two numeric axes span a plane of points."""
     numeric = [axis for axis in points.varying_axes(dataset) if select.is_numeric(axis)]
-    return len(numeric) >= 2 and any(name in dataset for name in PREFERRED)
+    return len(numeric) >= 2 and bool(_headlines(dataset))
 
 
 def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
@@ -102,8 +100,15 @@ def _how_run(dataset: xr.Dataset) -> str:
 
 
 def _variable(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
-    default = next((name for name in PREFERRED if name in dataset), "variable")
+    default = next(iter(_headlines(dataset)), "variable")
     return points.known_variable(dataset, points.one_variable(settings, default))
+
+
+def _headlines(dataset: xr.Dataset) -> list[str]:
+    """What a map shows unless the figure says otherwise: classes first."""
+    grid = set(points.grid_dims(dataset))
+    names = [name for name in headlines(dataset) if set(dataset[name].dims) <= grid]
+    return sorted(names, key=lambda name: not flag_names(dataset[name].attrs))
 
 
 def _axes(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:

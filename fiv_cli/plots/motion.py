@@ -85,7 +85,7 @@ def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) ->
 
 def _events(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Iterator[Event]:
     """The events of one motion between two instants; nothing where the dataset keeps none."""
-    columns = ("event_time", "event_contact", "event_from", "event_to")
+    columns = [f"event_{of}" for of in ("time", "contact", "from", "to")]
     if not all(name in dataset for name in columns):
         return
     sizes = select.row_sizes(dataset, "event_to")

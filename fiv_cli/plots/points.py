@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.case.units import parse_unit
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import flag_names

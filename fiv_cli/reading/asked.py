@@ -7,33 +7,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
-from typing import Any
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.variables import Variable, motions, variables_of
+from fiv_cli.analyses.catalogue import variables_of
+from fiv_cli.analyses.settings import StateName
+from fiv_cli.analyses.variables import COMPUTED, Variable, motions
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
+from fiv_cli.case.grammar import OfClass
 from fiv_cli.case.lines import locate
-from fiv_cli.case.load import load_case
-from fiv_cli.case.names import listed, suggest
+from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.report import Path, Report, in_order
-from fiv_cli.case.results import TRENDS
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.data.layout import varying_in
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
-
-# What a sweep that is refined tells of each point besides.
-OF_REFINED = "computed"
-
+from fiv_cli.notation.names import listed, suggest
 
 Held = Mapping[str, Sequence[Variable]]
 """Name of an analysis -> its variables."""
 
 
-def load_checked(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
-    """The case at `path`; what its figures and claims ask for will be there.
+def load_checked(
+    path: str | FilePath, overrides: Sequence[str] = (), text: str | None = None
+) -> Case:
+    """The case at `path` (or of `text`); what its figures and claims ask for will be there.
 
     Raises
     ------
@@ -41,7 +40,10 @@ def load_checked(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
         as `load_case`; the problems of figures and claims are told with all the others.
     """
     try:
-        case = load_case(path, overrides)
+        if text is None:
+            case = load_case(path, overrides)
+        else:
+            case = parse_case(text, str(path), overrides)
     except CaseError as error:
         refused = error.case
         if refused is None or not all(_is_sound(refused, spec) for spec in refused.analyses):
@@ -58,7 +60,9 @@ def _is_sound(case: Case, spec: AnalysisSpec) -> bool:
     those of the model."""
     settings = get_analysis(spec.kind).settings
     needed = [setting.name for setting in settings if setting.required]
-    named = [spec.settings.get(setting.name) for setting in settings if setting.type == "state"]
+    named = [
+        spec.settings.get(setting.name) for setting in settings if isinstance(setting, StateName)
+    ]
     states = [name for name, *_ in motions(get_model(case.model).states(case.options))]
     given = all(spec.settings.get(name) is not None for name in needed)
     return given and all(name is None or name in states for name in named)
@@ -115,7 +119,7 @@ def _known(
     """
     chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
     found: dict[str, Variable | None] = dict.fromkeys(
-        [*(axis.dim for axis in case.axes), OF_REFINED]
+        [*(axis.dim for axis in case.axes), COMPUTED.name]
     )
     if with_motions:
         own = variables_of("history", get_model(case.model), case.options, {})
@@ -139,26 +143,21 @@ def _check_expected(
     claim: ClaimSpec, variable: Variable | None, place: Path, report: Report
 ) -> None:
     """Note a class that is expected of a number, and a number that is expected of a class."""
-    if variable is None or claim.share or claim.reduce:
+    if variable is None or claim.take:
         return
-    if variable.kind == "flag":
-        _check_of_class(claim.expect, variable, (*place, "expect"), report)
-    elif isinstance(claim.expect, str) and claim.expect not in TRENDS:
-        message = f"{claim.variable!r} is a number and has no class {claim.expect!r}"
+    classes = list(TABLES[variable.flags].codes) if variable.kind == "flag" else []
+    if not isinstance(claim.expect, OfClass):
+        if classes:
+            message = f"{variable.name!r} holds a class, not a number"
+            report.add((*place, "expect"), message, f'{listed(classes)}, or "not CLASS"')
+    elif not classes:
+        message = f"{claim.variable!r} is a number and has no class {claim.expect.name!r}"
         forms = '"increasing", "decreasing", { value, tolerance } or { less_than }'
         report.add((*place, "expect"), message, forms)
-
-
-def _check_of_class(expect: Any, variable: Variable, place: Path, report: Report) -> None:
-    classes = list(TABLES[variable.flags].codes)
-    if isinstance(expect, dict) and "interval" not in expect:
-        message = f"{variable.name!r} holds a class, not a number"
-        report.add(place, message, f'{listed(classes)}, or "not CLASS"')
-    elif isinstance(expect, str):
-        name = expect.removeprefix("not ")
-        if name not in classes and expect not in TRENDS:
-            message = f"{variable.name!r} has no class {name!r}"
-            report.add(place, message, listed(classes), suggest(name, classes))
+    elif claim.expect.name not in classes:
+        message = f"{variable.name!r} has no class {claim.expect.name!r}"
+        hint = suggest(claim.expect.name, classes)
+        report.add((*place, "expect"), message, listed(classes), hint)
 
 
 def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:

@@ -1,8 +1,8 @@
 """What a publication says, held against a dataset: confirmed, contradicted or undetermined.
 
 A claim selects points, and each point is a *hit*, a *miss* or *open*. Open is what the dataset
-cannot answer: a point that was not computed, or one whose class is undecided; of a share that is
-an interval, one whose two ends say different things. The verdict needs a number of hits (all of
+cannot answer: a point that was not computed, or one whose class is undecided; of what is taken and
+is an interval, one whose two ends say different things. The verdict needs a number of hits (all of
 the points, one, or a share): it is confirmed when the hits suffice even if every open point were a
 miss, contradicted when they would not suffice even if every open point were a hit, and undetermined
 in between. Open points that are no more than `HANDFUL` of them all leave the verdict to the rest;
@@ -14,23 +14,21 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from fiv_cli.case.case import ClaimSpec
+from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, name_of_only, numbers
-from fiv_cli.reading.known import unknown_points
-from fiv_cli.reading.reductions import reduced
-from fiv_cli.reading.shares import HIGH, LOW, SHARE, with_share
+from fiv_cli.reading.datasets import flag_names, name_of_only, numbers, unknown_points
+from fiv_cli.reading.take import ends_of, taken
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from fiv_cli.case.case import ClaimSpec
-
-    Analyses = Mapping[str, xr.Dataset]
+Analyses = Mapping[str, xr.Dataset]
+Stored = Callable[[str], Analyses | None]
+"""Name of another case -> its analyses, None where it has not been run."""
 
 CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermined"
 
@@ -39,6 +37,7 @@ HANDFUL = 0.005
 
 # Counterexamples that a finding names; the rest is counted.
 NAMED_MISSES = 3
+NOTHING = "no value"
 
 
 @dataclass(frozen=True)
@@ -87,24 +86,25 @@ class _Values:
 
     Attributes
     ----------
-    values : shape (n,)
-    low, high : ends of the interval that holds the value; equal where it is known, shape (n,)
+    low, high : the least and the greatest that each may be; one number where it is known
     open : the value is not known, shape (n,)
     row : flat index of the grid point (and start) of each value, shape (n,)
     rows : array over the grid (and start) that `row` counts in C order
     """
 
-    values: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
     open: np.ndarray
     row: np.ndarray
     rows: xr.DataArray
-    low: np.ndarray
-    high: np.ndarray
+
+    def trial(self, hit: np.ndarray, unsure: np.ndarray | bool, found: str) -> _Trial:
+        """Each value a hit, a miss, or open where it is not known or `unsure`."""
+        name = lambda row: point_name(self.rows, row)  # noqa: E731
+        return _Trial(hit & ~self.open, self.open | unsure, found, self.row, name)
 
 
-def evaluate(
-    claim: ClaimSpec, analyses: Analyses, other: Callable[[str], Analyses | None]
-) -> Verdict:
+def evaluate(claim: ClaimSpec, analyses: Analyses, other: Stored) -> Verdict:
     """Hold `claim` against the analyses of its case's dataset.
 
     Parameters
@@ -119,27 +119,32 @@ def evaluate(
     """
     try:
         dataset = _dataset_of(claim.variable, claim.analysis, analyses)
-        if claim.share:
-            dataset, claim = _counted(dataset, claim)
-        part = select.subset(dataset, claim.at, nearest=False)
-        part = reduced(part, claim.variable, claim.reduce) if claim.reduce else part
-        trial = _try(claim, part, other)
+        part, variable = _asked(dataset, claim)
+        match claim.expect:
+            case OfClass():
+                trial = _try_class(claim.expect, part, variable)
+            case Trend():
+                trial = _try_trend(claim.expect, part, variable)
+            case Bounds():
+                trial = _try_bounds(claim.expect, part, variable, claim.at, other)
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
     return _judge(trial, claim.holds)
 
 
-def _counted(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, ClaimSpec]:
-    """The dataset as the share that the claim is about, and the claim about it.
+def _asked(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, str]:
+    """The part of the dataset that a claim is about, and the variable of it.
 
-    What `at` says of axes that are counted along says what is counted; the rest selects shares.
+    What `at` says of axes along which something is taken says of what; the rest selects results.
     """
-    over = {name.replace(".", "_") for name in claim.share["over"]}
-    counted = {name: at for name, at in claim.at.items() if name.replace(".", "_") in over}
-    chosen = {name: at for name, at in claim.at.items() if name not in counted}
-    part = select.subset(dataset, counted, nearest=False)
-    part = with_share(part, claim.variable, claim.share)
-    return part, replace(claim, variable=SHARE, at=chosen)
+    if not claim.take:
+        return select.subset(dataset, claim.at, nearest=False), claim.variable
+    over = {name.replace(".", "_") for name in claim.take["over"]}
+    inner = {name: at for name, at in claim.at.items() if name.replace(".", "_") in over}
+    outer = {name: at for name, at in claim.at.items() if name not in inner}
+    part = select.subset(dataset, inner, nearest=False)
+    part = taken(part, claim.variable, claim.take)
+    return select.subset(part, outer, nearest=False), claim.take["what"]
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
@@ -195,134 +200,85 @@ def _where_missed(trial: _Trial) -> str:
     return f"not at {named}" + (f" and {rest} more" if rest > 0 else "") if named else ""
 
 
-def _try(claim: ClaimSpec, part: xr.Dataset, other: Callable[[str], Analyses | None]) -> _Trial:
-    expect = claim.expect
-    if expect in ("increasing", "decreasing"):
-        return _try_monotonic(claim.variable, expect, part)
-    if isinstance(expect, Mapping):
-        return _try_table(claim, expect, part, other)
-    return _try_class(claim.variable, expect, part)
-
-
-def _try_table(
-    claim: ClaimSpec,
-    expect: Mapping[str, Any],
-    part: xr.Dataset,
-    other: Callable[[str], Analyses | None],
-) -> _Trial:
-    if "interval" in expect:
-        return _try_interval(claim.variable, expect, part)
-    if "less_than" in expect:
-        return _try_less_than(claim, expect["less_than"], part, other)
-    return _try_value(claim.variable, expect, part)
-
-
-def _try_class(variable: str, expect: str, part: xr.Dataset) -> _Trial:
+def _try_class(expect: OfClass, part: xr.Dataset, variable: str) -> _Trial:
     """A class name, or ``not CLASS``."""
-    negated, name = _split_negation(expect)
-    found = _values(part, variable, allow_undecided=name == "undecided")
+    found = _values(part, variable, allow_undecided=expect.name == "undecided")
     classes = flag_names(part[variable].attrs)
-    hit = (found.values == _code_of(name, variable, classes)) != negated
-    return _trial(found, hit, _count_classes(found, classes))
-
-
-def _code_of(name: str, variable: str, classes: Mapping[int, str]) -> int:
-    for code, meaning in classes.items():
-        if meaning == name:
-            return code
-    allowed = ", ".join(classes.values()) or "none: it is no flag"
-    raise select.SelectionError(f"{name}: no class of {variable} ({allowed})")
-
-
-def _split_negation(expect: str) -> tuple[bool, str]:
-    return expect.startswith("not "), expect.removeprefix("not ").strip()
-
-
-def _count_classes(found: _Values, classes: Mapping[int, str]) -> str:
-    counts = Counter(found.values[~found.open].tolist())
+    if expect.name not in classes.values():
+        allowed = ", ".join(classes.values()) or "none: it is no flag"
+        raise select.SelectionError(f"{expect.name}: no class of {variable} ({allowed})")
+    codes = [code for code, name in classes.items() if name == expect.name]
+    hit = np.isin(found.low, codes) != expect.negated
+    counts = Counter(found.low[~found.open].tolist())
     named = [f"{classes.get(code, code)} {count}" for code, count in counts.most_common()]
-    return "found " + ", ".join(named) if named else ""
+    return found.trial(hit, False, "found " + ", ".join(named) if named else "")
 
 
-def _try_value(variable: str, expect: Mapping[str, Any], part: xr.Dataset) -> _Trial:
-    """``{ value, tolerance }``: each value lies within the (absolute) tolerance."""
+def _try_bounds(
+    expect: Bounds, part: xr.Dataset, variable: str, at: Mapping[str, Any], other: Stored
+) -> _Trial:
+    """Each value lies between numbers, or what another case holds at the same point."""
     found = _values(part, variable)
-    value, tolerance = float(expect["value"]), float(expect["tolerance"])
-    least, greatest = value - tolerance, value + tolerance
+    least, greatest = (_bound(end, at, found, other) for end in (expect.least, expect.greatest))
+    of_others = [bound for bound in (least, greatest) if bound.ndim]
+    if expect.strict:
+        least, greatest = _beside(least, math.inf), _beside(greatest, -math.inf)
     hit = (found.low >= least) & (found.high <= greatest)
-    missed = (found.high < least) | (found.low > greatest) | np.isnan(found.values)
-    return _trial(found, hit, _range(found, part[variable]), ~hit & ~missed)
+    may_be = (found.low <= greatest) & (found.high >= least)
+    unsure = np.isnan(least) | np.isnan(greatest) | (may_be & ~hit)
+    against = [f"against {_span(bound, bound)}" for bound in of_others]
+    words = [_range(found, part[variable]), *against]
+    return found.trial(hit, unsure, ", ".join(words))
 
 
-def _range(found: _Values, variable: xr.DataArray) -> str:
-    """The values found, from least to greatest, with their unit."""
-    known = ~found.open & ~np.isnan(found.values)
-    unit = str(variable.attrs.get("units", "1"))
-    unit = "" if unit == "1" else f" {unit}"
-    if not known.any():
-        return "no value found"
-    low, high = found.low[known].min(), found.high[known].max()
-    span = f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
-    return f"found {span}{unit}"
+def _beside(bound: np.ndarray, side: float) -> np.ndarray:
+    """The first double on one side of a bound that is not to be reached."""
+    return np.where(np.isfinite(bound), np.nextafter(bound, side), bound)
 
 
-def _try_interval(variable: str, expect: Mapping[str, Any], part: xr.Dataset) -> _Trial:
-    """``{ interval = [a, b], tolerance }``: what is found reaches from a to b, and no further.
-
-    With ``of = CLASS`` (or ``"not CLASS"``) it is about the values of the one axis that is left
-    at which `variable` has that class; without, about the values of `variable` themselves.
-    """
-    undecided = "undecided" in str(expect.get("of"))
-    found = _values(part, variable, allow_undecided=undecided)
-    if "of" in expect:
-        found = _axis_values_where(found, str(expect["of"]), variable, part)
-    wide = found.low < found.high
-    values = np.where(wide, np.nan, found.values)
-    found = _exact(values, found.open | wide, found.row, found.rows)
-    low, high = (float(bound) for bound in expect["interval"])
-    tolerance = float(expect["tolerance"])
-    ends = (
-        _end(low - found.values, found.open, tolerance),
-        _end(found.values - high, found.open, tolerance),
-    )
-    label = _one_axis(part) if "of" in expect else part[variable]
-    return _Trial(
-        np.array([end == "hit" for end in ends]),
-        np.array([end == "open" for end in ends]),
-        _range(found, label),
-        np.arange(2),
-        lambda end: "",
-        "ends",
-    )
+def _bound(bound: Bound, at: Mapping[str, Any], found: _Values, other: Stored) -> np.ndarray:
+    """A number, or the value of ``CASE:variable`` at the point of each value found, else NaN."""
+    if not isinstance(bound, str):
+        return np.array(bound)
+    case, _, variable = bound.rpartition(":")
+    analyses = other(case)
+    if analyses is None:
+        raise select.SelectionError(f"{case} has not been run")
+    dataset = _dataset_of(variable, "", analyses)
+    axes = select.axis_names(dataset)
+    shared = {name: wanted for name, wanted in at.items() if name.replace(".", "_") in axes}
+    part = select.subset(dataset, shared, nearest=False)
+    array = numbers(part[variable]).where(~unknown_points(part, variable, False))
+    return np.asarray(_at_points_of(array, found.rows).values.ravel()[found.row])
 
 
-def _end(excess: np.ndarray, unknown: np.ndarray, tolerance: float) -> str:
-    """Whether one end of an interval is a "hit", a "miss" or "open".
-
-    Parameters
-    ----------
-    excess : how far each value goes beyond the end, shape (n,); NaN: that is not known either
-    unknown : the value may be there or not, shape (n,)
-    """
-    known = np.nanmax(excess[~unknown], initial=-math.inf)
-    maybe = excess[unknown]
-    may_reach = bool((np.isnan(maybe) | (np.abs(maybe) <= tolerance)).any())
-    may_exceed = bool((np.isnan(maybe) | (maybe > tolerance)).any())
-    if known > tolerance:
-        return "miss"
-    if known >= -tolerance:
-        return "open" if may_exceed else "hit"
-    return "open" if may_reach else "miss"
-
-
-def _axis_values_where(found: _Values, name: str, variable: str, part: xr.Dataset) -> _Values:
-    negated, name = _split_negation(name)
-    code = _code_of(name, variable, flag_names(part[variable].attrs))
+def _try_trend(expect: Trend, part: xr.Dataset, variable: str) -> _Trial:
+    """Each step along the one axis left goes the right way; labels are lines of their own."""
     axis = _one_axis(part)
-    place = np.unravel_index(found.row, found.rows.shape)[found.rows.dims.index(axis.dims[0])]
-    values = axis.values[place].astype(float)
-    wanted = found.open | ((found.values == code) != negated)
-    return _exact(values[wanted], found.open[wanted], found.row[wanted], found.rows)
+    if axis.dims[0] not in part[variable].dims:
+        raise select.SelectionError(f"{variable}: not one value per point along {axis.dims[0]}")
+    known = ~unknown_points(part, variable, False)
+    ends = (numbers(end).where(known & np.isfinite(end)) for end in ends_of(part, variable))
+    low, high = (end.transpose(..., axis.dims[0]).values for end in ends)
+    least, greatest = low[..., 1:] - high[..., :-1], high[..., 1:] - low[..., :-1]
+    if not expect.rises:
+        least, greatest = -greatest, -least
+    # a step is open where an end of it has no value, or where its ends overlap
+    unsure = np.isnan(least) | ((least <= 0.0) & (greatest > 0.0))
+    return _Trial(
+        (least > 0.0).ravel(),
+        unsure.ravel(),
+        _range(_values(part, variable), part[variable]),
+        np.arange(least.size),
+        lambda step: _step_name(axis, step),
+        "steps",
+    )
+
+
+def _step_name(axis: xr.DataArray, step: int) -> str:
+    """A step by its ends; steps are counted line after line."""
+    begin = step % (axis.size - 1)
+    return f"{axis.name} = {axis.values[begin]:g} to {axis.values[begin + 1]:g}"
 
 
 def _one_axis(part: xr.Dataset) -> xr.DataArray:
@@ -331,7 +287,7 @@ def _one_axis(part: xr.Dataset) -> xr.DataArray:
     left = {
         str(axis.dims[0]): axis
         for axis in axes
-        if axis.size > 1 and select.is_numeric(axis) and str(axis.dims[0]) in _grid_dims(part)
+        if axis.size > 1 and select.is_numeric(axis) and str(axis.dims[0]) in part["status"].dims
     }
     if len(left) != 1:
         names = ", ".join(left) or "none"
@@ -341,109 +297,8 @@ def _one_axis(part: xr.Dataset) -> xr.DataArray:
     return next(iter(left.values()))
 
 
-def _try_monotonic(variable: str, expect: str, part: xr.Dataset) -> _Trial:
-    """Each step along the one axis left goes the right way; labels are lines of their own."""
-    axis = _one_axis(part)
-    ends = [_lines_along(part, name, str(axis.dims[0])) for name in _ends_of(part, variable)]
-    (low, unknown), (high, _) = ends
-    least, greatest, open_ = _steps(low, high, unknown, expect == "increasing")
-    open_ |= (least <= 0.0) & (greatest > 0.0)
-    known = _Values(
-        low.ravel(), unknown.ravel(), np.arange(low.size), part[variable], low.ravel(), high.ravel()
-    )
-    return _Trial(
-        (least > 0.0).ravel() & ~open_.ravel(),
-        open_.ravel(),
-        _range(known, part[variable]),
-        np.arange(least.size),
-        lambda step: _step_name(axis, step),
-        "steps",
-    )
-
-
-def _lines_along(part: xr.Dataset, variable: str, dim: str) -> tuple[np.ndarray, np.ndarray]:
-    """Values and whether they are unknown, shape (lines, points along `dim`)."""
-    if dim not in part[variable].dims:
-        raise select.SelectionError(f"{variable}: not one value per point along {dim}")
-    array = numbers(part[variable]).transpose(..., dim)
-    unknown = unknown_points(part, variable, False).broadcast_like(array).transpose(*array.dims)
-    shape = (-1, array.sizes[dim])
-    return array.values.reshape(shape), unknown.values.reshape(shape)
-
-
-def _steps(
-    low: np.ndarray, high: np.ndarray, unknown: np.ndarray, rising: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Least and greatest steps between neighbours in the sense asked for, and which are open.
-
-    A step is open where an end of it has no value.
-    """
-    missing = unknown | ~np.isfinite(low)
-    below, above = np.where(missing, np.nan, low), np.where(missing, np.nan, high)
-    least, greatest = below[:, 1:] - above[:, :-1], above[:, 1:] - below[:, :-1]
-    least, greatest = (least, greatest) if rising else (-greatest, -least)
-    return least, greatest, missing[:, 1:] | missing[:, :-1]
-
-
-def _step_name(axis: xr.DataArray, step: int) -> str:
-    """A step by its ends; steps are counted line after line."""
-    begin = step % (axis.size - 1)
-    return f"{axis.name} = {axis.values[begin]:g} to {axis.values[begin + 1]:g}"
-
-
-def _try_less_than(
-    claim: ClaimSpec,
-    bound: Any,
-    part: xr.Dataset,
-    other: Callable[[str], Analyses | None],
-) -> _Trial:
-    """Each value lies below a number, or below another case's value at the same point."""
-    found = _values(part, claim.variable)
-    if isinstance(bound, int | float):
-        bounds, open_ = np.full(found.values.shape, float(bound)), found.open
-    else:
-        bounds, missing = _other_values(claim, str(bound), found, other)
-        open_ = found.open | missing
-    hit = (found.high < bounds) & ~open_
-    return _trial(
-        replace(found, open=open_),
-        hit,
-        f"{_range(found, part[claim.variable])}, against {_span(bounds)}",
-        ~hit & (found.low < bounds),
-    )
-
-
-def _span(values: np.ndarray) -> str:
-    known = values[~np.isnan(values)]
-    return f"{known.min():.6g} to {known.max():.6g}" if known.size else "nothing"
-
-
-def _other_values(
-    claim: ClaimSpec, bound: str, found: _Values, other: Callable[[str], Analyses | None]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Value of ``CASE:variable`` at the point of each value found, and where there is none."""
-    case, _, variable = bound.rpartition(":")
-    analyses = other(case)
-    if analyses is None:
-        raise select.SelectionError(f"{case} has not been run")
-    dataset = _dataset_of(variable, "", analyses)
-    shared = {
-        name: wanted
-        for name, wanted in claim.at.items()
-        if name.replace(".", "_") in select.axis_names(dataset)
-    }
-    partner = select.subset(dataset, shared, nearest=False)
-    array = numbers(partner[variable])
-    array = array.where(~unknown_points(partner, variable, False))
-    matched = _at_points_of(array, found.rows)
-    values = matched.values.ravel()[found.row]
-    return values, np.isnan(values)
-
-
 def _at_points_of(array: xr.DataArray, points: xr.DataArray) -> xr.DataArray:
     """`array` at the coordinates of `points`: NaN where it has no such point."""
-    import xarray as xr
-
     alone = [dim for dim in array.dims if dim not in points.dims]
     if any(array.sizes[dim] > 1 for dim in alone):
         raise select.SelectionError(
@@ -452,7 +307,7 @@ def _at_points_of(array: xr.DataArray, points: xr.DataArray) -> xr.DataArray:
     array = array.isel(dict.fromkeys(alone, 0), drop=True)
     for dim in array.dims:
         array = _reindexed(array, str(dim), select.axis_of(points.to_dataset(name="p"), str(dim)))
-    return xr.broadcast(array, points, exclude=[])[0].transpose(*points.dims)
+    return xr.broadcast(array, points)[0].transpose(*points.dims)
 
 
 def _reindexed(array: xr.DataArray, dim: str, axis: xr.DataArray) -> xr.DataArray:
@@ -467,17 +322,46 @@ def _reindexed(array: xr.DataArray, dim: str, axis: xr.DataArray) -> xr.DataArra
     return array.reindex({dim: axis.values}, method="nearest", tolerance=tolerance)
 
 
-def _trial(
-    found: _Values, hit: np.ndarray, text: str, between: np.ndarray | bool = False
-) -> _Trial:
-    """A trial; `between`: where the two ends of an interval say different things."""
-    return _Trial(
-        hit & ~found.open,
-        found.open | between,
-        text,
-        found.row,
-        lambda row: point_name(found.rows, row),
-    )
+def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _Values:
+    """Every value of `variable` in `part`; padding along its own dims is left out."""
+    rows = part["status"]
+    sizes = select.row_sizes(part, variable)
+    if sizes is not None:
+        return _ragged_values(part, variable, sizes)
+    row = rows.copy(data=np.arange(rows.size).reshape(rows.shape))
+    unknown = unknown_points(part, variable, allow_undecided)
+    arrays = xr.broadcast(*map(numbers, ends_of(part, variable)), unknown, row)
+    low, high, is_open, place = (a.transpose(*rows.dims, ...).values.ravel() for a in arrays)
+    padded = not set(part[variable].dims) <= set(rows.dims)
+    kept = ~np.isnan(low) | is_open | (not padded)
+    return _Values(low[kept], high[kept], is_open[kept], place[kept], rows)
+
+
+def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Values:
+    """Observations of every row; a row that is not known stands as one open value."""
+    rows = part["status"]
+    unknown = unknown_points(part, variable, False).values.ravel()
+    row = select.row_of_each(sizes.transpose(*rows.dims))
+    known = ~unknown[row]
+    open_rows = np.flatnonzero(unknown)
+    values = np.concatenate([part[variable].values[known], np.full(open_rows.size, np.nan)])
+    is_open = np.arange(values.size) >= known.sum()
+    return _Values(values, values, is_open, np.concatenate([row[known], open_rows]), rows)
+
+
+def _range(found: _Values, variable: xr.DataArray) -> str:
+    """The values found, from least to greatest, with their unit."""
+    known = ~found.open
+    span, unit = _span(found.low[known], found.high[known]), str(variable.attrs.get("units", "1"))
+    return f"found {span}" if unit == "1" or span == NOTHING else f"found {span} {unit}"
+
+
+def _span(low: np.ndarray, high: np.ndarray) -> str:
+    known = np.isfinite(low) & np.isfinite(high)
+    if not known.any():
+        return NOTHING
+    least, greatest = low[known].min(), high[known].max()
+    return f"{least:.6g}" if least == greatest else f"{least:.6g} to {greatest:.6g}"
 
 
 def point_name(points: xr.DataArray, row: int) -> str:
@@ -494,58 +378,6 @@ def point_name(points: xr.DataArray, row: int) -> str:
 
 def _shown(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float | np.floating) else str(value)
-
-
-def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _Values:
-    """Every value of `variable` in `part`; padding along its own dims is left out."""
-    rows = _rows(part)
-    sizes = select.row_sizes(part, variable)
-    if sizes is not None:
-        return _ragged_values(part, variable, rows, sizes)
-    array = numbers(part[variable]).transpose(*rows.dims, ..., missing_dims="ignore")
-    own = [dim for dim in array.dims if dim not in rows.dims]
-    array = array.broadcast_like(rows).transpose(*rows.dims, *own)
-    per_row = math.prod(array.sizes[dim] for dim in own)
-    row = np.repeat(np.arange(rows.size), per_row)
-    unknown = unknown_points(part, variable, allow_undecided).values.ravel()[row]
-    flat = array.values.ravel()
-    kept = ~np.isnan(flat) | unknown if own else np.ones(flat.shape, bool)
-    if variable == SHARE:
-        low, high = (part[name].transpose(*rows.dims).values.ravel() for name in (LOW, HIGH))
-        return _Values(flat, unknown, row, rows, low, high)
-    return _exact(flat[kept], unknown[kept], row[kept], rows)
-
-
-def _exact(values: np.ndarray, unknown: np.ndarray, row: np.ndarray, rows: xr.DataArray) -> _Values:
-    """Values that are no intervals."""
-    return _Values(values, unknown, row, rows, values, values)
-
-
-def _ends_of(part: xr.Dataset, variable: str) -> tuple[str, str]:
-    """The variables that hold the two ends of the interval of a variable."""
-    return (LOW, HIGH) if variable == SHARE else (variable, variable)
-
-
-def _ragged_values(
-    part: xr.Dataset, variable: str, rows: xr.DataArray, sizes: xr.DataArray
-) -> _Values:
-    """Observations of every row; a row that is not known stands as one open value."""
-    unknown = unknown_points(part, variable, False).values.ravel()
-    row = select.row_of_each(sizes.transpose(*rows.dims))
-    known = ~unknown[row]
-    open_rows = np.flatnonzero(unknown)
-    values = np.concatenate([part[variable].values[known], np.full(open_rows.size, np.nan)])
-    unknown = np.arange(values.size) >= known.sum()
-    return _exact(values, unknown, np.concatenate([row[known], open_rows]), rows)
-
-
-def _grid_dims(part: xr.Dataset) -> tuple[str, ...]:
-    return tuple(str(dim) for dim in part["status"].dims)
-
-
-def _rows(part: xr.Dataset) -> xr.DataArray:
-    """The points: the grid (and starts), in C order."""
-    return part["status"]
 
 
 def tally(verdicts: list[str]) -> str:

@@ -3,7 +3,8 @@
 Status and class are compared exactly. Numbers are compared where both sides are equilibrium or
 periodic, or where the analysis knows no classes; quasi-periodic and chaotic motions only by L_s
 and by the shares of time, within the error of a finite window, because two computations of such
-a motion agree for a while only.
+a motion agree for a while only. What says how an answer was reached (how far to trust it, what it
+cost) is left out unless a tolerance is given.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import Role
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
@@ -25,16 +28,6 @@ Mask = NDArray[np.bool_]
 
 EXACT_CLASSES = ("equilibrium", "periodic", "contact_lost")
 SAMPLED_CLASSES = ("quasiperiodic", "chaotic")
-SAMPLED = ("L_s", "stick_fraction", "slip_fraction", "separation_fraction")
-
-NOT_NUMBERS = ("status", "reason")
-"""Compared exactly, at every point."""
-
-WORK = (
-    *("n_steps", "n_events", "energy_residual", "event_residual", "residual", "transient_used"),
-    *("decay_margin", "cycle_residual", "section_drift"),
-)
-"""Says how an answer was reached; it is left out unless a tolerance is given."""
 
 
 @dataclass(frozen=True)
@@ -183,10 +176,10 @@ class _Classes:
         """Where `name` is compared with its own tolerance, and where with that of sampling."""
         if "attractor" not in self._left or "attractor" not in self._right:
             return True, False
-        if name in NOT_NUMBERS or name == "attractor":
+        if named(name).role is Role.STATUS or name == "attractor":
             return True, False
         exact = self._both(EXACT_CLASSES)
-        sampled = self._both(SAMPLED_CLASSES) if name in SAMPLED else False
+        sampled = self._both(SAMPLED_CLASSES) if named(name).statistic else False
         return exact, sampled
 
     def _both(self, classes: Iterable[str]) -> xr.DataArray:
@@ -212,7 +205,7 @@ def _compare_variable(
         text = f"{a.dtype} over {a.dims} against {b.dtype} over {b.dims}"
         yield Difference(prefix + name, text)
         return
-    if name in WORK and name not in tolerances.variables:
+    if named(name).tells_trust and name not in tolerances.variables:
         return
     owner, other = _ragged_owner(left, a), _ragged_owner(right, b)
     if owner != other:

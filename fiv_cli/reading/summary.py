@@ -7,28 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.analyses.variables import Role, Variable
 from fiv_cli.data.refined import described
 from fiv_cli.flags import NOT_COMPUTED, REASON, advice
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import point_name
-from fiv_cli.reading.datasets import flag_names, numbers
+from fiv_cli.reading.datasets import flag_names, numbers, variables_in
 
 if TYPE_CHECKING:
     import xarray as xr
-
-# How far to trust a number: the greatest is the worst, but for margins, of which it is the least.
-TRUST = (
-    *("decay_margin", "cycle_residual", "section_drift", "energy_residual", "event_residual"),
-    *("residual", "transient_used", "n_steps", "n_events"),
-)
-MARGINS = ("decay_margin",)
-
-# Flags of which every class is counted.
-COUNTED = (
-    *("status", "reason", "attractor", "stable", "crossing_kind", "crossing_direction"),
-    *("class_below", "class_above", "computed"),
-    *("complete", "cycle_end_kind", "cycle_lowest_kind", "cycle_highest_kind"),
-)
 
 # Labels of an axis that are all listed; of more, the first and the last.
 MOST_NAMES = 8
@@ -55,13 +42,16 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
         "counts": {
-            name: _counts(dataset[name], dataset["status"].ndim)
-            for name in COUNTED
-            if name in dataset
+            flag.name: _counts(dataset[flag.name], dataset["status"].ndim)
+            for flag in variables_in(dataset, Role.STATUS, Role.CLASS)
         },
         "advice": _advice(dataset),
         "ranges": _ranges(dataset),
-        "trust": {name: _worst(dataset, name) for name in TRUST if _is_number(dataset, name)},
+        "trust": {
+            variable.name: _worst(dataset, variable)
+            for variable in variables_in(dataset, Role.TRUST, Role.WORK)
+            if _is_number(dataset, variable.name)
+        },
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
 
@@ -109,8 +99,9 @@ def _is_number(dataset: xr.Dataset, name: str) -> bool:
 def _ranges(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Least and greatest value of every variable of numbers that has any."""
     counts = {str(sizes.name) for sizes in select.ragged_dims(dataset).values()}
+    told = counts | {variable.name for variable in variables_in(dataset, Role.TRUST, Role.WORK)}
     names = [str(name) for name in dataset.data_vars if _is_number(dataset, str(name))]
-    ranges = {name: _range(dataset[name]) for name in names if name not in {*counts, *TRUST}}
+    ranges = {name: _range(dataset[name]) for name in names if name not in told}
     return {name: found for name, found in ranges.items() if found}
 
 
@@ -127,14 +118,15 @@ def _range(variable: xr.DataArray) -> dict[str, Any]:
     }
 
 
-def _worst(dataset: xr.Dataset, name: str) -> dict[str, Any]:
+def _worst(dataset: xr.Dataset, variable: Variable) -> dict[str, Any]:
     """The worst value and the point where it occurs; nothing where none is known."""
+    name = variable.name
     values = numbers(dataset[name])
     ragged = select.row_sizes(dataset, name)
     flat = np.abs(values.values.ravel())
     if not np.isfinite(flat).any():
         return {}
-    place = int(np.nanargmin(flat) if name in MARGINS else np.nanargmax(flat))
+    place = int(np.nanargmin(flat) if variable.margin else np.nanargmax(flat))
     row = values if ragged is None else ragged
     index = place if ragged is None else int(select.row_of_each(ragged)[place])
     units = str(values.attrs.get("units", dataset[name].attrs.get("units", "1")))

@@ -1,41 +1,40 @@
-"""One point of a sweep again, with its full motion."""
+"""One point of a sweep again, with its full motion: planned and run as a case of its own."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Outcome, Start
-from fiv_cli.analyses.execute import Request, execute, prepare
-from fiv_cli.case.case import Axis, Case
+from fiv_cli.analyses.base import Outcome
+from fiv_cli.case.case import AnalysisSpec, Axis, Case
+from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.assemble import assemble
-from fiv_cli.data.block import pack
-from fiv_cli.data.layout import Dim, Layout
+from fiv_cli.data.layout import Dim
+from fiv_cli.data.netcdf import global_attributes, write_datasets
+from fiv_cli.data.provenance import provenance
 from fiv_cli.errors import UsageError
-from fiv_cli.flags import advice
+from fiv_cli.flags import REASONS, STATUS, advice
 from fiv_cli.models import get_model
+from fiv_cli.notation.units import convert
+from fiv_cli.sweep.output import check_output
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
-from fiv_cli.sweep.points import (
-    StartEntry,
-    Values,
-    continued_start,
-    exclusion,
-    parameters_at,
-    point_key,
-    request_at,
-    resolve_start,
-)
-from fiv_cli.sweep.worker import Segment, Task, run_task
+from fiv_cli.sweep.points import Values, request_at
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.worker import ChainState, Segment, Task, imported, run_task
 
 NEAR = 1e-9
 """Relative distance within which a number names a value of an axis."""
+
+MARK = "point"
+"""Global attribute that only the motion of a single point has."""
 
 
 @dataclass(frozen=True)
@@ -62,16 +61,77 @@ def find_point(case: Case, at: Mapping[str, str]) -> Point:
     Raises
     ------
     UsageError
-        `at` is off the grid or names something else, or the point is not computed at all.
+        `at` is off the grid, names something else or leaves an axis open, or the point is not
+        computed at all.
     """
     analysis = _with_starts(case)
-    position, place = locate(analysis, _canonical(case, at))
-    _refuse_excluded(analysis, analysis.point(position)[0])
-    return Point(case, analysis, position, place)
+    layout = analysis.layout
+    dims = [*layout.dims, Dim((Axis("initial", "start", layout.labels or ()),))]
+    names = [axis.name for dim in dims for axis in dim.axes]
+    for name in at:
+        if name not in names:
+            raise UsageError(
+                f"--at {name}: no axis of this case\nnext: choose from {', '.join(names)}"
+            )
+    written = _canonical(case, at)
+    indices = [_index_along(dim, written) for dim in dims]
+    values = [axis.values[i] for dim, i in zip(dims, indices, strict=True) for axis in dim.axes]
+    _refuse_excluded(analysis, tuple(values[:-1]))
+    position = int(np.ravel_multi_index(indices, layout.shape))
+    return Point(case, analysis, position, dict(zip(names, values, strict=True)))
+
+
+def motion_settings(t_end: float | str | None, sample: float | str | None) -> dict[str, float]:
+    """Settings of ``history`` as they are given, with or without a unit; the others are left out.
+
+    Raises
+    ------
+    UsageError
+        one is no positive time.
+    """
+    given = {"t_end": t_end, "sample": sample}
+    return {name: _seconds(name, value) for name, value in given.items() if value is not None}
+
+
+def _seconds(name: str, value: float | str) -> float:
+    option = f"--{name.replace('_', '-')}"
+    number = _number(value)
+    try:
+        seconds = convert(value if number is None else number, "s")
+    except ValueError as error:
+        raise UsageError(
+            f'{option} {value}: {error}\nnext: {option} 20 or {option} "2 min"'
+        ) from error
+    if not 0.0 < seconds < float("inf"):
+        raise UsageError(f"{option} {value}: must be a positive time\nnext: {option} 20")
+    return seconds
+
+
+def write_motion(
+    point: Point, settings: Mapping[str, float], path: Path, announce: Callable[[str], None]
+) -> Outcome:
+    """Run one point as `run_again`, and write its motion to `path`.
+
+    Raises
+    ------
+    UsageError, StorageError
+        `path` cannot be written, or holds a whole sweep.
+    """
+    check_output(path, "", fresh=True)
+    if path.exists() and MARK not in (global_attributes(path) or {}):
+        raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
+    dataset, outcome = run_again(point, settings, announce)
+    attributes = provenance(point.case, fingerprint(point.case))
+    attributes[MARK] = ", ".join(f"{name}={value}" for name, value in point.place.items())
+    write_datasets(path, {"history": dataset}, attributes)
+    return outcome
 
 
 def run_again(
-    point: Point, settings: Mapping[str, float], announce: Callable[[str], None]
+    point: Point,
+    settings: Mapping[str, float],
+    announce: Callable[[str], None],
+    policy: Policy | None = None,
 ) -> tuple[xr.Dataset, Outcome]:
     """Run one point as an analysis ``history``.
 
@@ -79,50 +139,52 @@ def run_again(
     ----------
     settings : of the analysis ``history``; what is left out keeps the case's or the default
     announce : told when something must be compiled
+    policy : says what prepares and runs a point
 
     Returns
     -------
-    an analysis ``history`` over dims of size one, and what the run came to
-    """
-    analysis = point.analysis
-    values, index = analysis.point(point.position)
-    full = _settings(point.case, settings)
-    start = _start(analysis, point.position, values, analysis.entry(index), announce)
-    request = _as_history(request_at(analysis.template, values, start), full)
-    prepare([request], announce)
-    outcome = execute(request)
-    return _dataset(analysis, point.position, full, outcome), outcome
-
-
-def locate(analysis: AnalysisPlan, at: Mapping[str, str]) -> tuple[int, dict[str, Any]]:
-    """Position of the point that `at` names, and its coordinates.
+    an analysis ``history`` over dims of size one, and what the run came to, without its values
 
     Raises
     ------
     UsageError
-        an unknown name, a value that is none of the axis, or an axis left open.
+        the branch that the point lies on ends before it.
     """
-    layout = analysis.layout
-    names = [axis.name for dim in layout.dims for axis in dim.axes]
-    known = [*names, *(["initial"] if layout.labels is not None else [])]
-    for name in at:
-        if name not in known:
-            raise UsageError(
-                f"--at {name}: no axis of this case\nnext: choose from {', '.join(known)}"
-            )
-    indices = [_index_along(dim, at) for dim in layout.dims]
-    if layout.labels is not None:
-        indices.append(_pick("initial", layout.labels, at.get("initial")))
-    position = int(np.ravel_multi_index(indices, layout.shape)) if indices else 0
-    return position, _place(analysis, position)
+    policy = policy or Policy()
+    (alone,) = make_plan(_alone(point, settings)).analyses
+    prepare = imported(policy.preparer)
+    prepare(alone.systems(), announce)
+    _, start = point.analysis.point(point.position)
+    values, _ = alone.point(start)
+    before = _points_before(point, start)
+    state = None
+    if before:
+        prepare([request_at(point.analysis.template, values, None)], announce)
+        state = _state_after(before, start, point.analysis, policy.executor)
+    segment = Segment((values,), start, state)
+    block = run_task(_task(alone, segment, policy.executor)).block
+    status = STATUS.names[int(block.status[0])]
+    reason = REASONS[int(block.reason[0])].name
+    if status == "not_reached":
+        branch = point.place["initial"]
+        raise UsageError(
+            f"--at: the branch {branch!r} ends before this point\nnext: {advice(reason)}"
+        )
+    layout = replace(alone.layout, labels=(point.place["initial"],))
+    dataset = assemble(layout, lambda: [(np.zeros(1, np.int64), block)])
+    return dataset, Outcome(status, reason, message=block.messages.get(0, ""))
 
 
-def _place(analysis: AnalysisPlan, position: int) -> dict[str, Any]:
-    values, index = analysis.point(position)
-    names = [name for name, _ in analysis.template.axes]
-    place: dict[str, Any] = dict(zip(names, values, strict=True))
-    entry = analysis.entry(index)
-    return place if entry is None else {**place, "initial": entry.label}
+# --- which point ----------------------------------------------------------------------------------
+def _with_starts(case: Case) -> AnalysisPlan:
+    """The analysis whose points are run again: the first that has starts."""
+    for analysis in make_plan(case).analyses:
+        if analysis.layout.labels is not None:
+            return analysis
+    raise UsageError(
+        f"{case.source}: no analysis of this case has starts, so there is no motion to show\n"
+        "next: give it an [[analysis]] of kind response or history"
+    )
 
 
 def _canonical(case: Case, at: Mapping[str, str]) -> dict[str, str]:
@@ -136,48 +198,24 @@ def _canonical(case: Case, at: Mapping[str, str]) -> dict[str, str]:
     return texts
 
 
-def _with_starts(case: Case) -> AnalysisPlan:
-    """The analysis whose points are run again: the first that has starts."""
-    for analysis in make_plan(case).analyses:
-        if analysis.layout.labels is not None:
-            return analysis
-    raise UsageError(
-        f"{case.source}: no analysis of this case has starts, so there is no motion to show\n"
-        "next: give it an [[analysis]] of kind response or history"
-    )
-
-
 def _index_along(dim: Dim, at: Mapping[str, str]) -> int:
-    """Index along a dim; zipped axes must agree."""
-    if len(dim.axes) > 1:
-        return _index_of_tuple(dim, at)
-    axis = dim.axes[0]
-    return _pick(axis.name, axis.values, at.get(axis.name))
-
-
-def _index_of_tuple(dim: Dim, at: Mapping[str, str]) -> int:
-    """Index along zipped axes: where all that is given holds."""
+    """Index along a dim of the only place at which all that is given holds."""
+    given = [axis for axis in dim.axes if axis.name in at]
     fitting = [
-        i
-        for i in range(dim.size)
-        if all(_same(axis.values[i], at[axis.name]) for axis in dim.axes if axis.name in at)
+        i for i in range(dim.size) if all(_same(axis.values[i], at[axis.name]) for axis in given)
     ]
     if len(fitting) == 1:
         return fitting[0]
+    for axis in given:
+        if not any(_same(value, at[axis.name]) for value in axis.values):
+            raise _off_the_grid(axis, at[axis.name])
     names = ", ".join(axis.name for axis in dim.axes)
-    what = "several points fit" if fitting else "no point fits"
-    raise UsageError(f"--at: {what} along {names}\nnext: `fiv check` prints the axes")
-
-
-def _pick(name: str, values: tuple[Any, ...], text: str | None) -> int:
-    if text is None and len(values) == 1:
-        return 0
-    if text is None:
-        raise UsageError(f"--at: {name} is left open\nnext: --at {name}={values[0]}")
-    fitting = [i for i, value in enumerate(values) if _same(value, text)]
     if not fitting:
-        raise UsageError(f"--at {name}={text}: off the grid\nnext: {_nearest(name, values, text)}")
-    return fitting[0]
+        raise UsageError(f"--at: no point fits along {names}\nnext: `fiv check` prints the axes")
+    left = next(axis for axis in dim.axes if axis.name not in at)
+    raise UsageError(
+        f"--at: several points fit along {names}\nnext: --at {left.name}={left.values[fitting[0]]}"
+    )
 
 
 def _same(value: Any, text: str) -> bool:
@@ -187,35 +225,48 @@ def _same(value: Any, text: str) -> bool:
     return number is not None and abs(number - value) <= NEAR * max(abs(number), abs(value))
 
 
-def _number(text: str) -> float | None:
+def _number(text: float | str) -> float | None:
     try:
         return float(text)
     except ValueError:
         return None
 
 
-def _nearest(name: str, values: tuple[Any, ...], text: str) -> str:
-    number = _number(text)
-    if isinstance(values[0], str) or number is None:
-        return f"choose from {', '.join(map(str, values[:12]))}"
-    return f"the nearest is --at {name}={min(values, key=lambda value: abs(value - number))}"
+def _off_the_grid(axis: Axis, text: str) -> UsageError:
+    number, first = _number(text), axis.values[:12]
+    if isinstance(first[0], str) or number is None:
+        hint = f"choose from {', '.join(map(str, first))}"
+    else:
+        nearest = min(axis.values, key=lambda value: abs(value - number))
+        hint = f"the nearest is --at {axis.name}={nearest}"
+    return UsageError(f"--at {axis.name}={text}: off the grid\nnext: {hint}")
 
 
 def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
-    reason = exclusion(analysis.template, parameters_at(analysis.template, values))
-    if reason:
-        raise UsageError(f"--at: this point is not computed: {reason}\nnext: {advice(reason)}")
+    unmet = analysis.unmet(values)
+    if unmet is not None:
+        message = f"--at: this point is not computed: {unmet.reason}"
+        raise UsageError(f"{message}\nnext: {advice(unmet.reason)}")
 
 
-def _settings(case: Case, given: Mapping[str, float]) -> dict[str, Any]:
-    """Settings of ``history``: given here, or by the case, or the default."""
-    settings = {setting.name: setting.default for setting in get_analysis("history").settings}
+# --- its motion -----------------------------------------------------------------------------------
+def _alone(point: Point, settings: Mapping[str, float]) -> Case:
+    """The case of this point alone, whose only analysis is ``history``."""
+    case = point.case
+    spec = AnalysisSpec("history", "history", {**_settings(case), **settings})
+    axes = tuple(replace(axis, values=(point.place[axis.name],)) for axis in case.axes)
+    return replace(case, axes=axes, analyses=(spec,), figures=(), claims=(), refinement=None)
+
+
+def _settings(case: Case) -> dict[str, Any]:
+    """Settings of ``history``: those that the case gives it, or the defaults."""
+    settings = get_analysis("history").default_settings
     for spec in case.analyses:
         if spec.kind == "history":
-            settings |= dict(spec.settings)
+            settings |= spec.settings
     if settings["t_end"] is None:
         settings["t_end"] = next(_ends(case), None)
-    return {**settings, **given}
+    return settings
 
 
 def _ends(case: Case) -> Iterator[float]:
@@ -228,68 +279,23 @@ def _ends(case: Case) -> Iterator[float]:
     yield from (s.settings["t_max"] for s in case.analyses if "t_max" in s.settings)
 
 
-def _as_history(request: Request, settings: Mapping[str, Any]) -> Request:
-    return replace(request, analysis="history", settings=settings)
+def _points_before(point: Point, start: int) -> Sequence[Values]:
+    """The points of the branch that lead to this one; none where it starts on its own."""
+    for chains in point.analysis.chain_sets():
+        for chain in chains.positions if chains.entry == start else ():
+            if point.position in chain:
+                before = chain[: int(np.flatnonzero(chain == point.position)[0])]
+                return [point.analysis.point(int(position))[0] for position in before]
+    return ()
 
 
-def _start(
-    analysis: AnalysisPlan,
-    position: int,
-    values: Values,
-    entry: StartEntry | None,
-    announce: Callable[[str], None],
-) -> Start | None:
-    if entry is None:
-        return None
-    if entry.spec.kind != "continue":
-        return resolve_start(analysis.template, values, entry)
-    prepare([request_at(analysis.template, values, None)], announce)
-    return _start_on_branch(analysis, position, values, entry)
+def _state_after(
+    points: Sequence[Values], start: int, analysis: AnalysisPlan, executor: str
+) -> ChainState:
+    """What the last of these points of a branch leaves to the next."""
+    segment = Segment(tuple(points), start)
+    return run_task(_task(analysis, segment, executor)).states[0]
 
 
-def _start_on_branch(
-    analysis: AnalysisPlan, position: int, values: Values, entry: StartEntry
-) -> Start:
-    """Follow the branch up to the point before this one."""
-    chain = next(
-        chain for chains in analysis.chain_sets() for chain in chains.positions if position in chain
-    )
-    before = chain[: int(np.flatnonzero(chain == position)[0])]
-    if not len(before):
-        return resolve_start(analysis.template, values, entry)
-    points = tuple(analysis.point(int(p))[0] for p in before)
-    index = analysis.template.entries.index(entry)
-    segment = Segment(points, index)
-    state = run_task(Task(analysis.template, analysis.layout.variables, (segment,))).states[0]
-    if state.carry is not None and not state.lost:
-        return continued_start(entry, state.carry)
-    if entry.spec.on_loss == "restart":
-        return resolve_start(analysis.template, values, entry)
-    raise UsageError(
-        f"--at: the branch {entry.label!r} ends before this point\nnext: {advice('class_changed')}"
-    )
-
-
-def _dataset(
-    analysis: AnalysisPlan, position: int, settings: Mapping[str, Any], outcome: Outcome
-) -> xr.Dataset:
-    layout = analysis.layout
-    values, index = analysis.point(position)
-    by_name = dict(zip([name for name, _ in analysis.template.axes], values, strict=True))
-    single = Layout(
-        name="history",
-        kind="history",
-        model=layout.model,
-        options=layout.options,
-        settings=settings,
-        dims=tuple(_single(dim, by_name) for dim in layout.dims),
-        labels=None if layout.labels is None else (layout.labels[index],),
-        varying=layout.varying,
-    )
-    key = point_key(analysis.template, values, analysis.entry(index))
-    block = pack([outcome], [key], single.variables)
-    return assemble(single, lambda: [(np.zeros(1, np.int64), block)])
-
-
-def _single(dim: Dim, by_name: Mapping[str, Any]) -> Dim:
-    return Dim(tuple(Axis(axis.name, axis.kind, (by_name[axis.name],)) for axis in dim.axes))
+def _task(analysis: AnalysisPlan, segment: Segment, executor: str) -> Task:
+    return Task(analysis.template, analysis.layout.variables, (segment,), executor)

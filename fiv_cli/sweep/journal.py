@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.data.assemble import Placed
-from fiv_cli.data.block import KEY_BYTES, Block, fault_of_block, fill_value
+from fiv_cli.data.block import Block, fault_of_block
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
 from fiv_cli.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
@@ -35,8 +35,31 @@ Positions = NDArray[np.int64]
 
 _NUMBER = re.compile(r"[0-9]{1,18}")
 PENDING = STATUS.codes["pending"]
-_CODES = ("status", "reason")
 _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
+
+
+KEPT = 128 * 2**20
+"""Bytes of results that stay in memory until the dataset is made; the rest is read again."""
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A stored block.
+
+    Attributes
+    ----------
+    path : its file
+    positions : of its rows; -1: not a point of this plan
+    kept : the block itself; None where it is read again when it is needed
+    """
+
+    path: Path
+    positions: Positions
+    kept: Block | None
+
+    def block(self) -> Block:
+        """What is stored."""
+        return read_shard(self.path)[0] if self.kept is None else self.kept
 
 
 @dataclass
@@ -47,17 +70,24 @@ class Record:
     ----------
     status, reason : (size,) codes; pending where nothing is stored
     ran : (size,) points run now; one that failed is tried again in another run, not in this one
-    shards : files and the positions of their rows (-1: not a point of this plan), in order
+    shards : the stored blocks, in order
     states : position -> state of the chain after that point
-    classes : (size,) values of the class that the analysis is refined along; None: it is not
+    classes : (size,) values of the class along whose borders the analysis is refined; of one that
+        is not refined, empty
+    stage : how far a refined analysis has come; None: every point is run
     """
 
     status: NDArray[np.int8]
     reason: NDArray[np.int8]
     ran: NDArray[np.bool_]
-    shards: list[tuple[Path, Positions]] = field(default_factory=list)
+    classes: NDArray[np.int32]
+    shards: list[Shard] = field(default_factory=list)
     states: dict[int, ChainState] = field(default_factory=dict)
-    classes: NDArray[np.int32] | None = None
+    stage: Stage | None = None
+
+    def wanted(self) -> NDArray[np.bool_]:
+        """Which points are to be run, as far as is known, and which were."""
+        return np.ones(len(self.status), bool) if self.stage is None else self.stage.wanted
 
     def done(self) -> NDArray[np.bool_]:
         """Which points need not be run again."""
@@ -74,6 +104,10 @@ class Record:
         stored: NDArray[np.bool_] = self.status != PENDING
         return stored
 
+    def told_classes(self) -> NDArray[np.int32]:
+        """Class of each point of a refined analysis, blank where it was run in vain."""
+        return np.where(self.in_vain(), np.int32(BLANK), self.classes)
+
 
 class Journal:
     """The stored results of a plan; the only writer of the run directory."""
@@ -84,6 +118,8 @@ class Journal:
         self.records = [_empty_record(analysis) for analysis in plan.analyses]
         self.ignored: list[tuple[Path, str]] = []
         self._next = 0
+        self._kept = 0
+        self.ask()
 
     @property
     def shard_folder(self) -> Path:
@@ -95,64 +131,34 @@ class Journal:
         paths = sorted(self.shard_folder.glob("*.h5"))
         numbers = [int(path.stem) for path in paths if _NUMBER.fullmatch(path.stem)]
         self._next = max(numbers, default=-1) + 1
-        finders: dict[str, _Finder] = {}
-        refined: dict[int, list[_Stored]] = {}
+        finders: dict[int, _Finder] = {}
         for path in paths:
             try:
-                self._take(path, *read_shard(path), finders, refined)
+                self._take(path, *read_shard(path), finders)
             except UnreadableShard as error:
                 self.ignored.append((path, str(error)))
-        for index, stored in refined.items():
-            self._place(index, stored)
+        self.ask()
 
-    def _take(
-        self,
-        path: Path,
-        block: Block,
-        name: str,
-        finders: dict[str, _Finder],
-        refined: dict[int, list[_Stored]],
-    ) -> None:
-        """Register a block, or keep it until it is known which points are wanted."""
+    def _take(self, path: Path, block: Block, name: str, finders: dict[int, _Finder]) -> None:
+        """Register a block that was read."""
         names = [analysis.layout.name for analysis in self.plan.analyses]
         if name not in names:
             raise UnreadableShard(f"it belongs to an analysis {name!r} that the case has not")
         index = names.index(name)
-        fault = fault_of_block(block, self.plan.analyses[index].layout.variables)
+        analysis = self.plan.analyses[index]
+        fault = fault_of_block(block, analysis.layout.variables)
         if fault:
             raise UnreadableShard(fault)
         states = _states(block)
-        if self.plan.analyses[index].maps is not None:
-            classes = self._classes(index, block)
-            stored = _Stored(path, block.keys, block.status, block.reason, classes)
-            refined.setdefault(index, []).append(stored)
-            return
-        if name not in finders:
-            finders[name] = _Finder(self.plan.analyses[index].keys())
-        self._register(index, path, finders[name].positions(block.keys), block, states)
+        if index not in finders:
+            finders[index] = _Finder(analysis.keys())
+        self._register(index, path, finders[index].positions(block.keys), block, states)
 
-    def _place(self, index: int, stored: Sequence[_Stored]) -> None:
-        """Register what is stored of a refined analysis: stage by stage, what each stage wants.
-
-        Only points that are wanted need a key; the lattice may have many more.
-        """
-        record, analysis = self.records[index], self.plan.analyses[index]
-        assert record.classes is not None
-        finder = _Finder(np.concatenate([one.keys for one in stored]))
-        status, reason = (np.concatenate([getattr(s, n) for s in stored]) for n in _CODES)
-        classes = np.concatenate([one.classes for one in stored])
-        positions = np.full(len(status), -1, np.int64)
-        tried = np.zeros(analysis.size, bool)
-        while (new := np.flatnonzero(self.wanted(index) & ~tried)).size:
-            tried[new] = True
-            rows = finder.positions(analysis.keys_of(new))
-            new, rows = new[rows >= 0], rows[rows >= 0]
-            positions[rows] = new
-            record.status[new], record.reason[new] = status[rows], reason[rows]
-            record.classes[new] = classes[rows]
-        ends = np.cumsum([len(one.status) for one in stored])
-        parts = np.split(positions, ends[:-1])
-        record.shards += [(s.path, part) for s, part in zip(stored, parts, strict=True)]
+    def ask(self) -> None:
+        """Settle what is to be run, from what has been found."""
+        for analysis, record in zip(self.plan.analyses, self.records, strict=True):
+            if analysis.maps is not None:
+                record.stage = analysis.maps.stage(record.told_classes(), record.stored())
 
     def write(self, index: int, positions: Positions, block: Block) -> None:
         """Store a finished block of the analysis with this index.
@@ -178,49 +184,21 @@ class Journal:
     ) -> None:
         record = self.records[index]
         placed = positions >= 0
-        record.shards.append((path, positions))
+        kept = block if self._kept + block.nbytes <= KEPT else None
+        self._kept += 0 if kept is None else block.nbytes
+        record.shards.append(Shard(path, positions, kept))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
-        if record.classes is not None:
-            record.classes[positions[placed]] = self._classes(index, block)[placed]
+        maps = self.plan.analyses[index].maps
+        if maps is not None:
+            record.classes[positions[placed]] = maps.classes_of(block)[placed]
         for row, state in states.items():
             if placed[row]:
                 record.states[int(positions[row])] = state
 
-    def _classes(self, index: int, block: Block) -> NDArray[Any]:
-        """The class of each row of a block by which its analysis is refined."""
-        maps = self.plan.analyses[index].maps
-        assert maps is not None
-        return block.values.get(maps.refinement.of, np.full(len(block), self.fill(index)))
-
-    def fill(self, index: int) -> int:
-        """What the class of a refined analysis is where there is none."""
-        analysis = self.plan.analyses[index]
-        assert analysis.maps is not None
-        name = analysis.maps.refinement.of
-        return int(fill_value(next(v for v in analysis.layout.variables if v.name == name)))
-
-    def stage(self, index: int) -> Stage | None:
-        """How far a refined analysis has come; None for one of which every point is run."""
-        maps, record = self.plan.analyses[index].maps, self.records[index]
-        if maps is None:
-            return None
-        return maps.stage(self.classes(index), record.stored())
-
-    def classes(self, index: int) -> NDArray[np.int32]:
-        """Class of each point of a refined analysis, blank where it was run in vain."""
-        record = self.records[index]
-        assert record.classes is not None
-        return np.where(record.in_vain(), np.int32(BLANK), record.classes)
-
-    def wanted(self, index: int) -> NDArray[np.bool_]:
-        """Points of an analysis that are to be run, as far as is known, and those that were."""
-        stage = self.stage(index)
-        return np.ones(self.plan.analyses[index].size, bool) if stage is None else stage.wanted
-
     def statuses(self, index: int) -> NDArray[np.int8]:
         """Status of every point whose turn has come, (any number,); what is filled in included."""
-        stage, status = self.stage(index), self.records[index].status
+        stage, status = self.records[index].stage, self.records[index].status
         if stage is None:
             return status
         filled = np.full(np.count_nonzero(stage.filled), STATUS.codes[NOT_COMPUTED], np.int8)
@@ -231,31 +209,29 @@ class Journal:
 
         What a refined analysis did not ask for (of a full grid that was run before) is left out.
         """
-        wanted = self.wanted(index)
-        for path, positions in self.records[index].shards:
-            block, _ = read_shard(path)
-            yield np.where((positions >= 0) & wanted[positions], positions, -1), block
+        wanted = self.records[index].wanted()
+        for shard in self.records[index].shards:
+            positions = shard.positions
+            yield np.where((positions >= 0) & wanted[positions], positions, -1), shard.block()
 
     def shards(self) -> list[Path]:
         """The files that hold what is stored, in the order in which they count."""
-        return [path for record in self.records for path, _ in record.shards]
+        return [shard.path for record in self.records for shard in record.shards]
 
     def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
         """(position, what) of failed points for different reasons, at most `limit`."""
         found: dict[str, tuple[int, str]] = {}
         failed = STATUS.codes["failed"]
         record = self.records[index]
-        for path, positions in record.shards:
+        for shard in record.shards:
             if len(found) >= limit:
                 break
-            if (record.status[positions[positions >= 0]] == failed).any():
-                self._collect(path, positions, record, found)
+            if (record.status[shard.positions[shard.positions >= 0]] == failed).any():
+                self._collect(shard, record, found)
         return list(found.values())[:limit]
 
-    def _collect(
-        self, path: Path, positions: Positions, record: Record, found: dict[str, tuple[int, str]]
-    ) -> None:
-        block, _ = read_shard(path)
+    def _collect(self, shard: Shard, record: Record, found: dict[str, tuple[int, str]]) -> None:
+        block, positions = shard.block(), shard.positions
         failed = STATUS.codes["failed"]
         for row in np.flatnonzero((block.status == failed) & (positions >= 0)):
             position = int(positions[row])
@@ -287,46 +263,36 @@ def _explained(code: int, message: str) -> str:
     return message.partition("\n")[0] or f"{reason.name}: {reason.advice}"
 
 
-@dataclass(frozen=True)
-class _Stored:
-    """A block of a refined analysis, as far as is needed to see which points are wanted."""
-
-    path: Path
-    keys: NDArray[np.uint8]
-    status: NDArray[np.int8]
-    reason: NDArray[np.int8]
-    classes: NDArray[Any]
-
-
 class _Finder:
-    """Positions of points by key; of equal keys the last counts."""
+    """Positions of points by key; of equal keys the last counts.
+
+    Sorted by their first bytes; of two points that share them one is not found and run again.
+    """
 
     def __init__(self, keys: NDArray[np.uint8]) -> None:
-        sortable = _as_bytes(keys)
-        self._order = np.argsort(sortable, kind="stable")
-        self._sorted = sortable[self._order]
+        self._keys = keys
+        self._order = np.argsort(_first_bytes(keys), kind="stable")
+        self._sorted = _first_bytes(keys)[self._order]
 
     def positions(self, keys: NDArray[np.uint8]) -> Positions:
         """Position of each key; -1 where there is none."""
-        wanted = _as_bytes(keys)
-        places = np.maximum(np.searchsorted(self._sorted, wanted, side="right") - 1, 0)
-        known = self._sorted[places] == wanted
-        return np.where(known, self._order[places], -1).astype(np.int64)
+        places = np.searchsorted(self._sorted, _first_bytes(keys), side="right") - 1
+        found = self._order[np.maximum(places, 0)]
+        return np.where((self._keys[found] == keys).all(axis=1), found, -1).astype(np.int64)
 
 
-def _as_bytes(keys: NDArray[np.uint8]) -> NDArray[Any]:
-    """Each key as hexadecimal text: fixed-width strings of NumPy drop trailing zero bytes."""
-    digits = np.frombuffer(b"0123456789abcdef", np.uint8)
-    text = np.empty((len(keys), 2 * KEY_BYTES), np.uint8)
-    text[:, 0::2], text[:, 1::2] = digits[keys >> 4], digits[keys & 15]
-    return text.view(f"S{2 * KEY_BYTES}").ravel()
+def _first_bytes(keys: NDArray[np.uint8]) -> NDArray[np.uint64]:
+    return np.ascontiguousarray(keys[:, :8]).view(np.uint64).ravel()
 
 
 def _empty_record(analysis: AnalysisPlan) -> Record:
     size = analysis.size
-    classes = None if analysis.maps is None else np.zeros(size, np.int32)
-    status, reason = np.full(size, PENDING, np.int8), np.zeros(size, np.int8)
-    return Record(status, reason, np.zeros(size, bool), classes=classes)
+    return Record(
+        status=np.full(size, PENDING, np.int8),
+        reason=np.zeros(size, np.int8),
+        ran=np.zeros(size, bool),
+        classes=np.zeros(0 if analysis.maps is None else size, np.int32),
+    )
 
 
 def stored_identity(folder: Path) -> dict[str, Any] | None:

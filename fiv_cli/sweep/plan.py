@@ -7,6 +7,7 @@ point but numbers in arrays.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -17,20 +18,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Points, Start
+from fiv_cli.analyses.base import Points, Start, requirements
 from fiv_cli.analyses.execute import Request
-from fiv_cli.analyses.variables import Variable
+from fiv_cli.analyses.variables import Role, Variable
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.lines import locate
-from fiv_cli.case.names import listed, suggest
 from fiv_cli.case.report import dotted
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout, varying_in
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, Requirement
+from fiv_cli.notation.names import listed, suggest
 from fiv_cli.reading.asked import refuse_what_will_not_be_there
 from fiv_cli.sweep.points import (
     StartEntry,
@@ -40,7 +41,6 @@ from fiv_cli.sweep.points import (
     expand_starts,
     keys_along,
     keys_at,
-    parameters_at,
     place_digests,
     point_key,
     request_at,
@@ -49,9 +49,6 @@ from fiv_cli.sweep.points import (
 from fiv_cli.sweep.refine import Maps, maps_of
 
 Positions = NDArray[np.int64]
-
-WORK = ("n_steps", "n_events")
-"""Counts that say how an answer was reached; no borders run between them."""
 
 
 @dataclass(frozen=True)
@@ -137,11 +134,6 @@ class AnalysisPlan:
                 keys[chain, chains.entry] = np.frombuffer(along, np.uint8).reshape(-1, KEY_BYTES)
         return keys.reshape(-1, KEY_BYTES)
 
-    def keys_of(self, positions: Positions) -> NDArray[np.uint8]:
-        """Keys of points that start on their own, (any number, 32)."""
-        keys = [np.frombuffer(self._key(int(p), b""), np.uint8) for p in positions]
-        return np.array(keys, np.uint8).reshape(-1, KEY_BYTES)
-
     def chain_key(self, positions: Positions) -> bytes:
         """Key of the last of the first points of a chain."""
         return list(self._chain_keys(positions))[-1]
@@ -156,19 +148,33 @@ class AnalysisPlan:
         values, index = self.point(position)
         return point_key(self.template, values, self.entry(index), previous)
 
-    def excluded(self) -> int:
-        """Number of points that will not be computed: mu_k > mu_s there, or no such disc."""
+    def excluded(self) -> Counter[str]:
+        """What is wrong with parameters -> number of points that will not be computed for it."""
         axes = [axis for dim in self.layout.dims for axis in dim.axes]
-        steering = {"mu_k", "mu_s", "mu_k_2", "mu_s_2", "beta", "friction", "a", "b", "r0"}
+        steering = self._steering()
         dims = [dim for dim in self.layout.dims if steering & {a.name for a in dim.axes}]
         others = self.size // max(1, int(np.prod([dim.size for dim in dims], dtype=np.int64)))
         first = {axis.name: axis.values[0] for axis in axes}
-        count = sum(bool(self._exclusion({**first, **choice})) for choice in _choices(dims))
-        return count * others
+        points = ({**first, **choice} for choice in _choices(dims))
+        named = (tuple(point[name] for name, _ in self.template.axes) for point in points)
+        unmet = (self.unmet(values) for values in named)
+        faults = Counter(requirement.fault for requirement in unmet if requirement is not None)
+        return Counter({fault: count * others for fault, count in faults.items()})
 
-    def _exclusion(self, by_name: dict[str, Any]) -> str:
-        values = tuple(by_name[name] for name, _ in self.template.axes)
-        return exclusion(self.template, parameters_at(self.template, values))
+    def unmet(self, values: Values) -> Requirement | None:
+        """Why a point is not computed; None where it is."""
+        return exclusion(request_at(self.template, values, None), self.template.linear)
+
+    def _steering(self) -> set[str]:
+        """The axes that decide whether a point is computed."""
+        model, laws = get_model(self.template.model), map(get_law, self.template.names)
+        own = (requirements(model, law, self.template.linear) for law in laws)
+        read = {name for some in own for requirement in some for name in requirement.reads}
+        return (
+            read
+            | {leader for name, leader in self.template.followers if name in read}
+            | {"friction"}
+        )
 
     def systems(self) -> Iterator[Request]:
         """One request per combination of what may need other generated code."""
@@ -205,6 +211,9 @@ class Plan:
     def size(self) -> int:
         """Number of points of all analyses."""
         return sum(analysis.size for analysis in self.analyses)
+
+    def __str__(self) -> str:
+        return "\n".join(self.describe())
 
     def describe(self) -> list[str]:
         """The plan in lines for people."""
@@ -269,9 +278,9 @@ def _maps(case: Case, layout: Layout) -> Maps | None:
 
 
 def _is_class(variable: Variable) -> bool:
-    """Whether a variable has one of a few values at each point."""
-    counted = variable.kind in ("flag", "int") and not variable.dims and not variable.ragged
-    return counted and variable.name not in ("status", "reason", *WORK)
+    """Whether a variable has one of a few values at each point, and borders between them."""
+    bordered = variable.role not in (Role.STATUS, Role.WORK) and variable.one_per_point
+    return bordered and variable.kind in ("flag", "int")
 
 
 def _template(
@@ -383,11 +392,8 @@ def _described(analysis: AnalysisPlan) -> list[str]:
         lines.append(
             f"    {entry.label}: {counted(number, 'chain')} of {counted(length)} along {direction}"
         )
-    excluded = analysis.excluded()
-    if excluded:
-        radii = {"a", "b", "r0"} & {axis.name for dim in layout.dims for axis in dim.axes}
-        why = "mu_k > mu_s, or off the disc," if radii else "mu_k > mu_s"
-        lines.append(f"    {excluded} points with {why} will not be computed")
+    for fault, count in analysis.excluded().items():
+        lines.append(f"    {counted(count)} where {fault} will not be computed")
     return lines
 
 

@@ -10,6 +10,7 @@ import hashlib
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any
 
@@ -18,13 +19,15 @@ import numpy as np
 from fiv_cli.analyses.base import (
     STEADY,
     Schedule,
+    Setup,
     SolverSettings,
     Start,
-    friction_rises,
-    off_the_plate,
+    broken,
 )
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
+from fiv_cli.friction import get_law
+from fiv_cli.models.base import Requirement
 
 Values = tuple[Any, ...]
 
@@ -46,7 +49,7 @@ class StartEntry:
     number: int = 0
     origin: StartEntry | None = None
 
-    @property
+    @cached_property
     def identity(self) -> str:
         """Everything that decides the start, as text; numbers keep every bit."""
         spec = self.spec
@@ -68,13 +71,13 @@ class Template:
 
     Attributes
     ----------
-    model, law, options : as in `Request`; what an axis varies is overridden by it
+    model, law, options : names, and every option; what an axis varies is overridden by it
     parameters : law -> values that no axis varies, SI
     names : law -> names of all parameters of the model and the law
     followers : (parameter, leader): parameters that take another one's value unless given
     axes : (name, kind) of every axis, in order
     entries : the starts; a single None where the analysis has none
-    linear : mu_k > mu_s is harmless
+    linear : no motion is followed
     base : digest of everything that decides a point but its axis values and its start
     schedule : parameters that vary in time
     """
@@ -94,6 +97,13 @@ class Template:
     base: bytes
     schedule: Schedule = STEADY
 
+    @cached_property
+    def axes_by_kind(self) -> Mapping[str, Sequence[tuple[str, int]]]:
+        """Kind -> (name, place among the values of a point) of its axes."""
+        kinds = {kind for _, kind in self.axes}
+        numbered = [(name, kind, place) for place, (name, kind) in enumerate(self.axes)]
+        return {kind: [(n, p) for n, k, p in numbered if k == kind] for kind in kinds}
+
 
 def parameters_at(template: Template, values: Values) -> dict[str, float]:
     """Every parameter of the model and the law in force at a point, SI."""
@@ -111,27 +121,38 @@ def law_at(template: Template, values: Values) -> str:
     return laws[0] if laws else template.law
 
 
-def exclusion(template: Template, parameters: Mapping[str, float]) -> str:
-    """Reason why a point must not be computed; empty when it may be."""
-    if off_the_plate(parameters) or template.linear:
-        return off_the_plate(parameters)
-    varied = ({**parameters, **template.schedule.values(t)} for t in template.schedule.instants)
-    return next(filter(None, map(friction_rises, varied)), "")
+def exclusion(request: Request, linear: bool) -> Requirement | None:
+    """What the parameters of a point do not meet, so that it is not computed; None when it is.
+
+    `linear` : no motion is followed
+    """
+    setup, parameters = request.setup, request.parameters
+    varied = ({**parameters, **setup.schedule.values(t)} for t in setup.schedule.instants)
+    unmet = (broken(setup.model, setup.law, there, linear) for there in varied)
+    return next(filter(None, unmet), None)
 
 
 def request_at(template: Template, values: Values, start: Start | None) -> Request:
     """The run of a point from `start`."""
-    return Request(
-        model=template.model,
-        law=law_at(template, values),
-        options={**template.options, **_of_kind(template, values, "option")},
-        parameters=parameters_at(template, values),
-        analysis=template.analysis,
-        settings=template.settings,
-        solver=template.solver,
-        start=start,
-        schedule=template.schedule,
-    )
+    law, parameters = law_at(template, values), parameters_at(template, values)
+    options = {**template.options, **_of_kind(template, values, "option")}
+    structural = tuple((name, parameters[name]) for name in get_law(law).structural)
+    solver, schedule = template.solver, template.schedule
+    setup = _setup(template.model, law, tuple(options.items()), structural, solver.rtol, schedule)
+    return Request(setup, parameters, template.analysis, template.settings, solver, start)
+
+
+@lru_cache(maxsize=256)
+def _setup(
+    model: str,
+    law: str,
+    options: tuple[tuple[str, str], ...],
+    structural: tuple[tuple[str, float], ...],
+    rtol: float,
+    schedule: Schedule,
+) -> Setup:
+    """The setup of all points with these; most sweeps have one."""
+    return Setup.of(model, law, dict(options), dict(structural), rtol, schedule)
 
 
 def place_digest(template: Template, values: Values) -> bytes:
@@ -252,11 +273,7 @@ def _expanded(spec: StartSpec) -> list[StartEntry]:
 
 
 def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
-    return {
-        name: value
-        for (name, axis_kind), value in zip(template.axes, values, strict=True)
-        if axis_kind == kind
-    }
+    return {name: values[place] for name, place in template.axes_by_kind.get(kind, ())}
 
 
 def _packed(value: Any) -> bytes:

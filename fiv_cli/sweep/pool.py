@@ -62,7 +62,7 @@ class WorkerPool:
         if thread is not None:
             thread.join(GRACE)
             if thread.is_alive():  # it waits for the rest of an answer that broke off
-                answers._writer.close()
+                _let_go(answers._writer)
                 thread.join()
 
     def _start(self) -> None:
@@ -95,6 +95,12 @@ def end(processes: Sequence[Any]) -> None:
         _send(process, signal.SIGKILL)
     for process in processes:
         process.join()
+
+
+def _let_go(connection: Any) -> None:
+    """Close a connection that another thread closes as soon as this one has."""
+    handle, connection._handle = connection._handle, None  # first: it must not be closed twice
+    os.close(handle)
 
 
 def _send(process: Any, number: int) -> None:

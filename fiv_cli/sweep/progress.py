@@ -18,13 +18,10 @@ class Progress(Protocol):
     """Told what happens while a sweep runs."""
 
     def begin(self, total: int, done: int) -> None:
-        """`done` of `total` points are already stored."""
+        """`done` of `total` points are stored; again when what was found asks for more."""
 
     def advance(self, points: int, failed: int) -> None:
         """So many more points are done; so many of them failed."""
-
-    def more(self, points: int) -> None:
-        """So many points more are to be run: what was found asks for them."""
 
     def note(self, text: str) -> None:
         """Something worth a line."""
@@ -40,9 +37,6 @@ class Silent:
         """Nothing."""
 
     def advance(self, points: int, failed: int) -> None:
-        """Nothing."""
-
-    def more(self, points: int) -> None:
         """Nothing."""
 
     def note(self, text: str) -> None:
@@ -66,9 +60,11 @@ class Lines:
         self._last = clock()
 
     def begin(self, total: int, done: int) -> None:
-        """Say what there is to do."""
-        self._total, self._done, self._last = total, done, self._clock()
-        self._write(f"{total} points, {done} already stored, {total - done} to run")
+        """Say what there is to do, the first time."""
+        if not self._total:
+            self._last = self._clock()
+            self._write(f"{total} points, {done} already stored, {total - done} to run")
+        self._total, self._done = total, done
 
     def advance(self, points: int, failed: int) -> None:
         """Count, and say so when it is time."""
@@ -77,11 +73,6 @@ class Lines:
         if self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
             self._write(f"{self._done} of {self._total} points done, {self._failed} failed")
-
-    def more(self, points: int) -> None:
-        """Count them in, and say so when it is time."""
-        self._total += points
-        self.advance(0, 0)
 
     def note(self, text: str) -> None:
         """Write a line."""
@@ -107,13 +98,12 @@ class Bar:
             console=Console(stderr=True),
             transient=True,
         )
-        self._task: Any = None
-        self._failed = self._total = 0
+        self._task: Any = self._bar.add_task("points")
+        self._failed = 0
 
     def begin(self, total: int, done: int) -> None:
-        """Show the bar."""
-        self._total = total
-        self._task = self._bar.add_task("points", total=total, completed=done)
+        """Show the bar, or how much longer it has become."""
+        self._bar.update(self._task, total=total, completed=done)
         self._bar.start()
 
     def advance(self, points: int, failed: int) -> None:
@@ -121,11 +111,6 @@ class Bar:
         self._failed += failed
         text = f"points ({self._failed} failed)" if self._failed else "points"
         self._bar.update(self._task, advance=points, description=text)
-
-    def more(self, points: int) -> None:
-        """Lengthen the bar."""
-        self._total += points
-        self._bar.update(self._task, total=self._total)
 
     def note(self, text: str) -> None:
         """A line above the bar."""

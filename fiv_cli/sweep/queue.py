@@ -68,12 +68,7 @@ class Job:
 
 
 class Queue:
-    """The work that is left of one analysis.
-
-    Parameters
-    ----------
-    wanted : (size,) the points that are run at all; None: every one
-    """
+    """The work that is left of one analysis."""
 
     def __init__(
         self,
@@ -81,13 +76,12 @@ class Queue:
         record: Record,
         executor: str,
         time_limit: float | None = None,
-        wanted: NDArray[np.bool_] | None = None,
     ) -> None:
         self._analysis = analysis
         self._variables = analysis.layout.variables
         self._executor = executor
         self._time_limit = time_limit
-        done = record.done() if wanted is None else record.done() | ~wanted
+        done = record.done() | ~record.wanted()
         singles = analysis.single_positions()
         self._singles: deque[Positions] = deque([singles[~done[singles]]])
         self._suspects: deque[int] = deque()

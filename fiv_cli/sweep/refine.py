@@ -11,13 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.case.case import Refinement
 from fiv_cli.case.refinement import coarse_size
+from fiv_cli.data.block import Block, fill_value
 from fiv_cli.data.layout import Layout
+from fiv_cli.data.refined import described, refinement_attributes
 from fiv_cli.flags import COMPUTED
 from fiv_cli.sweep.borders import BLANK, Classes, Mask, draw, sample
 
@@ -33,6 +36,7 @@ class Stage:
 
     Attributes
     ----------
+    classes, known : (size,) class of each point, where it has a result
     wanted : (size,) points to run, those that have been run included
     sampled : (size,) those of them whose class was filled in before they were run
     drawn : (size,) class of each point by the borders; valid when `complete`
@@ -40,6 +44,8 @@ class Stage:
     level : how often every map is halved so far
     """
 
+    classes: Classes
+    known: Mask
     wanted: Mask
     sampled: Mask
     drawn: Classes
@@ -51,14 +57,14 @@ class Stage:
         """(size,) points that are given a class without a run; none before all is drawn."""
         return ~self.wanted if self.complete else np.zeros_like(self.wanted)
 
-    def origins(self, classes: Classes, known: Mask) -> NDArray[np.int8]:
+    def origins(self) -> NDArray[np.int8]:
         """(size,) codes of `COMPUTED`: where the class of each point comes from."""
-        told = self.sampled & known & (classes != BLANK) & (self.drawn != BLANK)
+        told = self.sampled & self.known & (self.classes != BLANK) & (self.drawn != BLANK)
         origins = np.full(self.wanted.shape, COMPUTED.fill_code, np.int8)
         origins[self.filled] = COMPUTED.codes["filled_in"]
-        origins[self.wanted & known] = COMPUTED.codes["run"]
+        origins[self.wanted & self.known] = COMPUTED.codes["run"]
         origins[told] = COMPUTED.codes["sampled"]
-        origins[told & (classes != self.drawn)] = COMPUTED.codes["sampled_and_mislabelled"]
+        origins[told & (self.classes != self.drawn)] = COMPUTED.codes["sampled_and_mislabelled"]
         return origins
 
     def filled_classes(self, fill: int) -> Classes:
@@ -75,11 +81,29 @@ class Maps:
     refinement : how they are drawn
     numbers : positions of the points, shape (maps, points along each halved dim ...)
     coarse : dim -> points of the coarse grid along it
+    fill : the class of a point that has none
     """
 
     refinement: Refinement
     numbers: Numbers
     coarse: Mapping[str, int]
+    fill: int
+
+    def classes_of(self, block: Block) -> Classes:
+        """The class of each row of a block."""
+        nothing = np.full(len(block), self.fill, np.int32)
+        return block.values.get(self.refinement.of, nothing)
+
+    def attributes(self, stage: Stage) -> dict[str, Any]:
+        """What a reader must know of the dataset."""
+        refinement = self.refinement
+        return refinement_attributes(refinement.of, refinement.levels, self.coarse, stage.origins())
+
+    def described(self, stage: Stage) -> str:
+        """How much was run, in a sentence."""
+        if stage.complete:
+            return described(self.attributes(stage))
+        return f"halved {stage.level} of {self.refinement.levels} times so far"
 
     def stage(self, classes: Classes, known: Mask) -> Stage:
         """How far the maps have come.
@@ -101,7 +125,8 @@ class Maps:
             if picture.complete:
                 sampled[numbers] = self._sample(~picture.wanted)
         wanted |= sampled
-        return Stage(wanted, sampled, drawn, not (wanted & ~known).any(), reached)
+        complete = not (wanted & ~known).any()
+        return Stage(classes, known, wanted, sampled, drawn, complete, reached)
 
     def _sample(self, filled: Mask) -> Mask:
         count = self.refinement.sample
@@ -127,4 +152,5 @@ def maps_of(layout: Layout, refinement: Refinement) -> Maps | None:
         refinement,
         numbers.reshape(-1, *(dim.size for dim in halved)),
         {dim.name: coarse_size(dim.size, refinement.levels) for dim in halved},
+        int(fill_value(next(v for v in layout.variables if v.name == refinement.of))),
     )

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fiv_cli.case.identity import differences, document, fingerprint
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.netcdf import write_datasets
 from fiv_cli.data.provenance import provenance
-from fiv_cli.data.refined import described, fill_in, refinement_attributes
+from fiv_cli.data.refined import fill_in
 from fiv_cli.errors import StoreMismatchError
 from fiv_cli.files import append_line, leftovers
 from fiv_cli.flags import STATUS
@@ -36,9 +36,6 @@ from fiv_cli.sweep.scheduler import Scheduler
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
-
-    from fiv_cli.sweep.refine import Maps, Stage
 
 SHOWN_ERRORS = 3
 
@@ -108,9 +105,18 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         _sweep_leftovers(folder, output)
         scheduler = Scheduler(journal, policy, progress, _logger(folder))
         with _reported(scheduler, output, begun):
-            scheduler.run()
+            _run_all(scheduler)
         write_dataset(journal, output)
         return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+
+
+def _run_all(scheduler: Scheduler) -> None:
+    """Run what is left, and what the borders found in it ask for, until they ask no more."""
+    with scheduler:
+        more = True
+        while more:
+            more = scheduler.run()
+            scheduler.journal.ask()
 
 
 def write_dataset(journal: Journal, output: Path) -> None:
@@ -130,37 +136,23 @@ def write_dataset(journal: Journal, output: Path) -> None:
 
 def _assembled(journal: Journal, index: int) -> xr.Dataset:
     """The dataset of one analysis, what its borders enclose filled in."""
-    dataset = assemble(journal.plan.analyses[index].layout, partial(journal.blocks, index))
-    maps, stage = journal.plan.analyses[index].maps, journal.stage(index)
+    analysis, stage = journal.plan.analyses[index], journal.records[index].stage
+    dataset = assemble(analysis.layout, partial(journal.blocks, index))
+    maps = analysis.maps
     if maps is None or stage is None:
         return dataset
-    origins = _origins(journal, index, stage)
-    classes = stage.filled_classes(journal.fill(index))
-    filled = fill_in(dataset, maps.refinement.of, classes, origins)
-    return filled.assign_attrs(_said(maps, origins))
-
-
-def _origins(journal: Journal, index: int, stage: Stage) -> NDArray[np.int8]:
-    """Where the class of each point of a refined analysis comes from."""
-    return stage.origins(journal.classes(index), journal.records[index].stored())
-
-
-def _said(maps: Maps, origins: NDArray[np.int8]) -> dict[str, Any]:
-    """What there is to say of a refined analysis."""
-    refinement = maps.refinement
-    return refinement_attributes(refinement.of, refinement.levels, maps.coarse, origins)
+    classes = stage.filled_classes(maps.fill)
+    filled = fill_in(dataset, maps.refinement.of, classes, stage.origins())
+    return filled.assign_attrs(maps.attributes(stage))
 
 
 def refinements(journal: Journal) -> list[str]:
     """Of each refined analysis, in a line, how much of it was run."""
-    lines = []
-    for index, analysis in enumerate(journal.plan.analyses):
-        maps, stage = analysis.maps, journal.stage(index)
-        if maps is not None and stage is not None:
-            so_far = f"halved {stage.level} of {maps.refinement.levels} times so far"
-            said = described(_said(maps, _origins(journal, index, stage)))
-            lines.append(f"{analysis.layout.name}: {said if stage.complete else so_far}")
-    return lines
+    return [
+        f"{analysis.layout.name}: {analysis.maps.described(record.stage)}"
+        for analysis, record in zip(journal.plan.analyses, journal.records, strict=True)
+        if analysis.maps is not None and record.stage is not None
+    ]
 
 
 def count_statuses(journal: Journal) -> dict[str, int]:

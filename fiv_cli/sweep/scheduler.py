@@ -6,9 +6,9 @@ says which points to run.
 
 from __future__ import annotations
 
-import importlib
 import time
-from collections.abc import Callable, Iterable
+from collections import defaultdict
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fiv_cli import ending
-from fiv_cli.analyses.execute import Request
 from fiv_cli.errors import FivError
 from fiv_cli.flags import STATUS
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
-from fiv_cli.sweep.worker import Result, last_beat, lost_point, run_task
+from fiv_cli.sweep.worker import Result, imported, last_beat, lost_point, run_task
 
 if TYPE_CHECKING:
     from fiv_cli.sweep.pool import WorkerPool
@@ -34,6 +33,9 @@ MANY_SHARDS = 400
 
 LONGEST_CHUNK = 20.0
 """Seconds that a chunk may take; what a kill can lose."""
+
+LARGEST_CHUNK = 64 * 2**20
+"""Bytes that the results of a chunk may take."""
 
 LOADING = 1.0
 """Seconds that a first point may take to load code before it counts as slow itself."""
@@ -49,12 +51,13 @@ class Pace:
     """Measured cost of the points of one analysis."""
 
     seconds_per_point: float | None = None
+    bytes_per_point: float = 1.0
     last_count: int = 0
     tasks: int = 0
 
-    def learn(self, points: int, seconds: float) -> None:
+    def learn(self, points: int, seconds: float, nbytes: int) -> None:
         """Take a finished task into account; the first, which also loads code, only until then."""
-        cost = seconds / points
+        cost, self.bytes_per_point = seconds / points, nbytes / points
         before = self.seconds_per_point
         self.tasks += 1
         if before is None or self.tasks == 2:
@@ -74,7 +77,8 @@ class Pace:
         cost = max(self.seconds_per_point, 1e-7)
         target = min(max(policy.chunk_seconds, cost * left / MANY_SHARDS), LONGEST_CHUNK)
         share = -(-left // (4 * workers)) if workers else left
-        self.last_count = int(max(1, min(target / cost, share, 8 * self.last_count + 8)))
+        room = LARGEST_CHUNK / self.bytes_per_point
+        self.last_count = int(max(1, min(target / cost, room, share, 8 * self.last_count + 8)))
         return self.last_count
 
     def remaining(self, left: int) -> float | None:
@@ -110,6 +114,7 @@ class Scheduler:
     progress: Progress
     log: Callable[[str], None]
     ran: int = 0
+    _paces: defaultdict[int, Pace] = field(default_factory=lambda: defaultdict(Pace))
     _pool: WorkerPool | None = None
     _flights: dict[Future[Result], _Flight] = field(default_factory=dict)
     _held: Job | None = None
@@ -118,56 +123,43 @@ class Scheduler:
     _fruitless: int = 0
     _beats: int = 0
 
-    def run(self) -> None:
-        """Run what is left.
+    def __enter__(self) -> Scheduler:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._close()
+        self.progress.end()
+
+    def run(self) -> bool:
+        """Run what the journal wants and does not hold; False when there is nothing more to do.
 
         Raises
         ------
         StorageError
             a result cannot be stored; what is stored stays.
         """
-        indices = range(len(self.journal.plan.analyses))
-        queues = [self._queue(index) for index in indices]
+        queues = [self._queue(index) for index in range(len(self.journal.records))]
         left = sum(queue.left for queue in queues)
-        total = sum(int(np.count_nonzero(self.journal.wanted(index))) for index in indices)
+        total = sum(int(np.count_nonzero(record.wanted())) for record in self.journal.records)
         self.progress.begin(total, max(0, total - left))
-        try:
-            if left:
-                self._prepare([i for i, queue in enumerate(queues) if queue.left])
-            with ending.heeded():
-                for index, queue in enumerate(queues):
-                    self._drain_and_refine(index, queue)
-        finally:
-            self._close()
-            self.progress.end()
+        if not left:
+            return False
+        self._prepare([index for index, queue in enumerate(queues) if queue.left])
+        with ending.heeded():
+            for index, queue in enumerate(queues):
+                self._drain(index, queue, self._paces[index])
+        return not self._full()
 
     def _queue(self, index: int) -> Queue:
         """What is left of one analysis, as far as is known."""
-        analysis = self.journal.plan.analyses[index]
-        wanted = None if analysis.maps is None else self.journal.wanted(index)
-        record, policy = self.journal.records[index], self.policy
-        return Queue(analysis, record, policy.executor, policy.time_limit, wanted)
-
-    def _drain_and_refine(self, index: int, queue: Queue) -> None:
-        """Run everything in one queue, then what its results ask for, until they ask no more."""
-        pace = Pace()
-        self._drain(index, queue, pace)
-        while self.journal.plan.analyses[index].maps is not None and not self._full():
-            queue = self._queue(index)
-            if not queue.left:
-                return
-            self.progress.more(queue.left)
-            self._drain(index, queue, pace)
+        analysis, record = self.journal.plan.analyses[index], self.journal.records[index]
+        return Queue(analysis, record, self.policy.executor, self.policy.time_limit)
 
     def _prepare(self, indices: list[int]) -> None:
         """Generate and compile before workers start, so that none does it twice."""
-        module, _, name = self.policy.preparer.partition(":")
-        prepare: Callable[[Iterable[Request], Callable[[str], None]], None] = getattr(
-            importlib.import_module(module), name
-        )
         analyses = self.journal.plan.analyses
         requests = (request for i in indices for request in analyses[i].systems())
-        prepare(requests, self.progress.note)
+        imported(self.policy.preparer)(requests, self.progress.note)
 
     def _drain(self, index: int, queue: Queue, pace: Pace) -> None:
         """Run everything in one queue, in this process or in workers."""
@@ -220,7 +212,7 @@ class Scheduler:
         """Store a result, then let what follows from it run."""
         self.journal.write(index, job.positions, result.block)
         queue.finished(job, result)
-        pace.learn(len(job.positions), result.seconds)
+        pace.learn(len(job.positions), result.seconds, result.block.nbytes)
         failed = int(np.count_nonzero(result.block.status == FAILED))
         self.ran += len(job.positions)
         self._stopped |= bool(failed) and self.policy.fail_fast

@@ -22,13 +22,13 @@ from typing import Any
 
 from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Start
+from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.execute import Request
-from fiv_cli.analyses.variables import Variable, variables_of
+from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import from_plain, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
-from fiv_cli.models import get_model
 from fiv_cli.sweep.points import (
     StartEntry,
     Template,
@@ -132,7 +132,7 @@ class Result:
 def run_task(task: Task) -> Result:
     """Run every point of a task."""
     begun = time.perf_counter()
-    execute = _imported(task.executor)
+    execute = imported(task.executor)
     outcomes: list[Outcome] = []
     keys: list[bytes] = []
     states: dict[int, ChainState] = {}
@@ -234,19 +234,19 @@ def _executed(
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
     request = request_at(template, values, start)
-    reason = exclusion(template, request.parameters)
-    return (
-        Outcome("not_computed", reason) if reason else _placed(execute(request), request, template)
-    )
+    unmet = exclusion(request, template.linear)
+    if unmet is not None:
+        return Outcome("not_computed", unmet.reason)
+    return _placed(execute(request), request, template)
 
 
 def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
     """`outcome` over the states of the dataset, where an axis decides which a point has."""
-    if request.options == template.options:
+    options, model = request.setup.options, request.setup.model
+    if options == template.options:
         return outcome
-    model = get_model(request.model)
     variables = variables_of(request.analysis, model, template.options, request.settings)
-    return on_all_states(outcome, model, request.options, template.options, variables)
+    return on_all_states(outcome, model, options, template.options, variables)
 
 
 def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
@@ -275,9 +275,10 @@ def _stored_form(carry: Any) -> dict[str, Any]:
     return form
 
 
-def _imported(path: str) -> Callable[[Request], Outcome]:
+def imported(path: str) -> Callable[..., Any]:
+    """The function that ``module:function`` names."""
     module, _, name = path.partition(":")
-    function: Callable[[Request], Outcome] = getattr(importlib.import_module(module), name)
+    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return function
 
 

@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings
+from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, build_system
+from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.verify import default_parameters
 from tests.benchmarks import scipy_belt, scipy_belt_5dof
 
 STICKS = Section("event")  # slip->stick
@@ -64,14 +65,12 @@ class Sweep:
 
     def parameters(self, value: float) -> dict[str, float]:
         """Every parameter of one run."""
-        return {**default_parameters(self.model, "coulomb"), **self.fixed, self.axis: value}
+        changes = {**self.fixed, self.axis: value}
+        return default_parameters(get_model(self.model), get_law("coulomb"), **changes)
 
     def system(self, rtol: float) -> tuple[System, SolverSettings]:
         """The compiled model at a tolerance."""
-        solver = SolverSettings(rtol=rtol)
-        parameters = self.parameters(self.values[0])
-        options = get_model(self.model).default_options()
-        return build_system(self.model, "coulomb", options, parameters, solver), solver
+        return build_system(Setup.of(self.model, "coulomb", rtol=rtol)), SolverSettings(rtol=rtol)
 
 
 BELT = Sweep(

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion
-from fiv_cli.dynamics.schedule import make_schedule
 from fiv_cli.dynamics.system import System, build_system
+from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.verify import default_parameters
+from fiv_cli.schedule import make_schedule
 from tests.benchmarks import scipy_disc
 
 MODEL, LAW = "disc-rigid-contact", "exponential"
@@ -46,14 +47,14 @@ def processor(action: Callable[[], object], repeats: int = 1) -> float:
 
 def parameters(c_z: float, c_phi: float) -> dict[str, float]:
     """Every parameter of a case."""
-    return default_parameters(MODEL, LAW) | {"c_z": c_z, "C_phi": c_phi}
+    return default_parameters(get_model(MODEL), get_law(LAW), c_z=c_z, C_phi=c_phi)
 
 
 def system(rtol: float, given: dict[str, float]) -> tuple[System, SolverSettings]:
     """The decelerating disc at a tolerance."""
-    solver, options = SolverSettings(rtol=rtol), get_model(MODEL).default_options()
     schedule = make_schedule({"Omega": [(0.0, SPEED), (OVER, 0.0)]})
-    return build_system(MODEL, LAW, options, given, solver, schedule=schedule), solver
+    setup = Setup.of(MODEL, LAW, parameters=given, rtol=rtol, schedule=schedule)
+    return build_system(setup), SolverSettings(rtol=rtol)
 
 
 def fiv_run(rtol: float, given: dict[str, float], t_end: float) -> tuple[Vector, Vector]:

@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, build_system
+from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.verify import default_parameters
 
 SOLVER = SolverSettings()
 ROUNDS = 7
@@ -45,12 +46,11 @@ class Stepping:
 
     def parameters(self) -> dict[str, float]:
         """Every parameter."""
-        return {**default_parameters(self.model, "coulomb"), **self.changes}
+        return default_parameters(get_model(self.model), get_law("coulomb"), **self.changes)
 
     def system(self) -> System:
         """The compiled system."""
-        options = {**get_model(self.model).default_options(), **self.options}
-        return build_system(self.model, "coulomb", options, self.parameters(), SOLVER)
+        return build_system(Setup.of(self.model, "coulomb", self.options))
 
 
 STEPPINGS = (

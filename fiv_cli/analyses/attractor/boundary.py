@@ -2,63 +2,110 @@
 
 The suppression boundary A_b against R by simulation, the speeds at which stick-slip exists at each
 preload, the ends of a bistable range: a scan of a bracket, and each change found in it bisected.
-What is computed at each value is the analysis `response`; see ``boundaries.py``.
+What is computed at each value is the analysis `response`; see ``scan.py``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
-
 from fiv_cli.analyses.attractor import response
-from fiv_cli.analyses.base import Analysis, Outcome, Setting, SolverSettings, Start
-
-if TYPE_CHECKING:
-    from fiv_cli.dynamics.system import System
-
-SETTINGS = (
-    Setting("parameter", "parameter", None, "what is varied: no axis of the grid", required=True),
-    Setting("bracket", "bracket", None, "where changes are looked for", required=True),
-    Setting("of", "question", None, "the question whose answer changes", required=True),
-    Setting("scan", "integer", 9, "values looked at first, both ends included", minimum=2),
-    Setting(
-        "width",
-        "number",
-        1e-4,
-        "width to which a change is bisected, as a share of the bracket",
-        minimum=0.0,
-        exclusive=True,
-    ),
-    Setting(
-        "follow",
-        "string",
-        "none",
-        "where a run begins: at the start (none), or where the one before ended",
-        choices=("none", "up", "down", "both"),
-    ),
-    *response.SETTINGS,
+from fiv_cli.analyses.base import Analysis, Later
+from fiv_cli.analyses.settings import (
+    Bracket,
+    Choice,
+    Integer,
+    Number,
+    ParameterName,
+    QuestionSetting,
+)
+from fiv_cli.analyses.variables import (
+    EVENT_RESIDUAL,
+    OF_SOLVER,
+    Role,
+    Subject,
+    Variable,
+    axis,
+    classes,
+    count,
 )
 
 
-def run(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start | None,
-    settings: Mapping[str, Any],
-    solver: SolverSettings,
-) -> Outcome:
-    """Every change of the answer in the bracket, by rising value."""
-    from fiv_cli.analyses.attractor.boundaries import boundaries
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each change, of the scan, and of all runs."""
+    varied, sides = subject.settings["parameter"], "class of the steady state"
+    way = "direction in which it was met; none: every run begins at the start"
+    confirmed = "distance within which runs in shorter steps and with more time find it; missing "
+    confirmed += "where a side is open or they do not find it"
+    return [
+        Variable(
+            "boundary", varied.unit, f"{varied.name} at which the answer changes", "crossing",
+            headline=1, width="boundary_width",
+        ),
+        Variable(
+            "boundary_width", varied.unit, "width of the interval that it was bisected to",
+            "crossing", comment="no bound of its error",
+        ),
+        Variable(
+            "boundary_error", varied.unit, "how far it may be off", "crossing", comment=confirmed
+        ),
+        classes("class_below", f"{sides} below", "crossing", of="attractor"),
+        classes("class_above", f"{sides} above", "crossing", of="attractor"),
+        classes(
+            "answer_below", "answer to the question below", "crossing", of="answer",
+            role=Role.DETAIL,
+        ),
+        classes(
+            "answer_above", "answer to the question above", "crossing", of="answer",
+            role=Role.DETAIL,
+        ),
+        classes("found_going", way, "crossing", of="followed", role=Role.DETAIL),
+        count("n_crossings", "changes in the bracket"),
+        count("n_runs", "responses computed"),
+        count("n_undecided", "responses without an answer"),
+        axis("scan", varied.unit, f"{varied.name} looked at first"),
+        classes("scan_class", f"{sides} there", "scan", of="attractor", role=Role.DETAIL),
+        *(_way_back(varied.unit, sides) if subject.settings["follow"] == "both" else ()),
+        *OF_SOLVER,
+        EVENT_RESIDUAL,
+    ]  # fmt: skip
 
-    assert start is not None
-    return boundaries(system, parameters, start, settings, solver)
+
+def _way_back(unit: str, sides: str) -> list[Variable]:
+    """What a bracket followed up and down again has besides."""
+    back = f"{sides} there on the way down"
+    end = "end of a range in which the way up and the way down differ"
+    known = "width of the interval that it was bisected to; missing at the end of the bracket"
+    return [
+        classes("scan_class_back", back, "scan", of="attractor", role=Role.DETAIL),
+        Variable("bistable_low", unit, f"lower {end}", "range", width="bistable_low_width"),
+        Variable("bistable_low_width", unit, known, "range"),
+        Variable("bistable_high", unit, f"upper {end}", "range", width="bistable_high_width"),
+        Variable("bistable_high_width", unit, known, "range"),
+    ]
 
 
 ANALYSIS = Analysis(
     "boundary",
     "where the class of the steady state changes along a parameter",
-    SETTINGS,
-    True,
-    run,
+    (
+        ParameterName("parameter", "what is varied: no axis of the grid", required=True),
+        Bracket("bracket", "where changes are looked for", required=True),
+        QuestionSetting("of", "the question whose answer changes", required=True),
+        Integer("scan", "values looked at first, both ends included", default=9, least=2),
+        Number(
+            "width",
+            "width to which a change is bisected, as a share of the bracket",
+            default=1e-4,
+            above=0.0,
+        ),
+        Choice(
+            "follow",
+            "where a run begins: at the start (none), or where the one before ended",
+            default="none",
+            choices=("none", "up", "down", "both"),
+        ),
+        *response.SETTINGS,
+    ),
+    variables,
+    Later("fiv_cli.analyses.attractor.scan:boundaries"),
     chains=False,
 )

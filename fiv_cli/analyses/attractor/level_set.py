@@ -274,7 +274,7 @@ def slides_freely(system: System, parameters: Mapping[str, float], target: Level
     motion_parameters = system.parameter_vector(parameters)
     own = target.sliding.parameters
     motion_parameters[-1 - system.n_contacts : -1] = own[-1 - system.n_contacts : -1]
-    forcing = system.model.active_forcing(parameters)
+    forcing = system.setup.model.active_forcing(parameters)
     if forcing is None:
         return True
     period = 2 * np.pi / abs(forcing.frequency(system.known(parameters)))

@@ -5,56 +5,111 @@ What is computed, and how a run ends, is told in ``steady_state.py``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
-
-from fiv_cli.analyses.base import Analysis, Outcome, Section, Setting, SolverSettings, Start
-
-if TYPE_CHECKING:
-    from fiv_cli.dynamics.system import System
+from fiv_cli.analyses.base import Analysis, Later, Section
+from fiv_cli.analyses.settings import Choice, Number, SectionSetting, StateName
+from fiv_cli.analyses.variables import (
+    ATTRACTOR,
+    MULTIPLICITY,
+    MULTIPLIERS,
+    OF_STEADY_STATE,
+    PERIOD,
+    PERIOD_RATIO,
+    Role,
+    Subject,
+    Variable,
+    count,
+    extremes,
+    section_value,
+    share,
+)
 
 SETTINGS = (
-    Setting(
+    SectionSetting(
         "section",
-        "section",
-        Section("event"),
         "Poincaré section by which the steady state is judged",
+        default=Section("event"),
     ),
-    Setting(
-        "observe",
-        "state",
-        None,
-        "state whose value at the section is kept; the first state when left out",
+    StateName("observe", "state whose value at the section is kept; the first state when left out"),
+    Number("t_max", "budget of simulated time", default=1000.0, unit="s", above=0.0),
+    Number(
+        "transient", "time before the steady state is looked for", default=0.0, unit="s", least=0.0
     ),
-    Setting(
-        "t_max", "number", 1000.0, "budget of simulated time", "s", minimum=0.0, exclusive=True
-    ),
-    Setting(
-        "transient", "number", 0.0, "time before the steady state is looked for", "s", minimum=0.0
-    ),
-    Setting(
+    Choice(
         "lyapunov",
-        "string",
-        "auto",
         "exponents and multipliers: auto computes them where the class needs them and on "
         "periodic motions, never leaves them out",
+        default="auto",
         choices=("auto", "never"),
     ),
 )
 
 
-def run(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start | None,
-    settings: Mapping[str, Any],
-    solver: SolverSettings,
-) -> Outcome:
-    """The steady state that `start` leads to."""
-    from fiv_cli.analyses.attractor.steady_state import steady_state
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of a steady state."""
+    states, contact = subject.states, subject.contact
+    return [
+        ATTRACTOR,
+        Variable(
+            "L_s",
+            subject.of_states("2"),
+            "vibration intensity: mean squared distance from the sliding equilibrium",
+            symbol="L_s",
+            comment="thesis 6.20, on discs 6.42 (of the slider alone); over one period, or over "
+            "L_s_window; 0 at the equilibrium",
+            headline=1,
+            statistic=True,
+            unbounded=True,
+        ),
+        *_reference(subject),
+        Variable(
+            "L_s_window", "s", "window of L_s, of extremes and of fractions", role=Role.DETAIL
+        ),
+        PERIOD,
+        MULTIPLICITY,
+        PERIOD_RATIO,
+        Variable("response_frequency", "Hz", "one over the period"),
+        section_value(subject),
+        share("stick_fraction", "share of time in stick", contact),
+        share("slip_fraction", "share of time in slip", contact),
+        share("separation_fraction", "share of time in separation", contact),
+        *extremes(states, rms=True),
+        Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
+        *MULTIPLIERS,
+        *OF_STEADY_STATE,
+    ]
 
-    assert start is not None
-    return steady_state(system, parameters, start, settings, solver)
+
+def _reference(subject: Subject) -> list[Variable]:
+    """The equilibria that a steady state is measured from, and comes to rest at."""
+    return [
+        Variable(
+            "L_s_reference",
+            subject.of_states(),
+            "sliding equilibrium that L_s is measured from",
+            "state",
+            comment=subject.mixed,
+            role=Role.DETAIL,
+        ),
+        count(
+            "L_s_reference_index",
+            "number of that equilibrium among the solutions of `equilibrium`, from 1",
+            comment="the one reached; of a motion that does not rest, the first, from which a "
+            "start of kind `equilibrium` is offset too",
+            role=Role.DETAIL,
+        ),
+        count(
+            "equilibrium_index",
+            "number of the equilibrium reached, among the solutions of `equilibrium`, from 1",
+            role=Role.DETAIL,
+        ),
+    ]
 
 
-ANALYSIS = Analysis("response", "steady-state response", SETTINGS, True, run)
+ANALYSIS = Analysis(
+    "response",
+    "steady-state response",
+    SETTINGS,
+    variables,
+    Later("fiv_cli.analyses.attractor.steady_state:steady_state"),
+    figure="bifurcation",
+)

@@ -56,7 +56,7 @@ from fiv_cli.analyses.cycles.periodic import (
     tightened,
 )
 from fiv_cli.analyses.rest.linearisation import free_jacobian
-from fiv_cli.codegen.names import SEPARATION, SLIP, STICK
+from fiv_cli.codegen.codes import SEPARATION, SLIP, STICK
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
@@ -171,7 +171,7 @@ class _Response:
 
     def _patience(self) -> float:
         """The longest of 4 s, three revolutions of disc or excitation, three natural periods, s."""
-        turning = self.system.model.revolution
+        turning = self.system.setup.model.revolution
         spans = [PATIENCE]
         if turning is not None:
             spans.append(REVOLUTIONS * 2 * np.pi / abs(turning(self.problem.parameters)))
@@ -466,7 +466,7 @@ class _Response:
         reference = np.zeros(len(self.system.coordinates))
         if self.rests.first is not None:
             reference = self.rests.first[: len(reference)].copy()
-        counted = self.system.model.vibration or self.system.coordinates
+        counted = self.system.setup.model.vibration or self.system.coordinates
         reference[[name not in counted for name in self.system.coordinates]] = np.nan
         self.motion.start_measuring(reference)
         return self.motion.time

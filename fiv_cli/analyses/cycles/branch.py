@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fiv_cli.analyses.base import Varied, friction_rises
+from fiv_cli.analyses.base import Varied, broken
 from fiv_cli.analyses.cycles.periodic import (
     Anchor,
     Cycle,
@@ -97,7 +97,13 @@ class Continuation:
             return False
         there = self.at(value)
         same = (there.excitation is None) == (self.problem.excitation is None)
-        return same and not friction_rises(there.parameters)
+        return same and not self.invalid(value)
+
+    def invalid(self, value: float) -> str:
+        """Reason why there is nothing to compute at `value`; empty where there is."""
+        system = self.problem.system
+        unmet = broken(system.setup.model, system.setup.law, self.at(value).parameters)
+        return "" if unmet is None else unmet.reason
 
     def at(self, value: float) -> Problem:
         """The problem at another value of the parameter."""
@@ -528,7 +534,7 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
         unknowns = here.unknowns + distance * here.tangent
         value = _in_bracket(line, unknowns)
         if not line.holds(value):
-            return RISES if friction_rises(line.at(value).parameters) else OTHER
+            return RISES if line.invalid(value) == RISES else OTHER
         beyond = _over_period(line, here, unknowns)
         if beyond.stop == Stop.CONTACT_LOST:
             return CONTACT_LOST

@@ -8,73 +8,159 @@ reaches.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from fiv_cli.analyses.base import Analysis, Later, Section, Varied
+from fiv_cli.analyses.settings import (
+    Bracket,
+    Integer,
+    Number,
+    ParameterName,
+    SectionSetting,
+    StateName,
+)
+from fiv_cli.analyses.variables import (
+    MULTIPLICITY,
+    MULTIPLIERS,
+    PERIOD_RATIO,
+    Role,
+    Subject,
+    Variable,
+    classes,
+    count,
+    extremes,
+    section_value,
+    trust,
+)
 
-from fiv_cli.analyses.base import Analysis, Outcome, Section, Setting, SolverSettings, Start
-
-if TYPE_CHECKING:
-    from fiv_cli.dynamics.system import System
-
-SETTINGS = (
-    Setting(
-        "section",
-        "section",
-        Section("event"),
-        "Poincaré section whose returns give the first guess, and where the cycle is reported",
-    ),
-    Setting(
-        "observe",
-        "state",
-        None,
-        "state whose value at the section is kept; the first state when left out",
-    ),
-    Setting(
-        "t_max",
-        "number",
-        100.0,
-        "time allowed for reaching a first guess",
-        "s",
-        minimum=0.0,
-        exclusive=True,
-    ),
-    Setting(
-        "transient", "number", 0.0, "time before a first guess is looked for", "s", minimum=0.0
-    ),
-    Setting(
-        "multiplicity",
-        "integer",
-        None,
-        "section points per period; found from the motion when left out",
-        minimum=1,
-    ),
-    Setting(
-        "parameter", "parameter", None, "along which the branch is followed: no axis of the grid"
-    ),
-    Setting("bracket", "bracket", None, "how far the branch is followed"),
-    Setting(
-        "width",
-        "number",
-        1e-6,
-        "width to which its ends are bracketed, as a share of the bracket",
-        minimum=0.0,
-        exclusive=True,
-    ),
+_OFF = "how far it may be off"
+_CYCLES_AGAIN = (
+    "what it was bisected to, and what cycles of ten times the error of integration move it by; "
+    "missing where these do not show it"
 )
 
 
-def run(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start | None,
-    settings: Mapping[str, Any],
-    solver: SolverSettings,
-) -> Outcome:
-    """The cycle near what `start` leads to, and its branch where a parameter is given."""
-    from fiv_cli.analyses.cycles.find_cycle import find_cycle
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of a cycle and, along a parameter, of its branch."""
+    observed, _ = subject.observed
+    return [
+        Variable("cycle_period", "s", "period of the cycle", symbol="T", headline=2),
+        classes("stable", "whether the cycle is stable", headline=1),
+        MULTIPLICITY,
+        PERIOD_RATIO,
+        Variable(
+            "cycle_section",
+            "1",
+            f"point of the cycle at the section, where {observed} is least",
+            "state",
+            comment="each state in its own unit (state_units)",
+            velocities=True,
+        ),
+        section_value(subject),
+        *MULTIPLIERS,
+        *extremes(subject.states, rms=False),
+        trust("residual", "miss after a period, over the extent of the cycle"),
+        count("n_events", "events per period", role=Role.WORK),
+        *(_branch(subject) if subject.varied is not None else ()),
+    ]
 
-    assert start is not None
-    return find_cycle(system, parameters, start, settings, solver)
+
+def _branch(subject: Subject) -> list[Variable]:
+    """The branch of a cycle along a parameter, and where it changes or ends."""
+    varied, (observed, unit) = subject.settings["parameter"], subject.observed
+    name, branch = varied.name, "branch"
+    return [
+        Variable("branch_value", varied.unit, f"{name} along the branch", ragged=branch),
+        Variable("branch_period", "s", "period along the branch", ragged=branch),
+        Variable("branch_min", unit, f"least {observed} of the cycle", ragged=branch),
+        Variable("branch_max", unit, f"greatest {observed} of the cycle", ragged=branch),
+        Variable(
+            "branch_multiplier", "1", "modulus of the largest nontrivial multiplier", ragged=branch
+        ),
+        classes("branch_stable", "stability", of="stable", ragged=branch, role=Role.DETAIL),
+        *_changes(varied),
+        *_end("lowest", varied),
+        *_end("highest", varied),
+    ]
 
 
-ANALYSIS = Analysis("cycle", "periodic orbits and where they end", SETTINGS, True, run)
+def _changes(varied: Varied) -> list[Variable]:
+    """Where a branch changes or ends, in its order."""
+    name, end = varied.name, "cycle_end"
+    kinds = "fold, flip (a multiplier passes -1), torus (a pair passes 1 in modulus), branching (a "
+    kinds += "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
+    kinds += (
+        "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
+    )
+    kinds += "closed (round to its first cycle)"
+    return [
+        Variable(
+            "cycle_end",
+            varied.unit,
+            f"{name} where the branch changes or ends",
+            ragged=end,
+            comment="in the order of the branch, within cycle_end_error",
+        ),
+        Variable(
+            "cycle_end_width",
+            varied.unit,
+            "half the bracket that it was bisected to",
+            ragged=end,
+            comment="no bound of its error",
+        ),
+        Variable("cycle_end_error", varied.unit, _OFF, ragged=end, comment=_CYCLES_AGAIN),
+        classes("cycle_end_kind", "what happens", of="cycle_end", ragged=end, comment=kinds),
+        count("cycle_end_direction", f"1: {name} rising, -1: falling", ragged=end),
+        classes(
+            "cycle_end_goes_on", "whether the branch goes on", of="goes_on", ragged=end,
+            role=Role.DETAIL,
+        ),
+    ]  # fmt: skip
+
+
+def _end(side: str, varied: Varied) -> list[Variable]:
+    """One end of the range of a parameter in which a branch lies."""
+    name, unit = f"cycle_{side}", varied.unit
+    return [
+        Variable(
+            name, unit, f"{side} {varied.name} of the branch", headline=int(side == "highest")
+        ),
+        Variable(f"{name}_width", unit, "half the bracket that it was bisected to"),
+        Variable(f"{name}_error", unit, _OFF, comment=_CYCLES_AGAIN),
+        classes(f"{name}_kind", "what is there", of="cycle_end"),
+    ]
+
+
+ANALYSIS = Analysis(
+    "cycle",
+    "periodic orbits and where they end",
+    (
+        SectionSetting(
+            "section",
+            "Poincaré section whose returns give the first guess, and where the cycle is reported",
+            default=Section("event"),
+        ),
+        StateName(
+            "observe", "state whose value at the section is kept; the first state when left out"
+        ),
+        Number(
+            "t_max", "time allowed for reaching a first guess", default=100.0, unit="s", above=0.0
+        ),
+        Number(
+            "transient", "time before a first guess is looked for", default=0.0, unit="s", least=0.0
+        ),
+        Integer("multiplicity", "section points per period; found from the motion when left out"),
+        ParameterName(
+            "parameter",
+            "along which the branch is followed: no axis of the grid",
+            partner="bracket",
+        ),
+        Bracket("bracket", "how far the branch is followed", partner="parameter"),
+        Number(
+            "width",
+            "width to which its ends are bracketed, as a share of the bracket",
+            default=1e-6,
+            above=0.0,
+        ),
+    ),
+    variables,
+    Later("fiv_cli.analyses.cycles.find_cycle:find_cycle"),
+)

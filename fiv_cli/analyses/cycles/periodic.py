@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.rest.equilibria import statics_of
+from fiv_cli.codegen.codes import SEPARATION, STICK
 from fiv_cli.codegen.memory import call_generated
-from fiv_cli.codegen.names import SEPARATION, STICK
 from fiv_cli.dynamics.kernel import CODE_SEPARATION
 from fiv_cli.dynamics.motion import Ledger, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
@@ -64,7 +64,7 @@ class Problem:
     @cached_property
     def excitation(self) -> float | None:
         """Period of the excitation, s; None without one."""
-        forcing = self.system.model.active_forcing(self.parameters)
+        forcing = self.system.setup.model.active_forcing(self.parameters)
         if forcing is None:
             return None
         return 2 * np.pi / abs(forcing.frequency(self.system.known(self.parameters)))
@@ -122,7 +122,7 @@ def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
     sticks asked for again: `motion` has the velocity of the drive there.
     """
     names = problem.system.state_names
-    for name in statics_of(problem.system, problem.parameters).determined:
+    for name in statics_of(problem.system).determined:
         pressed = motion.y - PRESSED * np.array([state == name for state in names])
         trial = Motion(problem.system, problem.parameters, problem.solver, pressed, motion.time)
         motion = trial if _parted(anchor, trial) < _parted(anchor, motion) else motion

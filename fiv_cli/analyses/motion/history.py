@@ -2,82 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
-
-from fiv_cli.analyses.base import Analysis, Outcome, Setting, SolverSettings, Start
-
-if TYPE_CHECKING:
-    from fiv_cli.dynamics.system import System
-
-DEFAULT_SAMPLES = 2000
-
-SETTINGS = (
-    Setting(
-        "t_end",
-        "number",
-        None,
-        "end of the motion",
-        "s",
-        minimum=0.0,
-        exclusive=True,
-        required=True,
-    ),
-    Setting(
-        "sample",
-        "number",
-        None,
-        "interval of the samples; t_end / 2000 when left out",
-        "s",
-        minimum=0.0,
-        exclusive=True,
-    ),
-    Setting(
-        "points",
-        "points",
-        None,
-        "[radius (m), angle (rad)] on the disc, fixed in space, whose displacement w is given",
-    ),
+from fiv_cli.analyses.base import Analysis, Later
+from fiv_cli.analyses.settings import DiscPoints, Number
+from fiv_cli.analyses.variables import (
+    OF_SOLVER,
+    Role,
+    Subject,
+    Variable,
+    axis,
+    classes,
+    count,
+    motions,
+    trust,
 )
 
+_EVENTS = (
+    Variable("event_time", "s", "instant of the event", ragged="event"),
+    classes(
+        "event_from", "contact before", of="contact_state", ragged="event", role=Role.DETAIL
+    ),
+    classes("event_to", "contact after", of="contact_state", ragged="event", role=Role.DETAIL),
+    count("event_contact", "contact, counted from 1", ragged="event"),
+    trust("event_residual", "switching function left at the event", ragged="event"),
+)  # fmt: skip
 
-def sample_times(settings: Mapping[str, Any]) -> NDArray[np.float64]:
-    """Times of the samples, s: from 0, t_end always included."""
-    t_end = float(settings["t_end"])
-    interval = settings["sample"]
-    if interval is None:
-        return np.linspace(0.0, t_end, DEFAULT_SAMPLES + 1)
-    count = int(np.floor(t_end / interval + 1e-9)) + 1
-    times: NDArray[np.float64] = interval * np.arange(count, dtype=np.float64)
-    reached = abs(times[-1] - t_end) <= 1e-9 * t_end
-    return times if reached else np.append(times, t_end)
+_SURFACE = (
+    Variable("w", "m", "transverse displacement of the disc", "point time", symbol="w"),
+    axis("point_radius", "m", "radius of the point", "point", symbol="r"),
+    axis("point_angle", "rad", "angle of the point", "point", symbol=r"\theta"),
+)
+"""The displacement of a disc at points that are fixed in space."""
 
 
-def run(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start | None,
-    settings: Mapping[str, Any],
-    solver: SolverSettings,
-) -> Outcome:
-    """States, contact forces and energies at the sample times, and every event."""
-    from fiv_cli.analyses.motion.recording import record
-
-    assert start is not None
-    places = settings.get("points") or ()
-    return record(system, parameters, start, sample_times(settings), solver, places)
+def variables(subject: Subject) -> list[Variable]:
+    """What a motion holds at its samples, of its events, and of its energy."""
+    at_contacts = f"{subject.contact} time"
+    return [
+        axis("time", "s", "time", symbol="t"),
+        *(Variable(n, u, m, "time", symbol=s) for n, u, s, m in motions(subject.states)),
+        Variable("F_T", "N", "tangential contact force", at_contacts, symbol="F_T"),
+        Variable("F_N", "N", "normal contact force", at_contacts, symbol="F_N"),
+        classes("contact_state", "state of contact", at_contacts, role=Role.DETAIL),
+        Variable("kinetic_energy", "J", "kinetic energy", "time"),
+        Variable("potential_energy", "J", "potential energy", "time"),
+        Variable("friction_power", "W", "power of friction on the model", "time"),
+        Variable("drive_power", "W", "power of the drive", "time"),
+        Variable("other_power", "W", "power of all other forces", "time"),
+        Variable("friction_work", "J", "work of friction on the model"),
+        Variable("drive_work", "J", "work of the drive"),
+        Variable("other_work", "J", "work of all other forces"),
+        Variable("impact_loss", "J", "energy lost in impacts"),
+        *_EVENTS,
+        *(_SURFACE if subject.settings.get("points") else ()),
+        *OF_SOLVER,
+    ]
 
 
 ANALYSIS = Analysis(
     "history",
     "the motion in time",
-    SETTINGS,
-    True,
-    run,
+    (
+        Number("t_end", "end of the motion", unit="s", above=0.0, required=True),
+        Number(
+            "sample", "interval of the samples; t_end / 2000 when left out", unit="s", above=0.0
+        ),
+        DiscPoints(
+            "points",
+            "[radius (m), angle (rad)] on the disc, fixed in space, whose displacement w is given",
+        ),
+    ),
+    variables,
+    Later("fiv_cli.analyses.motion.recording:record"),
     varying=True,
-    recorded=lambda schedule: True,
-    sizes=lambda settings: {"time": sample_times(settings)},
+    recorded=True,
+    single=True,
+    figure="history",
 )

@@ -22,6 +22,7 @@ from fiv_cli.analyses.rest.surface import Place, weights
 from fiv_cli.dynamics.motion import CODE_NAMES, Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 
+DEFAULT_SAMPLES = 2000
 LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
 
 
@@ -29,25 +30,25 @@ def record(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    times: Vector,
+    settings: Mapping[str, Any],
     solver: SolverSettings,
-    places: Sequence[Place] = (),
 ) -> Outcome:
-    """States, contact forces and energies at `times` (s, rising), and every event.
+    """States, contact forces and energies at the sample times, and every event.
 
-    On discs also the displacement w at `places` (radius in m, angle in rad).
+    On discs also the displacement w at the points asked for.
     """
     motion = begun(system, parameters, start, solver)
     if isinstance(motion, Outcome):
         return motion
+    times = sample_times(settings)
     samples = samples_at(system, times)
     energy_before = motion.energy()
     motion.start_measuring(np.zeros(len(system.coordinates)))
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
-    if places:
-        outcome.values |= _surface(system, parameters, outcome.values, places)
+    if settings["points"]:
+        outcome.values |= _surface(system, parameters, outcome.values, settings["points"])
     outcome.values |= trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger.times,
@@ -57,6 +58,18 @@ def record(
         "event_residual": ledger.residuals,
     }
     return outcome
+
+
+def sample_times(settings: Mapping[str, Any]) -> Vector:
+    """Times of the samples, s: from 0, t_end always included."""
+    t_end = float(settings["t_end"])
+    interval = settings["sample"]
+    if interval is None:
+        return np.linspace(0.0, t_end, DEFAULT_SAMPLES + 1)
+    count = int(np.floor(t_end / interval + 1e-9)) + 1
+    times: Vector = interval * np.arange(count, dtype=np.float64)
+    reached = abs(times[-1] - t_end) <= 1e-9 * t_end
+    return times if reached else np.append(times, t_end)
 
 
 def begun(
@@ -112,7 +125,7 @@ def varying_at(system: System, times: Vector) -> dict[str, Vector]:
     """Each parameter that varies in time, at `times`."""
     return {
         name: np.interp(times, [t for t, _ in points], [value for _, value in points])
-        for name, points in system.schedule.curves
+        for name, points in system.setup.schedule.curves
     }
 
 

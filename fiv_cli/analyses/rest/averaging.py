@@ -9,22 +9,21 @@ is off by a share of (natural frequency / excitation frequency)^2.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.rest.equilibria import Sliding, sliding
-from fiv_cli.codegen.generate import generate
-from fiv_cli.dynamics.system import System
+from fiv_cli.dynamics.system import System, build_system
 from fiv_cli.friction.averaged import FAST_VELOCITY, averaged
+from fiv_cli.schedule import STEADY
 
 # Least ratio of the excitation's frequency to the highest natural one: the fast motion is then
 # known to (1/5)^2 = 4 %.
 LEAST_RATIO = 5.0
 
 ORDER = 1  # of the series: an averaged system is linearised, never integrated
-
-_BUILT: dict[tuple[str, bool], System] = {}
 
 
 def averaged_sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
@@ -35,13 +34,13 @@ def averaged_sliding(system: System, parameters: Mapping[str, float]) -> Sliding
     """
     amplitude = fast_velocity(system, parameters)
     speed = np.abs(rest_velocities(sliding(system, parameters))).max()
-    law_system = averaged_system(system, parameters, bool(amplitude > speed))
-    return sliding(law_system, {**parameters, FAST_VELOCITY.name: amplitude})
+    slow = averaged_system(system, bool(amplitude > speed))
+    return sliding(slow, {**parameters, FAST_VELOCITY.name: amplitude})
 
 
 def fast_velocity(system: System, parameters: Mapping[str, float]) -> float:
     """Amplitude of the slip velocity that the excitation makes, m/s."""
-    forcing = system.model.averaged_forcing()
+    forcing = system.setup.model.averaged_forcing()
     assert forcing is not None and forcing.fast_velocity is not None
     return forcing.fast_velocity(system.known(parameters))
 
@@ -53,19 +52,11 @@ def rest_velocities(state: Sliding) -> NDArray[np.float64]:
 
 
 def averaged_system(
-    system: System,
-    parameters: Mapping[str, float],
-    reversing: bool,
-    announce: Callable[[str], None] = lambda sentence: None,
+    system: System, reversing: bool, announce: Callable[[str], None] = lambda sentence: None
 ) -> System:
     """`system` under its law averaged with, or without, reversal of slip; made once."""
-    key = system.generated.key, reversing
-    if key not in _BUILT:
-        law = averaged(system.law, reversing)
-        structural = {name: parameters[name] for name in law.structural}
-        generated = generate(system.model, law, system.options, structural, ORDER, announce)
-        _BUILT[key] = System(system.model, law, system.options, generated)
-    return _BUILT[key]
+    law = averaged(system.setup.law, reversing)
+    return build_system(replace(system.setup, law=law, order=ORDER, schedule=STEADY), announce)
 
 
 def frequency_ratio(
@@ -80,7 +71,7 @@ def frequency_ratio(
     ----------
     jacobian : of the averaged system at its equilibrium, (2m, 2m)
     """
-    forcing = system.model.averaged_forcing()
+    forcing = system.setup.model.averaged_forcing()
     assert forcing is not None
     m = len(jacobian) // 2
     squares = np.abs(np.linalg.eigvals(jacobian[m:, :m]))

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, Varied
+from fiv_cli.analyses.base import Outcome, SolverSettings
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, frequency_ratio
 from fiv_cli.analyses.rest.equilibria import equilibria, why_none
 from fiv_cli.analyses.rest.linearisation import NEUTRAL, free_jacobian, modes_at, sliding_system
@@ -128,11 +128,12 @@ class _Hole(Exception):
 def critical_values(
     system: System,
     parameters: Mapping[str, float],
-    varied: Varied,
-    bracket: tuple[float, float],
-    which: str,
+    start: None,
+    settings: Mapping[str, Any],
+    solver: SolverSettings,
 ) -> Outcome:
-    """Every crossing of the ``original`` or ``averaged`` system inside the bracket."""
+    """Every crossing inside the bracket by rising value, with its kind, direction and mode."""
+    varied, bracket, which = settings["parameter"], settings["bracket"], settings["system"]
 
     def probe(at: float) -> Sample:
         return _sample(system, varied.at(parameters, at), which, at)

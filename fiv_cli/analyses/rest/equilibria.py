@@ -90,9 +90,7 @@ class Sliding:
     @cached_property
     def statics(self) -> Statics:
         """What is known of the system at rest."""
-        names, law = self.system.generated.parameter_names, self.system.law
-        structural = {name: self.parameters[names.index(name)] for name in law.structural}
-        return statics_of(self.system, structural)
+        return statics_of(self.system)
 
     @cached_property
     def free(self) -> list[int]:
@@ -101,19 +99,13 @@ class Sliding:
         return [i for i, name in enumerate(self.system.coordinates) if name not in determined]
 
 
-def statics_of(system: System, parameters: Mapping[str, float]) -> Statics:
-    """The statics of a system, derived once per user; `parameters` has the law's structural ones.
+@cache
+def statics_of(system: System) -> Statics:
+    """The statics of a system, derived once per user.
 
     Its code is loaded, so that no point's time contains it.
     """
-    structural = tuple(float(parameters[name]) for name in system.law.structural)
-    return _statics_of(system, structural)
-
-
-@cache
-def _statics_of(system: System, structural: tuple[float, ...]) -> Statics:
-    named = dict(zip(system.law.structural, structural, strict=True))
-    statics = generate_statics(system.model, system.law, system.options, named)
+    statics = generate_statics(system.setup)
     for reduction in statics.reductions:
         _loaded(reduction)
     return statics
@@ -121,7 +113,7 @@ def _statics_of(system: System, structural: tuple[float, ...]) -> Statics:
 
 def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
     """The unexcited system in sliding."""
-    vector = system.parameter_vector(system.model.unexcited(parameters))
+    vector = system.parameter_vector(system.setup.model.unexcited(parameters))
     state = Sliding(system, vector, system.coefficients(vector), 0, True)
     velocities = state.contact_forces(np.zeros(len(system.state_names)))[:, 2]
     first = len(vector) - 1 - system.n_contacts

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings, Start
-from fiv_cli.analyses.rest.linear import SYSTEM
+from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings
+from fiv_cli.analyses.rest.system_choice import SYSTEM
+from fiv_cli.analyses.variables import Subject, Variable, classes, count, trust
 
 if TYPE_CHECKING:
     from fiv_cli.dynamics.system import System
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 def run(
     system: System,
     parameters: Mapping[str, float],
-    start: Start | None,
+    start: None,
     settings: Mapping[str, Any],
     solver: SolverSettings,
 ) -> Outcome:
@@ -42,7 +43,7 @@ def run(
         return Outcome(status="failed", reason=found.reason, values=counts)
     forces = np.array([state.contact_forces(y) for y in solutions])
     m = len(system.coordinates)
-    if system.model.surface is not None:
+    if system.setup.model.surface is not None:
         counts["w"] = np.array([at_the_contact(system, parameters, y) for y in solutions])
     return Outcome(
         values=counts
@@ -60,11 +61,42 @@ def _per_contact(values: Any) -> Any:
     return values[:, 0] if values.shape[1] == 1 else values
 
 
+_DISPLACEMENT = Variable("w", "m", "displacement of the disc at the contact", "solution")
+
+
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each solution, and of all."""
+    at_contacts = f"solution {subject.contact}"
+    return [
+        Variable(
+            "equilibrium",
+            subject.of_states(),
+            "sliding equilibrium of the unexcited system",
+            "solution state",
+            comment=subject.mixed,
+        ),
+        count(
+            "n_solutions",
+            "sliding equilibria with closed contacts",
+            comment="the first is the one that growing loads lead to, then by distance from it",
+            headline=1,
+        ),
+        count("n_pulling", "real solutions in which a contact would pull"),
+        count("n_complex", "solutions that are not real"),
+        classes("complete", "whether these are all the solutions"),
+        Variable("F_N", "N", "normal contact force", at_contacts, symbol="F_N"),
+        Variable("F_T", "N", "tangential contact force", at_contacts, symbol="F_T"),
+        trust("residual", "largest acceleration left", "solution"),
+        *([_DISPLACEMENT] if subject.surface else []),
+    ]
+
+
 ANALYSIS = Analysis(
     "equilibrium",
     "sliding equilibria of the unexcited system",
     (SYSTEM,),
-    False,
+    variables,
     run,
+    uses_starts=False,
     linear=True,
 )

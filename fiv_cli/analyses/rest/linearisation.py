@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome
+from fiv_cli.analyses.base import Outcome, SolverSettings
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
 from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, sliding
 from fiv_cli.dynamics.system import System, Vector
@@ -29,9 +29,14 @@ def sliding_system(system: System, parameters: Mapping[str, float], which: str) 
 
 
 def eigenvalues_at(
-    system: System, parameters: Mapping[str, float], which: str, number: int
+    system: System,
+    parameters: Mapping[str, float],
+    start: None,
+    settings: Mapping[str, Any],
+    solver: SolverSettings,
 ) -> Outcome:
-    """Eigenvalues and vectors at the equilibrium with this number, counted from 1."""
+    """Eigenvalues (rad/s) and vectors at the equilibrium asked for, by rising frequency."""
+    which, number = settings["system"], settings["at_equilibrium"]
     state = sliding_system(system, parameters, which)
     found = all_equilibria(state)
     if len(found.states) < number:

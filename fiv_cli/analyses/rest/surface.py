@@ -21,11 +21,11 @@ def weights(
 
     NaN at places that are not on the disc.
     """
-    surface = system.model.surface
+    surface = system.setup.model.surface
     assert surface is not None
     found = np.zeros((len(places), len(system.coordinates)))
     for row, (radius, angle) in enumerate(places):
-        for name, weight in surface(parameters, system.options, radius, angle).items():
+        for name, weight in surface(parameters, system.setup.options, radius, angle).items():
             found[row, system.coordinates.index(name)] = weight
     return found
 
@@ -35,7 +35,7 @@ def nodes_at_r0(system: System, parameters: Mapping[str, float]) -> list[str]:
 
     Their coordinates, displacements at r0, have no scale.
     """
-    if system.model.surface is None:
+    if system.setup.model.surface is None:
         return []
     known = system.known(parameters)
     area = np.pi * (known["b"] ** 2 - known["a"] ** 2)

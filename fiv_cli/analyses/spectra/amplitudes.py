@@ -30,6 +30,7 @@ from fiv_cli.analyses.common import start_motion, stopped
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import spectrum
 from fiv_cli.analyses.spectra.resolution import bin_width, frequencies, window_length
+from fiv_cli.analyses.spectra.spectrum import KEPT_OF_STEADY_STATE
 from fiv_cli.dynamics.motion import Motion, samples_at
 from fiv_cli.dynamics.system import System, Vector
 
@@ -37,19 +38,6 @@ OVERSAMPLED = 16  # samples per period of the highest frequency
 LEAST_SAMPLES = 16384
 HANN_BANDWIDTH = 1.5  # noise bandwidth of Hann's window, in its spectral lines
 NEUTRAL = 1e-9  # growth below this share of the frequency is rounding
-KEPT = (
-    "attractor",
-    "period",
-    "multiplicity",
-    "decay_margin",
-    "cycle_residual",
-    "section_drift",
-    "energy_residual",
-    "event_residual",
-    "n_steps",
-    "n_events",
-    "transient_used",
-)
 
 
 @dataclass(frozen=True)
@@ -80,7 +68,8 @@ def steady_spectrum(
     """The steady state, its spectrum, and the eigenfrequencies of the sliding equilibrium."""
     found = steady_state(system, parameters, start, settings, solver)
     modes = {"frequency": frequencies(settings)} | growing_modes(system, parameters)
-    kept = {name: found.values[name] for name in KEPT if name in found.values}
+    names = [variable.name for variable in KEPT_OF_STEADY_STATE]
+    kept = {name: found.values[name] for name in names if name in found.values}
     outcome = Outcome(found.status, found.reason, kept | modes, {}, found.message, found.carry)
     if found.carry is None:
         return outcome

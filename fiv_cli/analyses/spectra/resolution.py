@@ -1,4 +1,4 @@
-"""What the settings of a `spectrum` ask for: bins, windows, and the time between windows."""
+"""The bins and windows that a `spectrum` or a `spectrogram` is asked for."""
 
 from __future__ import annotations
 

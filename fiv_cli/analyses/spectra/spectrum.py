@@ -1,89 +1,85 @@
 """The amplitude spectrum of the steady state, beside the unstable eigenfrequencies.
 
-Thesis 6.4.2.2, Figure 6.18. What is computed is told in ``amplitudes.py``. Where parameters vary in
-time there is no steady state: the answer is a spectrogram (thesis 4.3.2), see ``spectrogram.py``.
+Thesis 6.4.2.2, Figure 6.18. What is computed is told in ``amplitudes.py``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
 
 from fiv_cli.analyses.attractor import response
-from fiv_cli.analyses.base import Analysis, Outcome, Setting, SolverSettings, Start
-from fiv_cli.analyses.spectra.resolution import frequencies
-
-if TYPE_CHECKING:
-    from fiv_cli.dynamics.system import System
-
-# Settings that count without [schedule] only, and with it only.
-OF_STEADY_STATES = tuple(s.name for s in response.SETTINGS if s.name != "observe")
-OF_SPECTROGRAMS = ("hop", "t_end")
+from fiv_cli.analyses.base import Analysis, Later
+from fiv_cli.analyses.settings import Number
+from fiv_cli.analyses.variables import (
+    ATTRACTOR,
+    MULTIPLICITY,
+    OF_STEADY_STATE,
+    PERIOD,
+    Subject,
+    Variable,
+    axis,
+)
 
 OBSERVED = "state whose amplitudes are shown; the first state when left out"
+F_MAX = Number("f_max", "highest frequency", unit="Hz", above=0.0, required=True)
+RESOLUTION = Number(
+    "resolution", "width of a frequency bin; f_max / 256 when left out", unit="Hz", above=0.0
+)
 
 
-def _of_response(setting: Setting) -> Setting:
-    """A setting of `response` with what it means here."""
-    if setting.name == "observe":
-        return replace(setting, meaning=OBSERVED)
-    return replace(setting, meaning=f"without [schedule]: {setting.meaning}")
+KEPT_OF_STEADY_STATE = (ATTRACTOR, PERIOD, MULTIPLICITY, *OF_STEADY_STATE)
+"""What a spectrum says of the steady state that it is of."""
+
+FREQUENCY = axis("frequency", "Hz", "middle of the bin", symbol="f")
 
 
-SETTINGS = (
-    *map(_of_response, response.SETTINGS),
-    Setting(
-        "f_max", "number", None, "highest frequency", "Hz", minimum=0.0, exclusive=True,
-        required=True,
-    ),
-    Setting(
-        "resolution", "number", None,
-        "width of a frequency bin; f_max / 256 when left out", "Hz", minimum=0.0, exclusive=True,
-    ),
-    Setting(
-        "window", "number", None,
-        "time over which a motion that is not periodic is transformed (under a Hann window); "
-        "16 / resolution when left out; of a spectrogram 4 / resolution", "s", minimum=0.0,
-        exclusive=True,
-    ),
-    Setting(
-        "hop", "number", None,
-        "spectrogram: time from window to window; a quarter of a window when left out", "s",
-        minimum=0.0, exclusive=True,
-    ),
-    Setting(
-        "t_end", "number", None,
-        "spectrogram: end of the motion; the last kink of the schedule when left out", "s",
-        minimum=0.0, exclusive=True,
-    ),
-)  # fmt: skip
-
-
-def run(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start | None,
-    settings: Mapping[str, Any],
-    solver: SolverSettings,
-) -> Outcome:
-    """The spectrum of the steady state that `start` leads to, or the spectrogram of a motion."""
-    from fiv_cli.analyses.spectra.amplitudes import steady_spectrum
-    from fiv_cli.analyses.spectra.spectrogram import spectrogram
-
-    assert start is not None
-    if system.schedule.curves:
-        return spectrogram(system, parameters, start, settings, solver)
-    return steady_spectrum(system, parameters, start, settings, solver)
+def variables(subject: Subject) -> list[Variable]:
+    """What is told of each bin, of the modes, and of the steady state."""
+    observed, unit = subject.observed
+    pair = "of the linearised system at the first sliding equilibrium, a conjugate pair once"
+    return [
+        FREQUENCY,
+        ATTRACTOR,
+        Variable(
+            "amplitude",
+            unit,
+            f"amplitude of {observed}",
+            "frequency",
+            comment="peak of a sinusoid; root of the sum of squares over the bin, mean left out; "
+            "lines of a period, or a Hann window where the motion is not periodic",
+        ),
+        Variable("mean", unit, f"mean of {observed}"),
+        Variable("response_frequency", "Hz", "frequency of the largest amplitude"),
+        Variable("variance_shown", "1", "share of the mean square that lies below f_max"),
+        PERIOD,
+        MULTIPLICITY,
+        Variable("mode_frequency", "Hz", "frequency of the mode", "mode", comment=pair),
+        Variable("mode_growth", "rad s-1", "growth rate of the mode", "mode", comment=pair),
+        Variable("unstable_frequency", "Hz", "frequency of the growing mode", "mode", comment=pair),
+        *OF_STEADY_STATE,
+    ]
 
 
 ANALYSIS = Analysis(
     "spectrum",
     "amplitude spectrum of the steady state",
-    SETTINGS,
-    True,
-    run,
-    varying=True,
-    recorded=lambda schedule: bool(schedule.curves),
-    sizes=lambda settings: {"frequency": frequencies(settings)},
+    (
+        *(
+            replace(setting, meaning=OBSERVED) if setting.name == "observe" else setting
+            for setting in response.SETTINGS
+        ),
+        F_MAX,
+        RESOLUTION,
+        Number(
+            "window",
+            "time over which a motion that is not periodic is transformed (under a Hann window); "
+            "16 / resolution when left out",
+            unit="s",
+            above=0.0,
+        ),
+    ),
+    variables,
+    Later("fiv_cli.analyses.spectra.amplitudes:steady_spectrum"),
+    counterpart="spectrogram",
+    figure="spectrum",
 )

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any
 
 import sympy
 
-from fiv_cli.codegen.names import rate_of
-from fiv_cli.friction.base import Law
-from fiv_cli.models.base import Model
+from fiv_cli.models.base import rate_of
 
 
 class Symbols:
@@ -31,13 +28,13 @@ class Symbols:
     def _real(name: str) -> sympy.Symbol:
         return sympy.Symbol(name, real=True)
 
-    def parameter(self, name: str) -> Any:
+    def parameter(self, name: str) -> sympy.Expr:
         """Parameter `name`; a number where its value is structural, a function of a schedule."""
         if name in self._structural:
             return sympy.nsimplify(self._structural[name])
         return self._real(f"p.{name}") + self.parameter_rate(name) * self.time
 
-    def parameter_rate(self, name: str) -> Any:
+    def parameter_rate(self, name: str) -> sympy.Expr:
         """Rate of parameter `name`, per second: zero unless it follows a schedule."""
         return self._real(f"p.{rate_of(name)}") if name in self._scheduled else sympy.Integer(0)
 
@@ -65,13 +62,6 @@ class Symbols:
         """Sign of slip of a contact, +1 or -1: a property of the contact state."""
         return self._real(f"sign.{contact}")
 
-    def in_zone(self, outside: Any, inside: Any) -> Any:
+    def in_zone(self, outside: sympy.Expr, inside: sympy.Expr) -> sympy.Expr:
         """`outside` off the sector and `inside` on it, both exactly."""
         return outside * (1 - self.zone) + inside * self.zone
-
-
-def parameter_names(model: Model, law: Law, options: Mapping[str, str]) -> list[str]:
-    """What equations may name: parameters of the model, then of the law, then derived numbers."""
-    own = [p.name for p in model.parameters]
-    theirs = [p.name for p in law.parameters if p.name not in own]
-    return [*own, *theirs, *(model.derived.names(options) if model.derived else ())]

@@ -36,16 +36,15 @@ from fiv_cli.analyses.attractor.bisection import (
     scanned,
 )
 from fiv_cli.analyses.attractor.steady_state import steady_state
-from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, friction_rises
+from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, broken
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import EVENT_RESIDUAL, OF_SOLVER, Role, Variable
 from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"
-SUMMED = ("n_steps", "n_events")
 CLOSER = 1e-4  # share of the error of integration that a change is confirmed with
 LONGER = 2.0  # ... and growth of the time given
 LARGEST = 2**31 - 1  # what an integer variable of a dataset can hold
-WORST = ("energy_residual", "event_residual")
-GROWING = ("_max", "_rms", "L_s")  # of a motion that diverges they lie below no bound
 
 
 @dataclass
@@ -74,8 +73,10 @@ class _Runs:
         return Look(value, answer, label, outcome.carry)
 
     def _outcome(self, parameters: Mapping[str, float], origin: Look | None) -> Outcome:
-        if friction_rises(parameters):
-            return Outcome("not_computed", friction_rises(parameters))
+        setup = self.system.setup
+        unmet = broken(setup.model, setup.law, parameters)
+        if unmet is not None:
+            return Outcome("not_computed", unmet.reason)
         start = self.start.at(parameters)
         if origin is not None:
             start = going_on(start, origin.carry)
@@ -92,12 +93,15 @@ class _Runs:
     def _book(self, outcome: Outcome) -> None:
         if outcome.status != "ok":
             self.failed.append(outcome)
-        for name in SUMMED:
-            total = self.totals.get(name, 0) + outcome.values.get(name, 0)
-            self.totals[name] = min(total, LARGEST)
-        for name in WORST:
-            worst = np.fmax(self.totals.get(name, np.nan), outcome.values.get(name, np.nan))
-            self.totals[name] = float(worst)
+        for variable in (*OF_SOLVER, EVENT_RESIDUAL):
+            self.totals[variable.name] = self._total(variable, outcome.values)
+
+    def _total(self, variable: Variable, values: Mapping[str, Any]) -> float:
+        """Work adds up; of what tells how far to trust it the worst counts."""
+        name = variable.name
+        if variable.role is Role.WORK:
+            return min(self.totals.get(name, 0) + values.get(name, 0), LARGEST)
+        return float(np.fmax(self.totals.get(name, np.nan), values.get(name, np.nan)))
 
 
 def answered(question: Question, outcome: Outcome) -> bool | None:
@@ -107,7 +111,7 @@ def answered(question: Question, outcome: Outcome) -> bool | None:
         return None
     if question.below is None:
         return (label == question.name) != question.negated
-    if label == "diverged" and question.variable.endswith(GROWING):
+    if label == "diverged" and named(question.variable).unbounded:
         return False
     value = float(outcome.values.get(question.variable, np.nan))
     return None if np.isnan(value) else value < question.below

@@ -1,4 +1,4 @@
-"""Names that equations, generated code and driver must agree on."""
+"""Codes that equations, generated code and driver must agree on."""
 
 from __future__ import annotations
 
@@ -25,8 +25,3 @@ ENERGY_OUTPUTS = (
 PER_CONTACT = len(CONTACT_OUTPUTS)
 SLIP_VELOCITY = CONTACT_OUTPUTS.index("slip_velocity")
 KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_OUTPUTS))
-
-
-def rate_of(parameter: str) -> str:
-    """Name of the rate of a parameter that varies in time."""
-    return f"{parameter}.rate"

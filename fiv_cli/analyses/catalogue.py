@@ -1,0 +1,75 @@
+"""Every variable of every analysis: by analysis, or by name where only a dataset is at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from fiv_cli.analyses import all_analyses, get_analysis
+from fiv_cli.analyses.base import Analysis, Varied
+from fiv_cli.analyses.variables import COMPUTED, REASON, STATUS, Subject, Variable
+from fiv_cli.models.base import Model, Options, Parameter, State
+
+
+def variables_of(
+    kind: str,
+    model: Model,
+    options: Options,
+    settings: Mapping[str, Any],
+    varying: tuple[Parameter, ...] = (),
+) -> tuple[Variable, ...]:
+    """Every variable of an analysis of `kind` on `model`, ``status`` and ``reason`` first.
+
+    Parameters
+    ----------
+    kind : kind of the analysis
+    options : options of the model (they decide its states)
+    settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
+    varying : parameters that vary in time; each is a variable over ``time``
+    """
+    contact = "contact" if model.contacts > 1 else ""
+    subject = Subject(model.states(options), contact, model.surface is not None, settings)
+    own = get_analysis(kind).variables(subject)
+    over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
+    return (STATUS, REASON, *own, *over_time)
+
+
+_ANYTHING = Subject(
+    states=(State("state", "x", "1", "any state"),),
+    contact="contact",
+    surface=True,
+    settings={
+        "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
+        "system": "averaged",
+    },
+)  # fmt: skip
+"""A subject of which every analysis has all the variables that it can have."""
+
+
+def possible_variables(analysis: Analysis) -> Sequence[Variable]:
+    """Every variable that an analysis can have, on a model with a state ``state``."""
+    return analysis.variables(_ANYTHING)
+
+
+@cache
+def every_variable() -> Mapping[str, Variable]:
+    """All variables that there are, by name; the state ``state`` stands for those of any model."""
+    known = [v for analysis in all_analyses().values() for v in possible_variables(analysis)]
+    return {v.name: v for v in (STATUS, REASON, COMPUTED, *known)}
+
+
+def named(name: str) -> Variable:
+    """What is known of the variable of this name, in a dataset of any model, from its name alone.
+
+    Role and all that goes with it, not its unit or dims. The states of a model and what this
+    version does not know are plain answers.
+    """
+    known, ending = every_variable(), name.rpartition("_")[2]
+    plain = Variable(name, "1", name)
+    return known.get(name) or known.get(f"state_{ending}") or plain
+
+
+def own_dims() -> list[str]:
+    """The dims that variables have besides those of the grid."""
+    return list(dict.fromkeys(dim for v in every_variable().values() for dim in v.dims))

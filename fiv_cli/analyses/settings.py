@@ -1,0 +1,596 @@
+"""The settings of an analysis: each type reads its value, refuses, describes and shows itself.
+
+To add a type, derive from `Setting`: `taken` reads, `check` says what the case does not allow,
+`form` and `schema` describe, `sample` shows.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any, ClassVar, NamedTuple, Protocol
+
+from fiv_cli.analyses.base import Question, Section, Varied
+from fiv_cli.flags import TABLES
+from fiv_cli.friction.base import Law
+from fiv_cli.models.base import Model, Parameter
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.units import convert
+from fiv_cli.notation.values import (
+    INTERVAL_SCHEMA,
+    QUANTITY_SCHEMA,
+    check_interval,
+    check_number,
+    check_quantity,
+    describe,
+)
+
+Schema = dict[str, Any]
+
+
+class Known(Protocol):
+    """What a setting may ask of the case that it stands in."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def laws(self) -> Sequence[Law]:
+        """The friction laws in use."""
+
+    @property
+    def axes(self) -> Collection[str]:
+        """Names of the axes of the grid."""
+
+    @property
+    def varied(self) -> str:
+        """The parameter that the analysis itself varies, as written; "" where there is none."""
+
+    def units_of_states(self) -> Mapping[str, str]:
+        """Every state and velocity -> its unit."""
+
+    def varying(self) -> Mapping[str, Parameter]:
+        """The parameters that may vary."""
+
+    def followers(self, leader: str) -> tuple[str, ...]:
+        """Parameters whose value is that of `leader`."""
+
+    def value(self, name: str) -> float | None:
+        """The value of a parameter, SI; None where it varies."""
+
+    def numbers(self) -> Collection[str]:
+        """The variables of a `response` that are one number at each point."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a value is not accepted.
+
+    Attributes
+    ----------
+    message : what is wrong
+    allowed : what it may be
+    suggestion : what to write instead
+    place : where in the value
+    follows : names of the case ("law", "options", "parameters", "axes") that it follows from
+    """
+
+    message: str
+    allowed: str = ""
+    suggestion: str = ""
+    place: tuple[str | int, ...] = ()
+    follows: tuple[str, ...] = ()
+
+    def within(self, key: str) -> Refusal:
+        """The same, seen from the table that holds the value under `key`."""
+        return replace(self, place=(key, *self.place))
+
+
+class Reading(NamedTuple):
+    """What a value means, and what is wrong with it; the default where it means nothing."""
+
+    value: Any
+    refusals: tuple[Refusal, ...] = ()
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One key of an ``[[analysis]]`` table.
+
+    Attributes
+    ----------
+    name : key
+    meaning : one line
+    default : value when the key is left out; None: see `meaning`
+    required : must be given
+    partner : setting without which it cannot be given
+    form : what it may be, in words
+    """
+
+    name: str
+    meaning: str
+    _: KW_ONLY
+    default: Any = None
+    required: bool = False
+    partner: str = ""
+
+    form: ClassVar[str] = ""
+
+    @property
+    def allowed(self) -> str:
+        """What it may be, in one line."""
+        return f"{self.form} ({self.meaning})"
+
+    @property
+    def description(self) -> str:
+        """What it means, for who writes one."""
+        return self.meaning
+
+    def suits(self, model: Model) -> bool:
+        """Whether a case of `model` can have it."""
+        return True
+
+    def read(self, value: object, known: Known | None) -> Reading:
+        """The meaning of a TOML value; `known` is None where the model is not known."""
+        try:
+            taken = self.taken(value, known)
+        except ValueError as error:
+            return Reading(self.default, (Refusal(str(error), self.allowed),))
+        return Reading(taken, self.refusals(taken, known))
+
+    def left_out(self, known: Known | None) -> Reading:
+        """Its default, which not every case allows."""
+        if self.required:
+            return Reading(self.default, (Refusal("is missing", self.allowed),))
+        return Reading(self.default, self.refusals(self.default, known))
+
+    def refusals(self, value: Any, known: Known | None) -> tuple[Refusal, ...]:
+        """Everything that the case does not allow of a value."""
+        return () if value is None or known is None else tuple(self.check(value, known))
+
+    def taken(self, value: object, known: Known | None) -> Any:
+        """A TOML value as analyses take it; ValueError says what is wrong with its form."""
+        raise NotImplementedError
+
+    def check(self, value: Any, known: Known) -> Iterable[Refusal]:
+        """What the case does not allow of a value that has its form."""
+        return ()
+
+    def schema(self) -> Schema:
+        """JSON schema of the value."""
+        return {"type": "string"}
+
+    def example(self, model: Model, varied: Parameter) -> str:
+        """TOML of its default, or of a value that a case of `model` may give."""
+        if self.default is None:
+            return self.sample(model, varied)
+        return json.dumps(self.default)
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        """TOML of a value; where a parameter is asked for, `varied`."""
+        return '""'
+
+
+@dataclass(frozen=True)
+class Number(Setting):
+    """A number in SI, or a string with its unit.
+
+    Attributes
+    ----------
+    unit : its unit
+    above : it is greater
+    least : it is no less
+    """
+
+    unit: str = "1"
+    above: float = float("-inf")
+    least: float = float("-inf")
+
+    @property
+    def allowed(self) -> str:
+        bounds = [f"> {self.above:g}"] * (self.above != float("-inf"))
+        bounds += [f">= {self.least:g}"] * (self.least != float("-inf"))
+        return ", ".join([f"a number{self._in_unit(' in {}')}", *bounds]) + f" ({self.meaning})"
+
+    @property
+    def description(self) -> str:
+        return f"{self.meaning}{self._in_unit(' ({})')}"
+
+    def _in_unit(self, words: str) -> str:
+        return "" if self.unit == "1" else words.format(self.unit)
+
+    def taken(self, value: object, known: Known | None) -> float:
+        number = convert(check_quantity(value), self.unit)
+        if not (number > self.above and number >= self.least):
+            raise ValueError(f"{number!r} is out of range")
+        return number
+
+    def schema(self) -> Schema:
+        return QUANTITY_SCHEMA
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return "30.0" if self.required else "0.01"
+
+
+@dataclass(frozen=True)
+class Integer(Setting):
+    """A whole number, no less than `least`."""
+
+    least: int = 1
+
+    @property
+    def allowed(self) -> str:
+        return f"a whole number, >= {self.least} ({self.meaning})"
+
+    def taken(self, value: object, known: Known | None) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise ValueError(f"must be a whole number, not {describe(value)}")
+        if value < self.least:
+            raise ValueError(f"{value} is out of range")
+        return value
+
+    def schema(self) -> Schema:
+        return {"type": "integer", "minimum": self.least}
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return str(self.least)
+
+
+def check_text(value: object, form: str) -> str:
+    """A string; ValueError, which says of what `form` it is to be, for anything else."""
+    if not isinstance(value, str):
+        raise ValueError(f"must be {form}, not {describe(value)}")
+    return value
+
+
+@dataclass(frozen=True)
+class Text(Setting):
+    """A string."""
+
+    form: ClassVar[str] = "a string"
+
+    def taken(self, value: object, known: Known | None) -> str:
+        return check_text(value, self.form)
+
+
+@dataclass(frozen=True)
+class Choice(Text):
+    """One of several words."""
+
+    choices: tuple[str, ...] = ()
+
+    @property
+    def allowed(self) -> str:
+        return f"{listed(self.choices)} ({self.meaning})"
+
+    @property
+    def description(self) -> str:
+        return f"{self.meaning}: {' | '.join(self.choices)}"
+
+    def taken(self, value: object, known: Known | None) -> str:
+        word = super().taken(value, known)
+        if word not in self.choices:
+            hint = suggest(word, self.choices)
+            raise ValueError(f"{word!r} is not allowed" + (f"; {hint}" if hint else ""))
+        return word
+
+    def schema(self) -> Schema:
+        return {"type": "string", "enum": list(self.choices)}
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return f'"{self.choices[0]}"'
+
+
+@dataclass(frozen=True)
+class StateName(Text):
+    """The name of a state of the model."""
+
+    form: ClassVar[str] = "the name of a state"
+
+    def taken(self, value: object, known: Known | None) -> str:
+        return ascii_name(super().taken(value, known))
+
+    def check(self, value: str, known: Known) -> Iterator[Refusal]:
+        units = known.units_of_states()
+        if value not in units:
+            message = f"there is no state {value!r}"
+            yield Refusal(message, listed(units), suggest(value, units), follows=("options",))
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return f'"{model.states(model.default_options())[0].name}"'
+
+
+@dataclass(frozen=True)
+class ParameterName(Setting):
+    """The name of a parameter that the analysis varies; its value is a `Varied`."""
+
+    form: ClassVar[str] = "the name of a parameter of the model or the law"
+
+    def taken(self, value: object, known: Known | None) -> Varied:
+        name = ascii_name(check_text(value, self.form))
+        if known is None or name not in known.varying():
+            return Varied(name)
+        return Varied(name, known.followers(name), known.varying()[name].unit)
+
+    def check(self, value: Varied, known: Known) -> Iterator[Refusal]:
+        table = {name: parameter.meaning for name, parameter in known.varying().items()}
+        if value.name not in table:
+            message = f"there is no parameter {value.name!r} that can vary"
+            yield Refusal(message, listed(table), suggest(value.name, table))
+        if value.name in known.axes:
+            message = f"{value.name!r} is an axis of the grid: the analysis finds its value itself"
+            yield Refusal(message, suggestion=f"remove {value.name} from [grid]")
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return f'"{varied.name}"'
+
+
+@dataclass(frozen=True)
+class Bracket(Setting):
+    """The lowest and the highest value of the parameter that the analysis varies, SI."""
+
+    form: ClassVar[str] = "[lowest, highest] value of the parameter"
+
+    def taken(self, value: object, known: Known | None) -> tuple[float, float] | None:
+        ends = check_interval(value)
+        parameter = None if known is None else known.varying().get(ascii_name(known.varied))
+        if parameter is None:  # told of the parameter
+            return None
+        try:
+            low, high = (parameter.read(end) for end in ends)
+        except ValueError as error:
+            raise ValueError(f"{error}; {parameter.name} is {parameter.allowed}") from None
+        if not low < high:
+            raise ValueError(f"{low!r} is not below {high!r}")
+        return low, high
+
+    def schema(self) -> Schema:
+        return INTERVAL_SCHEMA
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        size = varied.default or 1.0
+        return f"[{size / 2!r}, {2 * size!r}]"
+
+
+@dataclass(frozen=True)
+class DiscPoints(Setting):
+    """Places on a disc: pairs of a radius, m, and an angle, rad."""
+
+    form: ClassVar[str] = "[[radius, angle], ...]"
+
+    def suits(self, model: Model) -> bool:
+        return model.surface is not None
+
+    def taken(self, value: object, known: Known | None) -> tuple[tuple[float, float], ...]:
+        if not isinstance(value, list) or not value:
+            raise ValueError(f"must be a list of points, not {describe(value)}")
+        pairs = map(check_interval, value)
+        return tuple((convert(radius, "m"), convert(angle, "rad")) for radius, angle in pairs)
+
+    def check(self, value: Sequence[tuple[float, float]], known: Known) -> Iterator[Refusal]:
+        if not self.suits(known.model):
+            yield Refusal(f"{known.model.name} has no elastic disc to take points of")
+            return
+        a, b = known.value("a"), known.value("b")
+        if a is None or b is None:
+            return
+        for index, (radius, _) in enumerate(value):
+            if not a <= radius <= b:
+                message, disc = (
+                    f"the radius {radius!r} is off the disc",
+                    f"a = {a!r} to b = {b!r} m",
+                )
+                yield Refusal(message, disc, place=(index,), follows=("parameters", "axes"))
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": INTERVAL_SCHEMA}
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return "[[0.1, 0.0]]"
+
+
+def read_settings(
+    settings: Sequence[Setting], given: Mapping[str, object], known: Known | None, whose: str
+) -> Reading:
+    """A table of settings: name -> value, defaults filled in, and all that is wrong with it.
+
+    Parameters
+    ----------
+    given : the table as TOML has it
+    whose : what has these settings, for messages
+    """
+    names = {setting.name: setting.meaning for setting in settings}
+    strange = [key for key in given if key not in names]
+    wanting = [setting.name for setting in settings if setting.name not in given]
+    refusals = [
+        Refusal(f"{whose} has no setting {key!r}", listed(names), suggest(key, names)).within(key)
+        for key in strange
+    ]
+    meant = {nearest(key, wanting) for key in strange}
+    values = {}
+    for setting in settings:
+        name = setting.name
+        found = setting.read(given[name], known) if name in given else setting.left_out(known)
+        values[name] = found.value
+        refusals += [one.within(name) for one in found.refusals if name not in meant]
+        if name in given and setting.partner in {*wanting} - meant:
+            refusals.append(Refusal(f"is missing: it belongs to {name}").within(setting.partner))
+    return Reading(values, tuple(refusals))
+
+
+@dataclass(frozen=True)
+class TableSetting(Setting):
+    """A table of settings of its own, of which one thing is made."""
+
+    whose: ClassVar[str] = ""
+    keys: ClassVar[tuple[Setting, ...]] = ()
+
+    def read(self, value: object, known: Known | None) -> Reading:
+        if not isinstance(value, dict):
+            message = f"must be a table, not {describe(value)}"
+            return Reading(self.default, (Refusal(message, self.allowed),))
+        found = read_settings(self.keys, value, known, self.whose)
+        if found.refusals:
+            return Reading(self.default, found.refusals)
+        return super().read(found.value, known)
+
+    def schema(self) -> Schema:
+        return schema_of(self.keys) | {"type": "object", "additionalProperties": False}
+
+
+def schema_of(settings: Iterable[Setting]) -> Schema:
+    """JSON schema of a table of settings: its properties, and those it must have."""
+    table = list(settings)
+    properties = {one.name: one.schema() | {"description": one.description} for one in table}
+    required = [one.name for one in table if one.required]
+    return {"properties": properties} | ({"required": required} if required else {})
+
+
+@dataclass(frozen=True)
+class SectionSetting(TableSetting):
+    """A Poincaré section: one of `event`, `zero` and `phase`."""
+
+    form: ClassVar[str] = (
+        '{ event = "slip->stick" }, { zero = "x_dot", direction = "up" } or { phase = 0.0 }'
+    )
+    whose: ClassVar[str] = "a section"
+    keys: ClassVar[tuple[Setting, ...]] = (
+        Choice("event", "a transition of a contact", choices=("slip->stick", "stick->slip")),
+        Integer("contact", "contact of the event, from 1", default=1),
+        Text("zero", "velocity that passes zero, e.g. x_dot"),
+        Choice("direction", "sense of it", default="both", choices=("up", "down", "both")),
+        Number("phase", "phase of the excitation", unit="rad"),
+    )
+
+    def taken(self, value: Any, known: Known | None) -> Section:
+        kinds = [kind for kind in ("event", "zero", "phase") if value[kind] is not None]
+        if len(kinds) != 1:
+            raise ValueError("a section is given by one of event, zero and phase")
+        return Section(
+            kind=kinds[0],
+            event=value["event"] or "slip->stick",
+            state=ascii_name(value["zero"] or ""),
+            direction=value["direction"],
+            phase=value["phase"] or 0.0,
+            contact=value["contact"],
+        )
+
+    def check(self, value: Section, known: Known) -> Iterable[Refusal]:
+        """A section that the model can never pass through."""
+        checks = {"event": _check_event, "zero": _check_velocity, "phase": _check_phase}
+        return checks[value.kind](value, known)
+
+    def example(self, model: Model, varied: Parameter) -> str:
+        return '{ event = "slip->stick" }'
+
+
+def _check_event(section: Section, known: Known) -> Iterator[Refusal]:
+    contacts = known.model.contacts
+    if not 1 <= section.contact <= contacts:
+        message = f"there is no contact {section.contact}"
+        yield Refusal(message, f"1 to {contacts}", place=("contact",))
+    creeping = [law.name for law in known.laws if law.capacity is None]
+    if creeping:
+        message = f"the law {creeping[0]!r} never sticks, so {section.event} never happens"
+        other = f'give another: section = {{ zero = "{next(iter(_velocities(known)))}" }}'
+        yield Refusal(message, suggestion=other, follows=("law",))
+
+
+def _check_velocity(section: Section, known: Known) -> Iterator[Refusal]:
+    velocities = _velocities(known)
+    if section.state not in velocities:
+        hint = suggest(section.state, velocities)
+        message = f"{section.state!r} is no velocity"
+        yield Refusal(message, listed(velocities), hint, ("zero",), ("options",))
+
+
+def _velocities(known: Known) -> list[str]:
+    return [name for name in known.units_of_states() if name.endswith("_dot")]
+
+
+def _check_phase(section: Section, known: Known) -> Iterator[Refusal]:
+    """A phase needs an excitation that is on somewhere."""
+    amplitudes = [forcing.amplitude for forcing in known.model.forcings]
+    if not amplitudes:
+        yield Refusal(f"{known.model.name} has no excitation to take the phase of")
+    elif all(known.value(name) == 0.0 for name in amplitudes):
+        message = f"the excitation is off ({listed(amplitudes)} = 0), so it has no phase"
+        on = f"give {amplitudes[0]} under [model.parameters] or as an axis"
+        yield Refusal(message, suggestion=on, follows=("parameters", "axes"))
+
+
+class _Expectation(Setting):
+    """A class, "not CLASS", or the bound that a number stays below."""
+
+    form: ClassVar[str] = 'a class, "not CLASS", or { less_than = NUMBER }'
+
+    def taken(self, value: object, known: Known | None) -> str | float:
+        if isinstance(value, str):
+            return value
+        if not isinstance(value, dict):
+            raise ValueError(f"must be a class or a table, not {describe(value)}")
+        if value.keys() != {"less_than"}:
+            raise ValueError(f"a table with {listed(list(value))} asks nothing")
+        return check_number(value["less_than"])
+
+    def schema(self) -> Schema:
+        return {"anyOf": [{"type": "string"}, {"type": "object"}]}
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return '"periodic"'
+
+
+@dataclass(frozen=True)
+class QuestionSetting(TableSetting):
+    """A question that a run answers with yes or no."""
+
+    form: ClassVar[str] = (
+        '{ variable = "attractor", expect = "periodic" }, or with expect = "not periodic" or '
+        "{ less_than = 0.1 }"
+    )
+    whose: ClassVar[str] = "a question"
+    keys: ClassVar[tuple[Setting, ...]] = (
+        Text("variable", "variable that decides", default="attractor"),
+        _Expectation(
+            "expect",
+            'a class, "not CLASS", or { less_than = NUMBER } for a number; a motion that diverges '
+            "has L_s, greatest and effective values below none",
+            required=True,
+        ),
+        Choice(
+            "undecided",
+            "a run that is undecided at t_max: open, it has no answer; counts, undecided is a "
+            "class like the others (a contact that was not lost within t_max is not lost)",
+            default="open",
+            choices=("open", "counts"),
+        ),
+    )
+
+    def taken(self, value: Any, known: Known | None) -> Question:
+        expect, counts = value["expect"], value["undecided"] == "counts"
+        if not isinstance(expect, str):
+            return Question(value["variable"], below=expect, counts=counts)
+        name = expect.removeprefix("not ").strip()
+        return Question(value["variable"], name, expect.startswith("not "), counts=counts)
+
+    def check(self, value: Question, known: Known) -> Iterator[Refusal]:
+        place = ("variable",)
+        if value.below is not None:
+            numbers = known.numbers()
+            if value.variable not in numbers:
+                hint = suggest(value.variable, numbers)
+                yield Refusal(f"{value.variable!r} is no number", listed(numbers), hint, place)
+            return
+        if value.variable != "attractor":
+            message = f"{value.variable!r} holds no class: give expect = {{ less_than = NUMBER }}"
+            yield Refusal(message, "attractor", place=place)
+        table = TABLES["attractor"]
+        classes = [name for name in table.codes if name != table.fill]
+        if value.name not in classes:
+            message = f"there is no class {value.name!r}"
+            yield Refusal(message, listed(classes), suggest(value.name, classes), ("expect",))
+
+    def sample(self, model: Model, varied: Parameter) -> str:
+        return '{ variable = "attractor", expect = "equilibrium" }'

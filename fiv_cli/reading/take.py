@@ -1,0 +1,210 @@
+"""What `take` makes of a variable: one number in place of all that it holds along some axes.
+
+The share of phases and starts from which stick-slip survives is one number at each speed and
+preload; the share of a plane of speeds and preloads in which it exists is an area. How often
+contact is lost in a stretch of time, the frequency of the strongest line, the last speed at which
+a motion is not the equilibrium: all are taken alike, for figures and for claims.
+
+A point without an answer may hold anything: what is taken over such points is an interval, from
+the least to the greatest that they allow. Where that says nothing, there is no answer either.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import flag_names, is_class, numbers, unknown_points
+
+
+@dataclass(frozen=True)
+class _Taking:
+    """One way of taking.
+
+    Attributes
+    ----------
+    take : values (or, counted, 1 where the condition holds, else 0) and the axes -> what is left
+    ends : the least and the greatest that a point without an answer may hold; None: one such
+        point leaves nothing known
+    """
+
+    take: Callable[[xr.DataArray, Sequence[xr.DataArray]], xr.DataArray]
+    ends: tuple[float, float] | None = None
+
+
+def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dataset:
+    """What is taken of `variable`, over the axes that are left.
+
+    Parameters
+    ----------
+    dataset : any dataset with a ``status``
+    variable : what it is taken of; one value per place along each axis of ``over``
+    take : ``what``, and the axes ``over``; for what is counted ``of``, a condition on numbers
+        (``". > 0"``) or a class (``"not equilibrium"``); for a share ``relative_to``, axis ->
+        value, the point whose share is one (or nothing)
+
+    Returns
+    -------
+    xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``, and
+        ``status``. Where nothing is known they are NaN, and the status is that of the first point
+
+    Raises
+    ------
+    SelectionError : no such variable, axis, class or reference point
+    """
+    if variable not in dataset:
+        raise select.SelectionError(f"{variable}: no variable of the dataset")
+    axes = [select.axis_of(dataset, name) for name in take["over"]]
+    for axis in axes:
+        if axis.dims[0] not in dataset[variable].dims:
+            raise select.SelectionError(f"{variable}: not one value per {axis.name}")
+    what, of = take["what"], take.get("of", "")
+    missing = unknown_points(dataset, variable, "undecided" in of)
+    low, high, unknown = _between(_TAKINGS[what], _values(dataset[variable], of), missing, axes)
+    ends = {f"{what}_low": low.where(~unknown), f"{what}_high": high.where(~unknown)}
+    found = xr.Dataset({**ends, "status": _status(dataset["status"], unknown, axes)})
+    if "relative_to" in take:
+        found = _relative(found, take["relative_to"])
+    named = {"units": _unit(dataset[variable], what, axes[0]), "long_name": _words(variable, take)}
+    return _with_middle(found, what, named).assign_attrs(dataset.attrs)
+
+
+def ends_of(dataset: xr.Dataset, variable: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """The least and the greatest that a variable may be: one array twice where it is known."""
+    if f"{variable}_low" in dataset and f"{variable}_high" in dataset:
+        return dataset[f"{variable}_low"], dataset[f"{variable}_high"]
+    return dataset[variable], dataset[variable]
+
+
+def _values(array: xr.DataArray, of: str) -> xr.DataArray:
+    """The numbers; with `of` 1 where it holds, else 0, also where no value applies (NaN)."""
+    if not of:
+        return numbers(array)
+    if flag_names(array.attrs):
+        name = of.removeprefix("not ")
+        if name not in flag_names(array.attrs).values():
+            raise select.SelectionError(f"{name}: no class of {array.name}")
+        return (is_class(array, (name,)) != of.startswith("not ")).astype(float)
+    test = select.condition(of)
+    if test is None:
+        raise select.SelectionError(f"{of}: no condition on {array.name}, such as '. > 0'")
+    return array.copy(data=test(array.values).astype(float))
+
+
+def _between(
+    taking: _Taking, values: xr.DataArray, missing: xr.DataArray, axes: Sequence[xr.DataArray]
+) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+    """The least and the greatest that may be found, and where nothing is known."""
+    along = [dim for dim in _dims(axes) if dim in missing.dims]
+    if taking.ends is None:
+        found = taking.take(values, axes)
+        return found, found, missing.any(along)
+    one, other = (taking.take(values.where(~missing, end), axes) for end in taking.ends)
+    # a place that there is for one end only may be anywhere, or nowhere
+    sure = one.isnull() == other.isnull()
+    low, high = one.where(one <= other, other), other.where(one <= other, one)
+    return low.where(sure, -math.inf), high.where(sure, math.inf), missing.all(along)
+
+
+def _status(
+    status: xr.DataArray, unknown: xr.DataArray, axes: Sequence[xr.DataArray]
+) -> xr.DataArray:
+    """Status "ok" where something is known, else what the first point says."""
+    codes = {name: code for code, name in flag_names(status.attrs).items()}
+    first = status.isel(
+        {axis.dims[0]: 0 for axis in axes if axis.dims[0] in status.dims}, drop=True
+    )
+    # a point of undecided class has been computed, and is yet no answer
+    pending = first.where(first != codes["ok"], codes["pending"])
+    found = xr.where(unknown, pending, codes["ok"])
+    return found.astype(status.dtype).assign_attrs(status.attrs)
+
+
+def _relative(found: xr.Dataset, reference: Mapping[str, Any]) -> xr.Dataset:
+    """The shares over that at the reference point."""
+    part = select.subset(found, reference, nearest=False)
+    whole = part.isel({d: 0 for d in part.dims if part.sizes[d] < found.sizes[d]}, drop=True)
+    ends = (("share_low", "share_high"), ("share_high", "share_low"))
+    ratios = {name: found[name] / whole[by].where(whole[by] > 0.0) for name, by in ends}
+    return found.assign({n: ratio.transpose(*found[n].dims) for n, ratio in ratios.items()})
+
+
+def _with_middle(found: xr.Dataset, what: str, named: Mapping[str, str]) -> xr.Dataset:
+    """The dataset with the middle of the interval, NaN of one without end, and all ends named."""
+    low, high = ends_of(found, what)
+    middle = 0.5 * (low.where(np.isfinite(low)) + high.where(np.isfinite(high)))
+    found = found.assign({what: middle})
+    for name, bound in ((what, ""), (f"{what}_low", ", at least"), (f"{what}_high", ", at most")):
+        found[name].attrs = {**named, "long_name": named["long_name"] + bound}
+    return found
+
+
+def _unit(array: xr.DataArray, what: str, axis: xr.DataArray) -> str:
+    if what in ("share", "entries"):
+        return "1"
+    own = axis if what in ("first", "last", "peak") else array
+    return str(own.attrs.get("units", "1"))
+
+
+def _words(variable: str, take: Mapping[str, Any]) -> str:
+    """``share with stick fraction > 0``, ``share that is not equilibrium``, ``greatest x1``."""
+    words, of = variable.replace("_", " "), take.get("of", "")
+    if "." in of:
+        words = f"with {of.replace('.', words, 1)}"
+    elif of:
+        words = f"that is {of.replace('_', ' ')}"
+    words += " over that of the reference" if "relative_to" in take else ""
+    return f"{take['what']} {words}"
+
+
+# --- ways of taking -------------------------------------------------------------------------------
+def _dims(axes: Sequence[xr.DataArray]) -> list[str]:
+    """Their dims; axes that advance together have one."""
+    return list(dict.fromkeys(str(axis.dims[0]) for axis in axes))
+
+
+def _entries(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    """How often what is 0 or 1 along the axis rises: not where it is 1 from the first."""
+    (dim,) = _dims(axes)
+    return (held.diff(dim) > 0.0).sum(dim).astype(float)
+
+
+def _first(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    """The first place along the axis that is held; NaN where there is none."""
+    (axis,), (dim,) = axes, _dims(axes)
+    if not select.is_numeric(axis):
+        raise select.SelectionError(f"{axis.name}: an axis of labels, whose places are no numbers")
+    is_held = held > 0.0
+    place = is_held.argmax(dim)
+    found = place.copy(data=axis.values[place.values].astype(float))
+    return found.where(is_held.any(dim))
+
+
+def _last(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    back = {dim: slice(None, None, -1) for dim in _dims(axes)}
+    return _first(held.isel(back), [axis.isel(back) for axis in axes])
+
+
+def _peak(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    """The place of the greatest value along the axis."""
+    return _first((array == array.max(_dims(axes))).astype(float), axes)
+
+
+_HELD_OR_NOT, _ANYTHING = (0.0, 1.0), (-math.inf, math.inf)
+_TAKINGS = {
+    "share": _Taking(lambda held, axes: held.mean(_dims(axes)), _HELD_OR_NOT),
+    "entries": _Taking(_entries),
+    "first": _Taking(_first, _HELD_OR_NOT),
+    "last": _Taking(_last, _HELD_OR_NOT),
+    "least": _Taking(lambda array, axes: array.min(_dims(axes)), _ANYTHING),
+    "greatest": _Taking(lambda array, axes: array.max(_dims(axes)), _ANYTHING),
+    "mean": _Taking(lambda array, axes: array.mean(_dims(axes)), _ANYTHING),
+    "spread": _Taking(lambda array, axes: array.max(_dims(axes)) - array.min(_dims(axes))),
+    "peak": _Taking(_peak),
+}

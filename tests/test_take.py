@@ -1,0 +1,428 @@
+"""What is taken of a variable along some axes, for figures and for claims."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import synthetic_datasets as data
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fiv_cli.case.case import ClaimSpec, FigureSpec
+from fiv_cli.case.grammar import parse_expect
+from fiv_cli.case.load import parse_case
+from fiv_cli.case.structure import COUNTED
+from fiv_cli.errors import CaseError
+from fiv_cli.plots import draw
+from fiv_cli.reading import select
+from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate
+from fiv_cli.reading.take import taken
+
+SPEEDS = np.array([1.0, 2.0, 3.0])
+PHASES = np.array([0.0, 1.0, 2.0, 3.0])
+# rows: speeds; columns: phases
+CLASSES = np.array(
+    [
+        ["periodic", "periodic", "periodic", "chaotic"],
+        ["periodic", "equilibrium", "equilibrium", "periodic"],
+        ["equilibrium", "equilibrium", "equilibrium", "periodic"],
+    ]
+)
+STICKS = np.array([[0.5, 0.5, 0.4, 0.6], [0.3, 0.0, 0.0, 0.3], [0.0, 0.0, 0.0, 0.2]])
+
+
+def plane(classes=CLASSES, status=None):
+    coords = {
+        "Omega": data.axis("Omega", SPEEDS, r"\Omega", "rad s-1", "disc speed"),
+        "psi_a": data.axis("psi_a", PHASES, r"\psi_a", "rad", "start of the sector"),
+    }
+    status = np.full(classes.shape, "ok") if status is None else status
+    found = data.response(classes, STICKS, coords, ("Omega", "psi_a"), status)
+    return found.assign(stick_fraction=(found["L_s"].dims, STICKS, {"units": "1"}))
+
+
+SURVIVES = {"what": "share", "of": ". > 0", "over": ["psi_a"]}
+
+
+@pytest.mark.parametrize(
+    ("variable", "share", "expected"),
+    [
+        ("stick_fraction", SURVIVES, [1.0, 0.5, 0.25]),
+        (
+            "attractor",
+            {"what": "share", "of": "not equilibrium", "over": ["psi_a"]},
+            [1.0, 0.5, 0.25],
+        ),
+        ("attractor", {"what": "share", "of": "chaotic", "over": ["psi_a"]}, [0.25, 0.0, 0.0]),
+        ("stick_fraction", {"what": "share", "of": ". >= 0.3", "over": ["psi_a"]}, [1.0, 0.5, 0.0]),
+        ("stick_fraction", SURVIVES | {"relative_to": {"Omega": 2.0}}, [2.0, 1.0, 0.5]),
+    ],
+)
+def test_a_share_counts_the_points_along_an_axis(variable, share, expected):
+    assert taken(plane(), variable, share)["share"].values.tolist() == expected
+
+
+def test_a_share_over_every_axis_is_one_number():
+    share = taken(
+        plane(), "stick_fraction", {"what": "share", "of": ". > 0", "over": ["Omega", "psi_a"]}
+    )
+    assert share["share"].item() == pytest.approx(7 / 12)
+
+
+def ends(found):
+    return found["share_low"].values.tolist(), found["share_high"].values.tolist()
+
+
+def test_a_share_with_a_point_missing_is_an_interval():
+    status = np.full(CLASSES.shape, "ok", object)
+    status[1, 2] = "failed"
+    found = taken(plane(status=status), "stick_fraction", SURVIVES)
+    assert ends(found) == ([1.0, 0.5, 0.25], [1.0, 0.75, 0.25])
+    assert found["share"].values.tolist() == [1.0, 0.625, 0.25]
+    ratio = taken(
+        plane(status=status), "stick_fraction", SURVIVES | {"relative_to": {"Omega": 2.0}}
+    )
+    assert ends(ratio) == ([1.0 / 0.75, 0.5 / 0.75, 0.25 / 0.75], [2.0, 1.5, 0.5])
+
+
+def test_a_share_without_any_answer_is_not_known():
+    status = np.full(CLASSES.shape, "ok", object)
+    status[1] = "failed"
+    found = taken(plane(status=status), "stick_fraction", SURVIVES)
+    assert np.isnan(found["share"].values).tolist() == [False, True, False]
+    names = found["status"].attrs["flag_meanings"].split()
+    assert names[int(found["status"][1])] == "failed"
+
+
+def test_an_undecided_class_hides_the_class_but_not_how_much_it_sticks():
+    classes = CLASSES.astype(object)
+    classes[1, 0] = "undecided"
+    sticking = taken(plane(classes), "stick_fraction", SURVIVES)
+    moving = taken(
+        plane(classes), "attractor", {"what": "share", "of": "not equilibrium", "over": ["psi_a"]}
+    )
+    assert sticking["share"].values.tolist() == [1.0, 0.5, 0.25]
+    assert ends(moving) == ([1.0, 0.25, 0.25], [1.0, 0.5, 0.25])
+
+
+def test_a_reference_without_hits_makes_no_ratio():
+    share = {"what": "share", "of": ". > 0.5", "over": ["psi_a"], "relative_to": {"Omega": 3.0}}
+    assert np.isnan(taken(plane(), "stick_fraction", share)["share"].values).all()
+
+
+@pytest.mark.parametrize(
+    ("variable", "of", "word"),
+    [
+        ("nothing", ". > 0", "nothing"),
+        ("attractor", "wobbling", "wobbling"),
+        ("L_s", "periodic", "condition"),
+    ],
+)
+def test_what_cannot_be_counted_is_refused(variable, of, word):
+    with pytest.raises(select.SelectionError, match=word):
+        taken(plane(), variable, {"what": "share", "of": of, "over": ["psi_a"]})
+
+
+def claim(expect, at=None, share=SURVIVES):
+    return ClaimSpec(
+        "7.4", "as printed", "stick_fraction", parse_expect(expect), at or {}, take=share
+    )
+
+
+@pytest.mark.parametrize(
+    ("expect", "at", "verdict"),
+    [
+        ({"less_than": 0.3}, {"Omega": 3.0}, CONFIRMED),
+        ({"less_than": 0.3}, {"Omega": 2.0}, CONTRADICTED),
+        ({"value": 0.0, "tolerance": 0.0}, {"Omega": 3.0, "psi_a": ". < 2.5"}, CONFIRMED),
+        ("decreasing", {}, CONFIRMED),
+        ("increasing", {}, CONTRADICTED),
+    ],
+)
+def test_claims_about_shares(expect, at, verdict):
+    assert evaluate(claim(expect, at), {"": plane()}, lambda case: None).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("expect", "verdict"),
+    [
+        ({"less_than": 0.8}, CONFIRMED),
+        ({"less_than": 0.6}, UNDETERMINED),
+        ({"less_than": 0.5}, CONTRADICTED),
+        ({"value": 0.6, "tolerance": 0.2}, CONFIRMED),
+        ({"value": 0.6, "tolerance": 0.05}, UNDETERMINED),
+        ({"value": 0.9, "tolerance": 0.1}, CONTRADICTED),
+    ],
+)
+def test_a_claim_about_an_interval_is_decided_where_its_ends_agree(expect, verdict):
+    status = np.full(CLASSES.shape, "ok", object)
+    status[1, 2] = "failed"  # the share at 2 rad/s is 0.5 to 0.75
+    found = evaluate(claim(expect, {"Omega": 2.0}), {"": plane(status=status)}, lambda case: None)
+    assert found.verdict == verdict
+
+
+@pytest.mark.parametrize(("failed", "verdict"), [(1, CONFIRMED), (3, UNDETERMINED)])
+def test_intervals_that_overlap_leave_a_trend_open(failed, verdict):
+    status = np.full(CLASSES.shape, "ok", object)
+    status[2, :failed] = "failed"  # 0.25 to 0.5 and to 1, after 0.5
+    shares = plane(status=status).isel(Omega=[0, 2])
+    assert evaluate(claim("decreasing"), {"": shares}, lambda case: None).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("undecided", "wrong", "verdict"),
+    [(5, 0, CONFIRMED), (5, 1, CONTRADICTED), (50, 0, UNDETERMINED), (0, 0, CONFIRMED)],
+)
+def test_a_handful_of_undecided_points_leaves_a_claim_to_the_rest(undecided, wrong, verdict):
+    classes = np.full((1, 1000), "periodic", object)
+    classes[0, :undecided] = "undecided"
+    classes[0, 900 : 900 + wrong] = "equilibrium"
+    coords = {
+        "Omega": data.axis("Omega", SPEEDS[:1], r"\Omega", "rad s-1", "disc speed"),
+        "psi_a": data.axis("psi_a", np.arange(1000.0), r"\psi_a", "rad", "start of the sector"),
+    }
+    status = np.full(classes.shape, "ok")
+    many = data.response(classes, np.ones(classes.shape), coords, ("Omega", "psi_a"), status)
+    said = ClaimSpec("7.4", "as printed", "attractor", parse_expect("periodic"), {})
+    assert evaluate(said, {"": many}, lambda case: None).verdict == verdict
+
+
+def test_a_claim_may_select_points_beside_the_reference_of_its_share():
+    share = SURVIVES | {"relative_to": {"Omega": 1.0}}
+    said = claim({"value": 0.25, "tolerance": 1e-12}, {"Omega": 3.0}, share)
+    assert evaluate(said, {"": plane()}, lambda case: None).verdict == CONFIRMED
+    other = replace(said, take=SURVIVES | {"relative_to": {"Omega": 9.0}})
+    assert evaluate(other, {"": plane()}, lambda case: None).verdict == UNDETERMINED
+
+
+def test_a_curve_of_shares():
+    settings = {"variable": "stick_fraction", "take": SURVIVES}
+    axes = draw(plane(), FigureSpec("survival", "curve", settings)).axes[0]
+    line = next(line for line in axes.lines if len(line.get_xdata()) == len(SPEEDS))
+    assert line.get_ydata().tolist() == [1.0, 0.5, 0.25]
+    assert "share with stick fraction > 0" in axes.get_ylabel()
+
+
+def test_a_map_of_a_share_draws_its_level():
+    coords = {
+        "Omega": data.axis("Omega", SPEEDS, r"\Omega", "rad s-1", "disc speed"),
+        "N0": data.axis("N0", SPEEDS, "N_0", "N", "preload"),
+        "psi_a": data.axis("psi_a", PHASES, r"\psi_a", "rad", "start of the sector"),
+    }
+    L_s = np.stack([STICKS, STICKS / 2, STICKS / 4])
+    cube = data.response(
+        np.stack([CLASSES] * 3), L_s, coords, ("Omega", "N0", "psi_a"), np.full(L_s.shape, "ok")
+    )
+    settings = {
+        "variable": "L_s",
+        "take": {"what": "share", "of": ". > 0.1", "over": ["psi_a"]},
+        "level": 0.6,
+    }
+    axes = draw(cube, FigureSpec("survival", "map", settings)).axes[0]
+    assert len(axes.collections) == 2  # the mesh and the line
+    status = np.full(L_s.shape, "ok", object)
+    status[0, 0, 0] = "failed"
+    partly = data.response(np.stack([CLASSES] * 3), L_s, coords, ("Omega", "N0", "psi_a"), status)
+    axes = draw(partly, FigureSpec("survival", "map", settings)).axes[0]
+    assert len(axes.collections) == 3  # a line at each end of what is known
+
+
+TIMES = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
+DISPLACEMENT = np.array([[0.0, 2.0, -1.0, 4.0, 0.0, 1.0], [1.0, 1.0, 1.0, np.nan, np.nan, np.nan]])
+STATES = [["slip+", "stick", "slip+", "separation", "slip+", "separation"], ["stick"] * 6]
+FREQUENCIES = np.array([0.0, 8.0, 16.0])
+AMPLITUDES = np.array([[[0.0, 3.0, 1.0], [0.0, 1.0, 2.0], [np.nan] * 3]])
+
+
+def history(status=("ok", "ok")):
+    """Two motions over six instants."""
+    codes = data.codes(data.CONTACT_STATES, STATES)
+    return xr.Dataset(
+        {
+            "status": ("initial", data.codes(data.STATUS, status), data.status_flag()),
+            "x": (("initial", "time"), DISPLACEMENT, {"units": "m"}),
+            "contact_state": (("initial", "time"), codes, data.flag(data.CONTACT_STATES)),
+        },
+        coords={"initial": ["a", "b"], "time": ("time", TIMES, {"units": "s"})},
+    )
+
+
+def spectrogram():
+    """One motion over three instants and three frequencies."""
+    return xr.Dataset(
+        {
+            "status": ("initial", data.codes(data.STATUS, ["ok"]), data.status_flag()),
+            "amplitude": (("initial", "time", "frequency"), AMPLITUDES, {"units": "rad"}),
+        },
+        coords={
+            "initial": ["a"],
+            "time": ("time", TIMES[:3], {"units": "s"}),
+            "frequency": ("frequency", FREQUENCIES, {"units": "Hz"}),
+        },
+    )
+
+
+@pytest.mark.parametrize(
+    ("variable", "what", "of", "expected"),
+    [
+        ("x", "least", "", [-1.0, 1.0]),
+        ("x", "greatest", "", [4.0, 1.0]),
+        ("x", "spread", "", [5.0, 0.0]),
+        ("x", "mean", "", [1.0, 1.0]),
+        ("x", "peak", "", [3.0, 0.0]),
+        ("x", "entries", ". > 0", [3.0, 0.0]),
+        ("x", "share", ". > 0", [0.5, 0.5]),
+        ("contact_state", "entries", "separation", [2.0, 0.0]),
+        ("contact_state", "entries", "stick", [1.0, 0.0]),
+        ("contact_state", "share", "not stick", [5 / 6, 0.0]),
+    ],
+)
+def test_what_is_taken_along_time(variable, what, of, expected):
+    take = {"over": ["time"], "what": what} | ({"of": of} if of else {})
+    assert taken(history(), variable, take)[what].values.tolist() == expected
+
+
+def test_the_frequency_at_which_a_spectrum_is_largest_at_each_instant():
+    found = taken(spectrogram(), "amplitude", {"over": ["frequency"], "what": "peak"})
+    assert found["peak"].attrs["units"] == "Hz"
+    np.testing.assert_array_equal(found["peak"].values, [[8.0, 16.0, np.nan]])
+
+
+@pytest.mark.parametrize(
+    ("variable", "take", "word"),
+    [
+        ("y", {"over": ["time"], "what": "mean"}, "y"),
+        ("x", {"over": ["frequency"], "what": "mean"}, "frequency"),
+        ("x", {"over": ["initial"], "what": "first", "of": ". > 0"}, "initial: an axis of labels"),
+        ("contact_state", {"over": ["time"], "what": "entries", "of": "flight"}, "flight"),
+    ],
+)
+def test_what_cannot_be_taken_is_refused(variable, take, word):
+    with pytest.raises(select.SelectionError, match=word):
+        taken(history(), variable, take)
+
+
+SEPARATIONS = {"over": ["time"], "what": "entries", "of": "separation"}
+
+
+@pytest.mark.parametrize(
+    ("at", "count", "verdict"),
+    [
+        ({"initial": "a"}, 2.0, CONFIRMED),
+        ({"initial": "a", "time": "2 <= . <= 4"}, 1.0, CONFIRMED),
+        ({"initial": "a", "time": "3 <= . <= 4"}, 0.0, CONFIRMED),
+        ({}, 2.0, CONTRADICTED),
+    ],
+)
+def test_how_often_contact_is_lost_between_two_instants(at, count, verdict):
+    expect = parse_expect({"value": count, "tolerance": 0.0})
+    said = ClaimSpec("4.3", "as printed", "contact_state", expect, at, take=SEPARATIONS)
+    assert evaluate(said, {"": history()}, lambda case: None).verdict == verdict
+
+
+def test_the_peak_of_a_spectrum_stays_in_a_band():
+    peak = {"over": ["frequency"], "what": "peak"}
+    expect = parse_expect({"between": [8.0, 16.0]})
+    said = ClaimSpec("4.3", "as printed", "amplitude", expect, take=peak)
+    found = evaluate(said, {"": spectrogram()}, lambda case: None)
+    assert (found.verdict, found.found) == (CONFIRMED, "2 of 2 points, found 8 to 16 Hz")
+    narrow = replace(said, expect=parse_expect({"between": [8.0, 15.0]}))
+    assert evaluate(narrow, {"": spectrogram()}, lambda case: None).verdict == CONTRADICTED
+
+
+def test_a_motion_that_was_not_computed_leaves_its_number_open():
+    few = parse_expect({"less_than": 9.0})
+    said = ClaimSpec("4.3", "as printed", "contact_state", few, {}, take=SEPARATIONS)
+    found = evaluate(said, {"": history(("ok", "failed"))}, lambda case: None)
+    assert (found.verdict, found.hits, found.open) == (UNDETERMINED, 1, 1)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from([0.0, 1.0, 2.0]), st.booleans()), min_size=3, max_size=3),
+    st.sampled_from(["share", "first", "last", "least", "greatest", "mean"]),
+)
+def test_what_is_taken_lies_between_its_ends_whatever_the_missing_points_hold(points, what):
+    """Over points that were not computed, and of those that were, for every completion."""
+    values, failed = (np.array(column) for column in zip(*points, strict=True))
+    take = {"what": what, "over": ["Omega"]} | ({"of": ". > 0"} if what in COUNTED else {})
+
+    def found(L_s, status):
+        coords = {"Omega": data.axis("Omega", SPEEDS, r"\Omega", "rad s-1", "disc speed")}
+        return taken(data.response(["periodic"] * 3, L_s, coords, ("Omega",), status), "L_s", take)
+
+    asked = found(values, np.where(failed, "failed", "ok"))
+    low, high = (float(asked[f"{what}_{end}"]) for end in ("low", "high"))
+    if failed.all():
+        assert np.isnan([low, high]).all()
+        return
+    for filled in np.ndindex(3, 3, 3):
+        complete = float(found(np.where(failed, filled, values), ["ok"] * 3)[what])
+        anywhere = np.isinf([low, high]).all()
+        assert anywhere or low <= complete <= high or np.isnan([low, complete]).all()
+
+
+def case_with(take):
+    return parse_case(
+        f"""
+schema = 1
+[model]
+name = "belt-1dof"
+[[initial]]
+label = "rest"
+kind = "state"
+[[analysis]]
+kind = "history"
+t_end = 10.0
+[[claim]]
+source = "4.3"
+text = "as printed"
+variable = "contact_state"
+expect = {{ less_than = 3.0 }}
+{take}
+""",
+        "test.toml",
+    )
+
+
+def test_a_case_may_take_a_number():
+    (said,) = case_with('take = { over = "time", what = "entries", of = "stick" }').claims
+    assert said.take == {"over": ["time"], "what": "entries", "of": "stick"}
+
+
+@pytest.mark.parametrize(
+    ("take", "word"),
+    [
+        ('over = "w", what = "mean"', "no axis of this case"),
+        ('over = "time", what = "entries"', "neither a condition"),
+        ('over = "time", what = "share", of = "Stick!"', "neither a condition"),
+        ('over = "time", what = "mean", of = "stick"', "of is for share, entries, first, last"),
+        ('over = "time", what = "median"', "'median' .a string. is not allowed"),
+        ('over = ["time", "initial"], what = "peak"', "along one axis, not 2"),
+        ('over = [], what = "mean"', "along one axis, not 0"),
+        ('over = "time", what = "mean", relative_to = { time = 1 }', "is for share, not mean"),
+    ],
+)
+def test_a_take_that_says_nothing_is_a_mistake(take, word):
+    with pytest.raises(CaseError, match=word):
+        case_with(f"take = {{ {take} }}")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (
+            'share = { of = ". > 0", over = ["v"], relative_to = { v = 1 } }',
+            'take = { what = "share", of = ". > 0", over = ["v"], relative_to = { v = 1 } }',
+        ),
+        (
+            'reduce = { over = "time", take = "range" }',
+            'take = { what = "spread", over = "time" }',
+        ),
+    ],
+)
+def test_what_a_case_of_before_says_is_told_in_the_words_of_now(old, new):
+    with pytest.raises(CaseError) as caught:
+        case_with(old)
+    (problem,) = caught.value.problems
+    assert problem.message.endswith(f"write {new}")
