@@ -14,7 +14,7 @@ from fiv_cli.analyses.variables import Subject, Variable, classes, count
 
 def variables(subject: Subject) -> list[Variable]:
     """What is told of each crossing, and of the bracket."""
-    varied = subject.settings["parameter"]
+    varied = subject.varied
     ranked = "as at the lower end of the bracket, by rising frequency from 0; followed from there"
     moves = f"what the mode (or the equilibrium) does as {varied.name} rises"
     return [
