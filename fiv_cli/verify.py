@@ -9,15 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import asin, atan, cos, hypot, inf, nan, pi, sin, sqrt
-from typing import Any
 
-from fiv_cli.analyses.base import Outcome, Section, Setup, SolverSettings, Start, Varied
-from fiv_cli.codegen.setup import default_parameters
+from fiv_cli import api
+from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
 
 RTOL = 1e-12  # tighter than the default of runs, so that closed forms are met to rounding
 CLOSED = 1e-11  # tolerance against a closed form
 RELEASE = Section("event", "stick->slip")
+
+Bench = Callable[..., Outcome]
+"""`api.analyse` at this tolerance."""
+Problem = Callable[[Bench], Iterator["Check"]]
 
 
 @dataclass(frozen=True)
@@ -61,51 +65,18 @@ def verify(
     announce : called with a sentence when something must be generated or compiled first
     problems : which of `PROBLEMS`; all when left out
     """
-    bench = _Bench(announce)
+    bench = partial(api.analyse, solver=SolverSettings(rtol=RTOL), announce=announce)
     chosen = PROBLEMS if problems is None else problems
     return [check for problem in chosen for check in _solve(problem, bench)]
 
 
-def _solve(problem: Problem, bench: _Bench) -> list[Check]:
+def _solve(problem: Problem, bench: Bench) -> list[Check]:
     """The checks of one problem; a problem that cannot be computed is a failed check."""
     try:
         return list(problem(bench))
     except Exception as error:
         name = f"{problem.__name__}: {type(error).__name__}: {error}"
         return [Check(name, "not computed", nan, nan, 0.0)]
-
-
-class _Bench:
-    """Runs analyses of a model from its defaults."""
-
-    def __init__(self, announce: Callable[[str], None]) -> None:
-        self.announce = announce
-
-    def run(
-        self,
-        model: str,
-        law: str,
-        analysis: str,
-        start: Mapping[str, float] | Start | None = None,
-        settings: Mapping[str, Any] | None = None,
-        options: Mapping[str, str] | None = None,
-        **changes: float,
-    ) -> Outcome:
-        """One outcome; `changes` are parameters that differ from the defaults."""
-        from fiv_cli.analyses import get_analysis
-        from fiv_cli.analyses.execute import Request, answer, prepare
-
-        setup = Setup.of(model, law, options, rtol=RTOL)
-        parameters = default_parameters(setup.model, setup.law, **changes)
-        kind = get_analysis(analysis)
-        filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
-        begin = Start("start", "state", start) if isinstance(start, Mapping) else start
-        request = Request(setup, parameters, analysis, filled, SolverSettings(rtol=RTOL), begin)
-        prepare([request], self.announce)
-        return answer(request)
-
-
-Problem = Callable[[_Bench], Iterator[Check]]
 
 
 def _value(outcome: Outcome, name: str) -> float:
@@ -132,19 +103,19 @@ def _is(outcome: Outcome, attractor: str) -> float:
 
 
 # --- one mass on a belt ------------------------------------------------------------------------
-def coulomb_belt(bench: _Bench) -> Iterator[Check]:
+def coulomb_belt(bench: Bench) -> Iterator[Check]:
     """Stick-slip with Coulomb friction: slip is an arc of a circle, stick a straight line."""
     source = "thesis 3.1.1; closed form"
     reach, equilibrium = 1.7, 2.3  # (mu_s - mu_k) N / k and mu_k N / k, m
     slip, stick = pi + 2 * atan(1 / reach), 2 * reach
-    moved = bench.run("belt-1dof", "coulomb", "history", {}, {"t_end": 56.0})
+    moved = bench("belt-1dof", "coulomb", "history", {}, {"t_end": 56.0})
     first = asin(1 / equilibrium)  # from rest at x = 0 the mass slips up to the belt's speed
     release = first + 4.0 - (equilibrium - sqrt(equilibrium**2 - 1))
     releases = [release + cycle * (slip + stick) for cycle in range(7)]
     expected = [first, *(time for begin in releases for time in (begin, begin + slip))]
     worst = _largest_difference(moved.ragged["event_time"], expected)
     yield Check("event times, largest error of 15 (s)", source, worst, 0.0, CLOSED)
-    found = bench.run("belt-1dof", "coulomb", "response", {})
+    found = bench("belt-1dof", "coulomb", "response", {})
     radius = hypot(1.0, reach)
     yield Check("period (s)", source, _value(found, "period"), slip + stick, CLOSED)
     yield Check("x at stick (m)", source, _sections(found, 1)[0], equilibrium - reach, CLOSED)
@@ -152,16 +123,16 @@ def coulomb_belt(bench: _Bench) -> Iterator[Check]:
     yield Check("x_min (m)", source, _value(found, "x_min"), equilibrium - radius, CLOSED)
     spread = (radius**2 * slip + 2 * reach) / 2 + 2 * reach**3 / 3
     yield Check("L_s (m2)", source, _value(found, "L_s"), spread / (slip + stick), CLOSED)
-    released = bench.run("belt-1dof", "coulomb", "response", {}, {"section": RELEASE})
+    released = bench("belt-1dof", "coulomb", "response", {}, {"section": RELEASE})
     yield Check("x at release (m)", source, _sections(released, 1)[0], 4.0, CLOSED)
     yield from _neutral_circle(bench)
     yield from _multipliers(found)
 
 
-def _neutral_circle(bench: _Bench) -> Iterator[Check]:
+def _neutral_circle(bench: Bench) -> Iterator[Check]:
     """Inside the circle of radius v / sqrt(k/m) the undamped sliding oscillates for ever."""
     source = "thesis 3.1.1; closed form"
-    inside = bench.run("belt-1dof", "coulomb", "response", {"x": 2.0})
+    inside = bench("belt-1dof", "coulomb", "response", {"x": 2.0})
     neutral = float(inside.reason == "neutral_oscillation")
     yield Check("neutral inside the circle (1 yes)", source, neutral, 1.0, 0.0)
     yield Check("its L_s (m2)", source, _value(inside, "L_s"), 0.3**2 / 2, CLOSED)
@@ -175,7 +146,7 @@ def _multipliers(found: Outcome) -> Iterator[Check]:
     yield Check("second Floquet multiplier", source, float(second), 0.0, CLOSED)
 
 
-def free_decay(bench: _Bench) -> Iterator[Check]:
+def free_decay(bench: Bench) -> Iterator[Check]:
     """A Coulomb oscillator at rest loses 4 mu_k N / k per cycle and stops in its dead zone."""
     source = "Den Hartog 1930; closed form"
     begin, kinetic, static = 20.0, 0.23, 0.4  # m, N, N
@@ -184,22 +155,20 @@ def free_decay(bench: _Bench) -> Iterator[Check]:
     while abs(end) > static:
         half_cycles += 1
         end = (begin - 2 * half_cycles * kinetic) * (-1) ** half_cycles
-    moved = bench.run(
-        "belt-1dof", "coulomb", "history", {"x": begin}, {"t_end": 200.0}, v=0.0, N=1.0
-    )
+    moved = bench("belt-1dof", "coulomb", "history", {"x": begin}, {"t_end": 200.0}, v=0.0, N=1.0)
     stops = float(moved.ragged["event_time"][-1]) if len(moved.ragged["event_time"]) else nan
     yield Check("rest position (m)", source, float(moved.values["x"][-1]), end, CLOSED)
     yield Check("time of rest (s)", source, stops, half_cycles * pi, CLOSED)
 
 
-def den_hartog(bench: _Bench) -> Iterator[Check]:
+def den_hartog(bench: Bench) -> Iterator[Check]:
     """Harmonic force and dry friction, without sticking."""
     source = "Den Hartog, Trans. ASME 53 (1930) 107"
     for friction, force, ratio in ((0.5, 1.0, 0.6), (0.5, 1.0, 1.5), (0.2, 1.0, 2.0)):
         gain = 1 / (1 - ratio**2)
         lag = sin(pi / ratio) / (ratio * (1 + cos(pi / ratio)))
         expected = force * sqrt(gain**2 - (friction * lag / force) ** 2)
-        found = bench.run(
+        found = bench(
             "belt-1dof",
             "coulomb",
             "response",
@@ -216,17 +185,17 @@ def den_hartog(bench: _Bench) -> Iterator[Check]:
         yield Check(name, source, _value(found, "x_max"), expected, 1e-9)
 
 
-def negative_slope(bench: _Bench) -> Iterator[Check]:
+def negative_slope(bench: Bench) -> Iterator[Check]:
     """Sliding is unstable if and only if the slope of friction is below -c."""
     source = "thesis 3.1.1, linear slope: growth -(c + alpha_0)/(2 m)"
     for damping in (0.05, 0.1, 0.2):
-        found = bench.run("belt-1dof", "linear-slope", "eigenvalues", c=damping)
+        found = bench("belt-1dof", "linear-slope", "eigenvalues", c=damping)
         growth = _value(found, "growth_rate")
         name = f"growth rate at alpha_0=-0.1, c={damping} (1/s)"
         yield Check(name, source, growth, (0.1 - damping) / 2, 1e-14)
 
 
-def flutter(bench: _Bench) -> Iterator[Check]:
+def flutter(bench: Bench) -> Iterator[Check]:
     """Mode coupling: the friction at which sliding becomes unstable, with and without damping."""
     source = "thesis 3.29 by the criterion of Hurwitz"
     undamped = 5 / 2 + sqrt(3)
@@ -254,11 +223,11 @@ def _hurwitz(c1: float, c2: float) -> float:
     return ((k11 * k22 - a1 * (a2 * a3 - a1) / a3**2) / k12 - k12) / 2.0
 
 
-def averaged_friction(bench: _Bench) -> Iterator[Check]:
+def averaged_friction(bench: Bench) -> Iterator[Check]:
     """Dry friction under a fast oscillation of the slip velocity is viscous while it reverses."""
     source = "thesis 5.14"
     for speed in (0.0, 0.3, 0.301, 0.4, 3.0, 3e4):
-        found = bench.run(
+        found = bench(
             "excited-2dof", "coulomb", "equilibrium", settings={"system": "averaged"},
             A_b=20.0 * speed,
         )  # fmt: skip
@@ -268,7 +237,7 @@ def averaged_friction(bench: _Bench) -> Iterator[Check]:
         yield Check(name, source, share, expected, 1e-14)
 
 
-def suppression(bench: _Bench) -> Iterator[Check]:
+def suppression(bench: Bench) -> Iterator[Check]:
     """Mode coupling suppressed by a tangential excitation: eigenvalues of the averaged system."""
     source = "thesis 5.15 with -2 zeta a_2 in the entry (2, 4); separate computation"
     rest = _critical(bench, "excited-2dof", "mu_k", 1.0, {})
@@ -284,7 +253,7 @@ def suppression(bench: _Bench) -> Iterator[Check]:
             yield Check(f"mu_k = {friction}: A_b/R (N)", source, value, ratio, tolerance)
 
 
-def belt_with_five_degrees(bench: _Bench) -> Iterator[Check]:
+def belt_with_five_degrees(bench: Bench) -> Iterator[Check]:
     """Critical friction of the five-degree-of-freedom belt."""
     source = "thesis 6.4.1; separate computation"
     stiff = {"k4": 5e6, "k5": 5e6, "k6": 5e6, "k_nl": 1e7, "F": 800.0}
@@ -300,7 +269,7 @@ def belt_with_five_degrees(bench: _Bench) -> Iterator[Check]:
 
 
 # --- sliders on elastic discs, linearised ---------------------------------------------------------
-def rigid_contact_on_a_disc(bench: _Bench) -> Iterator[Check]:
+def rigid_contact_on_a_disc(bench: Bench) -> Iterator[Check]:
     """Where sliding loses stability as a disc slows down, and as it gains speed."""
     source = "thesis 4.3.1, Figures 4.4-4.7, at frozen speed; separate computation"
     cases = (
@@ -309,25 +278,25 @@ def rigid_contact_on_a_disc(bench: _Bench) -> Iterator[Check]:
     )
     for name, bracket, expected, (c_z, moment, alpha) in cases:
         settings = {"parameter": Varied("Omega"), "bracket": bracket, "system": "original"}
-        found = bench.run(
+        found = bench(
             "disc-rigid-contact", "exponential", "critical", None, settings,
             c_z=c_z, C_phi=moment, alpha=alpha,
         )  # fmt: skip
         yield Check(f"{name}: Omega (rad/s)", source, _crossing(found, 0), expected, 5e-7)
 
 
-def excited_disc_at_rest(bench: _Bench) -> Iterator[Check]:
+def excited_disc_at_rest(bench: Bench) -> Iterator[Check]:
     """A moving load: the speed above which sliding on a disc is unstable."""
     source = "thesis 5.4.2, Figure 5.8(a) with xi = 2e-4; separate computation"
     settings = {"parameter": Varied("Omega"), "bracket": (1.0, 40.0), "system": "original"}
     law = {"mu_s": 1.0, "mu_0": 1.0, "mu_k": 1.0, "alpha": 0.0}
-    found = bench.run(
-        "excited-disc", "exponential", "critical", None, settings, None, F=100.0, xi=2e-4, **law
+    found = bench(
+        "excited-disc", "exponential", "critical", None, settings, F=100.0, xi=2e-4, **law
     )
     yield Check("onset of instability, Omega (rad/s)", source, _crossing(found, 0), 10.525, 5e-4)
 
 
-def rigid_disc_with_a_stiffening_contact(bench: _Bench) -> Iterator[Check]:
+def rigid_disc_with_a_stiffening_contact(bench: Bench) -> Iterator[Check]:
     """Mode coupling of a slider on a rigid disc: critical friction for three contacts."""
     source = "thesis 6.5.1, Figure 6.20; separate computation"
     for stiffening, expected in ((0.0, 1.01667), (1e6, 0.36353), (1e8, 2.13047)):
@@ -338,7 +307,7 @@ def rigid_disc_with_a_stiffening_contact(bench: _Bench) -> Iterator[Check]:
 
 
 def _critical(
-    bench: _Bench,
+    bench: Bench,
     model: str,
     parameter: str,
     highest: float,
@@ -348,7 +317,7 @@ def _critical(
 ) -> Outcome:
     """Every critical value of a parameter from zero to `highest`."""
     settings = {"parameter": Varied(parameter), "bracket": (0.0, highest), "system": system}
-    return bench.run(model, "coulomb", "critical", None, settings, options, **changes)
+    return bench(model, "coulomb", "critical", None, settings, options=options, **changes)
 
 
 def _crossing(outcome: Outcome, number: int) -> float:
@@ -361,15 +330,15 @@ def _of_crossing(outcome: Outcome, name: str, number: int) -> float:
     return float(values[number]) if number < len(values) else nan
 
 
-def hyperbolic_belt(bench: _Bench) -> Iterator[Check]:
+def hyperbolic_belt(bench: Bench) -> Iterator[Check]:
     """Stick-slip with friction falling hyperbolically."""
     source = "Leine et al., Nonlinear Dynamics 16 (1998) 41; separate computation"
-    found = bench.run("belt-1dof", "hyperbolic", "response", {}, N=2.5, v=0.2, mu_0=0.4, delta=3.0)
+    found = bench("belt-1dof", "hyperbolic", "response", {}, N=2.5, v=0.2, mu_0=0.4, delta=3.0)
     for name, expected in (("period", 12.001031295), ("x_max", 1.133944676), ("L_s", 0.378624222)):
         yield Check(f"hyperbolic law, {name}", source, _value(found, name), expected, 2e-9)
 
 
-def excited_belt(bench: _Bench) -> Iterator[Check]:
+def excited_belt(bench: Bench) -> Iterator[Check]:
     """A moving base: periods that are multiples of the excitation's, and two coexisting ones."""
     source = "thesis 3.1.2 (3.10); separate computation"
     cases = (
@@ -378,7 +347,7 @@ def excited_belt(bench: _Bench) -> Iterator[Check]:
         (1.2, 1.0, 3, (3.866518, 4.026946)),
     )
     for omega, velocity, ratio, releases in cases:
-        found = bench.run(
+        found = bench(
             "belt-1dof",
             "coulomb",
             "response",
@@ -391,23 +360,23 @@ def excited_belt(bench: _Bench) -> Iterator[Check]:
         yield Check(f"{label}: period_ratio", source, _value(found, "period_ratio"), ratio, 1e-8)
         for value, expected in zip(_sections(found, len(releases)), releases, strict=True):
             yield Check(f"{label}: release x (m)", source, value, expected, 1e-6)
-    torus = bench.run("belt-1dof", "coulomb", "response", {}, {"t_max": 20000.0}, u0=0.5, omega=0.5)
+    torus = bench("belt-1dof", "coulomb", "response", {}, {"t_max": 20000.0}, u0=0.5, omega=0.5)
     label = "omega=0.5: "
     yield Check(f"{label}quasi-periodic (1 yes)", source, _is(torus, "quasiperiodic"), 1.0, 0.0)
     yield Check(f"{label}exponent (1/s)", source, _value(torus, "lyapunov"), 0.0, 6e-4)
 
 
 # --- two masses, five degrees of freedom ---------------------------------------------------------
-def two_masses(bench: _Bench) -> Iterator[Check]:
+def two_masses(bench: Bench) -> Iterator[Check]:
     """Two masses on one belt that stick and slip independently and together."""
     source = "thesis 3.13-3.21, Figure 3.9; separate computation"
-    found = bench.run("belt-2mass", "stribeck", "cycle", {}, {"t_max": 1000.0}, D=0.3)
+    found = bench("belt-2mass", "stribeck", "cycle", {}, {"t_max": 1000.0}, D=0.3)
     yield Check("D=0.3: period (s)", source, _value(found, "cycle_period"), 19.25064477, 5e-9)
-    found = bench.run("belt-2mass", "stribeck", "cycle", {}, {"t_max": 1000.0}, D=0.2)
+    found = bench("belt-2mass", "stribeck", "cycle", {}, {"t_max": 1000.0}, D=0.2)
     yield Check("D=0.2: second multiplier", source, _second_multiplier(found), -0.987, 5e-4)
     for damping, attractor in ((0.3, "periodic"), (0.1, "chaotic")):
         settings = {"t_max": 20000.0}
-        found = bench.run("belt-2mass", "stribeck", "response", {}, settings, D=damping)
+        found = bench("belt-2mass", "stribeck", "response", {}, settings, D=damping)
         yield Check(f"D={damping}: {attractor} (1 yes)", source, _is(found, attractor), 1.0, 0.0)
 
 
@@ -417,14 +386,14 @@ def _second_multiplier(found: Outcome) -> float:
     return max(others, key=abs)
 
 
-def five_degrees_at_rest(bench: _Bench) -> Iterator[Check]:
+def five_degrees_at_rest(bench: Bench) -> Iterator[Check]:
     """Sliding equilibria and the eigenvalues of the coupled modes, to their printed digits."""
     source = "thesis 6.4.2.1, as printed (x1 at mu_k = 1.4 with its sign corrected)"
     for friction, printed, modes in FIVE_DEGREES:
-        found = bench.run("belt-5dof", "coulomb", "equilibrium", mu_k=friction)
+        found = bench("belt-5dof", "coulomb", "equilibrium", mu_k=friction)
         worst = _largest_difference(found.values["equilibrium"][0], printed)
         yield Check(f"mu_k={friction}: equilibrium (m, rad)", source, worst, 0.0, 5e-5)
-        linear = bench.run("belt-5dof", "coulomb", "eigenvalues", mu_k=friction)
+        linear = bench("belt-5dof", "coulomb", "eigenvalues", mu_k=friction)
         pairs = list(
             zip(linear.values["eigenvalue_real"], linear.values["eigenvalue_imag"], strict=True)
         )
@@ -448,7 +417,7 @@ FIVE_DEGREES = (
 )  # fmt: skip
 
 
-def five_degrees_in_motion(bench: _Bench) -> Iterator[Check]:
+def five_degrees_in_motion(bench: Bench) -> Iterator[Check]:
     """The fiftieth event of the slider from rest: slip, stick, reversal, separation, landing."""
     source = "thesis 6.1-6.17; separate computation (DOP853, every event polished)"
     cases = (
@@ -459,8 +428,8 @@ def five_degrees_in_motion(bench: _Bench) -> Iterator[Check]:
     )
     for friction, impact, expected in cases:
         options = {"impact": impact}
-        moved = bench.run(
-            "belt-5dof", "coulomb", "history", {}, {"t_end": 1.2}, options, mu_k=friction
+        moved = bench(
+            "belt-5dof", "coulomb", "history", {}, {"t_end": 1.2}, options=options, mu_k=friction
         )
         found = moved.ragged["event_time"]
         time = float(found[49]) if len(found) > 49 else nan
@@ -471,7 +440,7 @@ def five_degrees_in_motion(bench: _Bench) -> Iterator[Check]:
 
 
 # --- discs ---------------------------------------------------------------------------------------
-def annular_plate(bench: _Bench) -> Iterator[Check]:
+def annular_plate(bench: Bench) -> Iterator[Check]:
     """Frequencies and modal masses of the disc of Table 4.1, and of a tabulated plate."""
     from fiv_cli.plate import AnnularPlate, mode
 
@@ -504,11 +473,11 @@ RUNS = (
 )  # fmt: skip
 
 
-def motion_on_a_disc(bench: _Bench) -> Iterator[Check]:
+def motion_on_a_disc(bench: Bench) -> Iterator[Check]:
     """Separation, landing, stick and reversal on elastic discs, by the event."""
     source = "saddle-point equations; separate computation (DOP853, every event polished)"
     for model, law, start, changes, number, expected in RUNS:
-        moved = bench.run(model, law, "history", start, {"t_end": 0.3}, {}, **changes)
+        moved = bench(model, law, "history", start, {"t_end": 0.3}, **changes)
         found = moved.ragged["event_time"]
         time = float(found[number - 1]) if len(found) >= number else nan
         yield Check(f"{model}: time of event {number} (s)", source, time, expected, 1e-11)
@@ -516,7 +485,7 @@ def motion_on_a_disc(bench: _Bench) -> Iterator[Check]:
         yield Check(f"{model}: energy", "energy balance: relative residual", rest, 0.0, CLOSED)
 
 
-def main_frequencies_on_a_disc(bench: _Bench) -> Iterator[Check]:
+def main_frequencies_on_a_disc(bench: Bench) -> Iterator[Check]:
     """The lines of stick-slip on the undamped disc at constant speed, from the spectrum of 8 s.
 
     The motion settles for minutes (its second line grows); its frequencies are there at once:
@@ -529,7 +498,7 @@ def main_frequencies_on_a_disc(bench: _Bench) -> Iterator[Check]:
         "lyapunov": "never",
     }  # fmt: skip
     for c_z, C_phi, main, line in SPECTRA:
-        found = bench.run(
+        found = bench(
             "disc-rigid-contact", "exponential", "spectrum", start, settings,
             c_z=c_z, C_phi=C_phi, alpha=1.0, Omega=2.0 * pi,
         )  # fmt: skip
@@ -554,15 +523,15 @@ def _line_between(found: Outcome, low: float, high: float) -> float:
 
 
 # --- pin on a disc -----------------------------------------------------------------------------
-def pin_equilibrium(bench: _Bench) -> Iterator[Check]:
+def pin_equilibrium(bench: Bench) -> Iterator[Check]:
     """Sliding equilibrium and eigenvalues at N0 = 30 N."""
     source = "thesis 7.12, 7.13, 7.17; separate computation"
-    found = bench.run("pin-on-disc", "coulomb", "equilibrium")
+    found = bench("pin-on-disc", "coulomb", "equilibrium")
     phi, theta = found.values["equilibrium"][0]
     yield Check("phi at equilibrium (rad)", source, float(phi), 0.03710376, 5e-9)
     yield Check("theta at equilibrium (rad)", source, float(theta), -0.01889605, 5e-9)
     yield Check("F_N at equilibrium (N)", source, float(found.values["F_N"][0]), 31.8207708, 5e-8)
-    linear = bench.run("pin-on-disc", "coulomb", "eigenvalues")
+    linear = bench("pin-on-disc", "coulomb", "eigenvalues")
     growths, frequencies = linear.values["eigenvalue_real"], linear.values["eigenvalue_imag"]
     expected = ((-0.5494, 112.8355), (-0.8673, 219.1599))
     for mode, (growth, frequency) in enumerate(expected):
@@ -572,26 +541,26 @@ def pin_equilibrium(bench: _Bench) -> Iterator[Check]:
         yield Check(f"{label}, imaginary (rad/s)", source, imaginary, frequency, 6e-5)
 
 
-def pin_stick_slip(bench: _Bench) -> Iterator[Check]:
+def pin_stick_slip(bench: Bench) -> Iterator[Check]:
     """Stick-slip at Omega = 2 rad/s, and the sliding that coexists with it."""
     source = "thesis 7.3; separate computation"
     settings = {"section": RELEASE, "t_max": 60.0}
-    found = bench.run("pin-on-disc", "coulomb", "response", {"phi_dot": 2.0}, settings)
+    found = bench("pin-on-disc", "coulomb", "response", {"phi_dot": 2.0}, settings)
     yield Check("period (s)", source, _value(found, "period"), 0.06852382, 5e-9)
     yield Check("phi at release (rad)", source, _sections(found, 1)[0], 0.06695594, 5e-9)
     near = {"phi": 0.037, "phi_dot": 0.1, "theta": -0.019}
-    slides = bench.run("pin-on-disc", "coulomb", "response", near, settings)
+    slides = bench("pin-on-disc", "coulomb", "response", near, settings)
     yield Check("slides from near (1 yes)", source, _is(slides, "equilibrium"), 1.0, 0.0)
 
 
-def energy(bench: _Bench) -> Iterator[Check]:
+def energy(bench: Bench) -> Iterator[Check]:
     """Friction, damping and drive book their work; the rest is the change of T + U."""
     source = "energy balance: relative residual"
-    belt = bench.run(
+    belt = bench(
         "belt-1dof", "hyperbolic", "history", {}, {"t_end": 100.0}, u0=0.5, omega=0.85, c=0.1
     )
     yield Check("belt, 100 s", source, _value(belt, "energy_residual"), 0.0, CLOSED)
-    pin = bench.run(
+    pin = bench(
         "pin-on-disc", "coulomb", "history", {"phi_dot": 2.0}, {"t_end": 3.0}, beta=2.0, psi_a=1.0
     )
     yield Check("pin on a sector, 3 s", source, _value(pin, "energy_residual"), 0.0, CLOSED)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -14,7 +15,8 @@ from pathlib import Path
 
 PATIENCE = 30.0
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-FIV = (sys.executable, "-m", "fiv_cli")
+# The program tested; another version's shows the faults that each test was written for.
+FIV = shlex.split(os.environ.get("FIV_UNDER_TEST", f"{shlex.quote(sys.executable)} -m fiv_cli"))
 MARK = "FIV_TEST_RUN"
 
 

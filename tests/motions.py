@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
-from fiv_cli.analyses.execute import Request, answer
+from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import CODE_NAMES, Motion
 from fiv_cli.dynamics.system import System, build_system
@@ -55,7 +52,7 @@ def motion(
 
 def ledger(moved: Motion) -> NDArray[np.float64]:
     """Rows (time, from, to, contact, residual) of the events so far."""
-    return moved.ledger[: moved.n_events]
+    return np.column_stack(moved.ledger)
 
 
 def times(moved: Motion) -> NDArray[np.float64]:
@@ -70,23 +67,3 @@ def transitions(moved: Motion) -> list[str]:
         f"{CODE_NAMES[int(row[1])]}->{CODE_NAMES[int(row[2])]}" + f" {int(row[3])}" * several
         for row in ledger(moved)
     ]
-
-
-def analyse(
-    model: str | Model,
-    law: str,
-    analysis: str,
-    start: Mapping[str, float] | Start | None = None,
-    settings: Mapping[str, Any] | None = None,
-    solver: SolverSettings | None = None,
-    options: Mapping[str, str] | None = None,
-    **changes: float,
-) -> Outcome:
-    """One outcome of an analysis from the defaults."""
-    solver = solver or SolverSettings()
-    parameters = defaults(model, law, **changes)
-    kind = get_analysis(analysis)
-    filled = {item.name: item.default for item in kind.settings} | dict(settings or {})
-    begin = start if start is None or isinstance(start, Start) else Start("a", "state", start)
-    setup = Setup.of(model, law, options, parameters, solver.rtol)
-    return answer(Request(setup, parameters, analysis, filled, solver, begin))

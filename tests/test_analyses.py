@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import TIGHT, analyse, defaults, motion, system
+from motions import TIGHT, defaults, motion, system
 from small_models import TWO_MASSES
 
 from fiv_cli.analyses import all_analyses, execute, get_analysis
@@ -17,6 +17,7 @@ from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
 from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
+from fiv_cli.api import analyse
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import system as systems
@@ -500,7 +501,7 @@ def test_tangents_are_compiled_only_where_they_are_carried(
     monkeypatch.setattr(systems, "_BUILT", {})
     parameters = defaults("belt-1dof", "coulomb")
     kept = get_analysis(analysis)
-    settings = {setting.name: setting.default for setting in kept.settings} | {"t_end": 1.0}
+    settings = kept.default_settings | {"t_end": 1.0}
     start = Start("a", kind) if kept.uses_starts else None
     belt = Setup.of("belt-1dof", "coulomb")
     request = execute.Request(belt, parameters, analysis, settings, start=start)

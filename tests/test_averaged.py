@@ -7,12 +7,13 @@ from math import asin, cos, pi, sin, sqrt
 import numpy as np
 import pytest
 import sympy
-from motions import analyse, defaults, system
+from motions import defaults, system
 from scipy.integrate import quad
 
 from fiv_cli.analyses.rest import averaging
 from fiv_cli.analyses.rest.equilibria import equilibria
 from fiv_cli.analyses.rest.linearisation import sliding_system
+from fiv_cli.api import analyse
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.friction.averaged import FAST_VELOCITY, averaged
 from fiv_cli.friction.base import Slip

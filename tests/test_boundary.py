@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions import analyse
 
 from fiv_cli.analyses.attractor.bisection import (
     MOST_LOOKS,
@@ -22,8 +21,9 @@ from fiv_cli.analyses.attractor.bisection import (
     hysteresis,
     scanned,
 )
-from fiv_cli.analyses.attractor.boundaries import answered, going_on
+from fiv_cli.analyses.attractor.scan import answered, going_on
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
+from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError

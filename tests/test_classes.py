@@ -16,10 +16,11 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
-from motions import analyse, motion
+from motions import motion
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
+from fiv_cli.api import analyse
 from fiv_cli.dynamics.settings import Section
 
 EQUILIBRIUM, PERIODIC = reference.EQUILIBRIUM, reference.PERIODIC

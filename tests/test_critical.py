@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions import analyse, defaults, system
+from motions import defaults, system
 
 from fiv_cli.analyses.base import Outcome, Varied
 from fiv_cli.analyses.rest import crossings
 from fiv_cli.analyses.rest.crossings import Crossing, Sample, ScanTooLong, find_crossings
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import modes_at
+from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import CaseError
 from fiv_cli.sweep.plan import make_plan

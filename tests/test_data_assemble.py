@@ -95,7 +95,7 @@ SUITED = [
 @pytest.mark.parametrize(("kind", "model"), SUITED)
 def test_every_variable_has_a_unit_a_name_and_sound_flags(kind: str, model: str) -> None:
     table = all_models()[model]
-    settings = {setting.name: setting.default for setting in all_analyses()[kind].settings}
+    settings = all_analyses()[kind].default_settings
     settings["parameter"] = Varied("mu_k")
     variables = variables_of(kind, table, table.default_options(), settings)
     assert [v.name for v in variables[:2]] == ["status", "reason"]

@@ -7,9 +7,10 @@ import itertools
 import numpy as np
 import pytest
 from disc_reference import RigidContact
-from motions import analyse, defaults, motion, system
+from motions import defaults, motion, system
 
 from fiv_cli.analyses.base import SolverSettings, Varied
+from fiv_cli.api import analyse
 from fiv_cli.dynamics.motion import Stop
 from fiv_cli.flags import REASONS
 from fiv_cli.models import get_model

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import analyse, defaults, system
+from motions import defaults, system
 
 from fiv_cli.analyses.rest.equilibria import (
     all_equilibria,
@@ -15,6 +15,7 @@ from fiv_cli.analyses.rest.equilibria import (
     relative_residual,
     sliding,
 )
+from fiv_cli.api import analyse
 from fiv_cli.codegen.reduce import derive_statics
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.flags import reason_code

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from fiv_cli.case.grammar import parse_condition
+from fiv_cli.case.load import load_case
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError
 from fiv_cli.reading import select
-from fiv_cli.reading.asked import load_checked
 from fiv_cli.reading.datasets import figures_in, read_analyses
 
 CASE = """
@@ -68,7 +68,7 @@ def test_a_case_that_is_right_can_be_run_and_drawn(capsys: pytest.CaptureFixture
 
 def test_the_figures_of_a_dataset_are_those_of_its_case() -> None:
     run()
-    assert figures_in(read_analyses("a.nc")) == list(load_checked("a.toml").figures)
+    assert figures_in(read_analyses("a.nc")) == list(load_case("a.toml").figures)
 
 
 def test_figures_set_on_the_command_line_are_drawn() -> None:
@@ -88,27 +88,37 @@ def test_a_dataset_of_before_is_read_from_its_case(monkeypatch: pytest.MonkeyPat
     assert understood[1].name == "second"
 
 
-def test_everything_wrong_is_told_at_once() -> None:
-    text = CASE.replace('name = "pin-on-disc"', 'name = "pin-on-disc"\nparameters = { c1 = -1 }')
-    text = text.replace('variable = "n_solutions"\nat', 'variable = "n_solution"\nat')
-    text = text.replace('"n_solutions"\nselect', '"solutions"\nselect')
-    Path("a.toml").write_text(text)
-    with pytest.raises(CaseError) as caught:
-        load_checked("a.toml")
-    told = [problem.path for problem in caught.value.problems]
-    assert told == ["model.parameters.c1", "figure.0.variable", "claim.0.variable"]
+def test_shares_that_a_dataset_of_before_asks_for_are_drawn() -> None:
+    """Its text says ``share`` where a case now says `take`; so do the figures of later ones."""
+    now = 'take = { what = "share", of = ". > 0", over = ["N0"] }'
+    before = now.replace("take", "share").replace('what = "share", ', "")
+    Path("a.toml").write_text(CASE.replace('kind = "curve"\n[[', f'kind = "curve"\n{now}\n[['))
+    run()
+    analyses = read_analyses("a.nc")
+    understood = figures_in(analyses)
+    assert understood[1].settings["take"]["what"] == "share"
+    for dataset in analyses.values():
+        figures = json.loads(dataset.attrs["figures_json"])
+        share = figures[1]["settings"].pop("take")
+        figures[1]["settings"]["share"] = {k: v for k, v in share.items() if k != "what"}
+        dataset.attrs["figures_json"] = json.dumps(figures)
+    assert figures_in(analyses) == understood
+    for dataset in analyses.values():
+        del dataset.attrs["figures_json"]
+        dataset.attrs["case"] = dataset.attrs["case"].replace(now, before)
+    assert figures_in(analyses) == understood
 
 
 def test_what_is_missing_is_told_once() -> None:
     Path("a.toml").write_text(CASE.replace('variable = "n_solutions"\nat', "at"))
     with pytest.raises(CaseError) as caught:
-        load_checked("a.toml")
+        load_case("a.toml")
     assert [problem.path for problem in caught.value.problems] == ["claim.0.variable"]
 
 
 def test_a_variable_set_on_the_command_line_is_told_as_such() -> None:
     with pytest.raises(CaseError, match=r"figure\.0\.variable \(--set figure\.0\.variable=no\)"):
-        load_checked("a.toml", ["figure.0.variable=no"])
+        load_case("a.toml", ["figure.0.variable=no"])
 
 
 @pytest.mark.parametrize(

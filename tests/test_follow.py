@@ -10,10 +10,10 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions import analyse
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.rest.modes import matched
+from fiv_cli.api import analyse
 from fiv_cli.data.follow import coupling_points, follow_grid, follow_modes
 
 Complex = NDArray[np.complex128]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from motions import analyse, defaults, system
+from motions import defaults, system
 from small_models import DOUBLE_WELL
 
 from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN
@@ -17,6 +17,7 @@ from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, s
 from fiv_cli.analyses.base import Section, Start
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import free_jacobian
+from fiv_cli.api import analyse
 
 DAMPING = 0.05
 STRIBECK = {"c": 0.1, "N": 1.0, "mu_s": 1.0, "mu_k": 0.5, "v_s": 0.5, "v": 1.5}

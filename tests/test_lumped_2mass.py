@@ -15,11 +15,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lumped_reference import TwoMasses
-from motions import TIGHT, analyse, defaults, ledger, motion, times, transitions
+from motions import TIGHT, defaults, ledger, motion, times, transitions
 from small_models import TWO_MASSES
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
+from fiv_cli.api import analyse
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Stop
 

@@ -10,10 +10,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from motions import analyse, defaults
+from motions import defaults
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from fiv_cli.api import analyse
 from fiv_cli.dynamics.settings import Section
 from fiv_cli.models import disc
 from fiv_cli.plate import mode

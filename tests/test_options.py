@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from motions import analyse, defaults
+from motions import defaults
 
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.analyses.catalogue import variables_of
+from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.history import parse_places
 from fiv_cli.data.states import on_all_states

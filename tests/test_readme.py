@@ -61,6 +61,19 @@ def test_the_case_is_right() -> None:
     assert parse_case(case, "squeal.toml").model == "pin-on-disc"
 
 
+def test_the_notebook_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("squeal.toml").write_text(blocks("toml")[0])
+    (notebook,) = [block for block in blocks("python") if "import api" in block]
+    exec(notebook, {})
+    said = capsys.readouterr().out
+    assert "Omega = 2.0, 8.0" in said
+    assert re.search(r"2\.0 +far +periodic\n8\.0 +far +equilibrium", said)
+    assert {path.name for path in tmp_path.iterdir()} == {"squeal.toml", "phase.png"}
+
+
 def test_the_claim_is_understood() -> None:
     """On the grid that it speaks of, with every way of taking and of expecting that is listed."""
     case, claim = blocks("toml")
@@ -82,3 +95,10 @@ def test_models_and_laws_are_all_named() -> None:
 def test_every_path_exists() -> None:
     for path in re.findall(r"`((?:configs|fiv_cli|tests)/[\w/.]+)`", README):
         assert (ROOT / path).exists() or path.endswith("my_law.py"), path
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_a_command_names_cases_that_there_are(name: str) -> None:
+    text = str(importlib.import_module(COMMANDS[name][0]).command.help)
+    for path in re.findall(r"configs/\S+?\.toml", text):
+        assert list(ROOT.glob(path)), path

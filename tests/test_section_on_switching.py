@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from motions import analyse, motion, times, transitions
+from motions import motion, times, transitions
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.api import analyse
 from fiv_cli.dynamics.motion import Stop
 from fiv_cli.dynamics.settings import Section
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from motions import analyse
 
 from fiv_cli.analyses.base import Outcome, Section, Start
+from fiv_cli.api import analyse
 
 # Bilateral and stiff (thesis 6.4.2.2): below the critical 1.735 a stable equilibrium and a large
 # motion are both there.

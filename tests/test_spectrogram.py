@@ -62,7 +62,7 @@ def belt(
     schedule = make_schedule(curves)
     built = build_system(Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule))
     analysis = get_analysis("spectrogram")
-    filled = {item.name: item.default for item in analysis.settings} | settings
+    filled = analysis.default_settings | settings
     return analysis.run(built, parameters, Start("a", "state", start), filled, solver)
 
 

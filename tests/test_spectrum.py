@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import TIGHT, analyse, defaults, system
+from motions import TIGHT, defaults, system
 
 from fiv_cli.analyses.base import Start
 from fiv_cli.analyses.spectra.amplitudes import growing_modes, on_bins, period_lines, window_lines
 from fiv_cli.analyses.spectra.resolution import frequencies
+from fiv_cli.api import analyse
 
 BINS = {"f_max": 2.0, "resolution": 0.01, "window": None}
 T_STICK, T_SLIP = 3.4, pi + 2.0 * atan(1.0 / 1.7)

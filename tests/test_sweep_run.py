@@ -16,6 +16,7 @@ import sweep_fakes
 from fiv_cli import files
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
+from fiv_cli.sweep import journal
 from fiv_cli.sweep.lock import hold, holder
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import INTERVAL, Lines, Silent
@@ -437,12 +438,12 @@ def test_several_analyses_become_groups(tmp_path: Path) -> None:
 def test_tasks_grow_with_what_is_measured() -> None:
     pace = Pace()
     assert pace.count(10_000, 2, HERE) == 1
-    pace.learn(1, 0.9)  # loads code
+    pace.learn(1, 0.9, 100)  # loads code
     assert pace.remaining(10_000) is None
     counts = []
     for _ in range(8):
         counts.append(pace.count(100_000, 2, HERE))
-        pace.learn(counts[-1], 1e-3 * counts[-1])
+        pace.learn(counts[-1], 1e-3 * counts[-1], 100 * counts[-1])
     assert counts == sorted(counts)
     assert counts[0] == 1
     assert counts[-1] == 500
@@ -454,6 +455,21 @@ def test_long_runs_have_longer_tasks_up_to_a_bound() -> None:
     pace = Pace(seconds_per_point=1e-3, last_count=10**9, tasks=9)
     assert pace.count(2_000_000, 2, HERE) == 5000
     assert pace.count(10**9, 2, HERE) == 20_000
+
+
+def test_tasks_with_large_results_are_short() -> None:
+    pace = Pace(seconds_per_point=1e-3, last_count=10**9, tasks=9)
+    pace.learn(10, 1e-2, 10 * 2**20)
+    assert pace.count(10**9, 2, HERE) == 64
+
+
+def test_what_is_not_kept_in_memory_is_read_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sweep(tmp_path / "a.nc", chunk_points=4)
+    monkeypatch.setattr(journal, "KEPT", 3000)
+    sweep(tmp_path / "b.nc", chunk_points=4)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
 def test_lines_come_every_thirty_seconds() -> None:

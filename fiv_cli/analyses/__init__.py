@@ -1,4 +1,8 @@
-"""The analyses, by kind."""
+"""The analyses, by kind.
+
+One folder per question; in it one file per kind, of its name, declares what is asked and answered,
+and the others compute.
+"""
 
 from __future__ import annotations
 

@@ -218,3 +218,8 @@ class Analysis:
     recorded: bool = False
     single: bool = False
     figure: str = "curve"
+
+    @property
+    def default_settings(self) -> dict[str, Any]:
+        """Every setting as it is when a case leaves it out."""
+        return {setting.name: setting.default for setting in self.settings}

@@ -75,6 +75,12 @@ class Variable:
     velocities: bool = False
 
     @property
+    def is_class(self) -> bool:
+        """Whether it has one of a few values at each point, and borders between them."""
+        bordered = self.role not in (Role.STATUS, Role.WORK) and self.one_per_point
+        return bordered and self.kind in ("flag", "int")
+
+    @property
     def dims(self) -> tuple[str, ...]:
         """Own dims, after those of the grid and ``initial``."""
         return tuple(self.along.split())
@@ -117,6 +123,14 @@ def classes(
     """A flag variable; `of` names its table where that has another name."""
     facts.setdefault("role", Role.CLASS)
     return Variable(name, "1", long_name, along, kind="flag", flags=of or name, **facts)
+
+
+def detail(
+    name: str, long_name: str, along: str = "", of: str = "", **facts: Unpack[Facts]
+) -> Variable:
+    """A flag variable that was met on the way to an answer; its classes are not counted."""
+    facts["role"] = Role.DETAIL
+    return classes(name, long_name, along, of, **facts)
 
 
 def count(name: str, long_name: str, along: str = "", **facts: Unpack[Facts]) -> Variable:
@@ -169,9 +183,10 @@ class Subject:
     settings: Mapping[str, Any]
 
     @property
-    def varied(self) -> Varied | None:
-        """The parameter that the analysis itself varies."""
-        return self.settings.get("parameter")
+    def varied(self) -> Varied:
+        """The parameter that the analysis itself varies, where it varies one."""
+        varied: Varied = self.settings["parameter"]
+        return varied
 
     @property
     def observed(self) -> tuple[str, str]:
@@ -221,9 +236,10 @@ OF_SOLVER = (
     count("n_steps", "integration steps", role=Role.WORK),
     count("n_events", "events (transitions of contact)", role=Role.WORK),
 )
-"""What every motion says of itself."""
+"""What every motion says of itself, ..."""
 
-EVENT_RESIDUAL = trust("event_residual", "largest switching function left at an event")
+OF_MOTION = (*OF_SOLVER, trust("event_residual", "largest switching function left at an event"))
+"""... and one that keeps no ledger of its events."""
 
 GROUNDS = (
     Variable(
@@ -251,7 +267,7 @@ TRANSIENT_USED = Variable(
     "transient_used", "s", "time simulated before the steady state was accepted", role=Role.WORK
 )
 
-OF_STEADY_STATE = (*GROUNDS, *OF_SOLVER, EVENT_RESIDUAL, TRANSIENT_USED)
+OF_STEADY_STATE = (*GROUNDS, *OF_MOTION, TRANSIENT_USED)
 """How a steady state was reached, and how far to trust its class."""
 
 _NO_WAY = (
@@ -274,10 +290,11 @@ def section_value(subject: Subject) -> Variable:
 
 def extremes(states: tuple[State, ...], *, rms: bool) -> list[Variable]:
     """The bounds of a steady motion, and its mean size."""
-    words = [("min", "least"), ("max", "greatest")] + rms * [("rms", "root mean square of")]
+    words = {"min": "least", "max": "greatest"} | ({"rms": "root mean square of"} if rms else {})
     return [
-        Variable(f"{name}_{ending}", unit, f"{word} {name} in the steady state",
-                 unbounded=ending != "min")
+        Variable(
+            f"{name}_{end}", unit, f"{word} {name} in the steady state", unbounded=end != "min"
+        )
         for name, unit, _, _ in motions(states)
-        for ending, word in words
-    ]  # fmt: skip
+        for end, word in words.items()
+    ]

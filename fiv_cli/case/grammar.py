@@ -5,13 +5,13 @@ README.md, "What a figure or a claim can say", is the same for people.
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fiv_cli.case.toml import parse_toml, toml_text, toml_value
 from fiv_cli.notation.values import check_number, describe
 
 Test = tuple[str, float]
@@ -129,7 +129,7 @@ def parse_expect(said: object) -> Expected:
         case {"interval": [low, high], "tolerance": tolerance, **rest}:
             ends = check_number(low), check_number(high), check_number(tolerance)
             raise ValueError(_in_place_of_interval(*ends, rest.get("of")))
-    raise ValueError(f"must be {_FORMS}, not {inline(said)}")
+    raise ValueError(f"must be {_FORMS}, not {_toml(said)}")
 
 
 def _around(value: float, tolerance: float) -> Bounds:
@@ -174,16 +174,29 @@ def figure_of_before(settings: Mapping[str, Any]) -> dict[str, Any]:
     return rest | ({"take": _taken_of_share(settings["share"])} if "share" in settings else {})
 
 
+def text_of_before(text: str) -> str:
+    """The text of a case of 0.1.0 with its figures in today's words, and without its claims."""
+    try:
+        document = parse_toml(text)
+    except ValueError:
+        return text  # no TOML at all: told where it is read
+    figures, rest = document.get("figure"), {k: v for k, v in document.items() if k != "claim"}
+    if isinstance(figures, list) and all(isinstance(figure, dict) for figure in figures):
+        rest["figure"] = [figure_of_before(figure) for figure in figures]
+    return toml_text(rest)
+
+
 def in_place_of_share(share: object) -> str:
     """What to write for a ``share``."""
-    return f"share has become a take: write take = {inline(_taken_of_share(share))}"
+    return f"share has become a take: write take = {_toml(_taken_of_share(share))}"
 
 
 def in_place_of_reduce(reduce: object) -> str:
     """What to write for a ``reduce``."""
     said = dict(reduce) if isinstance(reduce, Mapping) else {}
-    what = {"range": "spread"}.get(said.get("take", ""), said.pop("take", ""))
-    return f"reduce has become a take: write take = {inline({'what': what, **said})}"
+    what = said.pop("take", "")
+    take = {"what": "spread" if what == "range" else what, **said}
+    return f"reduce has become a take: write take = {_toml(take)}"
 
 
 def _taken_of_share(share: object) -> dict[str, Any]:
@@ -194,19 +207,14 @@ def _in_place_of_interval(low: float, high: float, tolerance: float, of: object)
     """What to write for an interval: bounds, or the first or the last place along the axis."""
     if of is None:
         wide = [round(low - tolerance, 12), round(high + tolerance, 12)]
-        return f"interval has become between: write expect = {{ between = {inline(wide)} }}"
+        return f"interval has become between: write expect = {{ between = {_toml(wide)} }}"
     written = (
-        f"take = {{ what = {inline(what)}, of = {inline(of)}, over = AXIS }} and "
-        f"expect = {{ value = {inline(value)}, tolerance = {inline(tolerance)} }}"
+        f"take = {{ what = {_toml(what)}, of = {_toml(of)}, over = AXIS }} and "
+        f"expect = {{ value = {_toml(value)}, tolerance = {_toml(tolerance)} }}"
         for what, value in (("first", low), ("last", high))
     )
     return f"interval has become a take: write {', or '.join(written)}"
 
 
-def inline(value: object) -> str:
-    """A value as TOML writes it in one line."""
-    if isinstance(value, Mapping):
-        return f"{{ {', '.join(f'{key} = {inline(inner)}' for key, inner in value.items())} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(inline, value))}]"
-    return json.dumps(value, ensure_ascii=False, default=str)
+def _toml(value: object) -> str:
+    return toml_value(value, "claim")

@@ -1,4 +1,4 @@
-"""TOML text to plain values, after a look at how large and how deep it is.
+"""TOML text to plain values, after a look at how large and how deep it is; and back to text.
 
 ``tomllib`` takes time with the square of the parts of a dotted key, and recursion with every
 bracket. No case needs much of either, so what is over is refused before it is read.
@@ -6,14 +6,23 @@ bracket. No case needs much of either, so what is over is refused before it is r
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
+from collections.abc import Mapping
+from datetime import date, time
 from typing import Any
+
+from fiv_cli.errors import CaseError, Problem
 
 MOST_BYTES = 1024 * 1024
 DEEPEST = 32
 """Brackets in one another, and parts of a dotted key."""
 
+DICT = "<dict>"
+"""Stands for the file of a case that is no file but a dict."""
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _TOKEN = re.compile(r"\"\"\"|'''|[\"'#\[\]{}.=,\n]")
 # What ends a text that begins with these quotes (a match follows the opening).
 _REST = {
@@ -74,3 +83,64 @@ def _too_deep(text: str) -> int | None:
         if max(depth, parts) > DEEPEST:
             return at
     return None
+
+
+def toml_text(document: Mapping[str, Any]) -> str:
+    """The text of a case whose tables are those of `document`.
+
+    Raises
+    ------
+    CaseError
+        something in it can stand in no case file.
+    """
+    plain = {key: value for key, value in document.items() if not _is_of_tables(value)}
+    lines = _entries(plain, "")
+    for key, value in document.items():
+        if isinstance(value, Mapping):
+            lines += ["", f"[{_key(key, '')}]", *_entries(value, f"{key}.")]
+        elif key not in plain:
+            for index, table in enumerate(value):
+                lines += ["", f"[[{_key(key, '')}]]", *_entries(table, f"{key}.{index}.")]
+    return "\n".join([*lines, ""])
+
+
+def toml_value(value: Any, place: str) -> str:
+    """A value as TOML; `place` says where it stands.
+
+    Raises
+    ------
+    CaseError
+        it can stand in no case file.
+    """
+    if hasattr(value, "tolist"):  # a number or an array of NumPy's
+        value = value.tolist()
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, date | time):  # a datetime is a date
+        return value.isoformat()
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(toml_value(v, f'{place}.{i}') for i, v in enumerate(value))}]"
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(_entries(value, f'{place}.'))} }}" if value else "{}"
+    allowed = "a number, a text, true or false, a list, a dict"
+    raise CaseError(DICT, [Problem(place, f"{value!r} can stand in no case", allowed)])
+
+
+def _is_of_tables(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return bool(value) and all(isinstance(element, Mapping) for element in value)
+    return isinstance(value, Mapping)
+
+
+def _entries(table: Mapping[str, Any], place: str) -> list[str]:
+    return [f"{_key(key, place)} = {toml_value(v, f'{place}{key}')}" for key, v in table.items()]
+
+
+def _key(key: Any, place: str) -> str:
+    if not isinstance(key, str):
+        raise CaseError(DICT, [Problem(place + repr(key), "is no name", "a text")])
+    return key if _BARE_KEY.fullmatch(key) else toml_value(key, place)

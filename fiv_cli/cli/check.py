@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import click
 
@@ -51,11 +50,10 @@ def command(cases: tuple[str, ...], overrides: tuple[str, ...], as_json: bool) -
 
 def check_case(source: str, overrides: Sequence[str]) -> Verdict:
     """Read one case and plan it; an error becomes part of the verdict."""
-    from fiv_cli.reading.asked import load_checked
-    from fiv_cli.sweep.plan import make_plan
+    from fiv_cli import api
 
     try:
-        plan = make_plan(load_checked(source, overrides))
+        plan = api.check(api.load(source, overrides))
     except FivError as error:
         return Verdict(source, error=error)
     return Verdict(source, plan=tuple(plan.describe()))
@@ -69,12 +67,12 @@ def _print(verdicts: Iterable[Verdict]) -> None:
             click.echo(str(verdict.error), err=True)
 
 
-def _document(verdict: Verdict) -> dict[str, Any]:
+def _document(verdict: Verdict) -> dict[str, object]:
     problems = verdict.error.problems if isinstance(verdict.error, CaseError) else ()
     return {
         "case": verdict.source,
         "valid": verdict.error is None,
-        "plan": list(verdict.plan),
+        "plan": verdict.plan,
         "error": None if verdict.error is None else str(verdict.error).splitlines()[0],
-        "problems": [asdict(problem) for problem in problems],
+        "problems": problems,
     }

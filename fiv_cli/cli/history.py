@@ -12,17 +12,12 @@ from fiv_cli.cli.common import provide_cache, set_option
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from fiv_cli.analyses.base import Outcome
     from fiv_cli.case.case import Case
-    from fiv_cli.sweep.again import Point
 
 FAILED = 4
 _WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
 """What no comma divides: a quoted text, a list."""
-MARK = "point"
-"""Global attribute that only the motion of a single point has."""
 
 
 @click.command("history")
@@ -62,21 +57,18 @@ def command(
 
     \b
     Examples:
-      fiv history configs/ch7/fig_7_06.toml --at Omega=2,N0=30,initial=far --t-end 20
+      fiv history configs/ch7/fig_7_06_reached.toml --at Omega=2,N0=30 --t-end 20
       fiv history a.toml --at mu_k=0.3 -o motion.nc && fiv plot motion.nc
     """
-    from fiv_cli.reading.asked import load_checked
-    from fiv_cli.sweep.again import find_point, run_again
+    from fiv_cli import api
+    from fiv_cli.sweep.again import find_point, motion_settings, write_motion
 
     provide_cache()
-    loaded = load_checked(case, overrides)
-    settings = {"t_end": _seconds("--t-end", t_end), "sample": _seconds("--sample", sample)}
-    given = {name: value for name, value in settings.items() if value is not None}
+    loaded = api.load(case, overrides)
+    settings = motion_settings(t_end, sample)
     point = find_point(loaded, parse_places(places))
     path = output or _default_output(loaded, point.place)
-    _check(path)
-    dataset, outcome = run_again(point, given, lambda text: click.echo(text, err=True))
-    _write(point, dataset, path)
+    outcome = write_motion(point, settings, path, lambda text: click.echo(text, err=True))
     return _report(outcome, path)
 
 
@@ -105,56 +97,12 @@ def _parts(place: str) -> list[str]:
     return [part.replace("\0", ",") for part in kept.split(",")]
 
 
-def _seconds(option: str, text: str | None) -> float | None:
-    """A positive time in s; a plain number or one with its unit."""
-    from fiv_cli.notation.units import convert
-
-    if text is None:
-        return None
-    try:
-        value = convert(_number_or_text(text), "s")
-    except ValueError as error:
-        raise UsageError(
-            f'{option} {text}: {error}\nnext: {option} 20 or {option} "2 min"'
-        ) from error
-    if not 0.0 < value < float("inf"):
-        raise UsageError(f"{option} {text}: must be a positive time\nnext: {option} 20")
-    return value
-
-
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
 def _default_output(case: Case, place: dict[str, Any]) -> Path:
     from fiv_cli.case.identity import default_output
 
     stem = default_output(case).stem
     point = "_".join(f"{name}={value}" for name, value in place.items())
     return Path("runs") / f"{stem}-history-{point.replace('/', '-') or 'point'}.nc"
-
-
-def _check(path: Path) -> None:
-    """Refuse an output that cannot be written, or that holds a whole sweep."""
-    from fiv_cli.data.netcdf import global_attributes
-    from fiv_cli.sweep.output import check_output
-
-    check_output(path, "", fresh=True)
-    if path.exists() and MARK not in (global_attributes(path) or {}):
-        raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
-
-
-def _write(point: Point, dataset: xr.Dataset, path: Path) -> None:
-    from fiv_cli.case.identity import fingerprint
-    from fiv_cli.data.netcdf import write_datasets
-    from fiv_cli.data.provenance import provenance
-
-    attributes = provenance(point.case, fingerprint(point.case))
-    attributes[MARK] = ", ".join(f"{name}={value}" for name, value in point.place.items())
-    write_datasets(path, {"history": dataset}, attributes)
 
 
 def _report(outcome: Outcome, path: Path) -> int:

@@ -29,15 +29,13 @@ def command(model: str, kind: str) -> None:
     from fiv_cli.analyses import all_analyses
     from fiv_cli.case.template import case_template
     from fiv_cli.models import all_models
-    from fiv_cli.notation.names import listed, suggest
+    from fiv_cli.notation.names import pick
 
-    models, analyses = all_models(), all_analyses()
-    for what, name, known in (("model", model, models), ("analysis", kind, analyses)):
-        if name not in known:
-            hint = suggest(name, known.keys()) or f"there are: {listed(known)}"
-            raise UsageError(f"there is no {what} {name!r}; {hint}\nnext: fiv models")
-    unsuited = analyses[kind].unsuited(models[model])
+    analyses = all_analyses()
+    chosen = pick(model, all_models(), "model", "fiv models")
+    analysis = pick(kind, analyses, "analysis", f"fiv new {model} --analysis KIND")
+    unsuited = analysis.unsuited(chosen)
     if unsuited:
-        suited = [name for name, one in analyses.items() if not one.unsuited(models[model])]
+        suited = [name for name, one in analyses.items() if not one.unsuited(chosen)]
         raise UsageError(f"{unsuited}\nnext: fiv new {model} --analysis {suited[0]}")
-    click.echo(case_template(models[model], analyses[kind]), nl=False)
+    click.echo(case_template(chosen, analysis), nl=False)

@@ -39,7 +39,7 @@ def command(
 
     \b
     Examples:
-      fiv plot runs/fig_7_06.nc
+      fiv plot runs/fig_7_06_reached.nc
       fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf
       fiv plot runs/damped.nc runs/undamped.nc --figure bifurcation -o both.svg
       fiv plot --law coulomb --law stribeck
@@ -83,42 +83,18 @@ def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, F
 
 
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:
-    """The figures to draw: the one called `name`, or all that the dataset can show."""
-    from fiv_cli.plots import default_figures, figures_of
+    """The figures to draw: those called `name`, or all that the dataset can show.
 
-    figures = figures_of(source)
+    What it cannot show is named on stderr.
+    """
+    from fiv_cli.plots import can_draw, figures_called, figures_of, possible_figures
+
     if name is not None:
-        return _called(figures, name)
-    return _possible(file, source, figures) or default_figures(source)
-
-
-def _possible(
-    file: Path, source: dict[str, xr.Dataset], figures: list[FigureSpec]
-) -> list[FigureSpec]:
-    """The figures that the dataset can show; the others are named on stderr."""
-    from fiv_cli.plots import can_draw
-
-    for figure in figures:
+        return figures_called(source, name)
+    for figure in figures_of(source):
         if not can_draw(source, figure):
             click.echo(f"{file}: figure {figure.name} is left out: nothing to draw", err=True)
-    return [figure for figure in figures if can_draw(source, figure)]
-
-
-def _called(figures: list[FigureSpec], name: str) -> list[FigureSpec]:
-    """The figures called `name`; a kind that the case does not ask for is drawn as it comes.
-
-    Raises
-    ------
-    UsageError : neither a figure nor a kind is called so
-    """
-    from fiv_cli.case.case import FigureSpec
-    from fiv_cli.plots.drawing import KINDS
-
-    named = [figure for figure in figures if figure.name == name]
-    if not named and name not in KINDS:
-        known = ", ".join(dict.fromkeys([*(figure.name for figure in figures), *KINDS]))
-        raise UsageError(f"--figure {name}: no such figure\nthere are: {known}")
-    return named or [FigureSpec(name, name, {})]
+    return possible_figures(source)
 
 
 def _with_paths(

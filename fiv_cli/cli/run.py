@@ -75,7 +75,7 @@ def command(
 
     \b
     Examples:
-      fiv run configs/ch7/fig_7_06.toml
+      fiv run configs/ch7/fig_7_06_reached.toml
       fiv run a.toml b.toml --workers 4
       fiv run a.toml --set grid.mu_k=[0.3] -o one.nc
       fiv run a.toml --max-points 20          # a first look
@@ -100,12 +100,12 @@ def command(
 
 def load_all(sources: Sequence[str], overrides: Sequence[str]) -> list[Case]:
     """Every case, or one error with everything that is wrong in any of them."""
-    from fiv_cli.reading.asked import load_checked
+    from fiv_cli import api
 
     cases, wrong = [], []
     for source in sources:
         try:
-            cases.append(load_checked(source, overrides))
+            cases.append(api.load(source, overrides))
         except CaseError as error:
             wrong.append(error)
     if len(wrong) == 1:
@@ -132,12 +132,12 @@ def _outputs(cases: Sequence[Case], output: Path | None) -> list[Path]:
 
 
 def _run(case: Case, output: Path, policy: Policy, quiet: bool, verbose: bool) -> Summary:
-    from fiv_cli.sweep.plan import make_plan
+    from fiv_cli import api
     from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
 
     if verbose:
-        click.echo("\n".join(make_plan(case).describe()), err=True)
+        click.echo(api.check(case), err=True)
     summary = run_case(case, output, policy, for_stderr(quiet))
     if not quiet:
         click.echo("\n".join(summary.lines()), err=True)

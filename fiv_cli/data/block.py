@@ -45,6 +45,13 @@ class Block:
     def __len__(self) -> int:
         return len(self.status)
 
+    @property
+    def nbytes(self) -> int:
+        """Memory that the arrays take."""
+        tables = self.values, self.row_sizes, self.ragged
+        arrays = [array for table in tables for array in table.values()]
+        return sum(array.nbytes for array in (self.keys, self.status, self.reason, *arrays))
+
 
 def pack(
     outcomes: Sequence[Outcome],
@@ -64,7 +71,8 @@ def pack(
     carries : row -> plain data for a continuing neighbour
     """
     stored = [variable for variable in variables if variable.role is not Role.STATUS]
-    checked = [_storable(outcome, stored) for outcome in outcomes]
+    columns = {(v.name, bool(v.ragged)): _Column.of(v) for v in stored}
+    checked = [_storable(outcome, columns) for outcome in outcomes]
     block = Block(
         keys=np.frombuffer(b"".join(keys), np.uint8).reshape(len(keys), KEY_BYTES),
         status=np.array([STATUS.codes[outcome.status] for outcome in checked], np.int8),
@@ -159,61 +167,78 @@ def padded(array: Array, shape: tuple[int, ...], fill: float | int) -> Array:
     return result
 
 
-def _storable(outcome: Outcome, variables: Sequence[Variable]) -> Outcome:
+@dataclass(frozen=True)
+class _Column:
+    """How the values of a variable are stored, settled once for many points."""
+
+    variable: Variable
+    dtype: np.dtype[Any]
+    codes: Mapping[str, int]
+    ndim: int
+
+    @classmethod
+    def of(cls, variable: Variable) -> _Column:
+        codes = TABLES[variable.flags].codes if variable.flags else {}
+        ndim = 1 if variable.ragged else len(variable.dims)
+        return cls(variable, dtype_of(variable), codes, ndim)
+
+    def converted(self, value: Any) -> Array | float | int:
+        """A value of one point: an array of the column's type, or a plain number.
+
+        Most values are plain already; an array for each would cost more than a cheap model.
+        """
+        if self.ndim == 0 and self.dtype.kind == "f" and isinstance(value, float):
+            return value
+        if self.ndim == 0 and type(value) is str and self.codes:
+            return self.codes[value]
+        array = np.asarray(value)
+        if array.dtype != self.dtype:
+            array = self._cast(array)
+        if array.ndim != self.ndim:
+            name, dims = self.variable.name, self.variable.dims or self.ndim
+            raise ValueError(f"{name} has {array.ndim} dims instead of {dims}")
+        return array
+
+    def _cast(self, array: Array) -> Array:
+        if array.dtype.kind in "US":
+            names = [self.codes[str(name)] for name in array.ravel()]
+            array = np.array(names).reshape(array.shape)
+        if self.variable.kind == "int" and array.dtype.kind == "f":
+            array = np.where(np.isnan(array), INT_FILL, array)
+        return array.astype(self.dtype, casting="unsafe")
+
+
+_Columns = Mapping[tuple[str, bool], _Column]
+"""By name, and whether it is ragged."""
+
+
+def _storable(outcome: Outcome, columns: _Columns) -> Outcome:
     """`outcome` with plain arrays of the table's types, or a failed outcome that says why not."""
     try:
-        return _converted(outcome, {(v.name, bool(v.ragged)): v for v in variables})
+        return _converted(outcome, columns)
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         message = f"the result cannot be stored: {type(error).__name__}: {error}"
         return Outcome("failed", "internal_error", message=message)
 
 
-def _converted(outcome: Outcome, table: Mapping[tuple[str, bool], Variable]) -> Outcome:
+def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
     if outcome.status not in STATUS.codes:
         raise ValueError(f"unknown status {outcome.status!r}")
     reason_code(outcome.reason)
     values = {
-        name: _array(value, table[name, False])
+        name: columns[name, False].converted(value)
         for name, value in outcome.values.items()
-        if (name, True) not in table  # a summary of what a ragged variable holds row by row
+        if (name, True) not in columns  # a summary of what a ragged variable holds row by row
     }
-    ragged = {name: _row(value, table[name, True]) for name, value in outcome.ragged.items()}
-    _check_rows(ragged, table)
-    return Outcome(outcome.status, outcome.reason, values, ragged, outcome.message)
+    rows = {name: columns[name, True].converted(value) for name, value in outcome.ragged.items()}
+    _check_rows(rows, columns)
+    return Outcome(outcome.status, outcome.reason, values, rows, outcome.message)
 
 
-def _array(value: Any, variable: Variable) -> Array | float:
-    if type(value) is float and variable.kind == "float" and not variable.dims:
-        return value  # most values are; an array for each would cost more than a cheap model
-    array = np.asarray(value)
-    if array.dtype.kind in "US":
-        array = _codes(array, variable)
-    if variable.kind == "int" and array.dtype.kind == "f":
-        array = np.where(np.isnan(array), INT_FILL, array)
-    result = array.astype(dtype_of(variable), casting="unsafe")
-    if result.ndim != len(variable.dims):
-        raise ValueError(f"{variable.name} has {result.ndim} dims instead of {variable.dims}")
-    return result
-
-
-def _row(value: Any, variable: Variable) -> Array:
-    array = np.asarray(value)
-    if array.dtype.kind in "US":
-        array = _codes(array, variable)
-    if array.ndim != 1:
-        raise ValueError(f"{variable.name} has {array.ndim} dims instead of 1")
-    return array.astype(dtype_of(variable), casting="unsafe")
-
-
-def _codes(names: Array, variable: Variable) -> Array:
-    codes = TABLES[variable.flags].codes
-    return np.array([codes[str(name)] for name in names.ravel()]).reshape(names.shape)
-
-
-def _check_rows(ragged: Mapping[str, Array], table: Mapping[tuple[str, bool], Variable]) -> None:
+def _check_rows(rows: Mapping[str, Any], columns: _Columns) -> None:
     sizes: dict[str, int] = {}
-    for name, row in ragged.items():
-        group = table[name, True].ragged
+    for name, row in rows.items():
+        group = columns[name, True].variable.ragged
         if sizes.setdefault(group, len(row)) != len(row):
             raise ValueError(f"the rows of the group {group!r} differ in length")
 
@@ -228,8 +253,11 @@ def _pack_value(block: Block, outcomes: Sequence[Outcome], variable: Variable) -
         plain = [fill if value is None else value for value in found]
         block.values[variable.name] = np.array(plain, dtype_of(variable))
         return
-    shapes = [array.shape for array in found if array is not None]
-    largest = tuple(max(sizes) for sizes in zip(*shapes, strict=True))
+    shapes = {None if array is None else array.shape for array in found}
+    if len(shapes) == 1:
+        block.values[variable.name] = np.array(found)
+        return
+    largest = tuple(max(sizes) for sizes in zip(*(shapes - {None}), strict=True))
     stack = np.full((len(found), *largest), fill, dtype_of(variable))
     for row, array in enumerate(found):
         if array is not None:

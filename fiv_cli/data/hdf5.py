@@ -111,7 +111,7 @@ def _dataset(group: h5py.Group) -> xr.Dataset:
         if not _is_bare_dim(node)
     }
     raw = xr.Dataset(variables, attrs=_attributes(group.attrs))
-    return xr.decode_cf(raw, decode_times=False)
+    return xr.decode_cf(raw, decode_times=False).load()  # what cannot be decoded fails here
 
 
 def _content(node: Any) -> Any:

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Mapping
+from typing import TypeVar
+
+from fiv_cli.errors import UsageError
+
+T = TypeVar("T")
 
 _GREEK = {
     "α": "alpha",
@@ -42,9 +47,28 @@ def ascii_name(name: str) -> str:
     return ".".join(_SYNONYMS.get(part, part) for part in parts)
 
 
+def axis_name(name: str) -> str:
+    """The contract name of an axis or a parameter: ``friction.μ_k`` -> ``mu_k``."""
+    return ascii_name(name).removeprefix("friction.")
+
+
 def can_name_a_file(name: str) -> bool:
     """Whether `name` can be part of the name of a file, and be shown."""
     return bool(name) and name.isprintable() and not {"/", "\\"} & set(name)
+
+
+def pick(name: str, known: Mapping[str, T], what: str, following: str) -> T:
+    """What is called `name`.
+
+    Raises
+    ------
+    UsageError
+        nothing is; says what may have been meant, and what to type next (`following`).
+    """
+    if name not in known:
+        hint = suggest(name, known.keys()) or f"there are: {listed(known)}"
+        raise UsageError(f"there is no {what} {name!r}; {hint}\nnext: {following}")
+    return known[name]
 
 
 def suggest(name: str, known: Collection[str]) -> str:

@@ -7,8 +7,24 @@ be drawn from this dataset) and ``draw(layers, settings) -> Figure``, and list i
 
 from __future__ import annotations
 
-from fiv_cli.plots.drawing import can_draw, default_figures, draw, figures_of
+from fiv_cli.plots.drawing import (
+    can_draw,
+    default_figures,
+    draw,
+    figures_called,
+    figures_of,
+    possible_figures,
+)
 from fiv_cli.plots.law import draw_laws
 from fiv_cli.plots.style import save
 
-__all__ = ["can_draw", "default_figures", "draw", "draw_laws", "figures_of", "save"]
+__all__ = [
+    "can_draw",
+    "default_figures",
+    "draw",
+    "draw_laws",
+    "figures_called",
+    "figures_of",
+    "possible_figures",
+    "save",
+]

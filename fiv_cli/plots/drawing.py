@@ -29,6 +29,7 @@ from fiv_cli.reading.datasets import figures_in, read_analyses
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     Source = xr.Dataset | str | Path | dict[str, xr.Dataset]
@@ -110,7 +111,30 @@ def can_draw(source: Source, figure: FigureSpec) -> bool:
     return any(_kind(figure.kind).suits(dataset) for dataset in candidates)
 
 
-def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> Figure:
+def possible_figures(source: Source) -> list[FigureSpec]:
+    """The figures of the case that the dataset can show; where it shows none, the default ones."""
+    figures = [figure for figure in figures_of(source) if can_draw(source, figure)]
+    return figures or default_figures(source)
+
+
+def figures_called(source: Source, name: str) -> list[FigureSpec]:
+    """The figures called `name`; a kind that the case does not ask for is drawn as it comes.
+
+    Raises
+    ------
+    UsageError : neither a figure nor a kind is called so
+    """
+    figures = figures_of(source)
+    named = [figure for figure in figures if figure.name == name]
+    if not named and name not in KINDS:
+        known = ", ".join(dict.fromkeys([*(figure.name for figure in figures), *KINDS]))
+        raise UsageError(f"--figure {name}: no such figure\nthere are: {known}")
+    return named or [FigureSpec(name, name, {})]
+
+
+def draw(
+    source: Source | Sequence[tuple[str, Source]], figure: FigureSpec, axis: Axes | None = None
+) -> Figure:
     """Draw one figure.
 
     Parameters
@@ -118,6 +142,7 @@ def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> F
     source : a dataset, its path, its analyses by name, or several of them as (label, source)
         for a figure that overlays them
     figure : what to draw
+    axis : the panel to draw on, of a figure of one panel; None: the figure makes its own
 
     Raises
     ------
@@ -136,7 +161,7 @@ def draw(source: Source | Sequence[tuple[str, Source]], figure: FigureSpec) -> F
         settings = {**settings, "variable": settings["take"]["what"]}
     if "title" in settings:
         layers = [Layer(layer.label, _retitled(layer.dataset, figure)) for layer in layers]
-    with style.looks():
+    with style.looks(axis):
         return kind.draw(layers, settings)
 
 

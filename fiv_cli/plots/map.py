@@ -13,8 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, levels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, headlines, numbers
-from fiv_cli.reading.known import filled_in, is_class
+from fiv_cli.reading.datasets import filled_in, flag_names, headlines, is_class, numbers
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -81,17 +82,31 @@ UNDATED = {
 }
 
 
+_GIVEN: ContextVar[Axes | None] = ContextVar("_GIVEN", default=None)
+"""The panel to draw on; None: each figure makes its own."""
+
+
 @contextmanager
-def looks() -> Iterator[None]:
-    """The settings above over matplotlib's own defaults, whatever the user's configuration."""
-    with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.rcParams.update(SETTINGS)
-        yield
+def looks(axis: Axes | None = None) -> Iterator[None]:
+    """The settings above over matplotlib's own defaults, whatever the user's configuration.
+
+    What is drawn meanwhile is drawn on `axis`, if one is given.
+    """
+    given = _GIVEN.set(axis)
+    try:
+        with mpl.rc_context():
+            mpl.rcdefaults()
+            mpl.rcParams.update(SETTINGS)
+            yield
+    finally:
+        _GIVEN.reset(given)
 
 
 def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figure, list[Axes]]:
     """A figure with rows x columns panels (listed row by row) and a title."""
+    given = _GIVEN.get()
+    if given is not None:
+        return _given_panel(given, rows * columns, title, shared.get("subplot_kw"))
     width, height = PANEL
     figure = Figure(
         figsize=(width * _spread(columns), height * _spread(rows)), layout="constrained"
@@ -101,6 +116,21 @@ def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figu
         figure.suptitle(title, fontsize=SETTINGS["axes.titlesize"])
     axes = figure.subplots(rows, columns, squeeze=False, **shared)
     return figure, list(axes.ravel())
+
+
+def _given_panel(axis: Axes, count: int, title: str, form: Any) -> tuple[Figure, list[Axes]]:
+    """A panel that is there already.
+
+    Raises
+    ------
+    UsageError
+        the figure needs several, or one of another form.
+    """
+    if count > 1 or form is not None:
+        what = f"{count} panels" if count > 1 else "a panel of its own form"
+        raise UsageError(f"this figure needs {what}\nnext: leave `axis` out, or select one")
+    axis.set_title(title)
+    return axis.figure.figure, [axis]
 
 
 def _spread(count: int) -> float:

@@ -23,8 +23,7 @@ import xarray as xr
 from fiv_cli.case.case import ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, name_of_only, numbers
-from fiv_cli.reading.known import unknown_points
+from fiv_cli.reading.datasets import flag_names, name_of_only, numbers, unknown_points
 from fiv_cli.reading.take import ends_of, taken
 
 Analyses = Mapping[str, xr.Dataset]
@@ -138,13 +137,14 @@ def _asked(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, str]:
 
     What `at` says of axes along which something is taken says of what; the rest selects results.
     """
-    over = {name.replace(".", "_") for name in claim.take.get("over", ())}
+    if not claim.take:
+        return select.subset(dataset, claim.at, nearest=False), claim.variable
+    over = {name.replace(".", "_") for name in claim.take["over"]}
     inner = {name: at for name, at in claim.at.items() if name.replace(".", "_") in over}
     outer = {name: at for name, at in claim.at.items() if name not in inner}
-    part, variable = select.subset(dataset, inner, nearest=False), claim.variable
-    if claim.take:
-        part, variable = taken(part, variable, claim.take), claim.take["what"]
-    return select.subset(part, outer, nearest=False), variable
+    part = select.subset(dataset, inner, nearest=False)
+    part = taken(part, claim.variable, claim.take)
+    return select.subset(part, outer, nearest=False), claim.take["what"]
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:

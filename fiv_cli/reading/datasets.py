@@ -1,4 +1,4 @@
-"""What stands in a dataset of fiv: its analyses, the names of its flags, its missing numbers."""
+"""What stands in a dataset of fiv: its analyses, the names of its flags, what has no answer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import INT_FILL, Role, Variable
 from fiv_cli.case.case import FigureSpec
-from fiv_cli.case.grammar import figure_of_before
+from fiv_cli.case.grammar import figure_of_before, text_of_before
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.data.sound import fault_of
 from fiv_cli.errors import InputError
@@ -73,8 +73,9 @@ def figures_in(analyses: Mapping[str, xr.Dataset]) -> list[FigureSpec]:
         ]
     from fiv_cli.case.load import parse_case
 
+    text = text_of_before(str(attributes["case"]))
     overrides = str(attributes.get("overrides", "")).splitlines()
-    return list(parse_case(str(attributes["case"]), "the case in the dataset", overrides).figures)
+    return list(parse_case(text, "the case in the dataset", overrides).figures)
 
 
 def name_of_only(dataset: xr.Dataset) -> str:
@@ -114,3 +115,43 @@ def numbers(array: xr.DataArray) -> xr.DataArray:
     if array.dtype.kind == "i" and not fill:
         fill = {INT_FILL}
     return array.astype(float).where(~array.isin(list(fill)))
+
+
+def unknown_points(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr.DataArray:
+    """Points whose `variable` the dataset cannot tell, over the grid (and starts).
+
+    Parameters
+    ----------
+    part : a dataset or a part of it, with its ``status``
+    variable : what is asked for
+    allow_undecided : "undecided" is itself an answer: a run that used up its budget and says so
+    """
+    status, role = part["status"], named(variable).role
+    if role is Role.STATUS:
+        return status != status
+    missing = ~is_class(status, ("ok",)) & ~filled_in(part, variable)
+    # how a motion that has not settled sticks and slips is known even where its period is not
+    if "attractor" not in part or role is Role.SHARE:
+        return missing
+    undecided = is_class(part["attractor"], ("undecided",))
+    if allow_undecided and variable == "attractor":
+        return missing & ~undecided
+    return missing | undecided
+
+
+def filled_in(part: xr.Dataset, variable: str) -> xr.DataArray:
+    """Points that were not run and whose class is that of the points around them.
+
+    Only the class that a sweep was refined along is filled in; of any other variable, nothing.
+    """
+    status = part["status"]
+    if "computed" not in part or part.attrs.get("refined_of") != variable:
+        return status != status
+    given = numbers(part[variable]).notnull()
+    return is_class(part["computed"], ("filled_in",)) & given
+
+
+def is_class(array: xr.DataArray, names: tuple[str, ...]) -> xr.DataArray:
+    """Where a flag variable has one of the classes."""
+    codes = [code for code, name in flag_names(array.attrs).items() if name in names]
+    return array.isin(codes)

@@ -17,7 +17,6 @@ import xarray as xr
 
 from fiv_cli.case.grammar import parse_condition
 from fiv_cli.errors import UsageError
-from fiv_cli.notation.names import ascii_name
 from fiv_cli.notation.units import convert
 
 # Two doubles nearest to the same decimal differ by less.
@@ -58,7 +57,7 @@ def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:
 
     A dim without a coordinate counts from 0.
     """
-    name = ascii_name(name).replace(".", "_")
+    name = name.replace(".", "_")
     if name in dataset.coords and dataset.coords[name].ndim == 1:
         return dataset.coords[name]
     if name in dataset.dims:

@@ -20,8 +20,7 @@ import numpy as np
 import xarray as xr
 
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, numbers
-from fiv_cli.reading.known import is_class, unknown_points
+from fiv_cli.reading.datasets import flag_names, is_class, numbers, unknown_points
 
 
 @dataclass(frozen=True)
@@ -130,8 +129,7 @@ def _status(
 def _relative(found: xr.Dataset, reference: Mapping[str, Any]) -> xr.Dataset:
     """The shares over that at the reference point."""
     part = select.subset(found, reference, nearest=False)
-    dims = [str(select.axis_of(found, name).dims[0]) for name in reference]
-    whole = part.isel(dict.fromkeys(dims, 0), drop=True)
+    whole = part.isel({d: 0 for d in part.dims if part.sizes[d] < found.sizes[d]}, drop=True)
     ends = (("share_low", "share_high"), ("share_high", "share_low"))
     ratios = {name: found[name] / whole[by].where(whole[by] > 0.0) for name, by in ends}
     return found.assign({n: ratio.transpose(*found[n].dims) for n, ratio in ratios.items()})

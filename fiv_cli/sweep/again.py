@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,18 +15,26 @@ import xarray as xr
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
+from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.layout import Dim
+from fiv_cli.data.netcdf import global_attributes, write_datasets
+from fiv_cli.data.provenance import provenance
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import REASONS, STATUS, advice
 from fiv_cli.models import get_model
+from fiv_cli.notation.units import convert
+from fiv_cli.sweep.output import check_output
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
-from fiv_cli.sweep.points import Values, exclusion, request_at
+from fiv_cli.sweep.points import Values, request_at
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.worker import ChainState, Segment, Task, imported, run_task
 
 NEAR = 1e-9
 """Relative distance within which a number names a value of an axis."""
+
+MARK = "point"
+"""Global attribute that only the motion of a single point has."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +79,52 @@ def find_point(case: Case, at: Mapping[str, str]) -> Point:
     _refuse_excluded(analysis, tuple(values[:-1]))
     position = int(np.ravel_multi_index(indices, layout.shape))
     return Point(case, analysis, position, dict(zip(names, values, strict=True)))
+
+
+def motion_settings(t_end: float | str | None, sample: float | str | None) -> dict[str, float]:
+    """Settings of ``history`` as they are given, with or without a unit; the others are left out.
+
+    Raises
+    ------
+    UsageError
+        one is no positive time.
+    """
+    given = {"t_end": t_end, "sample": sample}
+    return {name: _seconds(name, value) for name, value in given.items() if value is not None}
+
+
+def _seconds(name: str, value: float | str) -> float:
+    option = f"--{name.replace('_', '-')}"
+    number = _number(value)
+    try:
+        seconds = convert(value if number is None else number, "s")
+    except ValueError as error:
+        raise UsageError(
+            f'{option} {value}: {error}\nnext: {option} 20 or {option} "2 min"'
+        ) from error
+    if not 0.0 < seconds < float("inf"):
+        raise UsageError(f"{option} {value}: must be a positive time\nnext: {option} 20")
+    return seconds
+
+
+def write_motion(
+    point: Point, settings: Mapping[str, float], path: Path, announce: Callable[[str], None]
+) -> Outcome:
+    """Run one point as `run_again`, and write its motion to `path`.
+
+    Raises
+    ------
+    UsageError, StorageError
+        `path` cannot be written, or holds a whole sweep.
+    """
+    check_output(path, "", fresh=True)
+    if path.exists() and MARK not in (global_attributes(path) or {}):
+        raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
+    dataset, outcome = run_again(point, settings, announce)
+    attributes = provenance(point.case, fingerprint(point.case))
+    attributes[MARK] = ", ".join(f"{name}={value}" for name, value in point.place.items())
+    write_datasets(path, {"history": dataset}, attributes)
+    return outcome
 
 
 def run_again(
@@ -170,7 +225,7 @@ def _same(value: Any, text: str) -> bool:
     return number is not None and abs(number - value) <= NEAR * max(abs(number), abs(value))
 
 
-def _number(text: str) -> float | None:
+def _number(text: float | str) -> float | None:
     try:
         return float(text)
     except ValueError:
@@ -188,7 +243,7 @@ def _off_the_grid(axis: Axis, text: str) -> UsageError:
 
 
 def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
-    unmet = exclusion(analysis.template, values)
+    unmet = analysis.unmet(values)
     if unmet is not None:
         message = f"--at: this point is not computed: {unmet.reason}"
         raise UsageError(f"{message}\nnext: {advice(unmet.reason)}")
@@ -205,7 +260,7 @@ def _alone(point: Point, settings: Mapping[str, float]) -> Case:
 
 def _settings(case: Case) -> dict[str, Any]:
     """Settings of ``history``: those that the case gives it, or the defaults."""
-    settings = {setting.name: setting.default for setting in get_analysis("history").settings}
+    settings = get_analysis("history").default_settings
     for spec in case.analyses:
         if spec.kind == "history":
             settings |= spec.settings

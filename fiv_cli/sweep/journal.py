@@ -38,6 +38,30 @@ PENDING = STATUS.codes["pending"]
 _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
 
 
+KEPT = 128 * 2**20
+"""Bytes of results that stay in memory until the dataset is made; the rest is read again."""
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A stored block.
+
+    Attributes
+    ----------
+    path : its file
+    positions : of its rows; -1: not a point of this plan
+    kept : the block itself; None where it is read again when it is needed
+    """
+
+    path: Path
+    positions: Positions
+    kept: Block | None
+
+    def block(self) -> Block:
+        """What is stored."""
+        return read_shard(self.path)[0] if self.kept is None else self.kept
+
+
 @dataclass
 class Record:
     """What is stored of one analysis.
@@ -46,7 +70,7 @@ class Record:
     ----------
     status, reason : (size,) codes; pending where nothing is stored
     ran : (size,) points run now; one that failed is tried again in another run, not in this one
-    shards : files and the positions of their rows (-1: not a point of this plan), in order
+    shards : the stored blocks, in order
     states : position -> state of the chain after that point
     classes : (size,) values of the class along whose borders the analysis is refined; of one that
         is not refined, empty
@@ -57,7 +81,7 @@ class Record:
     reason: NDArray[np.int8]
     ran: NDArray[np.bool_]
     classes: NDArray[np.int32]
-    shards: list[tuple[Path, Positions]] = field(default_factory=list)
+    shards: list[Shard] = field(default_factory=list)
     states: dict[int, ChainState] = field(default_factory=dict)
     stage: Stage | None = None
 
@@ -94,6 +118,7 @@ class Journal:
         self.records = [_empty_record(analysis) for analysis in plan.analyses]
         self.ignored: list[tuple[Path, str]] = []
         self._next = 0
+        self._kept = 0
         self.ask()
 
     @property
@@ -159,7 +184,9 @@ class Journal:
     ) -> None:
         record = self.records[index]
         placed = positions >= 0
-        record.shards.append((path, positions))
+        kept = block if self._kept + block.nbytes <= KEPT else None
+        self._kept += 0 if kept is None else block.nbytes
+        record.shards.append(Shard(path, positions, kept))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
         maps = self.plan.analyses[index].maps
@@ -183,30 +210,28 @@ class Journal:
         What a refined analysis did not ask for (of a full grid that was run before) is left out.
         """
         wanted = self.records[index].wanted()
-        for path, positions in self.records[index].shards:
-            block, _ = read_shard(path)
-            yield np.where((positions >= 0) & wanted[positions], positions, -1), block
+        for shard in self.records[index].shards:
+            positions = shard.positions
+            yield np.where((positions >= 0) & wanted[positions], positions, -1), shard.block()
 
     def shards(self) -> list[Path]:
         """The files that hold what is stored, in the order in which they count."""
-        return [path for record in self.records for path, _ in record.shards]
+        return [shard.path for record in self.records for shard in record.shards]
 
     def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
         """(position, what) of failed points for different reasons, at most `limit`."""
         found: dict[str, tuple[int, str]] = {}
         failed = STATUS.codes["failed"]
         record = self.records[index]
-        for path, positions in record.shards:
+        for shard in record.shards:
             if len(found) >= limit:
                 break
-            if (record.status[positions[positions >= 0]] == failed).any():
-                self._collect(path, positions, record, found)
+            if (record.status[shard.positions[shard.positions >= 0]] == failed).any():
+                self._collect(shard, record, found)
         return list(found.values())[:limit]
 
-    def _collect(
-        self, path: Path, positions: Positions, record: Record, found: dict[str, tuple[int, str]]
-    ) -> None:
-        block, _ = read_shard(path)
+    def _collect(self, shard: Shard, record: Record, found: dict[str, tuple[int, str]]) -> None:
+        block, positions = shard.block(), shard.positions
         failed = STATUS.codes["failed"]
         for row in np.flatnonzero((block.status == failed) & (positions >= 0)):
             position = int(positions[row])

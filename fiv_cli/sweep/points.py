@@ -10,6 +10,7 @@ import hashlib
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any
 
@@ -26,7 +27,6 @@ from fiv_cli.analyses.base import (
 from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
 from fiv_cli.friction import get_law
-from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement
 
 Values = tuple[Any, ...]
@@ -49,7 +49,7 @@ class StartEntry:
     number: int = 0
     origin: StartEntry | None = None
 
-    @property
+    @cached_property
     def identity(self) -> str:
         """Everything that decides the start, as text; numbers keep every bit."""
         spec = self.spec
@@ -97,6 +97,13 @@ class Template:
     base: bytes
     schedule: Schedule = STEADY
 
+    @cached_property
+    def axes_by_kind(self) -> Mapping[str, Sequence[tuple[str, int]]]:
+        """Kind -> (name, place among the values of a point) of its axes."""
+        kinds = {kind for _, kind in self.axes}
+        numbered = [(name, kind, place) for place, (name, kind) in enumerate(self.axes)]
+        return {kind: [(n, p) for n, k, p in numbered if k == kind] for kind in kinds}
+
 
 def parameters_at(template: Template, values: Values) -> dict[str, float]:
     """Every parameter of the model and the law in force at a point, SI."""
@@ -114,27 +121,38 @@ def law_at(template: Template, values: Values) -> str:
     return laws[0] if laws else template.law
 
 
-def exclusion(template: Template, values: Values) -> Requirement | None:
-    """What the parameters of a point do not meet, so that it is not computed; None when it is."""
-    model, law = get_model(template.model), get_law(law_at(template, values))
-    parameters = parameters_at(template, values)
-    varied = ({**parameters, **template.schedule.values(t)} for t in template.schedule.instants)
-    unmet = (broken(model, law, there, template.linear) for there in varied)
+def exclusion(request: Request, linear: bool) -> Requirement | None:
+    """What the parameters of a point do not meet, so that it is not computed; None when it is.
+
+    `linear` : no motion is followed
+    """
+    setup, parameters = request.setup, request.parameters
+    varied = ({**parameters, **setup.schedule.values(t)} for t in setup.schedule.instants)
+    unmet = (broken(setup.model, setup.law, there, linear) for there in varied)
     return next(filter(None, unmet), None)
 
 
 def request_at(template: Template, values: Values, start: Start | None) -> Request:
     """The run of a point from `start`."""
-    parameters = parameters_at(template, values)
-    setup = Setup.of(
-        template.model,
-        law_at(template, values),
-        {**template.options, **_of_kind(template, values, "option")},
-        parameters,
-        template.solver.rtol,
-        template.schedule,
-    )
-    return Request(setup, parameters, template.analysis, template.settings, template.solver, start)
+    law, parameters = law_at(template, values), parameters_at(template, values)
+    options = {**template.options, **_of_kind(template, values, "option")}
+    structural = tuple((name, parameters[name]) for name in get_law(law).structural)
+    solver, schedule = template.solver, template.schedule
+    setup = _setup(template.model, law, tuple(options.items()), structural, solver.rtol, schedule)
+    return Request(setup, parameters, template.analysis, template.settings, solver, start)
+
+
+@lru_cache(maxsize=256)
+def _setup(
+    model: str,
+    law: str,
+    options: tuple[tuple[str, str], ...],
+    structural: tuple[tuple[str, float], ...],
+    rtol: float,
+    schedule: Schedule,
+) -> Setup:
+    """The setup of all points with these; most sweeps have one."""
+    return Setup.of(model, law, dict(options), dict(structural), rtol, schedule)
 
 
 def place_digest(template: Template, values: Values) -> bytes:
@@ -255,11 +273,7 @@ def _expanded(spec: StartSpec) -> list[StartEntry]:
 
 
 def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
-    return {
-        name: value
-        for (name, axis_kind), value in zip(template.axes, values, strict=True)
-        if axis_kind == kind
-    }
+    return {name: values[place] for name, place in template.axes_by_kind.get(kind, ())}
 
 
 def _packed(value: Any) -> bytes:

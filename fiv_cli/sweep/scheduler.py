@@ -34,6 +34,9 @@ MANY_SHARDS = 400
 LONGEST_CHUNK = 20.0
 """Seconds that a chunk may take; what a kill can lose."""
 
+LARGEST_CHUNK = 64 * 2**20
+"""Bytes that the results of a chunk may take."""
+
 LOADING = 1.0
 """Seconds that a first point may take to load code before it counts as slow itself."""
 
@@ -48,12 +51,13 @@ class Pace:
     """Measured cost of the points of one analysis."""
 
     seconds_per_point: float | None = None
+    bytes_per_point: float = 1.0
     last_count: int = 0
     tasks: int = 0
 
-    def learn(self, points: int, seconds: float) -> None:
+    def learn(self, points: int, seconds: float, nbytes: int) -> None:
         """Take a finished task into account; the first, which also loads code, only until then."""
-        cost = seconds / points
+        cost, self.bytes_per_point = seconds / points, nbytes / points
         before = self.seconds_per_point
         self.tasks += 1
         if before is None or self.tasks == 2:
@@ -73,7 +77,8 @@ class Pace:
         cost = max(self.seconds_per_point, 1e-7)
         target = min(max(policy.chunk_seconds, cost * left / MANY_SHARDS), LONGEST_CHUNK)
         share = -(-left // (4 * workers)) if workers else left
-        self.last_count = int(max(1, min(target / cost, share, 8 * self.last_count + 8)))
+        room = LARGEST_CHUNK / self.bytes_per_point
+        self.last_count = int(max(1, min(target / cost, room, share, 8 * self.last_count + 8)))
         return self.last_count
 
     def remaining(self, left: int) -> float | None:
@@ -207,7 +212,7 @@ class Scheduler:
         """Store a result, then let what follows from it run."""
         self.journal.write(index, job.positions, result.block)
         queue.finished(job, result)
-        pace.learn(len(job.positions), result.seconds)
+        pace.learn(len(job.positions), result.seconds, result.block.nbytes)
         failed = int(np.count_nonzero(result.block.status == FAILED))
         self.ran += len(job.positions)
         self._stopped |= bool(failed) and self.policy.fail_fast

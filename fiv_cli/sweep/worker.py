@@ -234,7 +234,7 @@ def _executed(
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
     request = request_at(template, values, start)
-    unmet = exclusion(template, values)
+    unmet = exclusion(request, template.linear)
     if unmet is not None:
         return Outcome("not_computed", unmet.reason)
     return _placed(execute(request), request, template)

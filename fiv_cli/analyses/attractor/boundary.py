@@ -2,7 +2,7 @@
 
 The suppression boundary A_b against R by simulation, the speeds at which stick-slip exists at each
 preload, the ends of a bistable range: a scan of a bracket, and each change found in it bisected.
-What is computed at each value is the analysis `response`; see ``boundaries.py``.
+What is computed at each value is the analysis `response`; see ``scan.py``.
 """
 
 from __future__ import annotations
@@ -18,20 +18,19 @@ from fiv_cli.analyses.settings import (
     QuestionSetting,
 )
 from fiv_cli.analyses.variables import (
-    EVENT_RESIDUAL,
-    OF_SOLVER,
-    Role,
+    OF_MOTION,
     Subject,
     Variable,
     axis,
     classes,
     count,
+    detail,
 )
 
 
 def variables(subject: Subject) -> list[Variable]:
     """What is told of each change, of the scan, and of all runs."""
-    varied, sides = subject.settings["parameter"], "class of the steady state"
+    varied, sides = subject.varied, "class of the steady state"
     way = "direction in which it was met; none: every run begins at the start"
     confirmed = "distance within which runs in shorter steps and with more time find it; missing "
     confirmed += "where a side is open or they do not find it"
@@ -49,23 +48,16 @@ def variables(subject: Subject) -> list[Variable]:
         ),
         classes("class_below", f"{sides} below", "crossing", of="attractor"),
         classes("class_above", f"{sides} above", "crossing", of="attractor"),
-        classes(
-            "answer_below", "answer to the question below", "crossing", of="answer",
-            role=Role.DETAIL,
-        ),
-        classes(
-            "answer_above", "answer to the question above", "crossing", of="answer",
-            role=Role.DETAIL,
-        ),
-        classes("found_going", way, "crossing", of="followed", role=Role.DETAIL),
+        detail("answer_below", "answer to the question below", "crossing", of="answer"),
+        detail("answer_above", "answer to the question above", "crossing", of="answer"),
+        detail("found_going", way, "crossing", of="followed"),
         count("n_crossings", "changes in the bracket"),
         count("n_runs", "responses computed"),
         count("n_undecided", "responses without an answer"),
         axis("scan", varied.unit, f"{varied.name} looked at first"),
-        classes("scan_class", f"{sides} there", "scan", of="attractor", role=Role.DETAIL),
+        detail("scan_class", f"{sides} there", "scan", of="attractor"),
         *(_way_back(varied.unit, sides) if subject.settings["follow"] == "both" else ()),
-        *OF_SOLVER,
-        EVENT_RESIDUAL,
+        *OF_MOTION,
     ]  # fmt: skip
 
 
@@ -75,7 +67,7 @@ def _way_back(unit: str, sides: str) -> list[Variable]:
     end = "end of a range in which the way up and the way down differ"
     known = "width of the interval that it was bisected to; missing at the end of the bracket"
     return [
-        classes("scan_class_back", back, "scan", of="attractor", role=Role.DETAIL),
+        detail("scan_class_back", back, "scan", of="attractor"),
         Variable("bistable_low", unit, f"lower {end}", "range", width="bistable_low_width"),
         Variable("bistable_low_width", unit, known, "range"),
         Variable("bistable_high", unit, f"upper {end}", "range", width="bistable_high_width"),
@@ -106,6 +98,6 @@ ANALYSIS = Analysis(
         *response.SETTINGS,
     ),
     variables,
-    Later("fiv_cli.analyses.attractor.boundaries:boundaries"),
+    Later("fiv_cli.analyses.attractor.scan:boundaries"),
     chains=False,
 )

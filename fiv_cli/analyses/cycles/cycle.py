@@ -26,11 +26,18 @@ from fiv_cli.analyses.variables import (
     Variable,
     classes,
     count,
+    detail,
     extremes,
     section_value,
     trust,
 )
 
+_KINDS = (
+    "fold, flip (a multiplier passes -1), torus (a pair passes 1 in modulus), branching (a "
+    "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
+    "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
+    "closed (round to its first cycle)"
+)
 _OFF = "how far it may be off"
 _CYCLES_AGAIN = (
     "what it was bisected to, and what cycles of ten times the error of integration move it by; "
@@ -59,13 +66,13 @@ def variables(subject: Subject) -> list[Variable]:
         *extremes(subject.states, rms=False),
         trust("residual", "miss after a period, over the extent of the cycle"),
         count("n_events", "events per period", role=Role.WORK),
-        *(_branch(subject) if subject.varied is not None else ()),
+        *(_branch(subject) if subject.settings.get("parameter") else ()),
     ]
 
 
 def _branch(subject: Subject) -> list[Variable]:
     """The branch of a cycle along a parameter, and where it changes or ends."""
-    varied, (observed, unit) = subject.settings["parameter"], subject.observed
+    varied, (observed, unit) = subject.varied, subject.observed
     name, branch = varied.name, "branch"
     return [
         Variable("branch_value", varied.unit, f"{name} along the branch", ragged=branch),
@@ -75,7 +82,7 @@ def _branch(subject: Subject) -> list[Variable]:
         Variable(
             "branch_multiplier", "1", "modulus of the largest nontrivial multiplier", ragged=branch
         ),
-        classes("branch_stable", "stability", of="stable", ragged=branch, role=Role.DETAIL),
+        detail("branch_stable", "stability", of="stable", ragged=branch),
         *_changes(varied),
         *_end("lowest", varied),
         *_end("highest", varied),
@@ -85,34 +92,19 @@ def _branch(subject: Subject) -> list[Variable]:
 def _changes(varied: Varied) -> list[Variable]:
     """Where a branch changes or ends, in its order."""
     name, end = varied.name, "cycle_end"
-    kinds = "fold, flip (a multiplier passes -1), torus (a pair passes 1 in modulus), branching (a "
-    kinds += "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
-    kinds += (
-        "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
-    )
-    kinds += "closed (round to its first cycle)"
     return [
         Variable(
-            "cycle_end",
-            varied.unit,
-            f"{name} where the branch changes or ends",
-            ragged=end,
+            "cycle_end", varied.unit, f"{name} where the branch changes or ends", ragged=end,
             comment="in the order of the branch, within cycle_end_error",
         ),
         Variable(
-            "cycle_end_width",
-            varied.unit,
-            "half the bracket that it was bisected to",
-            ragged=end,
+            "cycle_end_width", varied.unit, "half the bracket that it was bisected to", ragged=end,
             comment="no bound of its error",
         ),
         Variable("cycle_end_error", varied.unit, _OFF, ragged=end, comment=_CYCLES_AGAIN),
-        classes("cycle_end_kind", "what happens", of="cycle_end", ragged=end, comment=kinds),
+        classes("cycle_end_kind", "what happens", of="cycle_end", ragged=end, comment=_KINDS),
         count("cycle_end_direction", f"1: {name} rising, -1: falling", ragged=end),
-        classes(
-            "cycle_end_goes_on", "whether the branch goes on", of="goes_on", ragged=end,
-            role=Role.DETAIL,
-        ),
+        detail("cycle_end_goes_on", "whether the branch goes on", of="goes_on", ragged=end),
     ]  # fmt: skip
 
 

@@ -6,25 +6,22 @@ from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import DiscPoints, Number
 from fiv_cli.analyses.variables import (
     OF_SOLVER,
-    Role,
     Subject,
     Variable,
     axis,
-    classes,
     count,
+    detail,
     motions,
     trust,
 )
 
 _EVENTS = (
     Variable("event_time", "s", "instant of the event", ragged="event"),
-    classes(
-        "event_from", "contact before", of="contact_state", ragged="event", role=Role.DETAIL
-    ),
-    classes("event_to", "contact after", of="contact_state", ragged="event", role=Role.DETAIL),
+    detail("event_from", "contact before", of="contact_state", ragged="event"),
+    detail("event_to", "contact after", of="contact_state", ragged="event"),
     count("event_contact", "contact, counted from 1", ragged="event"),
     trust("event_residual", "switching function left at the event", ragged="event"),
-)  # fmt: skip
+)
 
 _SURFACE = (
     Variable("w", "m", "transverse displacement of the disc", "point time", symbol="w"),
@@ -42,7 +39,7 @@ def variables(subject: Subject) -> list[Variable]:
         *(Variable(n, u, m, "time", symbol=s) for n, u, s, m in motions(subject.states)),
         Variable("F_T", "N", "tangential contact force", at_contacts, symbol="F_T"),
         Variable("F_N", "N", "normal contact force", at_contacts, symbol="F_N"),
-        classes("contact_state", "state of contact", at_contacts, role=Role.DETAIL),
+        detail("contact_state", "state of contact", at_contacts),
         Variable("kinetic_energy", "J", "kinetic energy", "time"),
         Variable("potential_energy", "J", "potential energy", "time"),
         Variable("friction_power", "W", "power of friction on the model", "time"),

@@ -7,14 +7,14 @@ in it: every crossing inside a bracket, of any mode, to rounding (``crossings.py
 from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later
-from fiv_cli.analyses.rest.linear import SYSTEM, averaging
+from fiv_cli.analyses.rest.system_choice import SYSTEM, averaging
 from fiv_cli.analyses.settings import Bracket, ParameterName
 from fiv_cli.analyses.variables import Subject, Variable, classes, count
 
 
 def variables(subject: Subject) -> list[Variable]:
     """What is told of each crossing, and of the bracket."""
-    varied = subject.settings["parameter"]
+    varied = subject.varied
     ranked = "as at the lower end of the bracket, by rising frequency from 0; followed from there"
     moves = f"what the mode (or the equilibrium) does as {varied.name} rises"
     return [

@@ -7,7 +7,7 @@ it is generated from the equations, not differenced (``linearisation.py``).
 from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later
-from fiv_cli.analyses.rest.linear import SYSTEM, averaging
+from fiv_cli.analyses.rest.system_choice import SYSTEM, averaging
 from fiv_cli.analyses.settings import Integer
 from fiv_cli.analyses.variables import Subject, Variable, classes, count
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings
-from fiv_cli.analyses.rest.linear import SYSTEM
+from fiv_cli.analyses.rest.system_choice import SYSTEM
 from fiv_cli.analyses.variables import Subject, Variable, classes, count, trust
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import Number, StateName
 from fiv_cli.analyses.spectra.spectrum import F_MAX, FREQUENCY, OBSERVED, RESOLUTION
-from fiv_cli.analyses.variables import EVENT_RESIDUAL, OF_SOLVER, Subject, Variable, axis
+from fiv_cli.analyses.variables import OF_MOTION, Subject, Variable, axis
 
 
 def variables(subject: Subject) -> list[Variable]:
@@ -21,8 +21,7 @@ def variables(subject: Subject) -> list[Variable]:
         FREQUENCY,
         Variable("spectrogram", unit, amplitude, "time frequency", comment=comment),
         Variable("mean", unit, f"mean of {observed} in the window", "time"),
-        *OF_SOLVER,
-        EVENT_RESIDUAL,
+        *OF_MOTION,
     ]
 
 

@@ -26,7 +26,6 @@ RESOLUTION = Number(
     "resolution", "width of a frequency bin; f_max / 256 when left out", unit="Hz", above=0.0
 )
 
-
 KEPT_OF_STEADY_STATE = (ATTRACTOR, PERIOD, MULTIPLICITY, *OF_STEADY_STATE)
 """What a spectrum says of the steady state that it is of."""
 

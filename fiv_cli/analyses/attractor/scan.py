@@ -38,7 +38,7 @@ from fiv_cli.analyses.attractor.bisection import (
 from fiv_cli.analyses.attractor.steady_state import steady_state
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, broken
 from fiv_cli.analyses.catalogue import named
-from fiv_cli.analyses.variables import EVENT_RESIDUAL, OF_SOLVER, Role, Variable
+from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"
@@ -93,7 +93,7 @@ class _Runs:
     def _book(self, outcome: Outcome) -> None:
         if outcome.status != "ok":
             self.failed.append(outcome)
-        for variable in (*OF_SOLVER, EVENT_RESIDUAL):
+        for variable in OF_MOTION:
             self.totals[variable.name] = self._total(variable, outcome.values)
 
     def _total(self, variable: Variable, values: Mapping[str, Any]) -> float:

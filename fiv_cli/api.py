@@ -1,0 +1,452 @@
+"""fiv from Python: the steps of the commands as functions, for notebooks and programs.
+
+>>> from fiv_cli import api
+>>> case = api.load(
+...     {
+...         "schema": 1,
+...         "model": {"name": "belt-1dof"},
+...         "grid": {"v": [0.5, 1.0]},
+...         "analysis": [{"kind": "response"}],
+...     }
+... )
+>>> found = api.run(case)
+>>> api.names_of(found["attractor"]).values.ravel().tolist()
+['periodic', 'periodic']
+
+What goes wrong is one of the exceptions of `fiv_cli.errors`, all of them a `FivError`, with the
+text that the command would print.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import RLock
+from typing import TYPE_CHECKING, Any
+
+from fiv_cli.errors import CaseError, FivError, UsageError
+from fiv_cli.notation.names import pick
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+    from fiv_cli.case.case import Case
+    from fiv_cli.codegen.setup import Setup
+    from fiv_cli.friction.base import Law
+    from fiv_cli.models.base import Model
+    from fiv_cli.sweep.plan import Plan
+    from fiv_cli.sweep.progress import Progress
+
+    Results = xr.Dataset | xr.DataTree
+
+__all__ = [
+    "CaseError",
+    "FivError",
+    "UsageError",
+    "analyse",
+    "check",
+    "figure",
+    "history",
+    "load",
+    "names_of",
+    "read",
+    "run",
+]
+
+
+_ALONE = RLock()
+"""Libraries below (those that write NetCDF, say) bear no second thread."""
+
+
+def load(
+    source: str | Path | Mapping[str, Any], overrides: Mapping[str, Any] | Sequence[str] = ()
+) -> Case:
+    """The case in a file, or of the tables that such a file would hold.
+
+    Parameters
+    ----------
+    source : path of a TOML file; or its tables: dicts, lists, numbers (or arrays) and texts
+    overrides : what is changed: dotted path -> value; or the lines of ``fiv run --set``
+
+    Raises
+    ------
+    CaseError
+        something in it is wrong; its `problems` are all of its form; where that is right, all
+        names that are not known; where there are none, all that is wrong with values.
+    UsageError
+        there is no such file, or an override names nothing.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "response"}]}
+    >>> api.load(belt, overrides={"grid.v": [0.5, 1.0]}).axis("v").values
+    (0.5, 1.0)
+    >>> api.load(belt, overrides={"model.parameters.mass": 2.0})
+    Traceback (most recent call last):
+        ...
+    fiv_cli.errors.CaseError: <dict>: 1 problem; nothing was computed
+    ...
+    """
+    from fiv_cli.case.load import load_case, parse_case
+    from fiv_cli.case.toml import DICT, toml_text, toml_value
+
+    if isinstance(overrides, Mapping):
+        overrides = [f"{path}={toml_value(value, path)}" for path, value in overrides.items()]
+    if not isinstance(source, Mapping):
+        return load_case(source, overrides)
+    try:
+        return parse_case(toml_text(source), DICT, overrides)
+    except CaseError as error:  # a dict has no lines
+        problems = [replace(problem, line=None, column=None) for problem in error.problems]
+        raise CaseError(DICT, problems) from None
+
+
+def check(case: Case) -> Plan:
+    """What `run` will do with a case: its points, its chains, and what is left out.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "response"}]}
+    >>> plan = api.check(api.load(belt, overrides={"grid.mu_k": [0.2, 0.3, 0.5]}))
+    >>> plan.size
+    3
+    >>> print(plan)
+    <dict>
+      model belt-1dof, friction coulomb
+      response: 3 points (mu_k 3 x initial 1)
+        mu_k = 0.2, 0.3, 0.5
+        1 point where mu_k is above mu_s will not be computed
+    """
+    from fiv_cli.sweep.plan import make_plan
+
+    return make_plan(case)
+
+
+def run(
+    case: Case,
+    output: str | Path | None = None,
+    *,
+    workers: int = 2,
+    fresh: bool = False,
+    progress: bool | Progress = False,
+) -> Results:
+    """Compute every point of a case.
+
+    Parameters
+    ----------
+    output : dataset to write; what is finished is kept beside it, so that the same call goes on
+        where it was interrupted. None: nothing is kept
+    workers : worker processes; 1: in this process
+    fresh : throw away what is stored at `output`
+    progress : whether to tell stderr how far it is; or an object that is told
+
+    Returns
+    -------
+    the dataset; of several analyses a tree with a dataset for each, by name. Whether and why a
+    point has no answer stands in its ``status`` and ``reason``
+
+    Raises
+    ------
+    UsageError, StorageError
+        `output` cannot be written.
+    StoreMismatchError, LockedError
+        another case is stored there, or is running there.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "equilibrium"}]}
+    >>> found = api.run(api.load(belt, overrides={"grid.mu_k": [0.1, 0.2]}))
+    >>> found["equilibrium"].sel(state="x").values.ravel().tolist()
+    [1.0, 2.0]
+    """
+    from fiv_cli.sweep.policy import Policy
+    from fiv_cli.sweep.progress import for_stderr
+    from fiv_cli.sweep.run import run_case
+
+    told = for_stderr(quiet=not progress) if isinstance(progress, bool) else progress
+    with _computing(), _place(output) as path:
+        run_case(case, path, Policy(workers=workers, fresh=fresh), told)
+        return read(path)
+
+
+def history(
+    case: Case,
+    at: Mapping[str, Any] | None = None,
+    *,
+    t_end: float | str | None = None,
+    sample: float | str | None = None,
+    output: str | Path | None = None,
+) -> xr.Dataset:
+    """The full motion of one point of a case: states, forces, events.
+
+    Parameters
+    ----------
+    at : the point: axis -> value, and ``initial`` -> label; what has one value may be left out
+    t_end, sample : end of the motion and interval of its samples, s (or ``"2 min"``); None: as
+        the case has it
+    output : dataset to write, if any
+
+    Raises
+    ------
+    UsageError
+        there is no such point, or it is not computed.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "response"}]}
+    >>> case = api.load(belt, overrides={"grid.v": [0.5, 1.0]})
+    >>> motion = api.history(case, at={"v": 1.0}, t_end=20.0)
+    >>> round(float(motion["x"].max()), 3)
+    4.272
+    >>> api.history(case, at={"w": 1.0})
+    Traceback (most recent call last):
+        ...
+    fiv_cli.errors.UsageError: --at w: no axis of this case
+    next: choose from v, initial
+    """
+    from fiv_cli.reading.datasets import read_analyses
+    from fiv_cli.sweep.again import find_point, motion_settings, write_motion
+
+    point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
+    settings = motion_settings(t_end, sample)
+    with _computing(), _place(output) as path:
+        write_motion(point, settings, path, lambda sentence: None)
+        (dataset,) = read_analyses(path).values()
+        return dataset
+
+
+def read(path: str | Path) -> Results:
+    """The dataset that a run has written.
+
+    Raises
+    ------
+    UsageError, InputError
+        there is no such file; it is none that fiv wrote, or is damaged.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> api.read("nowhere.nc")
+    Traceback (most recent call last):
+        ...
+    fiv_cli.errors.UsageError: nowhere.nc: no such file
+    next: name a dataset written by `fiv run`
+    """
+    from fiv_cli.reading.datasets import read_analyses
+
+    with _ALONE:
+        analyses = read_analyses(path)
+    if len(analyses) > 1:
+        from xarray import DataTree
+
+        return DataTree.from_dict(analyses)
+    (dataset,) = analyses.values()
+    return dataset
+
+
+def names_of(flags: xr.DataArray) -> xr.DataArray:
+    """A variable of flags (``attractor``, ``status``, ``contact_state``) in words.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "eigenvalues"}]}
+    >>> found = api.run(api.load(belt, overrides={"grid.c": [0.0, 0.1]}))
+    >>> api.names_of(found["stable"]).values.tolist()
+    ['neutral', 'stable']
+    """
+    from xarray import apply_ufunc
+
+    from fiv_cli.reading.datasets import flag_names
+
+    names = flag_names(flags.attrs)
+    if not names:
+        raise UsageError(f"{flags.name}: holds numbers, not classes\nnext: take its values")
+    return apply_ufunc(lambda codes: names[int(codes)], flags, vectorize=True)
+
+
+def figure(data: str | Path | Results, name: str | None = None, axis: Axes | None = None) -> Figure:
+    """Draw a dataset.
+
+    Parameters
+    ----------
+    data : what `run`, `history` or `read` returned, or the path of a dataset
+    name : a figure of the case, or a kind of figure; None: the first that suits
+    axis : where to draw a figure of one panel; None: on a figure of its own
+
+    Raises
+    ------
+    UsageError
+        the dataset does not hold what the figure shows, or there is no such figure.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "equilibrium"}]}
+    >>> found = api.run(api.load(belt, overrides={"grid.mu_k": [0.1, 0.2, 0.3]}))
+    >>> drawn = api.figure(found)
+    >>> drawn.axes[0].get_ylabel()
+    'sliding equilibria with closed contacts'
+    """
+    from fiv_cli.plots import draw, figures_called, possible_figures
+
+    source = _analyses_of(data)
+    chosen = possible_figures(source) if name is None else figures_called(source, name)
+    if not chosen:
+        raise UsageError(
+            "no kind of figure suits this dataset\nnext: print it to see what it holds"
+        )
+    return draw(source, chosen[0], axis)
+
+
+def analyse(
+    model: str | Model,
+    law: str | Law | None,
+    analysis: str,
+    start: Mapping[str, float] | Start | None = None,
+    settings: Mapping[str, Any] | None = None,
+    solver: SolverSettings | None = None,
+    options: Mapping[str, str] | None = None,
+    announce: Callable[[str], None] = lambda sentence: None,
+    **parameters: float,
+) -> Outcome:
+    """One analysis of one point, without a case: of a model being written, for example.
+
+    Parameters
+    ----------
+    model, law : names; or objects of one's own, written in a file that is imported and each
+        under a name of its own; law None: the model's first
+    analysis : kind
+    start : states that are not zero, or a `Start`; None for an analysis without starts
+    settings : of the analysis, where they differ from the defaults
+    solver : how motions are integrated
+    options : of the model, where they differ from the defaults
+    announce : called with a sentence when something must be generated or compiled
+    parameters : of the model and the law, SI, where they differ from the defaults
+
+    Returns
+    -------
+    its `values` are the variables of the dataset, its `status` and `reason` say whether there
+    are any
+
+    Raises
+    ------
+    UsageError
+        there is no such model, law, analysis, setting, option or parameter.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> found = api.analyse("belt-1dof", "coulomb", "response", {"x": 0.0}, mu_k=0.2)
+    >>> found.values["attractor"], round(found.values["period"], 6)
+    ('periodic', 8.068888)
+    """
+    from fiv_cli.analyses.base import SolverSettings, Start
+    from fiv_cli.analyses.execute import Request, answer, prepare
+
+    solver = solver or SolverSettings()
+    setup = _setup(model, law, options or {}, solver.rtol)
+    begin = Start("start", "state", start) if isinstance(start, Mapping) else start
+    request = Request(
+        setup,
+        _parameters(setup, parameters),
+        analysis,
+        _settings(analysis, settings or {}),
+        solver,
+        begin,
+    )
+    with _computing():
+        prepare([request], announce)
+        return answer(request)
+
+
+def _setup(
+    model: str | Model, law: str | Law | None, options: Mapping[str, str], rtol: float
+) -> Setup:
+    """A setup of names that exist."""
+    from fiv_cli.codegen.setup import Setup
+    from fiv_cli.friction import all_laws
+    from fiv_cli.models import all_models
+
+    if isinstance(model, str):
+        model = pick(model, all_models(), "model", "fiv models")
+    if isinstance(law, str):
+        law = pick(law, all_laws(), "friction law", "fiv models --laws")
+    known = {option.name: option for option in model.options}
+    for name, value in options.items():
+        try:
+            pick(name, known, f"option of {model.name}", f"fiv models {model.name}").text(value)
+        except ValueError as error:
+            allowed = known[name].allowed
+            raise UsageError(f"option {name}: {error}\nnext: choose from {allowed}") from None
+    return Setup.of(model, law, options, rtol=rtol)
+
+
+def _parameters(setup: Setup, changes: Mapping[str, float]) -> dict[str, float]:
+    """Every parameter, where all that are changed exist."""
+    from fiv_cli.codegen.setup import default_parameters
+
+    known = default_parameters(setup.model, setup.law)
+    for name in changes:
+        pick(name, known, f"parameter of {setup.title}", f"fiv models {setup.model.name}")
+    return default_parameters(setup.model, setup.law, **changes)
+
+
+def _settings(analysis: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Every setting of an analysis, where all that are given exist and none is missing."""
+    from fiv_cli.analyses import all_analyses
+
+    kind = pick(analysis, all_analyses(), "analysis", "fiv schema")
+    known = kind.default_settings
+    for name in given:
+        pick(name, known, f"setting of {analysis}", f"choose from {', '.join(known)}")
+    missing = [one.name for one in kind.settings if one.required and one.name not in given]
+    if missing:
+        raise UsageError(
+            f"{analysis}: {missing[0]} is missing\nnext: settings={{{missing[0]!r}: ...}}"
+        )
+    return {**known, **given}
+
+
+def _analyses_of(data: str | Path | Results) -> dict[str, xr.Dataset]:
+    """The datasets of a result, by the name of their analysis."""
+    from xarray import DataTree
+
+    from fiv_cli.reading.datasets import read_analyses
+
+    if isinstance(data, str | Path):
+        with _ALONE:
+            return read_analyses(data)
+    if isinstance(data, DataTree):
+        return {name: child.to_dataset() for name, child in data.children.items()}
+    return {"": data}
+
+
+@contextmanager
+def _place(output: str | Path | None) -> Iterator[Path]:
+    """Where to write: at `output`, or in a folder that is gone afterwards."""
+    if output is not None:
+        yield Path(output)
+        return
+    with TemporaryDirectory(prefix="fiv-") as folder:
+        yield Path(folder) / "run.nc"
+
+
+@contextmanager
+def _computing() -> Iterator[None]:
+    """One thread computes at a time, and knows where compiled code goes before it does."""
+    from fiv_cli.codegen import cache
+
+    with _ALONE:
+        cache.provide()
+        yield
