@@ -52,7 +52,7 @@ def motion(
 
 def ledger(moved: Motion) -> NDArray[np.float64]:
     """Rows (time, from, to, contact, residual) of the events so far."""
-    return moved.ledger[: moved.n_events]
+    return np.column_stack(moved.ledger)
 
 
 def times(moved: Motion) -> NDArray[np.float64]:

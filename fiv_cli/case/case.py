@@ -10,6 +10,7 @@ from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
+from fiv_cli.models.base import Parameter
 from fiv_cli.schedule import STEADY, Schedule
 
 
@@ -163,6 +164,13 @@ class Case:
             if axis.name == name:
                 return axis
         raise KeyError(name)
+
+    @property
+    def varying(self) -> tuple[Parameter, ...]:
+        """The parameters that vary in time."""
+        model = get_model(self.model)
+        table = (*model.parameters, *model.adopted(get_law(self.law).parameters))
+        return tuple(p for p in table if p.name in self.schedule.names)
 
     def parameters_at(self, law: str, varied: Mapping[str, float]) -> dict[str, float]:
         """Every parameter of the model and of `law` at one point of the grid, SI.
