@@ -394,7 +394,7 @@ def test_a_case_may_take_a_number():
 @pytest.mark.parametrize(
     ("take", "word"),
     [
-        ('over = "w", what = "mean"', "no axis of this case"),
+        ('over = "w", what = "mean"', "nothing called 'w' to vary"),
         ('over = "time", what = "entries"', "neither a condition"),
         ('over = "time", what = "share", of = "Stick!"', "neither a condition"),
         ('over = "time", what = "mean", of = "stick"', "of is for share, entries, first, last"),
