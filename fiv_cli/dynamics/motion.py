@@ -32,7 +32,6 @@ from fiv_cli.models.base import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": SLIP, "stick": STICK, "separation": SEPARATION}
-CODE_NAMES = ("slip+", "slip-", "stick", "separation")
 
 
 class Stop(IntEnum):
