@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import CaseError, Problem
-from fiv_cli.reading.asked import load_checked
 from fiv_cli.sweep.plan import make_plan
 
 BELT = """\
@@ -97,11 +94,10 @@ def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
     assert words in f"{found.message} {found.suggestion}"
 
 
-def test_a_state_that_is_not_there_hides_no_other_problem(tmp_path: Path) -> None:
-    """Its variables cannot be told then; what else is wrong is told all the same."""
-    case = tmp_path / "a.toml"
-    text = BELT.replace('kind = "response"', 'kind = "response"\nobserve = "xinf"')
-    case.write_text(text + '[[claim]]\ntext = "b"\nvariable = "L_s"\nexpect = "increasing"\n')
+def test_of_an_analysis_that_is_not_understood_no_variable_is_missed() -> None:
+    """Which variables it has depends on what was misspelt; the others are told all the same."""
+    text = claim("L_s", '"increasing"') + figure('kind = "curve"', 'x = "w"').replace(BELT, "")
+    text = text.replace('kind = "response"', 'kind = "response"\nobserve = "xinf"')
     with pytest.raises(CaseError) as caught:
-        load_checked(case)
-    assert [p.path for p in caught.value.problems] == ["analysis.0.observe", "claim.0.source"]
+        parse_case(text.replace('"L_s"', '"Ls"'), "a.toml")
+    assert [p.path for p in caught.value.problems] == ["analysis.0.observe", "figure.0.x"]

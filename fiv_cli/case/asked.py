@@ -6,7 +6,6 @@ A misspelt variable is told before anything is computed, not after.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path as FilePath
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.catalogue import variables_of
@@ -14,95 +13,63 @@ from fiv_cli.analyses.settings import StateName
 from fiv_cli.analyses.variables import COMPUTED, Variable, motions
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass
-from fiv_cli.case.lines import locate
-from fiv_cli.case.load import load_case, parse_case
-from fiv_cli.case.overrides import apply_overrides, parse_override
-from fiv_cli.case.report import Path, Report, in_order
-from fiv_cli.case.toml import parse_toml
-from fiv_cli.data.layout import varying_in
-from fiv_cli.errors import CaseError, Problem
+from fiv_cli.case.report import Path, Report
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
-from fiv_cli.notation.names import listed, suggest
+from fiv_cli.notation.names import listed
 
 Held = Mapping[str, Sequence[Variable]]
 """Name of an analysis -> its variables."""
 
 
-def load_checked(
-    path: str | FilePath, overrides: Sequence[str] = (), text: str | None = None
-) -> Case:
-    """The case at `path` (or of `text`); what its figures and claims ask for will be there.
+def check_what_is_asked(case: Case, report: Report) -> None:
+    """Note every variable that a figure or a claim names and no analysis of the case computes.
 
-    Raises
-    ------
-    UsageError, CaseError
-        as `load_case`; the problems of figures and claims are told with all the others.
+    What is asked of an analysis that was not understood itself waits for that.
     """
-    try:
-        if text is None:
-            case = load_case(path, overrides)
-        else:
-            case = parse_case(text, str(path), overrides)
-    except CaseError as error:
-        refused = error.case
-        if refused is None or not all(_is_sound(refused, spec) for spec in refused.analyses):
-            raise
-        told = {problem.path for problem in error.problems}
-        further = [problem for problem in _problems(refused) if problem.path not in told]
-        raise CaseError(error.source, in_order([*error.problems, *further])) from None
-    refuse_what_will_not_be_there(case)
-    return case
+    held = {spec.name: _variables(case, spec) for spec in case.analyses if _is_sound(case, spec)}
+    asked = [spec.name for spec in case.analyses]
+    for index, figure in enumerate(case.figures):
+        place: Path = ("figure", index)
+        if held.keys() >= {figure.settings.get("analysis")} or held.keys() >= {*asked}:
+            known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
+            for name in _named(figure):
+                _check(name, known, (*place, "variable"), report)
+        _check_scale(figure, place, report)
+    for index, claim in enumerate(case.claims):
+        place = ("claim", index)
+        if held.keys() >= {claim.analysis} or held.keys() >= {*asked}:
+            known = _known(case, held, claim.analysis, with_motions=False)
+            if _check(claim.variable, known, (*place, "variable"), report):
+                _check_expected(claim, known[claim.variable], place, report)
+    _check_refined(case, held, report)
+
+
+def _check_refined(case: Case, held: Held, report: Report) -> None:
+    """Note an analysis without the class whose borders are refined."""
+    if case.refinement is None:
+        return
+    name = case.refinement.of
+    for analysis, variables in held.items():
+        classes = [variable.name for variable in variables if variable.is_class]
+        if name not in classes:
+            message = f"the analysis {analysis!r} has no class {name!r}"
+            report.unknown(("sweep", "refine", "of"), message, name, classes)
 
 
 def _is_sound(case: Case, spec: AnalysisSpec) -> bool:
-    """Whether the variables of an analysis can be told: all it needs is given, and its states are
-    those of the model."""
-    settings = get_analysis(spec.kind).settings
-    needed = [setting.name for setting in settings if setting.required]
-    named = [
-        spec.settings.get(setting.name) for setting in settings if isinstance(setting, StateName)
-    ]
-    states = [name for name, *_ in motions(get_model(case.model).states(case.options))]
-    given = all(spec.settings.get(name) is not None for name in needed)
-    return given and all(name is None or name in states for name in named)
-
-
-def refuse_what_will_not_be_there(case: Case) -> None:
-    """Check every variable that a figure or a claim names.
-
-    Raises
-    ------
-    CaseError
-        one names what no analysis of the case computes, or asks a number for its class.
-    """
-    problems = _problems(case)
-    if problems:
-        raise CaseError(case.source, in_order(problems))
-
-
-def _problems(case: Case) -> list[Problem]:
-    """What is wrong with the variables that figures and claims name."""
-    held = {spec.name: _variables(case, spec) for spec in case.analyses}
-    set_on = [parse_override(line) for line in case.overrides]
-    _, places, _ = apply_overrides(parse_toml(case.text), set_on)
-    report = Report(case.source, locate(case.text), places)
-    for index, figure in enumerate(case.figures):
-        known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
-        for name in _named(figure):
-            _check(name, known, ("figure", index, "variable"), report)
-        _check_scale(figure, ("figure", index), report)
-    for index, claim in enumerate(case.claims):
-        place: Path = ("claim", index)
-        known = _known(case, held, claim.analysis, with_motions=False)
-        if _check(claim.variable, known, (*place, "variable"), report):
-            _check_expected(claim, known[claim.variable], place, report)
-    return report.problems
+    """Whether the variables of an analysis can be told: it suits the model, all it needs is given,
+    and its states are those of the model."""
+    analysis, model = get_analysis(spec.kind), get_model(case.model)
+    needed = [spec.settings.get(one.name) for one in analysis.settings if one.required]
+    named = [spec.settings.get(one.name) for one in analysis.settings if isinstance(one, StateName)]
+    states = {None, *(name for name, *_ in motions(model.states(case.options)))}
+    return not analysis.unsuited(model) and None not in needed and states.issuperset(named)
 
 
 def _variables(case: Case, spec: AnalysisSpec) -> Sequence[Variable]:
     model = get_model(case.model)
-    return variables_of(spec.kind, model, case.options, spec.settings, varying_in(case))
+    return variables_of(spec.kind, model, case.options, spec.settings, case.varying)
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:
@@ -135,7 +102,7 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
     if name not in known:
         variables = {v.name: v.long_name for v in known.values() if v is not None}
         message = f"no analysis of this case computes {name!r}"
-        report.add(place, message, listed(variables), suggest(name, variables))
+        report.unknown(place, message, name, variables)
     return name in known
 
 
@@ -156,8 +123,7 @@ def _check_expected(
         report.add((*place, "expect"), message, forms)
     elif claim.expect.name not in classes:
         message = f"{variable.name!r} has no class {claim.expect.name!r}"
-        hint = suggest(claim.expect.name, classes)
-        report.add((*place, "expect"), message, listed(classes), hint)
+        report.unknown((*place, "expect"), message, claim.expect.name, classes)
 
 
 def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:
