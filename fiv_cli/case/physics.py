@@ -36,6 +36,11 @@ class Physics:
     fixed: Mapping[str, float] = field(default_factory=dict)
     unread: frozenset[str] = frozenset()
 
+    @property
+    def given(self) -> set[str]:
+        """The parameters that the case gives a value, were it under one of its laws."""
+        return {name.split(".")[-1] for name in self.fixed}
+
     def table(self) -> dict[str, Parameter]:
         """Every parameter of the model and of the laws in use, by name."""
         adopted = [self.model.adopted(law.parameters) for law in reversed(self.laws)]

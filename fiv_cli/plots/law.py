@@ -10,6 +10,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import all_laws
 from fiv_cli.friction.base import Law, Slip
+from fiv_cli.models.base import followed
 from fiv_cli.plots import labels, style
 
 if TYPE_CHECKING:
@@ -67,8 +68,7 @@ def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np
 def defaults(law: Law) -> dict[str, float]:
     """Parameter -> default of the law's own table."""
     given = {p.name: p.default for p in law.parameters if p.default is not None}
-    follow = {p.name: given[p.default_from] for p in law.parameters if p.default_from}
-    return {**follow, **given}
+    return followed(law.parameters, given)
 
 
 def _law(name: str) -> Law:
