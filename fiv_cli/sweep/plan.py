@@ -253,7 +253,7 @@ def _template(
     axes = [axis for dim in dims for axis in dim.axes]
     laws = next((axis.values for axis in axes if axis.kind == "law"), (case.law,))
     model = get_model(case.model)
-    own = {law: (*model.parameters, *model.adopted(get_law(law).parameters)) for law in laws}
+    own = {law: model.parameters_under(get_law(law).parameters) for law in laws}
     every = [parameter for table in own.values() for parameter in table]
     fixed = {law: _unvaried(case, law) for law in laws}
     return Template(
