@@ -77,7 +77,8 @@ def load(
     Raises
     ------
     CaseError
-        something in it is wrong; its `problems` are everything that is.
+        something in it is wrong; its `problems` are all of its form; where that is right, all
+        names that are not known; where there are none, all that is wrong with values.
     UsageError
         there is no such file, or an override names nothing.
 
@@ -93,15 +94,15 @@ def load(
     fiv_cli.errors.CaseError: <dict>: 1 problem; nothing was computed
     ...
     """
+    from fiv_cli.case.load import load_case, parse_case
     from fiv_cli.case.toml import DICT, toml_text, toml_value
-    from fiv_cli.reading.asked import load_checked
 
     if isinstance(overrides, Mapping):
         overrides = [f"{path}={toml_value(value, path)}" for path, value in overrides.items()]
     if not isinstance(source, Mapping):
-        return load_checked(source, overrides)
+        return load_case(source, overrides)
     try:
-        return load_checked(DICT, overrides, toml_text(source))
+        return parse_case(toml_text(source), DICT, overrides)
     except CaseError as error:  # a dict has no lines
         problems = [replace(problem, line=None, column=None) for problem in error.problems]
         raise CaseError(DICT, problems) from None
@@ -109,11 +110,6 @@ def load(
 
 def check(case: Case) -> Plan:
     """What `run` will do with a case: its points, its chains, and what is left out.
-
-    Raises
-    ------
-    CaseError
-        a figure, a claim or a refinement asks for what the analyses do not compute.
 
     Examples
     --------

@@ -104,7 +104,7 @@ class Setup:
 
 def default_parameters(model: Model, law: Law, **changes: float) -> dict[str, float]:
     """Every parameter of a model under a law, SI: as in `changes`, else at its default."""
-    table = (*model.parameters, *model.adopted(law.parameters))
+    table = model.parameters_under(law.parameters)
     given = {p.name: p.default for p in table if p.default is not None} | changes
     leaders = {p.name: p.default_from for p in table if p.default_from is not None}
     return {name: given[leader] for name, leader in leaders.items() if leader in given} | given

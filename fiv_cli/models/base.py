@@ -319,6 +319,10 @@ class Model:
         """Option name -> default choice."""
         return {option.name: option.default for option in self.options}
 
+    def parameters_under(self, law_parameters: Iterable[Parameter]) -> tuple[Parameter, ...]:
+        """Its own parameters, then those of a law, as on this model."""
+        return (*self.parameters, *self.adopted(law_parameters))
+
     def adopted(self, law_parameters: Iterable[Parameter]) -> tuple[Parameter, ...]:
         """Parameters of a law with the defaults that they have on this model."""
         return tuple(_with_default(p, self.law_defaults.get(p.name)) for p in law_parameters)

@@ -21,9 +21,8 @@ from fiv_cli.codegen.generate import JACOBIAN_ORDER
 from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
-from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import BOUND
-from fiv_cli.dynamics.system import System, Vector
+from fiv_cli.dynamics.system import FieldOutput, System, Vector
 
 NEWTON_STEPS = 60
 CONVERGED = 1e-13  # last Newton step, relative to the solution
@@ -59,24 +58,17 @@ class Sliding:
     index: int
     moving: bool
 
-    def field(self, y: Vector) -> Vector:
-        """Field output at y (see kernel.py)."""
-        n_outputs = 3 * len(y) + 64
-        out = np.zeros(n_outputs + kernel.N_ENERGIES)
-        address = self.system.tables.table[self.index, kernel.FIELD]
-        call_generated(address, self.coefficients, 0.0, y, out)
-        return out
+    def field(self, y: Vector) -> FieldOutput:
+        """Rates, forces and switching functions at y."""
+        return self.system.field(self.index, self.coefficients, 0.0, y)
 
     def rates(self, y: Vector) -> Vector:
         """dy/dt; shape (n_states,)."""
-        n = len(y)
-        return self.field(y)[n : 2 * n]
+        return self.field(y).rates
 
     def contact_forces(self, y: Vector) -> NDArray[np.float64]:
         """(F_N, F_T, v_rel) per contact; shape (n_contacts, 3)."""
-        first = kernel.contact_outputs(self.system.tables.table, self.index, len(y))
-        count = self.system.n_contacts
-        return self.field(y)[first : first + 3 * count].reshape(count, 3)
+        return self.field(y).contacts
 
     def jacobian(self, y: Vector) -> NDArray[np.float64]:
         """Exact derivative of `rates` (by differentiated code); shape (n, n)."""
@@ -127,17 +119,13 @@ def statics_of(system: System) -> Statics:
 def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
     """The unexcited system in sliding."""
     vector = system.parameter_vector(system.setup.model.unexcited(parameters))
-    coefficients = np.zeros(max(system.generated.n_coefficients, 1))
-    fill = system.tables.config[kernel.COEFFICIENTS]
-    call_generated(fill, coefficients, 0.0, vector, coefficients)
-    state = Sliding(system, vector, coefficients, 0, True)
+    state = Sliding(system, vector, system.coefficients(vector), 0, True)
     velocities = state.contact_forces(np.zeros(len(system.state_names)))[:, 2]
     first = len(vector) - 1 - system.n_contacts
     vector[first : first + system.n_contacts] = np.where(velocities < 0.0, -1.0, 1.0)
-    call_generated(fill, coefficients, 0.0, vector, coefficients)
     smooth = np.array(system.generated.smooth)
     moving = bool(np.all((velocities != 0.0) | smooth))
-    return Sliding(system, vector, coefficients, 0, moving)
+    return Sliding(system, vector, system.coefficients(vector), 0, moving)
 
 
 @dataclass(frozen=True)
@@ -363,14 +351,14 @@ def _newton(
     known : solutions to stay away from
     kept : accelerations that stand on the right side instead of zero, shape (n_states,)
     """
-    n, free, rows = len(start), state.free, state.free_rates
-    y = state.field(start)[:n].copy()
+    free, rows = state.free, state.free_rates
+    y = state.field(start).state.copy()
     last = np.inf
     for _ in range(NEWTON_STEPS):
         matrix = state.slopes(y, free)[rows]
         rest = state.rates(y) if kept is None else state.rates(y) - kept
         try:
-            step: Vector = np.linalg.solve(matrix, rest[rows])
+            step = np.linalg.solve(matrix, rest[rows]).astype(float, copy=False)
         except np.linalg.LinAlgError:
             return None
         if known:
@@ -378,7 +366,7 @@ def _newton(
         y[free] -= step
         if not (np.abs(y) < BOUND).all():
             return None
-        y = state.field(y)[:n].copy()
+        y = state.field(y).state.copy()
         size = np.abs(step).max() / max(np.abs(y).max(), 1e-300)
         if size <= CONVERGED or (size <= STALLED and size > last / 2.0):
             return y
