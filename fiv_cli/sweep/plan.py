@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import product
+from itertools import product, repeat
 from math import prod
 from typing import Any
 
@@ -80,14 +80,21 @@ class AnalysisPlan:
 
     def point(self, position: int) -> tuple[Values, int]:
         """Axis values and start index of the point at `position`."""
-        entry = 0
-        if self.layout.labels is not None:
-            position, entry = divmod(position, len(self.layout.labels))
-        picked: list[Values] = []
-        for dim in reversed(self.layout.dims):
-            position, index = divmod(position, dim.size)
-            picked.append(tuple(axis.values[index] for axis in dim.axes))
-        return tuple(value for values in reversed(picked) for value in values), entry
+        (point,) = self.points(np.array([position]))
+        return point
+
+    def points(self, positions: Positions) -> Iterator[tuple[Values, int]]:
+        """Axis values and start index of points."""
+        sizes = [dim.size for dim in self.layout.dims]
+        shape = (*sizes, len(self.template.entries))
+        *places, starts = (column.tolist() for column in np.unravel_index(positions, shape))
+        columns = [
+            [axis.values[place] for place in along]
+            for dim, along in zip(self.layout.dims, places, strict=True)
+            for axis in dim.axes
+        ]
+        values = zip(*columns, strict=True) if columns else repeat((), len(starts))
+        return zip(values, starts, strict=True)
 
     def entry(self, index: int) -> StartEntry | None:
         """The start with this index along ``initial``; None where there are no starts."""
