@@ -24,6 +24,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.errors import CaseError, FivError, UsageError
@@ -59,6 +60,10 @@ __all__ = [
 ]
 
 
+_ALONE = RLock()
+"""Libraries below (those that write NetCDF, say) bear no second thread."""
+
+
 def load(
     source: str | Path | Mapping[str, Any], overrides: Mapping[str, Any] | Sequence[str] = ()
 ) -> Case:
@@ -72,7 +77,8 @@ def load(
     Raises
     ------
     CaseError
-        something in it is wrong; its `problems` are everything that is.
+        something in it is wrong; its `problems` are all of its form; where that is right, all
+        names that are not known; where there are none, all that is wrong with values.
     UsageError
         there is no such file, or an override names nothing.
 
@@ -88,15 +94,15 @@ def load(
     fiv_cli.errors.CaseError: <dict>: 1 problem; nothing was computed
     ...
     """
+    from fiv_cli.case.load import load_case, parse_case
     from fiv_cli.case.toml import DICT, toml_text, toml_value
-    from fiv_cli.reading.asked import load_checked
 
     if isinstance(overrides, Mapping):
         overrides = [f"{path}={toml_value(value, path)}" for path, value in overrides.items()]
     if not isinstance(source, Mapping):
-        return load_checked(source, overrides)
+        return load_case(source, overrides)
     try:
-        return load_checked(DICT, overrides, toml_text(source))
+        return parse_case(toml_text(source), DICT, overrides)
     except CaseError as error:  # a dict has no lines
         problems = [replace(problem, line=None, column=None) for problem in error.problems]
         raise CaseError(DICT, problems) from None
@@ -104,11 +110,6 @@ def load(
 
 def check(case: Case) -> Plan:
     """What `run` will do with a case: its points, its chains, and what is left out.
-
-    Raises
-    ------
-    CaseError
-        a figure, a claim or a refinement asks for what the analyses do not compute.
 
     Examples
     --------
@@ -171,9 +172,8 @@ def run(
     from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
 
-    _provide_cache()
     told = for_stderr(quiet=not progress) if isinstance(progress, bool) else progress
-    with _place(output) as path:
+    with _computing(), _place(output) as path:
         run_case(case, path, Policy(workers=workers, fresh=fresh), told)
         return read(path)
 
@@ -217,10 +217,9 @@ def history(
     from fiv_cli.reading.datasets import read_analyses
     from fiv_cli.sweep.again import find_point, motion_settings, write_motion
 
-    _provide_cache()
     point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
     settings = motion_settings(t_end, sample)
-    with _place(output) as path:
+    with _computing(), _place(output) as path:
         write_motion(point, settings, path, lambda sentence: None)
         (dataset,) = read_analyses(path).values()
         return dataset
@@ -245,7 +244,8 @@ def read(path: str | Path) -> Results:
     """
     from fiv_cli.reading.datasets import read_analyses
 
-    analyses = read_analyses(path)
+    with _ALONE:
+        analyses = read_analyses(path)
     if len(analyses) > 1:
         from xarray import DataTree
 
@@ -324,7 +324,8 @@ def analyse(
 
     Parameters
     ----------
-    model, law : names, or objects of one's own; law None: the model's first
+    model, law : names; or objects of one's own, written in a file that is imported and each
+        under a name of its own; law None: the model's first
     analysis : kind
     start : states that are not zero, or a `Start`; None for an analysis without starts
     settings : of the analysis, where they differ from the defaults
@@ -353,7 +354,6 @@ def analyse(
     from fiv_cli.analyses.base import SolverSettings, Start
     from fiv_cli.analyses.execute import Request, answer, prepare
 
-    _provide_cache()
     solver = solver or SolverSettings()
     setup = _setup(model, law, options or {}, solver.rtol)
     begin = Start("start", "state", start) if isinstance(start, Mapping) else start
@@ -365,8 +365,9 @@ def analyse(
         solver,
         begin,
     )
-    prepare([request], announce)
-    return answer(request)
+    with _computing():
+        prepare([request], announce)
+        return answer(request)
 
 
 def _setup(
@@ -424,7 +425,8 @@ def _analyses_of(data: str | Path | Results) -> dict[str, xr.Dataset]:
     from fiv_cli.reading.datasets import read_analyses
 
     if isinstance(data, str | Path):
-        return read_analyses(data)
+        with _ALONE:
+            return read_analyses(data)
     if isinstance(data, DataTree):
         return {name: child.to_dataset() for name, child in data.children.items()}
     return {"": data}
@@ -440,8 +442,11 @@ def _place(output: str | Path | None) -> Iterator[Path]:
         yield Path(folder) / "run.nc"
 
 
-def _provide_cache() -> None:
-    """Settle where compiled code goes before anything is compiled; workers inherit the choice."""
+@contextmanager
+def _computing() -> Iterator[None]:
+    """One thread computes at a time, and knows where compiled code goes before it does."""
     from fiv_cli.codegen import cache
 
-    cache.provide()
+    with _ALONE:
+        cache.provide()
+        yield

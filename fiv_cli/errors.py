@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 LONGEST_LINE = 4000  # characters of a line that are shown
 
@@ -98,19 +97,17 @@ def _place(problem: Problem) -> str:
 
 
 class CaseError(InputError):
-    """A case file is invalid; holds every problem found, not only the first.
+    """A case file is invalid; holds every problem of a phase, form, names or values.
 
     Attributes
     ----------
     source : the file, as given
-    problems : everything wrong in it
-    case : the case as it would be without, where all names in it were understood; else None
+    problems : what is wrong in it
     """
 
-    def __init__(self, source: str, problems: Sequence[Problem], case: Any = None) -> None:
+    def __init__(self, source: str, problems: Sequence[Problem]) -> None:
         self.source = source
         self.problems = tuple(problems)
-        self.case = case
         super().__init__("\n".join(self._lines()))
 
     def _lines(self) -> list[str]:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.codegen.codes import CODE_NAMES
 from fiv_cli.codegen.setup import Setup, default_parameters
-from fiv_cli.dynamics.motion import CODE_NAMES, Motion
+from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, build_system
 from fiv_cli.models.base import Model
 
@@ -52,7 +53,7 @@ def motion(
 
 def ledger(moved: Motion) -> NDArray[np.float64]:
     """Rows (time, from, to, contact, residual) of the events so far."""
-    return moved.ledger[: moved.n_events]
+    return np.column_stack(moved.ledger)
 
 
 def times(moved: Motion) -> NDArray[np.float64]:

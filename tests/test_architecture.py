@@ -12,6 +12,14 @@ import pytest
 import fiv_cli
 from fiv_cli.codegen import derive
 from fiv_cli.codegen.assembly import LIBRARY
+from fiv_cli.codegen.codes import (
+    CODE_NAMES,
+    CODE_SEPARATION,
+    CODE_SLIP_MINUS,
+    CODE_SLIP_PLUS,
+    CODE_STICK,
+    SLIP,
+)
 from fiv_cli.codegen.emit import PARTNER, TaylorStep
 from fiv_cli.codegen.graph import UNARY
 from fiv_cli.dynamics import kernel, motion
@@ -144,24 +152,6 @@ def test_models_and_laws_are_read_without_sympy() -> None:
     assert done.stdout.split() == ["False", "False"]
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["SLIP", "STICK", "SEPARATION", "VELOCITY", "CAPACITY_UP", "CAPACITY_DOWN", "NORMAL", "GAP",
-     "JAMMING"],
-)  # fmt: skip
-def test_driver_and_derivation_mean_the_same_by_a_name(name: str) -> None:
-    assert getattr(kernel, name) == getattr(derive, name)
-
-
-def test_outputs_stand_where_the_driver_looks_for_them() -> None:
-    assert len(derive.CONTACT_OUTPUTS) == kernel.PER_CONTACT
-    assert len(derive.ENERGY_OUTPUTS) == kernel.N_ENERGIES
-    order = [kernel.KINETIC, kernel.POTENTIAL, kernel.OTHER_POWER, kernel.FRICTION_POWER,
-             kernel.DRIVE_POWER]  # fmt: skip
-    names = ["kinetic_energy", "potential_energy", "other_power", "friction_power", "drive_power"]
-    assert [derive.ENERGY_OUTPUTS[place] for place in order] == names
-
-
 def test_kinds_are_indexed_alike() -> None:
     import numpy as np
 
@@ -171,16 +161,11 @@ def test_kinds_are_indexed_alike() -> None:
 
 
 def test_codes_have_names() -> None:
-    codes = (
-        kernel.CODE_SLIP_PLUS,
-        kernel.CODE_SLIP_MINUS,
-        kernel.CODE_STICK,
-        kernel.CODE_SEPARATION,
-    )
-    assert [motion.CODE_NAMES[code] for code in codes] == ["slip+", "slip-", "stick", "separation"]
+    codes = (CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION)
+    assert [CODE_NAMES[code] for code in codes] == ["slip+", "slip-", "stick", "separation"]
     assert [kernel.kind_of(code) for code in codes] == [0, 0, 1, 2]
-    for sign, code in ((1.0, kernel.CODE_SLIP_PLUS), (-1.0, kernel.CODE_SLIP_MINUS)):
-        assert kernel.code_of(kernel.SLIP, sign) == code
+    for sign, code in ((1.0, CODE_SLIP_PLUS), (-1.0, CODE_SLIP_MINUS)):
+        assert kernel.code_of(SLIP, sign) == code
 
 
 def test_every_stop_has_a_reason_with_advice() -> None:

@@ -26,8 +26,8 @@ from fiv_cli.analyses.cycles.first_guess import Returns, near_returns
 from fiv_cli.analyses.cycles.periodic import Anchor, Problem, _closed, begin, close, newton, passage
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
-from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Stop
+from fiv_cli.codegen.codes import CODE_NAMES, CODE_STICK, SEPARATION, SLIP, STICK
+from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.errors import CaseError
 
 TURNING = Section("zero", state="x_dot", direction="down")
@@ -275,23 +275,23 @@ def test_a_response_on_a_disc_has_the_multipliers_of_its_cycle() -> None:
     assert found["lyapunov"] == pytest.approx(log(expected[1]) / found["period"], rel=1e-5)
 
 
-@pytest.mark.parametrize(("Omega", "kind"), [(5.0, kernel.SLIP), (0.5, kernel.STICK)])
+@pytest.mark.parametrize(("Omega", "kind"), [(5.0, SLIP), (0.5, STICK)])
 def test_a_closed_rigid_contact_stays_closed_where_a_motion_is_taken_up_again(
     Omega: float, kind: int
 ) -> None:
     """Its gap is zero to rounding; what a step of Newton's method lifts is pressed in again."""
     found, problem = on_the_disc(Omega=Omega)
-    anchor = Anchor(np.array(found.carry["state"]), (kind == kernel.STICK,), 0.0, (True,))
+    anchor = Anchor(np.array(found.carry["state"]), (kind == STICK,), 0.0, (True,))
     rounded = begin(problem, anchor).y + problem.system.state_vector({"z": 1e-15})
     assert Motion(problem.system, problem.parameters, problem.solver, rounded).kinds[0] == kind
     lifted = begin(problem, anchor).y + problem.system.state_vector({"z": 1e-9})
     opened = Motion(problem.system, problem.parameters, problem.solver, lifted)
-    assert opened.kinds[0] == kernel.SEPARATION
+    assert opened.kinds[0] == SEPARATION
     closed = _closed(problem, anchor, opened)
     assert closed.kinds[0] == kind
     np.testing.assert_allclose(closed.y, begin(problem, anchor).y, rtol=1e-12)
     apart = replace(anchor, state=lifted, sticking=(False,), closed=(False,))
-    assert begin(problem, apart).kinds[0] == kernel.SEPARATION
+    assert begin(problem, apart).kinds[0] == SEPARATION
 
 
 def test_tangents_on_a_disc_through_flights_and_landings() -> None:
@@ -432,7 +432,7 @@ def landing_slope(model: str, carried: Any, changes: dict[str, float]) -> float:
     problem = Problem(system(model), parameters, solver, Section("event"))
     anchor = Anchor(np.array(carried["state"]), tuple(map(bool, carried["sticking"])))
     around = passage(problem, anchor, carried["period"], tangents=False)
-    landing = next(n for n, event in enumerate(around.events) if event[1] == kernel.CODE_STICK)
+    landing = next(n for n, event in enumerate(around.events) if event[1] == CODE_STICK)
     before = begin(problem, anchor)
     before.run(before.time + around.times[landing] - 1e-9)
     return float(before.rates()[len(before.y) // 2])

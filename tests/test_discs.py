@@ -13,7 +13,6 @@ from motions import TIGHT, defaults, motion, times, transitions
 
 from fiv_cli.api import analyse
 from fiv_cli.codegen.setup import Setup
-from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import build_system
 from fiv_cli.models import get_model
@@ -272,9 +271,9 @@ def test_a_plastic_impact_on_a_disc(slope_force: str, angle: float) -> None:
     begun = setting.motion()
     begun.start_measuring(np.zeros(other.size))
     begun.run(landing.time + SOON, measuring=True)
-    assert begun.counters[kernel.IMPACTS] == 1
+    assert begun.frame.n_impacts == 1
     loss = other.kinetic(landing.time, flight) - other.kinetic(landing.time, landing.state)
-    assert begun.measures.totals[kernel.M_IMPACT] == pytest.approx(loss, rel=1e-8)
+    assert begun.measures.impact_loss == pytest.approx(loss, rel=1e-8)
     follows = {"slip+": other.slip(1.0), "slip-": other.slip(-1.0)}
     rate = follows.get(landing.after, other.separation()).rate
     later = integrate(rate, landing.time, landing.state, landing.time + SOON, 1e-18)
@@ -292,8 +291,8 @@ def test_vibration_intensity_counts_the_slider_alone(model: str) -> None:
     reference = np.array([0.0 if name in counted else np.nan for name in names])
     begun.start_measuring(reference)
     begun.run(setting.t_end, measuring=True)
-    squares = begun.measures.extremes[2, : len(names)]
-    assert begun.measures.totals[kernel.M_SPREAD] == pytest.approx(squares[0] + squares[1])
+    squares = begun.measures.squares[: len(names)]
+    assert begun.measures.spread == pytest.approx(squares[0] + squares[1])
     assert squares[3] > 0.0
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.codes import CODE_STICK
 from fiv_cli.dynamics import motion as dynamics_motion
 from fiv_cli.dynamics.motion import Motion, Stop, next_stride, samples_at
 from fiv_cli.dynamics.settings import Section
@@ -82,7 +82,7 @@ def test_sticking_holds_exactly() -> None:
         taken = samples_at(begun.system, np.linspace(0.0, t_end, 3001))
         begun.run(t_end, samples=taken)
         column = begun.system.state_names.index(f"{begun.system.coordinates[0]}_dot")
-        sticking = taken.codes[:, 0] == kernel.CODE_STICK
+        sticking = taken.codes[:, 0] == CODE_STICK
         assert sticking.sum() > 500
         assert np.all(taken.states[sticking, column] == velocity)
         assert not np.any(taken.states[~sticking, column] == velocity)
@@ -454,7 +454,7 @@ def test_a_velocity_section_on_an_event(direction: str, count: int) -> None:
 def test_stroboscopic_sections() -> None:
     begun = motion("belt-1dof", **FORCED)
     interval = 2 * pi / 1.2
-    begun.clock[kernel.NEXT_PHASE] = interval
+    begun.frame.next_phase = interval
     found, _ = section_points(begun, Section("phase"), 10, interval)
     np.testing.assert_allclose(found, interval * np.arange(1, 11), rtol=1e-14)
 
@@ -462,7 +462,7 @@ def test_stroboscopic_sections() -> None:
 def test_a_stroboscopic_instant_on_an_event() -> None:
     """The mass is released after exactly 1 s, where the section lies."""
     begun = motion("belt-1dof", start={"x": 3.0, "x_dot": 1.0})
-    begun.clock[kernel.NEXT_PHASE] = 1.0
+    begun.frame.next_phase = 1.0
     found, states = section_points(begun, Section("phase"), 3, 1.0)
     np.testing.assert_allclose(found, [1.0, 2.0, 3.0], rtol=1e-12)
     np.testing.assert_allclose(states[0], [4.0, 1.0], rtol=1e-12)
@@ -492,14 +492,16 @@ def test_a_motion_in_pieces_has_the_bits_of_one_in_one(
         size = len(begun.system.state_names)
         begun.start_measuring(np.zeros(len(begun.system.coordinates)))
         begun.carry_tangents(np.eye(size))
-        begun.stride = begun.limits[kernel.MAX_STEPS] = stride
+        begun.stride = begun.frame.max_steps = stride
         taken = samples_at(begun.system, np.linspace(0.0, t_end / 4, 101))
         sections = np.zeros(40), np.zeros((40, size))
         stop = begun.run(
             t_end / 4, Section("event", "slip->stick", contact=1), sections, taken, True
         )
-        arrays = [begun.y, begun.clock, begun.counters, begun.kinds, begun.ledger, begun.tangents,
-                  begun.measures.totals, begun.measures.extremes, begun.measures.shares,
+        changing = (field for field in begun.frame.fields.values() if not field.kind.is_fixed)
+        scalars = [getattr(begun.frame, field.name) for field in changing if not field.kind.depth]
+        arrays = [begun.y, begun.kinds, *begun.ledger, begun.tangents, np.array(scalars, float),
+                  begun.measures.extremes, begun.measures.squares, begun.measures.shares,
                   *sections, taken.states, taken.outputs, taken.codes]  # fmt: skip
         return [array.tobytes() for array in arrays], stop
 

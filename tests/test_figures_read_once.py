@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from fiv_cli.case.grammar import parse_condition
+from fiv_cli.case.load import load_case
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError
 from fiv_cli.reading import select
-from fiv_cli.reading.asked import load_checked
 from fiv_cli.reading.datasets import figures_in, read_analyses
 
 CASE = """
@@ -68,7 +68,7 @@ def test_a_case_that_is_right_can_be_run_and_drawn(capsys: pytest.CaptureFixture
 
 def test_the_figures_of_a_dataset_are_those_of_its_case() -> None:
     run()
-    assert figures_in(read_analyses("a.nc")) == list(load_checked("a.toml").figures)
+    assert figures_in(read_analyses("a.nc")) == list(load_case("a.toml").figures)
 
 
 def test_figures_set_on_the_command_line_are_drawn() -> None:
@@ -109,27 +109,16 @@ def test_shares_that_a_dataset_of_before_asks_for_are_drawn() -> None:
     assert figures_in(analyses) == understood
 
 
-def test_everything_wrong_is_told_at_once() -> None:
-    text = CASE.replace('name = "pin-on-disc"', 'name = "pin-on-disc"\nparameters = { c1 = -1 }')
-    text = text.replace('variable = "n_solutions"\nat', 'variable = "n_solution"\nat')
-    text = text.replace('"n_solutions"\nselect', '"solutions"\nselect')
-    Path("a.toml").write_text(text)
-    with pytest.raises(CaseError) as caught:
-        load_checked("a.toml")
-    told = [problem.path for problem in caught.value.problems]
-    assert told == ["model.parameters.c1", "figure.0.variable", "claim.0.variable"]
-
-
 def test_what_is_missing_is_told_once() -> None:
     Path("a.toml").write_text(CASE.replace('variable = "n_solutions"\nat', "at"))
     with pytest.raises(CaseError) as caught:
-        load_checked("a.toml")
+        load_case("a.toml")
     assert [problem.path for problem in caught.value.problems] == ["claim.0.variable"]
 
 
 def test_a_variable_set_on_the_command_line_is_told_as_such() -> None:
     with pytest.raises(CaseError, match=r"figure\.0\.variable \(--set figure\.0\.variable=no\)"):
-        load_checked("a.toml", ["figure.0.variable=no"])
+        load_case("a.toml", ["figure.0.variable=no"])
 
 
 @pytest.mark.parametrize(

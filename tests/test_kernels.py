@@ -20,13 +20,15 @@ from test_codegen_cache import answer, start
 from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.generate import generate
 from fiv_cli.codegen.memory import (
+    FixedFloat,
+    FixedInt,
     Floats,
     Floats2,
     Frame,
     Ints,
-    Ints3,
+    Ints2,
     OwnFloats,
-    address_of,
+    OwnInts,
     bits_of,
     call_generated,
     float_of,
@@ -41,13 +43,18 @@ HERE = Path(__file__)
 
 # --- what kernels may do with a frame -------------------------------------------------------------
 class Board(Frame):
-    """Arrays of every kind."""
+    """Numbers and arrays of every kind."""
 
+    factor: FixedFloat
+    generated: FixedInt
+    sum: float
     own: OwnFloats
+    ranks: OwnInts
+    count: int
     flat: Floats
     square: Floats2
     places: Ints
-    cube: Ints3
+    table: Ints2
 
 
 @native
@@ -60,26 +67,29 @@ def total(values: Floats) -> float:
 
 
 @native
-def rearranged(board: Board, factor: float, generated: int) -> float:
-    """Elements, rows, rests and lengths of arrays, read and written; bits; a generated function."""
-    row = board.square[1]
+def rearranged(board: Board) -> float:
+    """Fields, elements, rows, rests and lengths, read and written; bits; a generated function."""
+    row, factor = board.square[1], board.factor
     row[0] = factor * row[1] + row[2]  # two roundings
     board.square[0, 2] = board.places[0] // 4 + board.places[0] % 3
-    board.places[1] = board.cube[1, 0, 1] + board.cube.shape[2]
-    board.own[0] = total(board.flat[2:]) / factor
+    board.places[1] = board.table[1, 1] + board.table.shape[1]
+    board.sum = 3  # an integer becomes a float, as in an array
+    board.sum += total(board.flat[2:]) / factor
+    board.count += len(board.own)
+    board.ranks[0], board.own[0] = board.count, board.sum
     board.own[1] = board.own[0] / board.own[3] + len(board.flat) ** 0.5
-    call_generated(generated, board.flat, factor, board.own[2:], board.square[2])
+    call_generated(board.generated, board.flat, factor, board.own[2:], board.square[2])
     return float_of(bits_of(factor) + 1)
 
 
 def board_at(address: int) -> Any:
-    """The arrays of the frame at an address."""
+    """The frame at an address."""
     return Board.at(address)
 
 
-def rearranged_at(address: int, factor: float, generated: int) -> float:
+def rearranged_at(address: int) -> float:
     """`rearranged` of the board at an address."""
-    return rearranged(board_at(address), factor, generated)
+    return rearranged(board_at(address))
 
 
 def declared(**options: bool) -> Callable[..., float]:
@@ -90,8 +100,9 @@ def declared(**options: bool) -> Callable[..., float]:
 
     register_frame(Board, board_at)
     register(sys.modules[__name__])
-    signature = "float64(int64, float64, int64)"
-    compiled: Callable[..., float] = cfunc(signature, **OPTIONS, **options)(rearranged_at).ctypes
+    compiled: Callable[..., float] = cfunc("float64(int64)", **OPTIONS, **options)(
+        rearranged_at
+    ).ctypes
     return compiled
 
 
@@ -99,21 +110,20 @@ REARRANGED = Compiled("test-rearranged", (HERE,), declared)
 
 
 def left_by(function: Callable[..., float], factor: float, length: int) -> list[Any]:
-    """Result and arrays afterwards, from the same arrays each time."""
+    """Result and frame afterwards, from the same frame each time."""
     made = generate(Setup(get_model("belt-1dof"), get_law("coulomb"), {}, {}, 8))
     random = np.random.default_rng(length)
     arrays: dict[str, Any] = {
         "flat": random.normal(size=made.n_coefficients + length),
         "square": random.normal(size=(3, 64)),
         "places": random.integers(-9, 9, 2),
-        "cube": random.integers(-9, 9, (2, 3, length)),
+        "table": random.integers(-9, 9, (2, length)),
     }
-    words = Board.words(arrays)
-    block = np.concatenate([words, np.zeros(4, np.int64)])
-    block[:2] = 8 * len(words), 4  # the frame's own array follows it
-    found = function(address_of(block), factor, made.address("slip_taylor"))
-    numbers = [found, *(float(x) for array in arrays.values() for x in array.ravel())]
-    return [x.hex() for x in numbers] + block[len(words) :].tolist()
+    board = Board.holding(arrays, {"own": 4, "ranks": 2}).copy()
+    board.factor, board.generated, board.count = factor, made.address("slip_taylor"), length
+    found = [function(board.address), board.sum, board.count, board.factor]
+    found += [x for name in (*arrays, "own", "ranks") for x in getattr(board, name).ravel()]
+    return [float(x).hex() for x in found]
 
 
 @given(st.floats(0.1, 10.0), st.integers(2, 5))
@@ -121,6 +131,13 @@ def test_machine_code_does_what_python_does(factor: float, length: int) -> None:
     with np.errstate(all="ignore"):
         plain = left_by(rearranged_at, factor, length)
     assert left_by(REARRANGED.function, factor, length) == plain
+
+
+def test_a_frame_shows_no_array_that_kernels_would_misread() -> None:
+    for name, array in (("flat", np.zeros(2, int)), ("flat", np.zeros((2, 2))),
+                        ("square", np.zeros((4, 4))[:, ::2])):  # fmt: skip
+        with pytest.raises(TypeError, match=f"{name} is no array"):
+            Board.holding({name: array}, {})
 
 
 # --- once per user, anew after any edit -----------------------------------------------------------

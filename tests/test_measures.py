@@ -9,7 +9,6 @@ import pytest
 from motions import motion
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import lobatto, lobatto_reach, quadratures
 
 REST = 2.3  # where friction holds the sliding mass on the belt
@@ -27,9 +26,9 @@ def test_measures_of_undamped_sliding(rtol: float, span: float) -> None:
     squares = SWING**2 * (span / 2 - (sin(2 * (0.3 + span)) - sin(0.6)) / 4)
     phases = np.array([0.3, 0.3 + span, *np.arange(0.0, 101.0, pi / 2)])
     phases = phases[(phases >= 0.3) & (phases <= 0.3 + span)]
-    totals, extremes = begun.measures.totals, begun.measures.extremes
+    extremes = begun.measures.extremes
     allowed = max(1e-13, 10.0 * rtol)  # that of the motion itself
-    assert totals[kernel.M_SPREAD] == pytest.approx(squares, rel=allowed)
+    assert begun.measures.spread == pytest.approx(squares, rel=allowed)
     turns = REST + SWING * np.sin(phases), SWING * np.cos(phases)
     np.testing.assert_allclose(extremes[0], [turn.min() for turn in turns], rtol=allowed)
     np.testing.assert_allclose(extremes[1], [turn.max() for turn in turns], rtol=allowed)
@@ -40,11 +39,10 @@ def test_extremes_and_squares_of_a_tight_motion_are_right_to_rounding() -> None:
     begun = motion("belt-1dof", start={"x": REST, "x_dot": SWING})
     begun.start_measuring(np.array([REST]))
     begun.run(2 * pi, measuring=True)
-    extremes = begun.measures.extremes
     expected = [[REST - SWING, -SWING], [REST + SWING, SWING]]
-    np.testing.assert_allclose(extremes[:2], expected, rtol=1e-14)
+    np.testing.assert_allclose(begun.measures.extremes, expected, rtol=1e-14)
     squares = [2 * pi * REST**2 + pi * SWING**2, pi * SWING**2]
-    np.testing.assert_allclose(extremes[2], squares, rtol=1e-14)
+    np.testing.assert_allclose(begun.measures.squares, squares, rtol=1e-14)
 
 
 @pytest.mark.parametrize("count", range(2, 15))

@@ -95,3 +95,10 @@ def test_models_and_laws_are_all_named() -> None:
 def test_every_path_exists() -> None:
     for path in re.findall(r"`((?:configs|fiv_cli|tests)/[\w/.]+)`", README):
         assert (ROOT / path).exists() or path.endswith("my_law.py"), path
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_a_command_names_cases_that_there_are(name: str) -> None:
+    text = str(importlib.import_module(COMMANDS[name][0]).command.help)
+    for path in re.findall(r"configs/\S+?\.toml", text):
+        assert list(ROOT.glob(path)), path

@@ -248,7 +248,7 @@ def test_the_bar_grows_with_it() -> None:
         (('of = "attractor"', 'of = "L_s"'), "has no class 'L_s'"),
         (("levels = 3", "levels = 0"), "0 is out of range"),
         (("levels = 3", "levels = 40"), "40 is out of range"),
-        (('of = "attractor"', 'along = ["w"]'), "'w' is no numeric axis"),
+        (('of = "attractor"', 'along = ["w"]'), "nothing called 'w'"),
         (('of = "attractor"', "sample = -1"), "-1 is out of range"),
         (('of = "attractor"', 'off = "x"'), "unknown key 'off'"),
         (("{ start = 1, stop = 9, num = 9 }", "[1, 2, 4.5]"), "do not rise evenly"),

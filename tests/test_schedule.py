@@ -34,7 +34,7 @@ def test_a_sticking_mass_follows_a_decelerating_belt() -> None:
     motion = belt({"v": [(0.0, 1.0), (10.0, 0.0)]}, k=0.01)
     motion.keep_ledger(1)
     motion.run(5.0)
-    begun = float(motion.ledger[0, 0])
+    begun = float(motion.ledger.times[0])
     assert motion.codes == [2]
     x_begun = _slip_from_rest(begun)
     travelled = (5.0 - 0.05 * 25.0) - (begun - 0.05 * begun**2)

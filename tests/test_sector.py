@@ -169,7 +169,7 @@ def test_with_no_force_at_all_it_belongs_to_the_side_above() -> None:
     """Thrown off a border where it sticks, it may go either way; the sector is half open."""
     begun = pin(0.0, SPEED, 0.0, k1=0.0)
     begun.run(1.0)
-    assert begun.parameters[-1] == 1.0
+    assert begun.frame.parameters[-1] == 1.0
     assert (begun.n_events, begun.y[2]) == (0, SPEED)
 
 

@@ -9,9 +9,14 @@ import pytest
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import Setting, TableSetting
+from fiv_cli.case.analysis import Surroundings
+from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
 DISC = get_model("disc-rigid-contact")
+CASE = Surroundings(
+    DISC, DISC.default_options(), (get_law(DISC.laws[0]),), varied=DISC.parameters[0].name
+)
 
 # What no setting takes: none is a time, a date or an empty list.
 NOTHING_TAKES: list[object] = [tomllib.loads("x = 2001-01-01")["x"], [], float("nan")]
@@ -32,7 +37,7 @@ each = pytest.mark.parametrize("setting", SETTINGS.values(), ids=SETTINGS.keys()
 @each
 def test_an_example_is_read_and_a_default_reads_as_itself(setting: Setting) -> None:
     value = tomllib.loads(f"x = {setting.example(DISC, DISC.parameters[0])}")["x"]
-    found = setting.read(value, None)
+    found = setting.read(value, CASE)
     assert found.refusals == ()
     if setting.default is not None:
         assert found.value == setting.default
@@ -41,13 +46,13 @@ def test_an_example_is_read_and_a_default_reads_as_itself(setting: Setting) -> N
 @each
 @pytest.mark.parametrize("value", NOTHING_TAKES, ids=repr)
 def test_what_is_refused_says_what_is_allowed(setting: Setting, value: object) -> None:
-    found, (refusal,) = setting.read(value, None)
+    found, (refusal,) = setting.read(value, CASE)
     assert refusal.message and setting.meaning in refusal.allowed
     assert found == setting.default
 
 
 @each
 def test_what_must_be_given_is_missed(setting: Setting) -> None:
-    assert [one.message for one in setting.left_out(None).refusals] == (
+    assert [one.message for one in setting.left_out(CASE).refusals] == (
         ["is missing"] if setting.required else []
     )

@@ -57,6 +57,7 @@ SURVIVES = {"what": "share", "of": ". > 0", "over": ["psi_a"]}
         ("attractor", {"what": "share", "of": "chaotic", "over": ["psi_a"]}, [0.25, 0.0, 0.0]),
         ("stick_fraction", {"what": "share", "of": ". >= 0.3", "over": ["psi_a"]}, [1.0, 0.5, 0.0]),
         ("stick_fraction", SURVIVES | {"relative_to": {"Omega": 2.0}}, [2.0, 1.0, 0.5]),
+        ("stick_fraction", SURVIVES | {"relative_to": {}}, [1.0, 0.5, 0.25]),
     ],
 )
 def test_a_share_counts_the_points_along_an_axis(variable, share, expected):
@@ -393,7 +394,7 @@ def test_a_case_may_take_a_number():
 @pytest.mark.parametrize(
     ("take", "word"),
     [
-        ('over = "w", what = "mean"', "no axis of this case"),
+        ('over = "w", what = "mean"', "nothing called 'w' to vary"),
         ('over = "time", what = "entries"', "neither a condition"),
         ('over = "time", what = "share", of = "Stick!"', "neither a condition"),
         ('over = "time", what = "mean", of = "stick"', "of is for share, entries, first, last"),

@@ -15,8 +15,8 @@ from small_models import BALL, BOUNCER, TWO_BOUNCERS
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.base import Section, Start
 from fiv_cli.api import analyse
+from fiv_cli.codegen.codes import STICK
 from fiv_cli.codegen.generate import FLOW, TANGENT
-from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion
 
 Matrix = NDArray[np.float64]
@@ -96,7 +96,7 @@ def test_a_tangent_grows_through_impacts_by_the_largest_multiplier() -> None:
         growth.update()
     largest = np.max(np.abs(multipliers_of_ball(phase)))
     assert growth.growths[-1] == pytest.approx(log(largest), rel=1e-6)
-    assert ball.counters[kernel.IMPACTS] == 18
+    assert ball.frame.n_impacts == 18
 
 
 # --- neighbours of the motion --------------------------------------------------------------------
@@ -152,7 +152,7 @@ def test_tangents_follow_neighbours_through_contact_and_flight(name: str) -> Non
     _, start, _, _, span = IMPACTING[name]
     state = begun_from(name, start)
     state.run(BEGIN)
-    sticking = tuple(bool(kind == kernel.STICK) for kind in state.kinds)
+    sticking = tuple(bool(kind == STICK) for kind in state.kinds)
     carried = begun_from(name, state.y.copy(), sticking, BEGIN)
     carried.carry_tangents(np.eye(len(carried.y)))
     carried.run(BEGIN + span)

@@ -39,6 +39,29 @@ LARGE: dict[str, Any] = {
 }  # fmt: skip
 CASES = SMALL | LARGE
 
+# What a motion has of its own, in the parts that the digests of test_frozen_bits.py were taken of.
+PARTS = {
+    "clock": (
+        "time", "last_step", "sector_low", "sector_high", "next_phase", "first_step", "filled_for",
+        "task",
+    ),
+    "parameters": ("parameters",),
+    "coefficients": ("coefficients",),
+    "y": ("y",),
+    "measures": (
+        "measured_time", "spread", "other_work", "friction_work", "drive_work", "impact_loss",
+        "largest_residual",
+    ),
+    "tolerances": ("rtol", "fixed_step", "bound"),
+    "kinds": ("kinds",),
+    "strips": ("known_zeros", "zeros_at_upper", "zeros_at_lower", "zeros_on_section"),
+    "counters": (
+        "n_steps", "n_events", "n_chained", "n_sections", "n_sampled", "n_ledger", "n_grazings",
+        "n_impacts",
+    ),
+    "limits": ("max_steps", "max_events", "max_sections"),
+}  # fmt: skip
+
 
 def watched(name: str) -> tuple[Motion, dict[str, NDArray[Any]]]:
     """A motion of `CASES` in three pieces, watched in every way, and all that it leaves."""
@@ -53,7 +76,26 @@ def watched(name: str) -> tuple[Motion, dict[str, NDArray[Any]]]:
     zero = Section("zero", state=state, direction="up")
     for share in (0.1, 0.5, 1.0):
         begun.run(share * t_end, zero, (times, states), samples, measuring=True)
-    own = {part: begun.arrays.frame[where] for part, where in begun.layout.parts.items()}
-    measured, filled = vars(begun.measures), vars(samples)
-    others = {"ledger": begun.ledger, "tangents": begun.tangents, "met": states, "at": times}
-    return begun, own | measured | filled | others
+    own = {part: in_words(begun, names) for part, names in PARTS.items()}
+    own["measures"] = np.zeros_like(own["measures"])
+    measured = {
+        "totals": in_floats(begun, PARTS["measures"]),
+        "extremes": np.array([begun.frame.least, begun.frame.greatest, begun.frame.squares]),
+        "shares": begun.frame.shares,
+        "reference": begun.frame.reference,
+    }
+    rows = (f"ledger_{name}" for name in begun.ledger._fields)
+    ledger = np.column_stack([getattr(begun.frame, name) for name in rows])
+    others = {"ledger": ledger, "tangents": begun.tangents, "met": states, "at": times}
+    return begun, own | measured | vars(samples) | others
+
+
+def in_floats(begun: Motion, names: tuple[str, ...]) -> NDArray[np.float64]:
+    """Fields of a motion's frame, one after the other."""
+    return np.concatenate([np.atleast_1d(getattr(begun.frame, name)) for name in names])
+
+
+def in_words(begun: Motion, names: tuple[str, ...]) -> NDArray[np.int64]:
+    """The same, as the bits that they are."""
+    values = [np.atleast_1d(getattr(begun.frame, name)) for name in names]
+    return np.concatenate([value.view(np.int64) for value in values])

@@ -9,7 +9,6 @@ import numpy as np
 
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.analyses.rest.equilibria import Sliding, equilibria, sliding, why_none
-from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import STOP_REASONS, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
@@ -110,21 +109,21 @@ class Balance:
 
 def balance(motion: Motion, energy_before: float) -> Balance:
     """Energy balance of what `motion` has measured."""
-    totals = motion.measures.totals
+    measures = motion.measures
     return Balance(
         energy_before,
         motion.energy(),
-        float(totals[kernel.M_OTHER]),
-        float(totals[kernel.M_FRICTION]),
-        float(totals[kernel.M_DRIVE]),
-        float(totals[kernel.M_IMPACT]),
+        measures.other_work,
+        measures.friction_work,
+        measures.drive_work,
+        measures.impact_loss,
     )
 
 
 def trust(motion: Motion) -> dict[str, float]:
     """The variables that say how far a run can be trusted, without the energy balance."""
     return {
-        "event_residual": float(motion.measures.totals[kernel.M_RESIDUAL]),
+        "event_residual": motion.measures.largest_residual,
         "n_steps": motion.n_steps,
         "n_events": motion.n_events,
     }

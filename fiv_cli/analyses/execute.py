@@ -150,7 +150,7 @@ def _load(system: System, needs: _Needs) -> None:
         _ = system.jacobians
         statics_of(system)
     if needs.tangents:
-        _ = system.tangent_table
+        _ = system.tangent_tables
 
 
 def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:

@@ -15,7 +15,7 @@ from fiv_cli.analyses.base import Question, Section, Varied
 from fiv_cli.flags import TABLES
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Parameter
-from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.names import ascii_name, listed, suggest
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import (
     INTERVAL_SCHEMA,
@@ -74,18 +74,23 @@ class Refusal:
     allowed : what it may be
     suggestion : what to write instead
     place : where in the value
-    follows : names of the case ("law", "options", "parameters", "axes") that it follows from
+    of_name : it is a name that nothing in the case has
     """
 
     message: str
     allowed: str = ""
     suggestion: str = ""
     place: tuple[str | int, ...] = ()
-    follows: tuple[str, ...] = ()
+    of_name: bool = False
 
     def within(self, key: str) -> Refusal:
         """The same, seen from the table that holds the value under `key`."""
         return replace(self, place=(key, *self.place))
+
+
+def unknown(message: str, name: str, names: Collection[str], *place: str) -> Refusal:
+    """Why a `name` that is none of `names` is not accepted."""
+    return Refusal(message, listed(names), suggest(name, names), place, of_name=True)
 
 
 class Reading(NamedTuple):
@@ -132,25 +137,25 @@ class Setting:
         """Whether a case of `model` can have it."""
         return True
 
-    def read(self, value: object, known: Known | None) -> Reading:
-        """The meaning of a TOML value; `known` is None where the model is not known."""
+    def read(self, value: object, known: Known) -> Reading:
+        """The meaning of a TOML value."""
         try:
             taken = self.taken(value, known)
         except ValueError as error:
             return Reading(self.default, (Refusal(str(error), self.allowed),))
         return Reading(taken, self.refusals(taken, known))
 
-    def left_out(self, known: Known | None) -> Reading:
+    def left_out(self, known: Known) -> Reading:
         """Its default, which not every case allows."""
         if self.required:
             return Reading(self.default, (Refusal("is missing", self.allowed),))
         return Reading(self.default, self.refusals(self.default, known))
 
-    def refusals(self, value: Any, known: Known | None) -> tuple[Refusal, ...]:
+    def refusals(self, value: Any, known: Known) -> tuple[Refusal, ...]:
         """Everything that the case does not allow of a value."""
-        return () if value is None or known is None else tuple(self.check(value, known))
+        return () if value is None else tuple(self.check(value, known))
 
-    def taken(self, value: object, known: Known | None) -> Any:
+    def taken(self, value: object, known: Known) -> Any:
         """A TOML value as analyses take it; ValueError says what is wrong with its form."""
         raise NotImplementedError
 
@@ -201,7 +206,7 @@ class Number(Setting):
     def _in_unit(self, words: str) -> str:
         return "" if self.unit == "1" else words.format(self.unit)
 
-    def taken(self, value: object, known: Known | None) -> float:
+    def taken(self, value: object, known: Known) -> float:
         number = convert(check_quantity(value), self.unit)
         if not (number > self.above and number >= self.least):
             raise ValueError(f"{number!r} is out of range")
@@ -224,7 +229,7 @@ class Integer(Setting):
     def allowed(self) -> str:
         return f"a whole number, >= {self.least} ({self.meaning})"
 
-    def taken(self, value: object, known: Known | None) -> int:
+    def taken(self, value: object, known: Known) -> int:
         if isinstance(value, bool) or not isinstance(value, int):
             raise ValueError(f"must be a whole number, not {describe(value)}")
         if value < self.least:
@@ -251,7 +256,7 @@ class Text(Setting):
 
     form: ClassVar[str] = "a string"
 
-    def taken(self, value: object, known: Known | None) -> str:
+    def taken(self, value: object, known: Known) -> str:
         return check_text(value, self.form)
 
 
@@ -269,7 +274,7 @@ class Choice(Text):
     def description(self) -> str:
         return f"{self.meaning}: {' | '.join(self.choices)}"
 
-    def taken(self, value: object, known: Known | None) -> str:
+    def taken(self, value: object, known: Known) -> str:
         word = super().taken(value, known)
         if word not in self.choices:
             hint = suggest(word, self.choices)
@@ -289,14 +294,13 @@ class StateName(Text):
 
     form: ClassVar[str] = "the name of a state"
 
-    def taken(self, value: object, known: Known | None) -> str:
+    def taken(self, value: object, known: Known) -> str:
         return ascii_name(super().taken(value, known))
 
     def check(self, value: str, known: Known) -> Iterator[Refusal]:
         units = known.units_of_states()
         if value not in units:
-            message = f"there is no state {value!r}"
-            yield Refusal(message, listed(units), suggest(value, units), follows=("options",))
+            yield unknown(f"there is no state {value!r}", value, units)
 
     def sample(self, model: Model, varied: Parameter) -> str:
         return f'"{model.states(model.default_options())[0].name}"'
@@ -308,9 +312,9 @@ class ParameterName(Setting):
 
     form: ClassVar[str] = "the name of a parameter of the model or the law"
 
-    def taken(self, value: object, known: Known | None) -> Varied:
+    def taken(self, value: object, known: Known) -> Varied:
         name = ascii_name(check_text(value, self.form))
-        if known is None or name not in known.varying():
+        if name not in known.varying():
             return Varied(name)
         return Varied(name, known.followers(name), known.varying()[name].unit)
 
@@ -318,7 +322,7 @@ class ParameterName(Setting):
         table = {name: parameter.meaning for name, parameter in known.varying().items()}
         if value.name not in table:
             message = f"there is no parameter {value.name!r} that can vary"
-            yield Refusal(message, listed(table), suggest(value.name, table))
+            yield unknown(message, value.name, table)
         if value.name in known.axes:
             message = f"{value.name!r} is an axis of the grid: the analysis finds its value itself"
             yield Refusal(message, suggestion=f"remove {value.name} from [grid]")
@@ -333,9 +337,9 @@ class Bracket(Setting):
 
     form: ClassVar[str] = "[lowest, highest] value of the parameter"
 
-    def taken(self, value: object, known: Known | None) -> tuple[float, float] | None:
+    def taken(self, value: object, known: Known) -> tuple[float, float] | None:
         ends = check_interval(value)
-        parameter = None if known is None else known.varying().get(ascii_name(known.varied))
+        parameter = known.varying().get(ascii_name(known.varied))
         if parameter is None:  # told of the parameter
             return None
         try:
@@ -363,7 +367,7 @@ class DiscPoints(Setting):
     def suits(self, model: Model) -> bool:
         return model.surface is not None
 
-    def taken(self, value: object, known: Known | None) -> tuple[tuple[float, float], ...]:
+    def taken(self, value: object, known: Known) -> tuple[tuple[float, float], ...]:
         if not isinstance(value, list) or not value:
             raise ValueError(f"must be a list of points, not {describe(value)}")
         pairs = map(check_interval, value)
@@ -382,7 +386,7 @@ class DiscPoints(Setting):
                     f"the radius {radius!r} is off the disc",
                     f"a = {a!r} to b = {b!r} m",
                 )
-                yield Refusal(message, disc, place=(index,), follows=("parameters", "axes"))
+                yield Refusal(message, disc, place=(index,))
 
     def schema(self) -> Schema:
         return {"type": "array", "items": INTERVAL_SCHEMA}
@@ -392,7 +396,7 @@ class DiscPoints(Setting):
 
 
 def read_settings(
-    settings: Sequence[Setting], given: Mapping[str, object], known: Known | None, whose: str
+    settings: Sequence[Setting], given: Mapping[str, object], known: Known, whose: str
 ) -> Reading:
     """A table of settings: name -> value, defaults filled in, and all that is wrong with it.
 
@@ -402,20 +406,18 @@ def read_settings(
     whose : what has these settings, for messages
     """
     names = {setting.name: setting.meaning for setting in settings}
-    strange = [key for key in given if key not in names]
-    wanting = [setting.name for setting in settings if setting.name not in given]
     refusals = [
-        Refusal(f"{whose} has no setting {key!r}", listed(names), suggest(key, names)).within(key)
-        for key in strange
+        unknown(f"{whose} has no setting {key!r}", key, names, key)
+        for key in given
+        if key not in names
     ]
-    meant = {nearest(key, wanting) for key in strange}
     values = {}
     for setting in settings:
         name = setting.name
         found = setting.read(given[name], known) if name in given else setting.left_out(known)
         values[name] = found.value
-        refusals += [one.within(name) for one in found.refusals if name not in meant]
-        if name in given and setting.partner in {*wanting} - meant:
+        refusals += [one.within(name) for one in found.refusals]
+        if name in given and setting.partner and setting.partner not in given:
             refusals.append(Refusal(f"is missing: it belongs to {name}").within(setting.partner))
     return Reading(values, tuple(refusals))
 
@@ -427,7 +429,7 @@ class TableSetting(Setting):
     whose: ClassVar[str] = ""
     keys: ClassVar[tuple[Setting, ...]] = ()
 
-    def read(self, value: object, known: Known | None) -> Reading:
+    def read(self, value: object, known: Known) -> Reading:
         if not isinstance(value, dict):
             message = f"must be a table, not {describe(value)}"
             return Reading(self.default, (Refusal(message, self.allowed),))
@@ -464,7 +466,7 @@ class SectionSetting(TableSetting):
         Number("phase", "phase of the excitation", unit="rad"),
     )
 
-    def taken(self, value: Any, known: Known | None) -> Section:
+    def taken(self, value: Any, known: Known) -> Section:
         kinds = [kind for kind in ("event", "zero", "phase") if value[kind] is not None]
         if len(kinds) != 1:
             raise ValueError("a section is given by one of event, zero and phase")
@@ -495,15 +497,13 @@ def _check_event(section: Section, known: Known) -> Iterator[Refusal]:
     if creeping:
         message = f"the law {creeping[0]!r} never sticks, so {section.event} never happens"
         other = f'give another: section = {{ zero = "{next(iter(_velocities(known)))}" }}'
-        yield Refusal(message, suggestion=other, follows=("law",))
+        yield Refusal(message, suggestion=other)
 
 
 def _check_velocity(section: Section, known: Known) -> Iterator[Refusal]:
     velocities = _velocities(known)
     if section.state not in velocities:
-        hint = suggest(section.state, velocities)
-        message = f"{section.state!r} is no velocity"
-        yield Refusal(message, listed(velocities), hint, ("zero",), ("options",))
+        yield unknown(f"{section.state!r} is no velocity", section.state, velocities, "zero")
 
 
 def _velocities(known: Known) -> list[str]:
@@ -518,7 +518,7 @@ def _check_phase(section: Section, known: Known) -> Iterator[Refusal]:
     elif all(known.value(name) == 0.0 for name in amplitudes):
         message = f"the excitation is off ({listed(amplitudes)} = 0), so it has no phase"
         on = f"give {amplitudes[0]} under [model.parameters] or as an axis"
-        yield Refusal(message, suggestion=on, follows=("parameters", "axes"))
+        yield Refusal(message, suggestion=on)
 
 
 class _Expectation(Setting):
@@ -526,7 +526,7 @@ class _Expectation(Setting):
 
     form: ClassVar[str] = 'a class, "not CLASS", or { less_than = NUMBER }'
 
-    def taken(self, value: object, known: Known | None) -> str | float:
+    def taken(self, value: object, known: Known) -> str | float:
         if isinstance(value, str):
             return value
         if not isinstance(value, dict):
@@ -568,7 +568,7 @@ class QuestionSetting(TableSetting):
         ),
     )
 
-    def taken(self, value: Any, known: Known | None) -> Question:
+    def taken(self, value: Any, known: Known) -> Question:
         expect, counts = value["expect"], value["undecided"] == "counts"
         if not isinstance(expect, str):
             return Question(value["variable"], below=expect, counts=counts)
@@ -576,21 +576,19 @@ class QuestionSetting(TableSetting):
         return Question(value["variable"], name, expect.startswith("not "), counts=counts)
 
     def check(self, value: Question, known: Known) -> Iterator[Refusal]:
-        place = ("variable",)
         if value.below is not None:
             numbers = known.numbers()
             if value.variable not in numbers:
-                hint = suggest(value.variable, numbers)
-                yield Refusal(f"{value.variable!r} is no number", listed(numbers), hint, place)
+                message = f"{value.variable!r} is no number"
+                yield unknown(message, value.variable, numbers, "variable")
             return
         if value.variable != "attractor":
             message = f"{value.variable!r} holds no class: give expect = {{ less_than = NUMBER }}"
-            yield Refusal(message, "attractor", place=place)
+            yield Refusal(message, "attractor", place=("variable",))
         table = TABLES["attractor"]
         classes = [name for name in table.codes if name != table.fill]
         if value.name not in classes:
-            message = f"there is no class {value.name!r}"
-            yield Refusal(message, listed(classes), suggest(value.name, classes), ("expect",))
+            yield unknown(f"there is no class {value.name!r}", value.name, classes, "expect")
 
     def sample(self, model: Model, varied: Parameter) -> str:
         return '{ variable = "attractor", expect = "equilibrium" }'

@@ -75,6 +75,12 @@ class Variable:
     velocities: bool = False
 
     @property
+    def is_class(self) -> bool:
+        """Whether it has one of a few values at each point, and borders between them."""
+        bordered = self.role not in (Role.STATUS, Role.WORK) and self.one_per_point
+        return bordered and self.kind in ("flag", "int")
+
+    @property
     def dims(self) -> tuple[str, ...]:
         """Own dims, after those of the grid and ``initial``."""
         return tuple(self.along.split())

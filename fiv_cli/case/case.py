@@ -10,6 +10,7 @@ from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
+from fiv_cli.models.base import Parameter, followed
 from fiv_cli.schedule import STEADY, Schedule
 
 
@@ -164,6 +165,13 @@ class Case:
                 return axis
         raise KeyError(name)
 
+    @property
+    def varying(self) -> tuple[Parameter, ...]:
+        """The parameters that vary in time."""
+        model = get_model(self.model)
+        table = model.parameters_under(get_law(self.law).parameters)
+        return tuple(p for p in table if p.name in self.schedule.names)
+
     def parameters_at(self, law: str, varied: Mapping[str, float]) -> dict[str, float]:
         """Every parameter of the model and of `law` at one point of the grid, SI.
 
@@ -178,11 +186,9 @@ class Case:
         follows another one (`Parameter.default_from`) takes that one's value at this point.
         """
         model = get_model(self.model)
-        own = (*model.parameters, *model.adopted(get_law(law).parameters))
+        own = model.parameters_under(get_law(law).parameters)
         given = {**self.parameters, **_of_law(self.parameters, law), **varied}
-        leaders = {p.name: p.default_from for p in own if p.default_from is not None}
-        sources = {p.name: p.name if p.name in given else leaders.get(p.name) for p in own}
-        return {name: given[source] for name, source in sources.items() if source in given}
+        return followed(own, given)
 
 
 def _of_law(parameters: Mapping[str, float], law: str) -> dict[str, float]:

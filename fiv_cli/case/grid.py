@@ -3,30 +3,31 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import prod
 from typing import Any, NamedTuple
 
 from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Span, span_by_count, span_by_step
 from fiv_cli.case.case import Axis, Refinement
+from fiv_cli.case.form import Form
 from fiv_cli.case.physics import (
     Physics,
     law_names,
     note_no_axis,
     note_no_state,
+    note_nothing_to_vary,
     resolve_law,
 )
-from fiv_cli.case.refinement import halved, read_refinement
+from fiv_cli.case.refinement import Values, halved, read_refinement
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import RangeTable, SweepTable
-from fiv_cli.case.tables import read_table
-from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.names import axis_name, listed, suggest
 from fiv_cli.notation.units import exact, nearest_double
-from fiv_cli.notation.values import check_quantity, describe
+from fiv_cli.notation.values import check_quantity
 
 MOST_POINTS = 10**9
-_RANGE_KEYS = {"start", "stop", "step", "num", "scale"}
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Candidate:
     read: Callable[[Any], Any]
     unit: str | None = None
     allowed: str = ""
+    choices: Collection[str] = ()
 
 
 class Grid(NamedTuple):
@@ -49,152 +51,81 @@ class Grid(NamedTuple):
     refinement: Refinement | None = None
 
 
-def read_grid(raw: Mapping[str, Any], physics: Physics, report: Report) -> Grid:
+def read_grid(form: Form, physics: Physics, report: Report) -> Grid:
     """The grid; axes that are refined hold their finest lattice."""
-    counted = _candidates(raw.get("grid", {}), physics, report)
-    table = read_table(SweepTable, raw.get("sweep", {}), ("sweep",), report)
-    zips = _zips(table, [candidate.name for candidate, _ in counted], physics, report)
-    refinement = read_refinement(table, counted, zips, physics, report)
+    counted = _candidates(form, physics, report)
+    zips = _zips(form.sweep, [candidate.name for candidate, _ in counted], physics, report)
+    refinement = read_refinement(form.sweep, counted, zips, physics, report)
     if refinement is not None:
         counted = halved(counted, refinement, report)
+    _check_zip_lengths(counted, zips, report)
     if not _few_enough(counted, zips, report):
         return Grid(tuple(Axis(c.name, c.kind, ()) for c, _ in counted), zips)
-    zipped = {name for group in zips for name in group}
-    axes = tuple(_axis(c, form, c.name in zipped, report) for c, form in counted)
-    if all(axis.values for axis in axes) and report.is_sure_of("values"):
-        _check_zip_lengths(axes, zips, report)
+    zipped = {axis_name(name) for group in form.sweep.zip for name in group}
+    axes = tuple(_axis(c, values, c.name in zipped, report) for c, values in counted)
     return Grid(axes, zips, refinement)
 
 
-def _candidates(
-    grid: object, physics: Physics, report: Report
-) -> list[tuple[Candidate, Span | list[Any]]]:
-    """Every axis that has a known name; an unsound form is noted and becomes an empty list."""
-    if not isinstance(grid, dict):
-        report.add(("grid",), f"must be a table, not {describe(grid)}")
-        report.unsure_of("axes")
-        return []
-    found: dict[str, tuple[Candidate, Span | list[Any]]] = {}
-    for key, place, value in _flattened(grid):
-        candidate = _candidate(key, place, physics, report)
-        if candidate is None:
-            candidate = _meant(key, place, grid, physics, report)
+def _candidates(form: Form, physics: Physics, report: Report) -> list[tuple[Candidate, Values]]:
+    """Every axis that has a known name; one that cannot be built is noted and becomes empty."""
+    found: dict[str, tuple[Candidate, Values]] = {}
+    for name, place, value in form.grid:
+        candidate = _candidate(name, place, physics, report)
         if candidate is None:
             continue
-        if candidate.name in found:
-            report.add(place, f"the axis {candidate.name!r} is given twice")
-        found.setdefault(candidate.name, (candidate, _form(candidate, value, report) or []))
+        if name in found:
+            report.add(place, f"the axis {name!r} is given twice")
+        found.setdefault(name, (candidate, _values(candidate, value, report)))
     return list(found.values())
 
 
-def _meant(
-    key: str, place: Path, grid: Mapping[str, Any], physics: Physics, report: Report
-) -> Candidate | None:
-    """The axis that a misspelt one resembles, so that its values are checked all the same."""
-    report.unsure_of("axes")
-    name = nearest(ascii_name(key), physics.what_varies())
-    if name is None or name in {_axis_name(other) for other, _, _ in _flattened(grid)}:
-        return None
-    return _candidate(name, place, physics, report)
-
-
-def _flattened(grid: Mapping[str, Any]) -> Iterable[tuple[str, Path, Any]]:
-    """Axes with their places; ``initial.x = ...`` may be written without quotes."""
-    for key, value in grid.items():
-        nested = isinstance(value, dict) and not _RANGE_KEYS & value.keys()
-        if nested and key in ("initial", "friction"):
-            for inner, axis in value.items():
-                yield f"{key}.{inner}", ("grid", key, inner), axis
-        else:
-            yield key, ("grid", key), value
-
-
-def _candidate(key: str, place: Path, physics: Physics, report: Report) -> Candidate | None:
-    """The axis that `key` names, or None and a note."""
-    name = ascii_name(key)
-    if name.startswith("initial."):
-        return _start_axis(name, place, physics, report)
-    if name == "friction":
-        return _law_axis(place, physics)
-    options = {option.name: option for option in physics.model.options}
-    if name in options:
-        return Candidate(name, "option", place, options[name].text, allowed=options[name].allowed)
-    return _parameter_axis(name.removeprefix("friction."), place, physics, report)
-
-
-def _start_axis(name: str, place: Path, physics: Physics, report: Report) -> Candidate | None:
-    units = physics.units_of_states()
+def _candidate(name: str, place: Path, physics: Physics, report: Report) -> Candidate | None:
+    """The axis called `name`, or None and a note."""
     state = name.removeprefix("initial.")
-    if state not in units:
-        note_no_state(state, place, units, report)
-        return None
-    return Candidate(name, "start", place, _finite, units[state], f"numbers in {units[state]}")
+    options = {option.name: option for option in physics.model.options}
+    units, parameters = physics.units_of_states(), physics.table()
+    if state != name and state in units:
+        return Candidate(name, "start", place, _finite, units[state], f"numbers in {units[state]}")
+    if state != name:
+        note_no_state(state, place, physics, report)
+    elif name == "friction":
+        names = law_names(physics.model)
+        read = partial(resolve_law, physics.model)
+        return Candidate(name, "law", place, read, allowed=listed(names), choices=names)
+    elif name in options:
+        option = options[name]
+        allowed, choices = option.allowed, option.choices
+        return Candidate(name, "option", place, option.text, allowed=allowed, choices=choices)
+    elif name in parameters:
+        own = parameters[name]
+        return Candidate(name, "parameter", place, own.checked, own.unit, own.allowed)
+    else:
+        note_nothing_to_vary(name, place, physics, report)
+    return None
 
 
 def _finite(value: float) -> float:
     return value
 
 
-def _law_axis(place: Path, physics: Physics) -> Candidate:
-    names = law_names(physics.model)
-    return Candidate(
-        "friction",
-        "law",
-        place,
-        lambda value: resolve_law(physics.model, str(value)),
-        allowed=listed(names),
-    )
-
-
-def _parameter_axis(name: str, place: Path, physics: Physics, report: Report) -> Candidate | None:
-    table = physics.table()
-    if name not in table:
-        if report.is_sure_of("law") or not physics.of_another_law(name):
-            known = physics.what_varies()
-            message = f"there is nothing called {name!r} to vary"
-            report.misread[name] = message, listed(known), suggest(name, known)
-            report.add(place, *report.misread[name])
-        return None
-    return Candidate(
-        name,
-        "parameter",
-        place,
-        table[name].checked,
-        table[name].unit,
-        table[name].allowed,
-    )
-
-
-def _form(candidate: Candidate, value: object, report: Report) -> Span | list[Any] | None:
-    """The axis as a span or a list, not yet built; None and a note when it is neither."""
-    if isinstance(value, dict):
-        return _span(candidate, value, report)
-    if not isinstance(value, list):
-        report.add(
-            candidate.place,
-            f"an axis is a list or a range, not {describe(value)}",
-            "[1, 2, 3], { start, stop, step } or { start, stop, num, scale }",
-            "a single value is fixed under [model.parameters] or [friction]",
-        )
-        return None
+def _values(candidate: Candidate, value: list[Any] | RangeTable, report: Report) -> Values:
+    """The axis as a span or a list, not yet built; an empty list, and a note, where it is none."""
+    if isinstance(value, RangeTable):
+        return _span(candidate, value, report) or []
     if not value:
         report.add(candidate.place, "the axis is empty", candidate.allowed)
-        return None
     return value
 
 
-def _span(candidate: Candidate, value: dict[str, Any], report: Report) -> Span | None:
-    table = read_table(RangeTable, value, candidate.place, report)
-    if table is None or not value.keys() <= _RANGE_KEYS:
-        return None
+def _span(candidate: Candidate, table: RangeTable, report: Report) -> Span | None:
     if candidate.unit is None:
         report.add(candidate.place, "names are listed, not given as a range", candidate.allowed)
         return None
     try:
         return _exact_span(table, candidate.unit)
     except AxisError as error:
-        place = (*candidate.place, error.key) if error.key in value else candidate.place
-        report.add(place, str(error))
+        given = error.key in table.model_fields_set
+        report.add((*candidate.place, error.key) if given else candidate.place, str(error))
     except ValueError as error:
         report.add(candidate.place, str(error), candidate.allowed)
     return None
@@ -213,12 +144,12 @@ def _exact_span(table: RangeTable, unit: str) -> Span:
     return span_by_count(start, stop, int(table.num or 0), table.scale)
 
 
-def _length(form: Span | list[Any]) -> int:
+def _length(form: Values) -> int:
     return form.count if isinstance(form, Span) else len(form)
 
 
 def _few_enough(
-    counted: Sequence[tuple[Candidate, Span | list[Any]]],
+    counted: Sequence[tuple[Candidate, Values]],
     zips: Sequence[Sequence[str]],
     report: Report,
 ) -> bool:
@@ -240,136 +171,84 @@ def count_points(lengths: Mapping[str, int], zips: Sequence[Sequence[str]]) -> i
     return prod(length for name, length in lengths.items() if name not in followers)
 
 
-def _axis(candidate: Candidate, form: Span | list[Any], zipped: bool, report: Report) -> Axis:
-    numbers = form.values() if isinstance(form, Span) else _listed_values(candidate, form, report)
-    values = _checked(candidate, numbers, isinstance(form, Span), report)
+def _axis(candidate: Candidate, form: Values, zipped: bool, report: Report) -> Axis:
+    if isinstance(form, Span):
+        values = _of_span(candidate, form, report)
+    else:
+        elements = (_element(candidate, index, value, report) for index, value in enumerate(form))
+        values = [value for value in elements if value is not None]
     if not zipped:
         _refuse_repeats(candidate, values, report)
     return Axis(candidate.name, candidate.kind, tuple(values))
 
 
-def _listed_values(candidate: Candidate, form: list[Any], report: Report) -> list[Any]:
-    """The elements of a list, numbers in SI; those that are no numbers are noted."""
-    if candidate.unit is None:
-        return form
-    numbers: list[Any] = []
-    for index, value in enumerate(form):
-        try:
-            numbers.append(nearest_double(exact(check_quantity(value), candidate.unit)))
-        except ValueError as error:
-            report.add((*candidate.place, index), str(error), candidate.allowed)
-            report.unsure_of("values")
-            numbers.append(None)
-    return numbers
+def _of_span(candidate: Candidate, span: Span, report: Report) -> list[Any]:
+    """The values of a regular axis; the first that is not allowed is noted."""
+    try:
+        return [candidate.read(value) for value in span.values()]
+    except ValueError as error:
+        report.add(candidate.place, str(error), candidate.allowed)
+        return []
 
 
-def _checked(
-    candidate: Candidate, values: Sequence[Any], regular: bool, report: Report
-) -> list[Any]:
-    """The values that are allowed; the first that is not is noted (each one of a list)."""
-    kept = []
-    for index, value in enumerate(values):
-        if value is None:
-            continue
-        try:
-            kept.append(candidate.read(value))
-        except ValueError as error:
-            place = candidate.place if regular else (*candidate.place, index)
-            report.add(place, str(error), candidate.allowed)
-            report.unsure_of("values")
-            if regular:
-                break
-    return kept
+def _element(candidate: Candidate, index: int, value: Any, report: Report) -> Any:
+    """An element of a list, a number in SI; None, and a note, where it is not allowed."""
+    try:
+        if candidate.unit is not None:
+            value = nearest_double(exact(check_quantity(value), candidate.unit))
+        return candidate.read(value)
+    except ValueError as error:
+        place, hint = (*candidate.place, index), suggest(str(value), candidate.choices)
+        report.add(place, str(error), candidate.allowed, hint, of_name=candidate.unit is None)
+        return None
 
 
 def _refuse_repeats(candidate: Candidate, values: Sequence[Any], report: Report) -> None:
-    if len(set(values)) == len(values) or not report.is_sure_of("zips"):
+    if len(set(values)) == len(values):
         return
     repeated = [repr(value) for value, count in Counter(values).items() if count > 1]
     report.add(candidate.place, f"values repeat: {listed(repeated[:3])}", "each value once")
 
 
 def _zips(
-    table: SweepTable | None, names: Sequence[str], physics: Physics, report: Report
+    table: SweepTable, names: Sequence[str], physics: Physics, report: Report
 ) -> tuple[tuple[str, ...], ...]:
     """The groups of ``[sweep] zip`` that are sound."""
-    groups = [] if table is None else table.zip
     sound: list[tuple[str, ...]] = []
-    taken: set[str] = set()
-    for index, group in enumerate(groups):
+    for index, group in enumerate(table.zip):
         place: Path = ("sweep", "zip", index)
-        members = tuple(_axis_name(name) for name in group)
-        if _sound_group(members, names, taken, place, physics, report):
+        members = tuple(map(axis_name, group))
+        unknown = [name for name in members if name not in names]
+        for name in unknown:
+            note_no_axis(name, f"{name!r} is no axis of the grid", place, names, physics, report)
+        taken = {name for other in sound for name in other}
+        if len(set(members)) < len(members) or taken & set(members):
+            report.add(place, "an axis is zipped twice")
+        elif len(members) < 2:
+            report.add(place, "a group that advances together has two axes at least")
+        elif not unknown:
             sound.append(members)
-            taken.update(members)
-        else:
-            report.unsure_of("zips")
     return tuple(sound)
 
 
-def _axis_name(name: str) -> str:
-    return ascii_name(name).removeprefix("friction.")
-
-
-def _sound_group(
-    members: Sequence[str],
-    names: Sequence[str],
-    taken: set[str],
-    place: Path,
-    physics: Physics,
-    report: Report,
-) -> bool:
-    unknown = [name for name in members if name not in names]
-    for name in unknown:
-        note_no_axis(name, f"{name!r} is no axis of the grid", place, names, physics, report)
-    twice = len(set(members)) < len(members) or bool(taken & set(members))
-    if twice:
-        report.add(place, "an axis is zipped twice")
-    if len(members) < 2:
-        report.add(place, "a group that advances together has two axes at least")
-    return not unknown and not twice and len(members) >= 2
-
-
-def _check_zip_lengths(axes: Sequence[Axis], zips: Sequence[Sequence[str]], report: Report) -> None:
-    lengths = {axis.name: len(axis.values) for axis in axes}
+def _check_zip_lengths(
+    counted: Sequence[tuple[Candidate, Values]], zips: Sequence[Sequence[str]], report: Report
+) -> None:
+    lengths = {candidate.name: _length(values) for candidate, values in counted}
     for index, group in enumerate(zips):
-        sizes = {name: lengths[name] for name in group}
+        sizes = {name: lengths[name] for name in group if lengths[name]}
         if len(set(sizes.values())) > 1:
             shown = ", ".join(f"{name} has {size}" for name, size in sizes.items())
             report.add(("sweep", "zip", index), f"axes that advance together differ: {shown}")
 
 
-def refuse_fixed_axes(raw: Mapping[str, Any], axes: Iterable[Axis], report: Report) -> None:
+def refuse_fixed_axes(form: Form, report: Report) -> None:
     """Note every axis whose name the case also fixes."""
-    written = {_axis_name(key): place for key, place, _ in _flattened(_table(raw, "grid"))}
-    for axis in [axis for axis in axes if axis.name in written]:
-        for place in fixed_places(raw, axis.name):
-            shown = ".".join(map(str, place))
+    for axis in form.grid:
+        for place in form.places_of(axis.name):
             report.add(
-                written[axis.name],
-                f"{axis.name!r} is an axis and is also fixed, by {shown}",
+                axis.place,
+                f"{axis.name!r} is an axis and is also fixed, by {'.'.join(map(str, place))}",
                 "one of the two",
                 f"to compute a single value of an axis: --set grid.{axis.name}=[VALUE]",
             )
-
-
-def fixed_places(raw: Mapping[str, Any], name: str) -> list[Path]:
-    """Where the case fixes what an axis, or the time, varies."""
-    if name == "friction":
-        return [("friction", "law")] if "law" in _table(raw, "friction") else []
-    tables: list[Path] = [("model", "parameters"), ("model", "options"), ("friction",)]
-    tables += [("friction", k) for k, v in _table(raw, "friction").items() if isinstance(v, dict)]
-    return [
-        (*path, key)
-        for path in tables
-        for key in _table(raw, *map(str, path))
-        if ascii_name(key) == name
-    ]
-
-
-def _table(raw: Mapping[str, Any], *path: str) -> Mapping[str, Any]:
-    """The table at `path`, empty when there is none."""
-    table: Any = raw
-    for key in path:
-        table = table.get(key, {}) if isinstance(table, dict) else {}
-    return table if isinstance(table, dict) else {}

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
 
+from fiv_cli.case.form import Form
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import FrictionTable, ModelTable
-from fiv_cli.case.tables import read_table
 from fiv_cli.friction import TANH_OF, get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
-from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.names import ascii_name, listed, suggest
 
 
 @dataclass(frozen=True)
@@ -28,12 +27,19 @@ class Physics:
         of every value of the axis
     laws : the laws in use: one, or those of the axis ``friction``
     fixed : parameter -> SI value, given by the case; ``LAW.NAME`` when given for one law only
+    unread : parameters whose value was given and is not sound
     """
 
     model: Model
     options: Mapping[str, str]
     laws: tuple[Law, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
+    unread: frozenset[str] = frozenset()
+
+    @property
+    def given(self) -> set[str]:
+        """The parameters that the case gives a value, were it under one of its laws."""
+        return {name.split(".")[-1] for name in self.fixed}
 
     def table(self) -> dict[str, Parameter]:
         """Every parameter of the model and of the laws in use, by name."""
@@ -68,11 +74,6 @@ class Physics:
             | {f"initial.{name}": "component of the start" for name in self.units_of_states()}
         )
 
-    def of_another_law(self, name: str) -> bool:
-        """Whether some law of the model, in use or not, has this parameter."""
-        laws = (get_law(law) for law in self.model.laws)
-        return any(p.name == name for law in laws for p in law.parameters)
-
     def default(self, name: str) -> float | None:
         """The default of a parameter on this model; None when it follows another parameter."""
         return self.table()[name].default
@@ -90,47 +91,37 @@ def per_second(unit: str) -> str:
     return "s-1" if unit == "1" else f"{unit} s-1"
 
 
-def read_physics(raw: Mapping[str, Any], report: Report) -> Physics | None:
-    """The model and laws of a case, or None when there is no model to speak of."""
-    if "model" not in raw:
-        return None
-    table = read_table(ModelTable, raw["model"], ("model",), report)
-    friction = read_table(FrictionTable, raw.get("friction", {}), ("friction",), report)
-    model = _model(table, report)
-    if model is None or table is None or friction is None:
-        return None
-    written = raw["model"].get("parameters", {})
-    if not isinstance(written, dict) or written.keys() != table.parameters.keys():
-        report.unsure_of("parameters")  # what has no sound form was noted and left out
-    options = {**model.default_options(), **_options(model, table, report)}
-    options |= _options_of_axes(model, options, raw)
-    laws = _laws(model, raw, friction, report)
-    physics = Physics(model, options, laws)
-    fixed = _model_parameters(physics, table, report) | _friction_parameters(
-        physics, friction, raw.get("friction", {}), report
-    )
-    return Physics(model, options, laws, fixed)
+def read_physics(form: Form, report: Report) -> Physics:
+    """The model of a case, its options, its laws, and what it gives for their parameters."""
+    model = all_models()[form.model.name]
+    axes = {entry.name: entry.value for entry in form.grid}
+    reader = _Reader(report)
+    options = {**model.default_options(), **reader.options(model, form.model)}
+    options |= _options_of_axes(model, options, axes)
+    laws = reader.laws(model, form.friction, axes.get("friction"))
+    fixed = reader.of_model(model, laws, form.model) | reader.of_laws(model, laws, form.friction)
+    return Physics(model, options, laws, fixed, frozenset(reader.unread))
 
 
 def note_no_axis(
     name: str, message: str, place: Path, axes: Collection[str], physics: Physics, report: Report
 ) -> None:
-    """Note that `name` is no axis of the case; not where one was misread that may be this one."""
-    if name in report.misread:
-        report.add(place, *report.misread[name])
-        return
-    possible = name in physics.what_varies() or physics.of_another_law(name)
-    if report.is_sure_of("axes") or not possible:
+    """Note that `name` is no axis of the case, nor, perhaps, anything that could be one."""
+    if name in physics.what_varies():
         report.add(place, message, listed(axes), suggest(name, axes))
+    else:
+        note_nothing_to_vary(name, place, physics, report)
 
 
-def note_no_state(
-    name: str, place: Path, units: Mapping[str, str], report: Report, message: str = ""
-) -> None:
-    """Note that the model has no state `name`; not where a misread option decides which it has."""
-    if report.is_sure_of("options"):
-        text = message or f"there is no state {name!r}"
-        report.add(place, text, listed(units), suggest(name, units))
+def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Report) -> None:
+    """Note that nothing is called `name` that could be an axis of some case."""
+    message = f"there is nothing called {name!r} to vary"
+    report.unknown(place, message, name, physics.what_varies())
+
+
+def note_no_state(name: str, place: Path, physics: Physics, report: Report) -> None:
+    """Note that the model has no state `name`."""
+    report.unknown(place, f"there is no state {name!r}", name, physics.units_of_states())
 
 
 def law_names(model: Model) -> list[str]:
@@ -139,58 +130,19 @@ def law_names(model: Model) -> list[str]:
     return [*plain, "tanh"] if len(plain) < len(model.laws) else plain
 
 
-def resolve_law(model: Model, name: str, of: str | None = None) -> str:
+def resolve_law(model: Model, name: object, of: str | None = None) -> str:
     """The contract name of the law called `name` (and `of`); ValueError when there is none."""
     regularised = TANH_OF + (of or model.laws[0].removeprefix(TANH_OF))
     full = regularised if name == "tanh" else name
     if full not in model.laws:
         raise ValueError(f"{full!r} is no friction law of {model.name}")
-    return full
-
-
-def _model(table: ModelTable | None, report: Report) -> Model | None:
-    """The model; where its name is misspelt the one it resembles, so that the rest is checked."""
-    models = all_models()
-    if table is None:
-        return None
-    titles = {name: model.title for name, model in models.items()}
-    if table.name not in models:
-        report.add(
-            ("model", "name"),
-            f"there is no model {table.name!r}",
-            listed(titles),
-            suggest(table.name, titles),
-        )
-        others = [name for name in titles if name != nearest(table.name, titles)]
-        if nearest(table.name, others) is not None:
-            return None  # it may mean either
-    return models.get(nearest(table.name, titles) or "")
-
-
-def _options(model: Model, table: ModelTable, report: Report) -> dict[str, str]:
-    known = {option.name: option for option in model.options}
-    chosen = {}
-    for name, value in table.options.items():
-        place: Path = ("model", "options", name)
-        if name not in known:
-            report.add(place, f"unknown option {name!r}", listed(known), suggest(name, known))
-            report.unsure_of("options")
-            continue
-        try:
-            chosen[name] = known[name].text(value)
-        except ValueError as error:
-            option = known[name]
-            report.add(place, str(error), option.allowed, suggest(str(value), option.choices))
-            report.unsure_of("options")
-    return chosen
+    return str(full)
 
 
 def _options_of_axes(
-    model: Model, options: Mapping[str, str], raw: Mapping[str, Any]
+    model: Model, options: Mapping[str, str], axes: Mapping[str, object]
 ) -> dict[str, str]:
     """For each option that is an axis, the value that stands for all of the axis."""
-    grid = raw.get("grid")
-    axes = grid if isinstance(grid, dict) else {}
     found = {o.name: _known_texts(o, axes[o.name]) for o in model.options if o.name in axes}
     chosen: dict[str, str] = {}
     for option in [option for option in model.options if found.get(option.name)]:
@@ -212,149 +164,133 @@ def _known_texts(option: Option, values: object) -> list[str]:
     return texts
 
 
-def _laws(
-    model: Model, raw: Mapping[str, Any], friction: FrictionTable, report: Report
-) -> tuple[Law, ...]:
-    """The laws in use; the model's default where none that it knows, or resembles it, is named."""
-    names = [*_laws_of_axis(model, raw, report), *_law_of_table(model, friction, report)]
-    return tuple(get_law(name) for name in dict.fromkeys(names or [model.laws[0]]))
-
-
-def _laws_of_axis(model: Model, raw: Mapping[str, Any], report: Report) -> list[str]:
-    """The laws of the axis ``friction`` as far as they are known; the grid notes the others."""
-    grid = raw.get("grid")
-    values = grid.get("friction") if isinstance(grid, dict) else None
-    names = values if isinstance(values, list) else []
-    found = []
-    for name in names:
-        try:
-            found.append(resolve_law(model, name))
-        except (ValueError, TypeError):
-            report.unsure_of("law")
-    return found
-
-
-def _law_of_table(model: Model, friction: FrictionTable, report: Report) -> list[str]:
-    if friction.law is None:
-        if friction.of is not None:
-            report.add(("friction", "of"), 'only law = "tanh" is "of" another law')
-        return []
-    if friction.of is not None and friction.law in {*model.laws} - {"tanh"}:
-        report.add(("friction", "of"), f"law {friction.law!r} is not of another law")
+def _known_law(model: Model, name: object, of: str | None = None) -> str | None:
+    """The contract name of a law; None where the model knows none of the kind (noted elsewhere)."""
     try:
-        return [resolve_law(model, friction.law, friction.of)]
-    except ValueError as error:
-        key = "of" if friction.law == "tanh" and friction.of else "law"
-        value = friction.of if key == "of" else friction.law
-        names = law_names(model)
-        report.add(("friction", key), str(error), listed(names), suggest(str(value), names))
-        report.unsure_of("law")
-        meant = nearest(str(value), names)
-        return [] if meant is None else [resolve_law(model, meant)]
+        return resolve_law(model, name, of)
+    except ValueError:
+        return None
 
 
-def _model_parameters(physics: Physics, table: ModelTable, report: Report) -> dict[str, float]:
-    known = {p.name: p for p in physics.model.parameters}
-    base: Path = ("model", "parameters")
-    elsewhere = {p.name: "friction" for law in physics.laws for p in law.parameters}
-    return _read_parameters(physics, table.parameters.items(), known, elsewhere, base, report)
+class _Reader:
+    """Reads what a case gives for options, laws and parameters; keeps which are not sound."""
 
+    def __init__(self, report: Report) -> None:
+        self.report = report
+        self.unread: set[str] = set()
 
-def _friction_parameters(
-    physics: Physics, friction: FrictionTable, raw: object, report: Report
-) -> dict[str, float]:
-    """The law's parameters, and those of the tables ``[friction.LAW]``."""
-    extra = dict(friction.model_extra or {})
-    own_tables = {name: value for name, value in extra.items() if isinstance(value, dict)}
-    plain = [(name, value) for name, value in extra.items() if name not in own_tables]
-    known = {p.name: p for law in reversed(physics.laws) for p in law.parameters}
-    elsewhere = {p.name: "model.parameters" for p in physics.model.parameters}
-    found = _read_parameters(physics, plain, known, elsewhere, ("friction",), report)
-    _refuse_ambiguous(physics.laws, found, report)
-    for name, values in own_tables.items():
-        found |= _law_table(physics, name, values, report)
-    return found
+    def options(self, model: Model, table: ModelTable) -> dict[str, str]:
+        known = {option.name: option for option in model.options}
+        chosen = {}
+        for name, value in table.options.items():
+            place: Path = ("model", "options", name)
+            if name not in known:
+                self.report.unknown(place, f"unknown option {name!r}", name, known)
+                continue
+            try:
+                chosen[name] = known[name].text(value)
+            except ValueError as error:
+                option = known[name]
+                hint = suggest(str(value), option.choices)
+                self.report.add(place, str(error), option.allowed, hint, of_name=True)
+        return chosen
 
+    def laws(self, model: Model, table: FrictionTable, axis: object) -> tuple[Law, ...]:
+        """The laws in use; where one of them is not known, all that the model can have."""
+        written = axis if isinstance(axis, list) else []
+        names = [_known_law(model, name) for name in written] + self.law_of_table(model, table)
+        chosen = [name for name in names if name is not None] or [model.laws[0]]
+        known = model.laws if None in names else dict.fromkeys(chosen)
+        return tuple(get_law(name) for name in known)
 
-def _refuse_ambiguous(laws: tuple[Law, ...], found: Iterable[str], report: Report) -> None:
-    for name in found:
-        units = {p.unit for law in laws for p in law.parameters if p.name == name}
-        if len(units) > 1:
-            report.add(
-                ("friction", name),
-                f"{name!r} means different things to the laws in use",
-                suggestion=f"write it in the law's own table, [friction.{laws[0].name}]",
-            )
+    def law_of_table(self, model: Model, table: FrictionTable) -> list[str | None]:
+        if table.law is None and table.of is not None:
+            self.report.add(("friction", "of"), 'only law = "tanh" is "of" another law')
+        if table.law is None:
+            return []
+        if table.of is not None and table.law in {*model.laws} - {"tanh"}:
+            message = f"law {table.law!r} is not of another law"
+            self.report.add(("friction", "of"), message)
+        name = _known_law(model, table.law, table.of)
+        if name is None:
+            of = table.law == "tanh" and table.of
+            written, place = (of, "of") if of else (table.law, "law")
+            message = f"{written!r} is no friction law of {model.name}"
+            self.report.unknown(("friction", place), message, written, law_names(model))
+        return [name]
 
+    def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:
+        known = {p.name: p for p in model.parameters}
+        elsewhere = {p.name: "friction" for law in laws for p in law.parameters}
+        return self.parameters(table.parameters, known, elsewhere, ("model", "parameters"))
 
-def _law_table(
-    physics: Physics, name: str, values: Mapping[str, Any], report: Report
-) -> dict[str, float]:
-    """``[friction.NAME]``: the parameters of one of the laws in use."""
-    laws = {law.name: law for law in physics.laws}
-    matching = [law for law in laws if law == name or (name == "tanh" and law.startswith(TANH_OF))]
-    if not matching and not report.is_sure_of("law"):
-        return {}
-    if not matching:
-        known = [*laws, *(p.name for law in physics.laws for p in law.parameters)]
-        report.add(
-            ("friction", name),
-            f"{name!r} is no friction law that this case uses",
-            f"tables of {listed(laws)}",
-            suggest(name, known),
-        )
-        return {}
-    parameters = {p.name: p for p in laws[matching[0]].parameters}
-    found = _read_parameters(physics, values.items(), parameters, {}, ("friction", name), report)
-    if len(laws) == 1:
+    def of_laws(self, model: Model, laws: Sequence[Law], table: FrictionTable) -> dict[str, float]:
+        """The laws' parameters, and those of the tables ``[friction.LAW]``."""
+        extra = table.model_extra or {}
+        own_tables = {name: value for name, value in extra.items() if isinstance(value, dict)}
+        plain = {name: value for name, value in extra.items() if name not in own_tables}
+        known = {p.name: p for law in reversed(laws) for p in law.parameters}
+        elsewhere = {p.name: "model.parameters" for p in model.parameters}
+        found = self.parameters(plain, known, elsewhere, ("friction",))
+        self.refuse_ambiguous(laws, found)
+        for name, values in own_tables.items():
+            found |= self.of_law(laws, name, values)
         return found
-    return {f"{law}.{key}": value for law in matching for key, value in found.items()}
 
+    def refuse_ambiguous(self, laws: Sequence[Law], names: Iterable[str]) -> None:
+        for name in names:
+            units = {p.unit for law in laws for p in law.parameters if p.name == name}
+            if len(units) > 1:
+                self.report.add(
+                    ("friction", name),
+                    f"{name!r} means different things to the laws in use",
+                    suggestion=f"write it in the law's own table, [friction.{laws[0].name}]",
+                )
 
-def _read_parameters(
-    physics: Physics,
-    items: Iterable[tuple[str, object]],
-    known: Mapping[str, Parameter],
-    elsewhere: Mapping[str, str],
-    base: Path,
-    report: Report,
-) -> dict[str, float]:
-    """The parameters given in one table, in SI."""
-    found: dict[str, float] = {}
-    for key, value in items:
-        name, place = ascii_name(key), (*base, key)
-        if name not in known and physics.of_another_law(name) and not report.is_sure_of("law"):
-            continue
-        if name not in known:
-            _note_unknown(name, known, elsewhere, place, report)
-            report.unsure_of("parameters")
-        elif name in found:
-            report.add(place, f"{name} is given twice")
-        else:
-            _read_parameter(known[name], value, place, found, report)
-    return found
+    def of_law(
+        self, laws: Sequence[Law], name: str, values: Mapping[str, object]
+    ) -> dict[str, float]:
+        """``[friction.NAME]``: the parameters of one of the laws in use."""
+        whole = [law for law in laws if law.name == name]
+        matching = whole or [law for law in laws if law.name.startswith(f"{name} of ")]
+        if not matching:
+            names = [*(law.name for law in laws), *(p.name for law in laws for p in law.parameters)]
+            message = f"{name!r} is no friction law that this case uses"
+            self.report.unknown(("friction", name), message, name, names)
+            return {}
+        known = {p.name: p for p in matching[0].parameters}
+        found = self.parameters(values, known, {}, ("friction", name))
+        if len(laws) == 1:
+            return found
+        return {f"{law.name}.{key}": value for law in matching for key, value in found.items()}
 
+    def parameters(
+        self,
+        written: Mapping[str, object],
+        known: Mapping[str, Parameter],
+        elsewhere: Mapping[str, str],
+        table: Path,
+    ) -> dict[str, float]:
+        """The parameters given in one table, in SI."""
+        found: dict[str, float] = {}
+        for key, value in written.items():
+            name, place = ascii_name(key), (*table, key)
+            if name not in known:
+                meanings = {other: parameter.meaning for other, parameter in known.items()}
+                home = elsewhere.get(name)
+                hint = f"{name!r} stands in [{home}]: write it there" if home else ""
+                self.report.unknown(place, f"unknown parameter {name!r}", name, meanings, hint)
+            elif name in found:
+                self.report.add(place, f"{name} is given twice")
+            else:
+                self.parameter(known[name], value, place, found)
+        return found
 
-def _read_parameter(
-    parameter: Parameter, value: object, place: Path, found: dict[str, float], report: Report
-) -> None:
-    try:
-        found[parameter.name] = parameter.read(value)
-    except ValueError as error:
-        report.add(place, str(error), parameter.allowed)
-        report.unsure_of("parameters")
-
-
-def _note_unknown(
-    name: str,
-    known: Mapping[str, Parameter],
-    elsewhere: Mapping[str, str],
-    place: Path,
-    report: Report,
-) -> None:
-    meanings = {key: parameter.meaning for key, parameter in known.items()}
-    if name in elsewhere:
-        hint = f"{name!r} stands in [{elsewhere[name]}]: write it there"
-    else:
-        hint = suggest(name, meanings)
-    report.add(place, f"unknown parameter {name!r}", listed(meanings), hint)
+    def parameter(
+        self, parameter: Parameter, value: object, place: Path, found: dict[str, float]
+    ) -> None:
+        try:
+            found[parameter.name] = parameter.read(value)
+        except ValueError as error:
+            self.report.add(place, str(error), parameter.allowed)
+            self.unread.add(parameter.name)

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.axes import AxisError, Span, span_of_list
 from fiv_cli.case.case import Refinement, StartSpec
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import SweepTable
-from fiv_cli.notation.names import ascii_name
+from fiv_cli.case.structure import RefineTable, SweepTable
+from fiv_cli.notation.names import ascii_name, axis_name
 from fiv_cli.notation.units import exact
 from fiv_cli.notation.values import check_quantity
 
 if TYPE_CHECKING:
     from fiv_cli.case.grid import Candidate
 
-Form = Span | list[Any]
+Values = Span | list[Any]
 
 PLACE: Path = ("sweep", "refine")
 
@@ -26,44 +27,39 @@ MOST_LEVELS = 12
 
 
 def read_refinement(
-    table: SweepTable | None,
-    counted: Sequence[tuple[Candidate, Form]],
+    table: SweepTable,
+    counted: Sequence[tuple[Candidate, Values]],
     zips: Sequence[Sequence[str]],
     physics: Physics,
     report: Report,
 ) -> Refinement | None:
     """What ``refine`` asks for; None where nothing is refined, or not soundly."""
-    if table is None or table.refine is None:
-        return None
     refine = table.refine
+    if refine is None:
+        return None
     numeric = [candidate.name for candidate, _ in counted if candidate.unit is not None]
     alone = [name for name in numeric if not any(name in group for group in zips)]
-    named = None if refine.along is None else [_axis_name(name) for name in refine.along]
-    sound = _sound(refine.levels, refine.sample, refine.seed, report)
-    if not _known(alone if named is None else named, alone, physics, report) or not sound:
+    axes = alone if refine.along is None else list(map(axis_name, refine.along))
+    sound = _sound(refine, report)
+    if not _known(axes, alone, physics, report) or not sound:
         return None
-    axes = tuple(alone if named is None else named)
-    return Refinement(refine.levels, ascii_name(refine.of), axes, refine.sample, refine.seed)
+    return Refinement(refine.levels, ascii_name(refine.of), tuple(axes), refine.sample, refine.seed)
 
 
-def _axis_name(name: str) -> str:
-    return ascii_name(name).removeprefix("friction.")
-
-
-def _sound(levels: int, sample: int | None, seed: int, report: Report) -> bool:
+def _sound(refine: RefineTable, report: Report) -> bool:
     """Whether the numbers are in their ranges; notes those that are not."""
-    if not 1 <= levels <= MOST_LEVELS:
-        report.add((*PLACE, "levels"), f"{levels} is out of range", f"1 to {MOST_LEVELS}")
-    counts = {"sample": sample or 0, "seed": seed}
-    for key, value in counts.items():
-        if value < 0:
-            report.add((*PLACE, key), f"{value} is out of range", "0 or more")
-    return 1 <= levels <= MOST_LEVELS and min(counts.values()) >= 0
+    ranges = {"levels": (1, MOST_LEVELS), "sample": (0, inf), "seed": (0, inf)}
+    given = {key: getattr(refine, key) or 0 for key in ranges}
+    wrong = [key for key, (low, high) in ranges.items() if not low <= given[key] <= high]
+    for key in wrong:
+        allowed = f"1 to {MOST_LEVELS}" if key == "levels" else "0 or more"
+        report.add((*PLACE, key), f"{given[key]} is out of range", allowed)
+    return not wrong
 
 
 def _known(names: Sequence[str], alone: Sequence[str], physics: Physics, report: Report) -> bool:
     """Whether there are axes to halve, and each is a number that stands alone."""
-    if not names and report.is_sure_of("axes"):
+    if not names:
         report.add(PLACE, "there is no numeric axis to halve", "an axis of numbers under [grid]")
     unknown = [name for name in names if name not in alone]
     for name in unknown:
@@ -73,8 +69,8 @@ def _known(names: Sequence[str], alone: Sequence[str], physics: Physics, report:
 
 
 def halved(
-    counted: Sequence[tuple[Candidate, Form]], refinement: Refinement, report: Report
-) -> list[tuple[Candidate, Form]]:
+    counted: Sequence[tuple[Candidate, Values]], refinement: Refinement, report: Report
+) -> list[tuple[Candidate, Values]]:
     """The axes with those that are refined on their finest lattice."""
     return [
         (one, _halved(one, form, refinement, report) if one.name in refinement.axes else form)
@@ -82,7 +78,7 @@ def halved(
     ]
 
 
-def _halved(candidate: Candidate, form: Form, refinement: Refinement, report: Report) -> Form:
+def _halved(candidate: Candidate, form: Values, refinement: Refinement, report: Report) -> Values:
     try:
         span = form if isinstance(form, Span) else _span(form, candidate)
     except AxisError as error:

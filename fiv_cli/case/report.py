@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
 
 from fiv_cli.errors import CaseError, Problem
+from fiv_cli.notation.names import listed, suggest
 
 Path = tuple[str | int, ...]
 
@@ -34,63 +34,68 @@ def _part(part: str | int) -> str:
 class Report:
     """The problems found so far.
 
+    They are told by phases, each whole: first the form of the case, as soon as it is read
+    (`raise_if_any`), then names that nothing has, then values. So a mistake is told once: what
+    only follows from a name that is not known waits for it.
+
     Parameters
     ----------
     source : the file, as given
     lines : path -> line of the file (see `lines.locate`)
     overrides : path -> the ``--set`` argument that put a value there
-
-    Attributes
-    ----------
-    misread : misspelt axis -> what was noted of it
     """
 
     def __init__(
         self, source: str, lines: Mapping[Path, int], overrides: Mapping[Path, str]
     ) -> None:
         self.source = source
-        self.problems: list[Problem] = []
+        self._names: list[Problem] = []
+        self._values: list[Problem] = []
         self._lines = lines
         self._overrides = overrides
-        self._unsure: set[str] = set()
-        self.misread: dict[str, tuple[str, str, str]] = {}
 
-    def unsure_of(self, what: str) -> None:
-        """Note that a name of a kind (`what`: "axes", "law", ...) was misread.
+    def add(
+        self,
+        path: Path,
+        message: str,
+        allowed: str = "",
+        suggestion: str = "",
+        of_name: bool = False,
+    ) -> None:
+        """Note that `message` is wrong with the value, or the name (`of_name`), at `path`."""
+        problems = self._names if of_name else self._values
+        if len(problems) <= MOST_PROBLEMS:
+            override = self._override_at(path)
+            place = dotted(path) if override is None else f"{dotted(path)} (--set {override})"
+            line = None if override is not None else self._line_at(path)
+            problems.append(Problem(place, message, allowed, suggestion, line))
 
-        What would only follow from that is not noted: a mistake is told once.
-        """
-        self._unsure.add(what)
-
-    def is_sure_of(self, *kinds: str) -> bool:
-        """Whether all names of these kinds were understood."""
-        return self._unsure.isdisjoint(kinds)
-
-    def rename(self, written: str, meant: str) -> None:
-        """Find the lines of the table `written` under the name `meant` from here on."""
-        self._lines = {
-            (meant, *path[1:]) if path[0] == written else path: line
-            for path, line in self._lines.items()
-        }
-
-    def add(self, path: Path, message: str, allowed: str = "", suggestion: str = "") -> None:
-        """Note that `message` is wrong with the value at `path`."""
-        override = self._override_at(path)
-        place = dotted(path) if override is None else f"{dotted(path)} (--set {override})"
-        line = None if override is not None else self._line_at(path)
-        self.problems.append(Problem(place, message, allowed, suggestion, line))
-        if len(self.problems) >= MOST_PROBLEMS:
-            enough = Problem("case", f"no more than {MOST_PROBLEMS:,} problems are told")
-            raise CaseError(self.source, [*in_order(self.problems), enough])
+    def unknown(
+        self, path: Path, message: str, name: str, known: Collection[str], suggestion: str = ""
+    ) -> None:
+        """Note that `name`, at `path`, is none of the `known` names."""
+        if len(self._names) <= MOST_PROBLEMS:
+            self.add(path, message, listed(known), suggestion or suggest(name, known), True)
 
     def add_problems(self, problems: Sequence[Problem]) -> None:
         """Note problems that know their place already."""
-        self.problems.extend(problems)
+        self._values.extend(problems)
 
-    def raise_if_any(self, case: Any = None) -> None:
-        """CaseError with every problem, and the case as far as it is sure, if there is one."""
-        if self.problems:
-            raise CaseError(self.source, in_order(self.problems), case)
+    def raise_if_any(self) -> None:
+        """CaseError with every problem, of names or values."""
+        self._raise([*self._names, *self._values])
+
+    def raise_by_phase(self) -> None:
+        """CaseError with every unknown name; where all are known, with every wrong value."""
+        self._raise(self._names or self._values)
+
+    def _raise(self, problems: Sequence[Problem]) -> None:
+        if not problems:
+            return
+        told = in_order(problems)[:MOST_PROBLEMS]
+        if len(problems) > MOST_PROBLEMS:
+            told.append(Problem("case", f"no more than {MOST_PROBLEMS:,} problems are told"))
+        raise CaseError(self.source, told)
 
     def _override_at(self, path: Path) -> str | None:
         """The last override that wrote `path`, or a table above it, or made it on its way."""

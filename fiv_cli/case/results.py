@@ -8,23 +8,20 @@ from typing import Any
 
 from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
+from fiv_cli.case.form import Form
 from fiv_cli.case.grammar import parse_condition
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, TakeTable
-from fiv_cli.case.tables import read_tables
-from fiv_cli.notation.names import ascii_name, can_name_a_file, listed, suggest
+from fiv_cli.notation.names import ascii_name, axis_name, can_name_a_file
 from fiv_cli.notation.units import convert
 
 
 @dataclass(frozen=True)
 class Answers:
-    """What figures and claims may speak of: the case's axes, starts and analyses.
+    """What figures and claims may speak of: the case's axes, starts and analyses."""
 
-    `physics` is None when the model is not known; names are then not checked.
-    """
-
-    physics: Physics | None
+    physics: Physics
     axes: tuple[Axis, ...]
     starts: tuple[StartSpec, ...]
     analyses: tuple[AnalysisSpec, ...]
@@ -37,15 +34,25 @@ class Answers:
         """Labels along ``initial``; a random start stands for all of its own."""
         return [start.label for start in self.starts]
 
+    def has_label(self, value: object) -> bool:
+        """Whether `value` is a label, or the first part of those of a random start."""
+        random = tuple(f"{start.label}-" for start in self.starts if start.kind == "random")
+        return value in self.labels() or str(value).startswith(random)
+
+    def unit(self, name: str) -> str:
+        """The unit of an axis of numbers."""
+        if name.startswith("initial."):
+            return self.physics.units_of_states()[name.removeprefix("initial.")]
+        return self.physics.table()[name].unit
+
 
 def read_figures(
-    raw: Mapping[str, Any], answers: Answers, report: Report
+    form: Form, written: Sequence[Mapping[str, Any]], answers: Answers, report: Report
 ) -> tuple[FigureSpec, ...]:
-    """The figures in order, each with a name of its own."""
+    """The figures in order, each with a name of its own; `written` is how the case has them."""
     figures: list[FigureSpec] = []
-    for place, element, table in read_tables(
-        FigureTable, raw.get("figure", []), ("figure",), report
-    ):
+    for index, (table, element) in enumerate(zip(form.figure, written, strict=True)):
+        place = ("figure", index)
         _check_analysis(table.analysis, answers, place, report)
         _check_figure_axes(table, answers, place, report)
         taken = [figure.name for figure in figures]
@@ -60,11 +67,10 @@ def read_figures(
     return tuple(figures)
 
 
-def read_claims(raw: Mapping[str, Any], answers: Answers, report: Report) -> tuple[ClaimSpec, ...]:
+def read_claims(form: Form, answers: Answers, report: Report) -> tuple[ClaimSpec, ...]:
     """The claims in order."""
     return tuple(
-        _claim(table, place, answers, report)
-        for place, _, table in read_tables(ClaimTable, raw.get("claim", []), ("claim",), report)
+        _claim(table, ("claim", index), answers, report) for index, table in enumerate(form.claim)
     )
 
 
@@ -76,23 +82,19 @@ def _free(name: str, taken: Sequence[str]) -> str:
 
 def _check_analysis(name: str | None, answers: Answers, place: Path, report: Report) -> None:
     known = [analysis.name for analysis in answers.analyses]
-    if name is not None and name not in known and report.is_sure_of("analyses"):
-        report.add(
-            (*place, "analysis"),
-            f"there is no analysis named {name!r}",
-            listed(known),
-            suggest(name, known),
-        )
+    if name is not None and name not in known:
+        report.unknown((*place, "analysis"), f"there is no analysis named {name!r}", name, known)
 
 
 def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report: Report) -> None:
     for key, known in _known_of_axes(table.kind, answers).items():
-        value = getattr(table, key)
-        if value is not None and answers.physics is not None and ascii_name(value) not in known:
-            message = f"a figure of kind {table.kind!r} has no {key} {value!r}"
-            note_no_axis(ascii_name(value), message, (*place, key), known, answers.physics, report)
-    missing = table.kind == "map" and answers.physics is not None and len(answers.axes) < 2
-    if missing and report.is_sure_of("axes"):
+        name = axis_name(getattr(table, key) or "")
+        message = f"a figure of kind {table.kind!r} has no {key} {name!r}"
+        if name and name not in known and table.kind == "phase":
+            report.unknown((*place, key), message, name, known)
+        elif name and name not in known:
+            note_no_axis(name, message, (*place, key), known, answers.physics, report)
+    if table.kind == "map" and len(answers.axes) < 2:
         report.add(place, "a map needs a grid of two axes")
     if table.kind == "map" and table.overlay and table.level is None:
         message = "maps are overlaid as lines, and no level says which"
@@ -101,7 +103,7 @@ def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report
 
 def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:
     """For each of x and y that names an axis in a figure of this kind: what it may be."""
-    states = list(answers.physics.units_of_states()) if answers.physics else []
+    states = list(answers.physics.units_of_states())
     axes = [axis.name for axis in answers.axes]
     if kind == "phase":
         return {"x": states, "y": states}
@@ -129,11 +131,10 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
 def _take(table: TakeTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
     """What is taken, its axes by their contract names and its reference in SI."""
     known = [*answers.axis_names(), "initial", *own_dims()]
-    over = [ascii_name(name).removeprefix("friction.") for name in table.over]
-    for name in over:
-        if answers.physics is not None and name not in known:
-            message = f"{name!r} is no axis of this case"
-            note_no_axis(name, message, (*place, "over"), known, answers.physics, report)
+    over = list(map(axis_name, table.over))
+    for name in [name for name in over if name not in known]:
+        message = f"{name!r} is no axis of this case"
+        note_no_axis(name, message, (*place, "over"), known, answers.physics, report)
     found: dict[str, Any] = {"what": table.what, "over": over}
     if table.of is not None:
         found["of"] = table.of
@@ -150,50 +151,30 @@ def _selection(
     kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
     found = {}
     for key, value in given.items():
-        name = ascii_name(key).removeprefix("friction.")
+        name, at = axis_name(key), (*place, key)
         if name not in kinds:
-            if answers.physics is not None:
-                known = [*answers.axis_names(), "initial"]
-                message = f"{name!r} is no axis of this case"
-                note_no_axis(name, message, (*place, key), known, answers.physics, report)
-            continue
-        try:
-            found[name] = _selected(name, kinds[name], value, answers)
-        except ValueError as error:
-            if kinds[name] != "label" or report.is_sure_of("starts"):
-                report.add((*place, key), str(error))
+            known = [*answers.axis_names(), "initial"]
+            message = f"{name!r} is no axis of this case"
+            note_no_axis(name, message, at, known, answers.physics, report)
+        elif kinds[name] == "label" and not answers.has_label(value):
+            labels = answers.labels()
+            report.unknown(at, f"there is no start {value!r}", str(value), labels)
+        else:
+            try:
+                found[name] = _selected(name, kinds[name], value, answers)
+            except ValueError as error:
+                report.add(at, str(error))
     return found
 
 
 def _selected(name: str, kind: str, value: Any, answers: Answers) -> Any:
-    if kind == "label":
-        _check_label(value, answers)
-        return value
-    if kind == "option" and answers.physics is not None:
+    if kind == "option":
         return next(o for o in answers.physics.model.options if o.name == name).text(value)
-    if kind in ("own", "option", "law") or not isinstance(value, str):
+    if kind in ("own", "label", "law") or not isinstance(value, str):
         return value
     if parse_condition(value):
         return value.strip()
-    return convert(value, _unit(name, answers))
-
-
-def _check_label(value: object, answers: Answers) -> None:
-    labels = answers.labels()
-    random = tuple(f"{start.label}-" for start in answers.starts if start.kind == "random")
-    if value not in labels and not str(value).startswith(random):
-        hint = suggest(str(value), labels)
-        raise ValueError(
-            f"there is no start {value!r}; there are: {listed(labels)}. {hint}".strip()
-        )
-
-
-def _unit(name: str, answers: Answers) -> str:
-    if answers.physics is None:
-        return "1"
-    if name.startswith("initial."):
-        return answers.physics.units_of_states()[name.removeprefix("initial.")]
-    return answers.physics.table()[name].unit
+    return convert(value, answers.unit(name))
 
 
 def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> ClaimSpec:

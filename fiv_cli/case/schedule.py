@@ -2,37 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from fiv_cli.analyses import all_analyses, get_analysis
 from fiv_cli.case.case import AnalysisSpec, Axis
-from fiv_cli.case.grid import fixed_places
+from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import CurveTable
-from fiv_cli.case.tables import read_table
-from fiv_cli.models.base import Forcing, Parameter
-from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.models.base import Forcing, Parameter, leaders
+from fiv_cli.notation.names import listed
 from fiv_cli.notation.units import convert
-from fiv_cli.notation.values import check_quantity, describe
+from fiv_cli.notation.values import check_quantity
 from fiv_cli.schedule import STEADY, Points, Schedule, make_schedule
 
 _FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
 
 
-def read_schedule(
-    raw: Mapping[str, Any], physics: Physics, axes: Sequence[Axis], report: Report
-) -> Schedule:
+def read_schedule(form: Form, physics: Physics, axes: Sequence[Axis], report: Report) -> Schedule:
     """What varies in time, with every parameter that follows one of them."""
     curves: dict[str, Points] = {}
-    for key, place, value in _entries(raw.get("schedule", {}), report):
-        name = ascii_name(key).removeprefix("friction.")
+    for name, place, table in form.schedule:
         if name in curves:
             report.add(place, f"the schedule of {name!r} is given twice")
-        elif _may_vary(name, place, raw, physics, axes, report):
-            points = _points(physics.table()[name], value, place, report)
+        elif _may_vary(name, place, form, physics, axes, report):
+            points = _points(physics.table()[name], table, place, report)
             if points is not None:
                 curves[name] = points
     if not curves:
@@ -50,7 +45,7 @@ def at_the_start(physics: Physics, schedule: Schedule) -> Physics:
 
 
 def refuse_unsuited_analyses(
-    raw: Mapping[str, Any], schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
+    form: Form, schedule: Schedule, analyses: Sequence[AnalysisSpec], report: Report
 ) -> None:
     """Steady states, equilibria and eigenvalues belong to constant parameters, others do not."""
     names = listed(schedule.names)
@@ -66,7 +61,7 @@ def refuse_unsuited_analyses(
                 meant
                 or f"give it a case of its own without [schedule], with {names} fixed or an axis",
             )
-        elif not raw.get("schedule") and not analysis.constant:
+        elif not form.schedule and not analysis.constant:
             report.add(
                 ("analysis", index),
                 f"{spec.kind!r} belongs to parameters that vary, but there is no [schedule]",
@@ -76,38 +71,22 @@ def refuse_unsuited_analyses(
             )
 
 
-def _entries(table: object, report: Report) -> Iterable[tuple[str, Path, Any]]:
-    """Each curve with its place; ``friction.mu_k`` may be written without quotes."""
-    if not isinstance(table, dict):
-        report.add(("schedule",), f"must be a table, not {describe(table)}")
-        return
-    for key, value in table.items():
-        if key == "friction" and isinstance(value, dict):
-            yield from ((k, ("schedule", key, k), inner) for k, inner in value.items())
-        else:
-            yield key, ("schedule", key), value
-
-
 def _may_vary(
-    name: str,
-    place: Path,
-    raw: Mapping[str, Any],
-    physics: Physics,
-    axes: Sequence[Axis],
-    report: Report,
+    name: str, place: Path, form: Form, physics: Physics, axes: Sequence[Axis], report: Report
 ) -> bool:
     """Whether a schedule of `name` makes sense; notes why it does not."""
     known = physics.varying()
-    if name not in known:
+    if name not in physics.table():
         meanings = {key: parameter.meaning for key, parameter in known.items()}
-        report.add(place, _why_not(name, physics), listed(known), suggest(name, meanings))
+        report.unknown(place, f"there is no parameter {name!r} to vary in time", name, meanings)
         return False
     derived = physics.model.derived
-    if derived is not None and name in derived.sources:
-        message = f"the modes of the plate depend on {name!r}: it cannot vary in time"
-        report.add(place, message, listed([one for one in known if one not in derived.sources]))
+    sources = () if derived is None else derived.sources
+    free = [other for other in known if other not in sources]
+    if name not in free:
+        report.add(place, _why_not(name, sources, physics), listed(free))
         return False
-    clashes = [".".join(map(str, where)) for where in fixed_places(raw, name)]
+    clashes = [".".join(map(str, where)) for where in form.places_of(name)]
     clashes += [f"grid.{axis.name}, as an axis" for axis in axes if axis.name == name]
     for shown in clashes:
         message = f"{name!r} varies in time and is also given by {shown}"
@@ -115,22 +94,19 @@ def _may_vary(
     return not clashes
 
 
-def _why_not(name: str, physics: Physics) -> str:
+def _why_not(name: str, sources: Collection[str], physics: Physics) -> str:
+    if name in sources:
+        return f"the modes of the plate depend on {name!r}: it cannot vary in time"
     if any(name in law.structural for law in physics.laws):
         return f"{name!r} is part of the form of the law: it cannot vary in time"
-    if name in physics.table():
-        return f"{name!r} cannot vary in time (it counts, or not every law in use has it)"
-    return f"there is no parameter {name!r} to vary in time"
+    return f"{name!r} cannot vary in time (it counts, or not every law in use has it)"
 
 
-def _points(parameter: Parameter, value: object, place: Path, report: Report) -> Points | None:
+def _points(parameter: Parameter, table: CurveTable, place: Path, report: Report) -> Points | None:
     """The curve as (time, value) in SI; None and a note where it is not sound."""
-    table = read_table(CurveTable, value, place, report)
-    if table is None or not isinstance(value, dict) or not value.keys() <= table.model_fields_set:
-        return None
-    if value.keys() == {"points"}:
+    if table.model_fields_set == {"points"}:
         return _listed(parameter, table.points or [], place, report)
-    if value.keys() == {"start", "stop", "over"}:
+    if table.model_fields_set == {"start", "stop", "over"}:
         return _ramp(parameter, table, place, report)
     report.add(place, "is neither a ramp nor a list of points", _FORMS)
     return None
@@ -190,10 +166,9 @@ def _following(
     curves: Mapping[str, Points], physics: Physics, axes: Sequence[Axis]
 ) -> dict[str, Points]:
     """Parameters whose value is that of one that varies, because nothing else gives them one."""
-    given = {key.split(".")[-1] for key in physics.fixed} | {axis.name for axis in axes}
-    free = [p for p in physics.table().values() if p.name not in given | curves.keys()]
-    leaders = {p.name: p.default_from for p in free if p.default_from is not None}
-    return {name: curves[leader] for name, leader in leaders.items() if leader in curves}
+    given = {*physics.given, *curves, *(axis.name for axis in axes)}
+    found = leaders(physics.table().values(), given)
+    return {name: curves[leader] for name, leader in found.items() if leader in curves}
 
 
 # --- phases ---------------------------------------------------------------------------------------

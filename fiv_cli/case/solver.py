@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.case.form import Form
 from fiv_cli.case.report import Report
 from fiv_cli.case.structure import SolverTable
-from fiv_cli.case.tables import read_table
 from fiv_cli.notation.units import convert
 
 _RTOL = (1e-15, 1e-3)
 
 
-def read_solver(raw: Mapping[str, Any], report: Report) -> SolverSettings:
+def read_solver(form: Form, report: Report) -> SolverSettings:
     """The solver settings, defaults filled in."""
-    table = read_table(SolverTable, raw.get("solver", {}), ("solver",), report)
-    if table is None:
-        return SolverSettings()
+    table = form.solver
     if not _RTOL[0] <= table.rtol <= _RTOL[1]:
         report.add(
             ("solver", "rtol"), f"{table.rtol!r} is out of range", f"{_RTOL[0]:g} to {_RTOL[1]:g}"

@@ -81,10 +81,6 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, populate_by_name=False)
 
-    # What stands in for required keys that are missing or wrong, so that the rest of the table
-    # can be checked all the same.
-    placeholders: ClassVar[Mapping[str, Any]] = {}
-
     # Key of 0.1.0 that is gone -> what to write now for the value it has.
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {}
 
@@ -134,8 +130,6 @@ class CurveTable(Table):
 class RefineTable(Table):
     """How a grid is halved along the borders of a class."""
 
-    placeholders: ClassVar[Mapping[str, Any]] = {"levels": 1}
-
     levels: int = Field(description="how often the spacing of the grid is halved")
     of: str = Field(default="attractor", description="class whose borders are followed")
     along: list[str] | None = Field(
@@ -159,8 +153,6 @@ class SweepTable(Table):
 
 class InitialTable(Table):
     """One start of the motion."""
-
-    placeholders: ClassVar[Mapping[str, Any]] = {"kind": "state"}
 
     label: str | None = Field(default=None, description="unique name; default: the kind")
     kind: Literal["equilibrium", "state", "random", "continue"] = Field(
@@ -248,7 +240,6 @@ FigureKind = Literal[
 class FigureTable(Table):
     """One figure that `fiv plot` draws."""
 
-    placeholders: ClassVar[Mapping[str, Any]] = {"kind": "history"}
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {"share": in_place_of_share}
 
     kind: FigureKind = Field(description="kind of figure")
@@ -283,12 +274,6 @@ class FigureTable(Table):
 class ClaimTable(Table):
     """What the publication says, as a check."""
 
-    placeholders: ClassVar[Mapping[str, Any]] = {
-        "source": "",
-        "text": "",
-        "variable": "",
-        "expect": "periodic",
-    }
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {
         "share": in_place_of_share,
         "reduce": in_place_of_reduce,

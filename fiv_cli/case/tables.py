@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from copy import deepcopy
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from fiv_cli.case.report import Path, Report
-from fiv_cli.notation.names import listed, nearest, suggest
+from fiv_cli.notation.names import nearest, suggest
 from fiv_cli.notation.values import describe
 
 MOST_TABLES = 2000
@@ -19,62 +18,26 @@ T = TypeVar("T", bound=BaseModel)
 
 
 def read_table(form: type[T], raw: object, path: Path, report: Report) -> T | None:
-    """`raw` as a `form`, or None when too little of it is right.
-
-    Keys with a problem are noted and left out, so that the rest of the table can still be
-    checked.
-    """
+    """`raw` as a `form`, or None, and every problem noted, when it is none."""
     if not isinstance(raw, dict):
         report.add(path, f"must be a table, not {describe(raw)}")
         return None
-    raw = _meant(form, raw, path, report)
     try:
         return form.model_validate(raw)
     except ValidationError as error:
-        errors = _one_per_place(error)
-    remaining = deepcopy(raw)
-    for place, details in errors.items():
-        _note(form, path + place, details, report)
-        _remove(remaining, place)
-    return _valid_or_none(form, remaining)
+        for place, details in _one_per_place(error).items():
+            _note(_form_at(form, place), (*path, *place), details, report)
+    return None
 
 
-def _meant(
-    form: type[BaseModel], raw: dict[str, Any], path: Path, report: Report
-) -> dict[str, Any]:
-    """`raw` with each misspelt key, noted, under the key that it resembles and that is not given.
-
-    In a table whose further keys are checked elsewhere only the keys that must be there count.
-    """
-    keys = keys_of(form)
-    is_open = form.model_config.get("extra") == "allow"
-    fields = form.model_fields.items()
-    needed = {field.alias or name for name, field in fields if field.is_required() or not is_open}
-    found = {key: value for key, value in raw.items() if key in keys}
-    for key in [key for key in raw if key not in keys]:
-        meant = nearest(key, needed - found.keys())
-        if meant is not None:
-            _note_unknown(keys, (*path, key), report)
-        found[meant or key] = raw[key]
-    for name, inner in _tables_in(form).items():
-        if isinstance(found.get(name), dict):
-            found[name] = _meant(inner, found[name], (*path, name), report)
-    return found
-
-
-def _tables_in(form: type[BaseModel]) -> dict[str, type[BaseModel]]:
-    """Key -> form, of the keys that hold a table."""
-    return {
-        field.alias or name: kind
-        for name, field in form.model_fields.items()
-        for kind in (field.annotation, *get_args(field.annotation))
-        if isinstance(kind, type) and issubclass(kind, BaseModel)
-    }
-
-
-def _note_unknown(keys: Mapping[str, str], path: Path, report: Report) -> None:
-    key = str(path[-1])
-    report.add(path, f"unknown key {key!r}", listed(keys), suggest(key, keys))
+def _form_at(form: type[BaseModel], place: Path) -> type[BaseModel]:
+    """The form of the table, in a `form`, whose key is at `place`."""
+    field = {name.alias or key: name for key, name in form.model_fields.items()}.get(str(place[0]))
+    if field is None or len(place) == 1:
+        return form
+    kinds = (field.annotation, *get_args(field.annotation))
+    tables = (kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))
+    return next(tables, form)
 
 
 def read_tables(
@@ -102,13 +65,6 @@ def keys_of(form: type[BaseModel]) -> dict[str, str]:
     }
 
 
-def _valid_or_none(form: type[T], raw: dict[str, Any]) -> T | None:
-    try:
-        return form.model_validate({**getattr(form, "placeholders", {}), **raw})
-    except ValidationError:
-        return None
-
-
 def _one_per_place(error: ValidationError) -> dict[Path, Mapping[str, Any]]:
     """Pydantic names the branch of a union in the place; cut there, and keep the first error."""
     places: dict[Path, Mapping[str, Any]] = {}
@@ -132,9 +88,9 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
     if kind == "extra_forbidden" and gone is not None:
         report.add(path, gone(value))
     elif kind == "extra_forbidden":
-        _note_unknown(keys_of(form), path, report)
+        _note_unknown(form, path, report)
     elif kind == "missing":
-        report.add(path, "is missing", keys_of(form).get(str(path[-1]), ""))
+        _note_missing(form, path, value, report)
     elif kind == "literal_error":
         expected = str(details["ctx"]["expected"])
         names = expected.replace("'", "").replace(" or ", ", ").split(", ")
@@ -143,6 +99,23 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
         report.add(path, str(details["ctx"]["error"]))
     else:
         report.add(path, f"{describe(value)} does not fit", _expected(kind, details))
+
+
+def _note_unknown(form: type[BaseModel], path: Path, report: Report) -> None:
+    key = str(path[-1])
+    report.unknown(path, f"unknown key {key!r}", key, keys_of(form))
+
+
+def _note_missing(
+    form: type[BaseModel], path: Path, table: Mapping[str, Any], report: Report
+) -> None:
+    """A key that is missing, unless it is there and misspelt: that is told of what is written."""
+    key, known = str(path[-1]), keys_of(form)
+    misspelt = nearest(key, [written for written in table if written not in known])
+    if misspelt is None:
+        report.add(path, "is missing", known.get(key, ""))
+    elif form.model_config.get("extra") == "allow":
+        _note_unknown(form, (*path[:-1], misspelt), report)
 
 
 def _expected(kind: str, details: Mapping[str, Any]) -> str:
@@ -155,14 +128,3 @@ def _expected(kind: str, details: Mapping[str, Any]) -> str:
         "model_type": "a table",
     }
     return words.get(kind, str(details["msg"]))
-
-
-def _remove(raw: dict[str, Any], place: Path) -> None:
-    """Delete what is at `place`; of a list, the whole list."""
-    parent: Any = raw
-    for part in place[:-1]:
-        if not isinstance(parent.get(part), dict):
-            parent.pop(part, None)
-            return
-        parent = parent[part]
-    parent.pop(place[-1], None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 
 from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.catalogue import possible_variables
@@ -129,8 +129,7 @@ def _schedule(drive: Parameter, mark: str) -> list[str]:
 
 def _swept(model: Model, law: Law) -> list[Parameter]:
     """The parameters, those worth a sweep first."""
-    adopted = model.adopted(law.parameters)
-    known: Mapping[str, Parameter] = {p.name: p for p in (*model.parameters, *adopted)}
+    known = {p.name: p for p in model.parameters_under(law.parameters)}
     first = [name for name in _SWEPT_FIRST if name in known]
     return [known[name] for name in dict.fromkeys([*first, *known])]
 

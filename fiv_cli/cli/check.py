@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import click
 
@@ -68,12 +67,12 @@ def _print(verdicts: Iterable[Verdict]) -> None:
             click.echo(str(verdict.error), err=True)
 
 
-def _document(verdict: Verdict) -> dict[str, Any]:
+def _document(verdict: Verdict) -> dict[str, object]:
     problems = verdict.error.problems if isinstance(verdict.error, CaseError) else ()
     return {
         "case": verdict.source,
         "valid": verdict.error is None,
-        "plan": list(verdict.plan),
+        "plan": verdict.plan,
         "error": None if verdict.error is None else str(verdict.error).splitlines()[0],
-        "problems": [asdict(problem) for problem in problems],
+        "problems": problems,
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,15 +49,14 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
     \b
     Examples:
       fiv claims configs/ch7
-      fiv claims configs/ch7/fig_7_06.toml --json
+      fiv claims configs/ch7/fig_7_06_reached.toml --json
     """
     from fiv_cli.reading.undecided import Undecided
 
     undecided = Undecided()
     ledger = [e for path in case_files(paths or (DEFAULT,)) for e in judge(path, undecided)]
     if as_json:
-        found = {"claims": [asdict(entry) for entry in ledger], "classes": undecided.as_plain()}
-        print_json(found)
+        print_json({"claims": ledger, "classes": undecided.as_plain()})
     else:
         counted = [undecided.line()] if undecided.points else []
         click.echo(printable("\n".join([*lines(ledger), *counted])))
@@ -103,9 +102,9 @@ def _is_case(file: Path) -> bool:
 
 def judge(path: Path, undecided: Undecided) -> list[Entry]:
     """The ledger of one case file; its points without a class are counted in `undecided`."""
-    from fiv_cli.reading.asked import load_checked
+    from fiv_cli import api
 
-    case = load_checked(path)
+    case = api.load(path)
     analyses, missing = _dataset_of(case)
     undecided.add((analyses or {}).values())
     return [_entry(path, claim, analyses, missing) for claim in case.claims]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 import click
@@ -34,9 +36,26 @@ def provide_cache() -> None:
     cache.provide()
 
 
-def print_json(document: dict[str, Any]) -> None:
-    """One JSON object with the schema number first."""
-    click.echo(json.dumps({"schema": JSON_SCHEMA, **document}, indent=2, ensure_ascii=False))
+def print_json(document: Mapping[str, object]) -> None:
+    """One JSON object with the schema number first; see `plain`."""
+    found = {"schema": JSON_SCHEMA, **plain(document)}
+    click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+
+
+def plain(value: Any) -> Any:
+    """Dataclasses, tables and sequences as JSON values.
+
+    JSON has no NaN and no infinity (null stands for them), and of a dataclass what is a function is
+    left out.
+    """
+    if is_dataclass(value):
+        shown = {field.name: getattr(value, field.name) for field in fields(value)}
+        return {name: plain(item) for name, item in shown.items() if not callable(item)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

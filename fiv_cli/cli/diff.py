@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -40,7 +39,7 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
     chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
     found = compare(read_analyses(first), read_analyses(second), chosen)
     if as_json:
-        print_json({"equal": not found, "differences": [asdict(one) for one in found]})
+        print_json({"equal": not found, "differences": found})
     else:
         for one in found:
             count = f" ({one.count})" if one.count > 1 else ""

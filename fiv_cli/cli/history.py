@@ -57,7 +57,7 @@ def command(
 
     \b
     Examples:
-      fiv history configs/ch7/fig_7_06.toml --at Omega=2,N0=30,initial=far --t-end 20
+      fiv history configs/ch7/fig_7_06_reached.toml --at Omega=2,N0=30 --t-end 20
       fiv history a.toml --at mu_k=0.3 -o motion.nc && fiv plot motion.nc
     """
     from fiv_cli import api

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -43,9 +43,9 @@ def _show_models(name: str | None, as_json: bool) -> None:
     models = all_models()
     if name is not None:
         model = pick(name, models, "model", "fiv models")
-        print_json(model_document(model)) if as_json else _print_model(model)
+        print_json(_model_document(model)) if as_json else _print_model(model)
     elif as_json:
-        print_json({"models": [model_document(model) for model in models.values()]})
+        print_json({"models": [_model_document(model) for model in models.values()]})
     else:
         rows = [(model.name, model.title, model.reference) for model in models.values()]
         print_table("Models (fiv models NAME says more)", ("name", "what", "reference"), rows)
@@ -57,68 +57,29 @@ def _show_laws(name: str | None, as_json: bool) -> None:
     laws = all_laws()
     if name is not None:
         law = pick(name, laws, "friction law", "fiv models --laws")
-        print_json(law_document(law)) if as_json else _print_law(law)
+        print_json(_law_document(law)) if as_json else _print_law(law)
     elif as_json:
-        print_json({"laws": [law_document(law) for law in laws.values()]})
+        print_json({"laws": [_law_document(law) for law in laws.values()]})
     else:
         rows = [(law.name, law.title, _names(law.parameters)) for law in laws.values()]
         print_table('Friction laws (law = "NAME")', ("name", "what", "parameters"), rows)
         click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"')
 
 
-def model_document(model: Model) -> dict[str, Any]:
-    """Everything the tables of a model say, as JSON values."""
-    options = model.default_options()
-    return {
-        "name": model.name,
-        "title": model.title,
-        "reference": model.reference,
-        "parameters": [_parameter_document(parameter) for parameter in model.parameters],
-        "states": [
-            {"name": s.name, "symbol": s.symbol, "unit": s.unit, "meaning": s.meaning}
-            for s in model.states(options)
-        ],
-        "options": [
-            {"name": o.name, "choices": o.choices, "default": o.default, "meaning": o.meaning}
-            | ({"form": o.form} if o.form else {})
-            for o in model.options
-        ],
-        "laws": list(model.laws),
-        "law_defaults": dict(model.law_defaults),
+def _model_document(model: Model) -> dict[str, object]:
+    """Everything the tables of a model say."""
+    keys = ("name", "title", "reference", "parameters", "options", "laws", "law_defaults")
+    states = model.states(model.default_options())
+    return {key: getattr(model, key) for key in keys} | {
+        "states": states,
         "contacts": model.contacts,
     }
 
 
-def law_document(law: Law) -> dict[str, Any]:
-    """Everything the table of a law says, as JSON values."""
-    return {
-        "name": law.name,
-        "title": law.title,
-        "reference": law.reference,
-        "sticks": law.capacity is not None,
-        "parameters": [_parameter_document(parameter) for parameter in law.parameters],
-    }
-
-
-def _parameter_document(parameter: Parameter) -> dict[str, Any]:
-    """A parameter; an open end of its range is left out."""
-    bounds = {
-        key: value
-        for key, value in (("minimum", parameter.minimum), ("maximum", parameter.maximum))
-        if abs(value) != float("inf")
-    }
-    return {
-        "name": parameter.name,
-        "symbol": parameter.symbol,
-        "unit": parameter.unit,
-        "default": parameter.default,
-        "default_from": parameter.default_from,
-        "meaning": parameter.meaning,
-        "equation": parameter.equation,
-        "integer": parameter.integer,
-        "exclusive": parameter.exclusive,
-        **bounds,
-    }
+def _law_document(law: Law) -> dict[str, object]:
+    """Everything the table of a law says."""
+    keys = ("name", "title", "reference", "parameters")
+    return {key: getattr(law, key) for key in keys} | {"sticks": law.capacity is not None}
 
 
 def _print_model(model: Model) -> None:

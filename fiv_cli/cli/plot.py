@@ -39,7 +39,7 @@ def command(
 
     \b
     Examples:
-      fiv plot runs/fig_7_06.nc
+      fiv plot runs/fig_7_06_reached.nc
       fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf
       fiv plot runs/damped.nc runs/undamped.nc --figure bifurcation -o both.svg
       fiv plot --law coulomb --law stribeck

@@ -119,12 +119,12 @@ def _store(output: Path, reference: Path) -> None:
 
 
 def _run(sweep: Sweep, output: Path, workers: int) -> None:
-    from fiv_cli.reading.asked import load_checked
+    from fiv_cli import api
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
 
-    run_case(load_checked(sweep.case), output, Policy(workers=workers), for_stderr(quiet=True))
+    run_case(api.load(sweep.case), output, Policy(workers=workers), for_stderr(quiet=True))
 
 
 def _differences(sweep: Sweep, output: Path) -> list[Difference]:

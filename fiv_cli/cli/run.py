@@ -75,7 +75,7 @@ def command(
 
     \b
     Examples:
-      fiv run configs/ch7/fig_7_06.toml
+      fiv run configs/ch7/fig_7_06_reached.toml
       fiv run a.toml b.toml --workers 4
       fiv run a.toml --set grid.mu_k=[0.3] -o one.nc
       fiv run a.toml --max-points 20          # a first look

@@ -21,7 +21,7 @@ def command(file: Path, as_json: bool) -> None:
 
     \b
     Example:
-      fiv show runs/fig_7_06.nc
+      fiv show runs/fig_7_06_reached.nc
     """
     from fiv_cli.reading.datasets import read_analyses
     from fiv_cli.reading.summary import lines, summarise

@@ -22,7 +22,7 @@ def command(case: str, output: Path | None, overrides: tuple[str, ...], as_json:
 
     \b
     Examples:
-      fiv status configs/ch7/fig_7_06.toml
+      fiv status configs/ch7/fig_7_06_reached.toml
       fiv status a.toml --set grid.mu_k=[0.3] --json
     """
     document = _document(case, output, overrides)
@@ -35,15 +35,15 @@ def command(case: str, output: Path | None, overrides: tuple[str, ...], as_json:
 
 def _document(source: str, output: Path | None, overrides: tuple[str, ...]) -> dict[str, Any]:
     """What is known of a run, as plain data."""
+    from fiv_cli import api
     from fiv_cli.case.identity import default_output, differences
-    from fiv_cli.reading.asked import load_checked
     from fiv_cli.sweep.journal import Journal, stored_identity
     from fiv_cli.sweep.lock import holder
     from fiv_cli.sweep.output import run_folder
     from fiv_cli.sweep.plan import make_plan
     from fiv_cli.sweep.run import count_statuses, refinements
 
-    case = load_checked(source, overrides)
+    case = api.load(source, overrides)
     path = output or default_output(case)
     folder = run_folder(path)
     journal = Journal(folder, make_plan(case))

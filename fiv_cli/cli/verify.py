@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, print_table, provide_cache
+from fiv_cli.cli.common import json_option, plain, print_json, print_table, provide_cache
 
 if TYPE_CHECKING:
     from fiv_cli.verify import Check
@@ -44,21 +44,7 @@ def command(as_json: bool) -> int:
 
 
 def _document(check: Check) -> dict[str, object]:
-    """One check as plain data; an error that is not a number is null."""
-    return {
-        "name": check.name,
-        "source": check.source,
-        "found": _number(check.found),
-        "expected": check.expected,
-        "error": _number(check.error),
-        "tolerance": check.tolerance,
-        "passed": check.passed,
-    }
-
-
-def _number(value: float) -> float | None:
-    """JSON has no NaN and no infinity."""
-    return value if abs(value) < float("inf") else None
+    return {**plain(check), "error": check.error, "passed": check.passed}
 
 
 def _print(checks: Sequence[Check]) -> None:

@@ -15,31 +15,22 @@ from itertools import product
 import sympy
 from sympy import Expr
 
+from fiv_cli.codegen.codes import (
+    CAPACITY_DOWN,
+    CAPACITY_UP,
+    GAP,
+    JAMMING,
+    NORMAL,
+    SEPARATION,
+    SLIP,
+    STICK,
+    VELOCITY,
+)
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.friction.base import Slip
 from fiv_cli.models.base import Contact, Equations, rate_of
 from fiv_cli.models.symbols import Symbols
-
-SLIP, STICK, SEPARATION = 0, 1, 2
-
-# Kinds of switching function; each is positive inside the contact state that it guards.
-VELOCITY = 0  # sign * v_rel of a slipping contact
-CAPACITY_UP = 1  # static capacity - F_T of a sticking contact
-CAPACITY_DOWN = 2  # static capacity + F_T of a sticking contact
-NORMAL = 3  # F_N of a closed contact
-GAP = 4  # gap of a separated contact
-JAMMING = 5  # determinant of the algebraic normal force
-
-# What `field` functions report per contact, and of the energy balance.
-CONTACT_OUTPUTS = ("F_N", "F_T", "slip_velocity")
-ENERGY_OUTPUTS = (
-    "kinetic_energy",
-    "potential_energy",
-    "other_power",  # damping, excitation, normal forces: what changes T + U without friction
-    "friction_power",  # of the friction forces on the system
-    "drive_power",  # put in by the belt or the disc through the contacts
-)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from fiv_cli.codegen import NUMERICS_VERSION, cache
 from fiv_cli.codegen.setup import Setup
+from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
     from fiv_cli.codegen.derive import ContactState, Derivation
@@ -145,18 +146,29 @@ def _model_files(model: Model) -> list[Path]:
     from fiv_cli.models import all_models
 
     others = {m.equations.__module__ for m in all_models().values() if m.name != model.name}
-    own = _source_file(model.equations.__module__)
+    own = _source_file(model)
     shared = (Path(__file__).parent.parent / "models").glob("*.py")
     kept = [file for file in shared if f"fiv_cli.models.{file.stem}" not in others]
     return sorted({own, *kept})
 
 
-def _source_file(module: str) -> Path:
+def _source_file(model: Model) -> Path:
+    """The file that a model is written in.
+
+    Raises
+    ------
+    UsageError
+        there is none: it was typed.
+    """
     import sys
 
-    file = sys.modules[module].__file__
-    assert file is not None
-    return Path(file)
+    path = Path(getattr(sys.modules[model.equations.__module__], "__file__", None) or "")
+    if not path.is_file():
+        raise UsageError(
+            f"model {model.name}: written in no file, whose text would tell its versions apart\n"
+            "next: write it in FILE.py and import it from there"
+        )
+    return path
 
 
 def _make(setup: Setup) -> bytes:

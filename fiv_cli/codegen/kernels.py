@@ -16,11 +16,14 @@ from functools import cache
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import (
     intrinsic,
     lower_builtin,
+    lower_getattr_generic,
+    lower_setattr_generic,
     models,
     overload,
     overload_attribute,
@@ -28,7 +31,7 @@ from numba.extending import (
     type_callable,
 )
 
-from fiv_cli.codegen.memory import ARRAYS, Frame, bits_of, call_generated, float_of
+from fiv_cli.codegen.memory import WORD, Field, Frame, Kind, bits_of, call_generated, float_of
 
 OPTIONS = {"error_model": "numpy"}
 SCALARS = {"float": types.float64, "int": types.int64, "bool": types.boolean}
@@ -71,8 +74,26 @@ class View(types.Type):
         super().__init__(name=f"View({element}, {depth})")
 
 
-class FrameType(types.Type):
-    """A frame in a kernel: its address. Every frame has a type derived from this one."""
+class FrameType(types.Record):
+    """A frame in a kernel: a record at an address, with views for arrays."""
+
+    dtype = np.dtype(np.void)  # numpy has no such record
+
+    def __init__(self, frame: type[Frame]) -> None:
+        self.frame = frame
+        fields = [
+            (name, {"type": _type_of_field(field.kind), "offset": WORD * field.place})
+            for name, field in frame.fields.items()
+        ]
+        super().__init__(fields, WORD * frame.length, True)
+
+
+def _type_of_field(kind: Kind) -> Any:
+    element = ELEMENTS[kind.element]
+    return View(element, kind.depth) if kind.depth else element
+
+
+register_model(FrameType)(models.OpaqueModel)
 
 
 @register_model(View)
@@ -129,10 +150,10 @@ def _view(context: Any, builder: Any, kind: View, data: Any, lengths: Iterable[A
     return value
 
 
-def _tag(builder: Any, access: Any, element: Any) -> Any:
-    """Floats and integers never share memory."""
+def _tag(builder: Any, access: Any, what: Any) -> Any:
+    """Floats, integers and each scalar of a frame never share memory."""
     module = builder.module
-    kind = module.add_metadata([str(element), module.add_metadata(["fiv"])])
+    kind = module.add_metadata([str(what), module.add_metadata(["fiv"])])
     access.set_metadata("tbaa", module.add_metadata([kind, kind, ir.Constant(INTEGER, 0)]))
     return access
 
@@ -193,47 +214,55 @@ def _word(builder: Any, words: Any, place: int) -> Any:
     return loaded
 
 
-def _field_reader(annotation: str, place: int) -> Any:
-    element, depth = ARRAYS[annotation]
-    kind = View(ELEMENTS[element], depth)
+@lower_getattr_generic(FrameType)
+def _read_field(context: Any, builder: Any, kind: FrameType, frame: Any, name: str) -> Any:
+    field = kind.frame.fields[name]
+    return (_array if field.kind.depth else _scalar)(context, builder, frame, field)
 
-    def lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        (frame,) = arguments
-        words = builder.bitcast(frame, INTEGER.as_pointer())
-        data, *lengths = (_word(builder, words, place + i) for i in range(1 + depth))
-        if annotation.startswith("Own"):
-            data = builder.add(data, builder.ptrtoint(frame, INTEGER))
-        pointer = context.get_value_type(types.CPointer(kind.element))
-        return _view(context, builder, kind, builder.inttoptr(data, pointer), lengths)
 
-    @intrinsic
-    def read(context: Any, frame: Any) -> Any:
-        return kind(frame), lower
+def _array(context: Any, builder: Any, frame: Any, field: Field) -> Any:
+    view = _type_of_field(field.kind)
+    words = builder.bitcast(frame, INTEGER.as_pointer())
+    data, *lengths = (_word(builder, words, field.place + i) for i in range(field.kind.words))
+    if field.kind.is_own:
+        data = builder.add(data, builder.ptrtoint(frame, INTEGER))
+    pointer = context.get_value_type(types.CPointer(view.element))
+    return _view(context, builder, view, builder.inttoptr(data, pointer), lengths)
 
-    return read
+
+def _scalar(context: Any, builder: Any, frame: Any, field: Field) -> Any:
+    loaded = builder.load(_place_of_scalar(builder, frame, field))
+    if field.kind.is_fixed:
+        loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return _tag(builder, loaded, field.name)
+
+
+@lower_setattr_generic(FrameType)
+def _write_scalar(context: Any, builder: Any, signature: Any, arguments: Any, name: str) -> None:
+    field = signature.args[0].frame.fields[name]
+    if field.kind.depth or field.kind.is_fixed:
+        raise TypeError(f"kernels do not write {name}")
+    frame, value = arguments
+    _tag(builder, builder.store(value, _place_of_scalar(builder, frame, field)), name)
+
+
+def _place_of_scalar(builder: Any, frame: Any, field: Field) -> Any:
+    words = builder.bitcast(
+        frame, (DOUBLE if field.kind.element is float else INTEGER).as_pointer()
+    )
+    return builder.gep(words, [ir.Constant(INTEGER, field.place)])
 
 
 @cache
 def register_frame(frame: type[Frame], frame_at: Callable[[int], Any]) -> None:
-    """Let kernels take a frame from its address, by `frame_at`, and read its fields."""
-    name = f"Frame({frame.__module__}.{frame.__qualname__})"
-    family = type(name, (FrameType,), {})
-    register_model(family)(models.OpaqueModel)
-    type_callable(frame_at)(lambda context: lambda address: family(name))
+    """Let kernels take a frame from its address, by `frame_at`."""
+    kind = FrameType(frame)
+    type_callable(frame_at)(lambda context: lambda address: kind)
     lower_builtin(frame_at, types.Integer)(_frame_at)
-    for field, place in frame.places().items():
-        _register_field(family, field, _field_reader(frame.__annotations__[field], place))
 
 
 def _frame_at(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
-
-
-def _register_field(family: type[FrameType], name: str, read: Any) -> None:
-    def field(run: Any) -> Any:
-        return lambda run: read(run)
-
-    overload_attribute(family, name, jit_options=OPTIONS, strict=False)(field)
 
 
 # --- generated code, bits -------------------------------------------------------------------------

@@ -1,8 +1,8 @@
-"""Arrays as machine code sees them: addresses and lengths, and calls of generated code by address.
+"""Memory as machine code sees it: addresses and lengths, and calls of generated code by address.
 
 Kernels (hand-written, compiled by numba, see `kernels.py`) annotate their parameters with the names
-of this file. They share a frame of arrays, so that Python hands over one address instead of an
-array at a time.
+of this file. They share a frame of named numbers and arrays, so that Python hands over one address
+instead of an array at a time.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
-from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,17 +23,48 @@ Floats2 = NDArray[np.float64]
 Ints = NDArray[np.int64]
 OwnInts = NDArray[np.int64]
 Ints2 = NDArray[np.int64]
-Ints3 = NDArray[np.int64]
+FixedInt = int
+FixedFloat = float
 
-ARRAYS = {
-    "Floats": (float, 1),
-    "Floats2": (float, 2),
-    "OwnFloats": (float, 1),
-    "Ints": (int, 1),
-    "Ints2": (int, 2),
-    "Ints3": (int, 3),
-    "OwnInts": (int, 1),
+WORD = 8  # bytes of an integer, a float, an address
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a field of a frame holds.
+
+    Attributes
+    ----------
+    element : float or int
+    depth : number of indices, 0 of a scalar
+    is_own : whether the array lies in the frame's own block
+    is_fixed : whether kernels never write the scalar
+    """
+
+    element: type
+    depth: int = 0
+    is_own: bool = False
+    is_fixed: bool = False
+
+    @property
+    def words(self) -> int:
+        """Words that the field takes in a frame: a value, or an address and lengths."""
+        return 1 + self.depth
+
+
+KINDS = {
+    "float": Kind(float),
+    "int": Kind(int),
+    "FixedFloat": Kind(float, is_fixed=True),
+    "FixedInt": Kind(int, is_fixed=True),
+    "Floats": Kind(float, 1),
+    "Floats2": Kind(float, 2),
+    "OwnFloats": Kind(float, 1, is_own=True),
+    "Ints": Kind(int, 1),
+    "Ints2": Kind(int, 2),
+    "OwnInts": Kind(int, 1, is_own=True),
 }
+DTYPES = {float: np.dtype(np.float64), int: np.dtype(np.int64)}
 NOTHING = ctypes.c_char * 0
 
 
@@ -74,53 +105,141 @@ def generated_function(address: int) -> Any:
     return ctypes.CFUNCTYPE(None, pointer, ctypes.c_double, pointer, pointer)(int(address))
 
 
-class Frame:
-    """Base of the record of arrays that kernels share: annotated fields, nothing else.
+class Field:
+    """A named number or array of a frame: `place` is its first word."""
 
-    In memory each field is its address and its lengths, as 64-bit words; of an array of the
-    frame's own (`OwnFloats`, `OwnInts`) the address counts from that of the frame, so that a frame
-    is copied together with arrays that follow it in the same block.
+    def __init__(self, name: str, place: int, kind: Kind) -> None:
+        self.name, self.place, self.kind = name, place, kind
+
+
+class Integer(Field):
+    """A whole number, in a word of its own."""
+
+    def __get__(self, frame: Frame, owner: type) -> int:
+        return frame.words.item(self.place)
+
+    def __set__(self, frame: Frame, value: int) -> None:
+        frame.words[self.place] = value
+
+
+class Number(Field):
+    """A float, in a word of its own."""
+
+    def __get__(self, frame: Frame, owner: type) -> float:
+        return frame.floats.item(self.place)
+
+    def __set__(self, frame: Frame, value: float) -> None:
+        frame.floats[self.place] = value
+
+
+class Array(Field):
+    """An array, looked up once (most are never needed in Python)."""
+
+    def __get__(self, frame: Frame, owner: type) -> NDArray[Any]:
+        if self.kind.is_own:
+            block = frame.floats if self.kind.element is float else frame.words
+            array: NDArray[Any] = block[frame.parts[self.name]]
+        else:
+            array = frame.shown[self.name]
+        frame.__dict__[self.name] = array
+        return array
+
+    def elsewhere(self, words: Ints) -> NDArray[Any]:
+        """The array that the words of a frame tell of."""
+        start, *shape = words[self.place : self.place + self.kind.words].tolist()
+        found = words_at(start, math.prod(shape)).view(DTYPES[self.kind.element])
+        return found.reshape(shape)
+
+
+class Frame:
+    """Base of the record of scalars and arrays that kernels share: annotated fields, nothing else.
+
+    In memory, in 64-bit words, a scalar is its value, an array its address and its lengths. Of an
+    array of the frame's own (`OwnFloats`, `OwnInts`) the address counts from that of the frame, so
+    that a frame is copied together with the arrays that follow it in the same block.
+
+    Attributes
+    ----------
+    words, floats : the block, as integers and as floats
+    address : where it begins
+    parts : own array -> where it lies in the block
+    shown : the arrays elsewhere, kept alive
     """
 
-    @classmethod
-    @cache
-    def places(cls) -> Mapping[str, int]:
-        """Field -> its first word."""
-        places, place = {}, 0
+    fields: ClassVar[dict[str, Field]]
+    length: ClassVar[int]  # words of the fields
+
+    def __init_subclass__(cls) -> None:
+        cls.fields, cls.length = {}, 0
         for name, annotation in cls.__annotations__.items():
-            places[name] = place
-            place += 1 + ARRAYS[annotation][1]
-        return places
+            kind = KINDS[annotation]
+            scalar = Number if kind.element is float else Integer
+            cls.fields[name] = (Array if kind.depth else scalar)(name, cls.length, kind)
+            setattr(cls, name, cls.fields[name])
+            cls.length += kind.words
+
+    def __init__(
+        self, words: Ints, parts: dict[str, slice], shown: Mapping[str, NDArray[Any]]
+    ) -> None:
+        self.words: Ints = words
+        self.floats: Floats = words.view(np.float64)
+        self.address = address_of(words)
+        self.parts, self.shown = parts, shown
 
     @classmethod
-    def words(cls, arrays: Mapping[str, NDArray[Any]]) -> Ints:
-        """The words of these arrays, zeros for the rest; keep the arrays alive meanwhile."""
-        places = cls.places()
-        words = np.zeros(sum(1 + ARRAYS[kind][1] for kind in cls.__annotations__.values()), int)
-        for name, array in arrays.items():
-            element, depth = ARRAYS[cls.__annotations__[name]]
-            expected = np.float64 if element is float else np.int64
-            suits = array.dtype == expected and array.ndim == depth and array.flags.c_contiguous
-            if not suits:
+    def holding(cls, shown: Mapping[str, NDArray[Any]], own: Mapping[str, int]) -> Self:
+        """A frame of these arrays, and of its own ones of these lengths, zero like its scalars."""
+        frame = cls(np.zeros(cls.length + sum(own.values()), np.int64), {}, {})
+        end = cls.length
+        for name, length in own.items():
+            frame.place_own(name, slice(end, end + length))
+            end += length
+        for name, array in shown.items():
+            kind = cls.fields[name].kind
+            suits = array.dtype == DTYPES[kind.element] and array.ndim == kind.depth
+            if not (suits and array.flags.c_contiguous):
                 raise TypeError(f"{name} is no array that a frame can hold")
-            words[places[name] : places[name] + 1 + depth] = address_of(array), *array.shape
-        return words
+            frame.show(name, array)
+        return cls(frame.words, frame.parts, shown)
+
+    def copy(self) -> Self:
+        """A frame with own arrays and scalars of its own, and the same arrays elsewhere."""
+        return type(self)(self.words.copy(), self.parts, self.shown)
+
+    def place_own(self, name: str, part: slice) -> None:
+        """Say where in the block an own array lies; it may be part of another."""
+        place = self.fields[name].place
+        self.words[place : place + 2] = part.start * WORD, part.stop - part.start
+        self.parts[name] = part
+
+    def show(self, name: str, array: NDArray[Any]) -> None:
+        """Show kernels another array as the field `name`, and keep it alive meanwhile."""
+        if array is self.__dict__.get(name, self.shown.get(name)):
+            return
+        place, words, shape = self.fields[name].place, self.words, array.shape
+        words[place] = address_of(array)
+        words[place + 1] = shape[0]
+        if len(shape) == 2:
+            words[place + 2] = shape[1]
+        self.__dict__[name] = array
 
     @classmethod
-    def at(cls, address: int) -> SimpleNamespace:
-        """The arrays of the frame at an address, as kernels that Python runs take them."""
-        count = len(cls.words({}))
-        words = list((ctypes.c_int64 * count).from_address(address))
-        shown = {}
-        for name, place in cls.places().items():
-            element, depth = ARRAYS[cls.__annotations__[name]]
-            start, shape = words[place], words[place + 1 : place + 1 + depth]
-            if cls.__annotations__[name].startswith("Own"):
-                start += address
-            kind = ctypes.c_double if element is float else ctypes.c_int64
-            data = (kind * math.prod(shape)).from_address(start)
-            shown[name] = np.frombuffer(data, kind).reshape(shape)
-        return SimpleNamespace(**shown)
+    def at(cls, address: int) -> Self:
+        """The frame at an address, as kernels that Python runs take it."""
+        words, parts, shown = words_at(address, cls.length), {}, {}
+        for name, field in cls.fields.items():
+            if field.kind.is_own:
+                first = words.item(field.place) // WORD
+                parts[name] = slice(first, first + words.item(field.place + 1))
+            elif isinstance(field, Array):
+                shown[name] = field.elsewhere(words)
+        end = max([cls.length, *(part.stop for part in parts.values())])
+        return cls(words_at(address, end), parts, shown)
+
+
+def words_at(address: int, count: int) -> Ints:
+    """So many words from an address on."""
+    return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(address))
 
 
 def address_of(array: NDArray[Any]) -> int:

@@ -9,17 +9,9 @@ from typing import Any
 
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
-from fiv_cli.case.case import Axis, Case
-from fiv_cli.friction import get_law
+from fiv_cli.case.case import Axis
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
-
-
-def varying_in(case: Case) -> tuple[Parameter, ...]:
-    """The parameters of a case that vary in time."""
-    model = get_model(case.model)
-    table = (*model.parameters, *model.adopted(get_law(case.law).parameters))
-    return tuple(p for p in table if p.name in case.schedule.names)
 
 
 @dataclass(frozen=True)

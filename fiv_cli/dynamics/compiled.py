@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from fiv_cli.codegen import codes
 from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.dynamics import kernel, roots
 
@@ -37,7 +38,10 @@ def _declare(**options: bool) -> Callable[..., Any]:
     return cfunc(SIGNATURE, **OPTIONS, **options)(advance_at).ctypes
 
 
-FILES = (FOLDER / "kernel.py", FOLDER / "roots.py", FOLDER / "compiled.py")
+FILES = (
+    *(FOLDER / name for name in ("kernel.py", "roots.py", "compiled.py")),
+    Path(codes.__file__),
+)
 DRIVER = Compiled("driver", FILES, _declare)
 
 

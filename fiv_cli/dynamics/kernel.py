@@ -1,8 +1,7 @@
 """The driver: contact state machine, event location, sections and measures, for every model.
 
-It knows a model only by tables of addresses and switching functions (`system.py` fills them).
-All state of a run is in arrays, so a run can be stopped and taken up again; the named constants
-below are the only indices.
+It knows a model only by addresses of generated functions (`system.py` gives them). All that a run
+is, is in its frame, so it can be stopped and taken up again.
 
 One step: the generated code writes the series of the state and of every switching function; the
 step is as long as the last coefficients allow; the earliest root of any switching function ends
@@ -17,13 +16,35 @@ from __future__ import annotations
 
 import numpy as np
 
+from fiv_cli.codegen.codes import (
+    CAPACITY_DOWN,
+    CAPACITY_UP,
+    CODE_SEPARATION,
+    CODE_SLIP_MINUS,
+    CODE_SLIP_PLUS,
+    CODE_STICK,
+    DRIVE_POWER,
+    FRICTION_POWER,
+    GAP,
+    JAMMING,
+    KINETIC,
+    NORMAL,
+    OTHER_POWER,
+    PER_CONTACT,
+    SEPARATION,
+    SLIP,
+    SLIP_VELOCITY,
+    STICK,
+    VELOCITY,
+)
 from fiv_cli.codegen.memory import (
+    FixedFloat,
+    FixedInt,
     Floats,
     Floats2,
     Frame,
     Ints,
     Ints2,
-    Ints3,
     OwnFloats,
     OwnInts,
     bits_of,
@@ -34,64 +55,19 @@ from fiv_cli.codegen.memory import (
 )
 from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
 
-# Contact kinds and kinds of switching function: as in codegen/derive.py (a test compares them).
-SLIP, STICK, SEPARATION = 0, 1, 2
-VELOCITY, CAPACITY_UP, CAPACITY_DOWN, NORMAL, GAP, JAMMING = 0, 1, 2, 3, 4, 5
+# What `advance` begins with: going on, deciding the contact state anew, or entering it.
+GO_ON, DECIDE, ENTER = 0, 1, 2
 
-# Codes of a contact's state in ledgers and samples.
-CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
-
-# table[state, ...]
-TAYLOR, FIELD, TANGENT, N_GUARDS, HAS_ANGLE, N_ARGUMENTS, SWITCHING, MOVED = range(8)
-TABLE_WIDTH = 8
-
-# config[...]
-N_STATES, N_CONTACTS, ORDER, N_PARAMETERS, N_COORDINATES, COEFFICIENTS, STATE, METHOD = range(8)
-VALUE_AND_SLOPE, BERNSTEIN = 8, 9
-ZONE_START, ZONE_WIDTH, ZONE_CONTACT = 10, 11, 12  # parameter slots of the sector; -1: none
-TANGENT_ORDER = 13
-CONFIG_WIDTH = 14
-METHOD_TAYLOR, METHOD_RK4 = 0, 1
-
-# clock[...]
-TIME, LAST_STEP, ZONE_LOW, ZONE_HIGH, NEXT_PHASE, FIRST_STEP, FILLED_FOR, TASK = range(8)
-CLOCK_WIDTH = 8
-# FIRST_STEP: of the contact state just decided, whose series is at hand; 0: none.
-# FILLED_FOR: the slip signs and the sector that the coefficients were computed for; 0: none.
-# TASK: what `advance` begins with: going on, deciding the contact state anew, or entering it.
-GO_ON, DECIDE, ENTER = 0.0, 1.0, 2.0
-
-# tolerances[...]
-RTOL, FIXED_STEP, BOUND = 0, 1, 2
-TOLERANCES_WIDTH = 3
-
-# counters[...]
-STEPS, EVENTS, CHAINED, SECTIONS, SAMPLED, LEDGER, GRAZINGS, IMPACTS = range(8)
-COUNTERS_WIDTH = 8
-
-# limits[...]
-MAX_STEPS, MAX_EVENTS, MAX_SECTIONS = 0, 1, 2
-LIMITS_WIDTH = 3
-
-# section[...]: what ends up in the section buffer
-SECTION_KIND, SECTION_FROM, SECTION_TO, SECTION_CONTACT, SECTION_STATE, SECTION_DIRECTION = range(6)
-SECTION_WIDTH = 6
+# What ends up in the section buffer.
 SECTION_NONE, SECTION_EVENT, SECTION_ZERO, SECTION_PHASE = 0, 1, 2, 3
 
-# measures[...]
-M_TIME, M_SPREAD, M_OTHER, M_FRICTION, M_DRIVE, M_IMPACT, M_RESIDUAL = range(7)
-MEASURES_WIDTH = 7
-
-LEDGER_WIDTH = 5  # time, code before, code after, contact, residual
-
-# options[contact, ...]: candidates of `decide`, (kind, sign) pairs from OFFERS on; BEFORE: the
-# code of the contact's state before the event; ONE_WAY: 1 where the sign of slip never changes
-COUNT, AT_REST, BEFORE, ONE_WAY, OFFERS = 0, 1, 2, 3, 4
-OPTIONS_WIDTH = 4 + 2 * 4
+# What ends a step, but for the number of a switching function of the contact state.
+NOTHING, UPPER_BORDER, LOWER_BORDER, SECTION = -1, -2, -3, -4
 
 # Why `advance` returned.
 REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET = 0, 1, 2, 3
 DIVERGED, CONTACT_LOST, NO_STATE, JAMMED, CHATTERING = 4, 5, 6, 7, 8
+GOING = -1  # ... that it has not yet
 
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
@@ -113,58 +89,145 @@ POLISHES = 4  # looks at a switching function at an event, Newton steps between 
 ROUNDING = 1e-16  # a residual, relative to the scale, that no further step improves
 EXACT = 1e-6  # ... and that a motion of this share of the tolerance does not notice
 
-# field output: state, rates, switching, the sector's angle if any, then per contact
-# (F_N, F_T, v_rel), then energies
-PER_CONTACT = 3
-KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(5)
-N_ENERGIES = 5
-
 
 class Run(Frame):
-    """The arrays of a run.
+    """All that a run is: where and how it is, what it is made of, what is asked for.
 
-    Of the system: addresses of generated functions and switching functions per contact state
-    (table, impacts, guards), config, which contacts cannot open (ends). Of the run: where and how
-    it is (clock, kinds, parameters, coefficients, y, strips: known zeros of switching functions at
-    the start of a step, counters), tolerances and limits. What is asked for: section points,
-    samples, a ledger of events (time, code before, after, contact, residual), measures, tangent
-    vectors. The rest is written before it is read.
+    A contact state is a combination of the kinds of all contacts, numbered by `state_index`.
     """
 
-    clock: OwnFloats
-    parameters: OwnFloats
-    coefficients: OwnFloats
+    # --- of the system ---
+    n_states: FixedInt
+    n_coordinates: FixedInt
+    n_contacts: FixedInt
+    order: FixedInt  # of the series of motions
+    tangent_order: FixedInt
+    is_taylor: FixedInt  # 1; 0: rk4
+    # Addresses of generated functions; of one per contact state 0 where there is no such state.
+    fill_coefficients: FixedInt
+    sum_series: FixedInt  # the state a time into a step
+    sum_tangent: FixedInt
+    value_and_slope: FixedInt  # of a polynomial
+    bernstein: FixedInt  # its coefficients in that form
+    taylor: Ints
+    field: Ints
+    with_tangent: Ints
+    switching_with_tangent: Ints
+    impact: Ints2  # by contact state and contact
+    impact_with_tangent: Ints2
+    # Per contact state: switching functions, whether the sector's angle is watched, arguments of
+    # tanh and exp, and where the field output holds (F_N, F_T, v_rel) per contact, and energies.
+    n_guards: Ints
+    guard_kinds: Ints2
+    guard_contacts: Ints2
+    has_angle: Ints
+    n_arguments: Ints
+    contact_place: Ints
+    energy_place: Ints
+    # Per contact: whether it cannot open (its loss is the end), whether it slips in one sense only.
+    is_end: Ints
+    is_one_way: Ints
+    # Places of the sector's start and width among the parameters (-1: there is no sector), and of
+    # whether the motion is inside; the contact whose angle it is.
+    sector_start: FixedInt
+    sector_width: FixedInt
+    inside_sector: FixedInt
+    sector_contact: FixedInt
+
+    # --- tolerances and limits ---
+    rtol: FixedFloat
+    fixed_step: FixedFloat  # of rk4
+    bound: FixedFloat
+    max_steps: FixedInt
+    max_events: FixedInt
+    max_sections: FixedInt
+
+    # --- where and how the motion is ---
+    time: float
     y: OwnFloats
-    measures: OwnFloats
-    tolerances: OwnFloats
+    parameters: OwnFloats
+    slip_signs: OwnFloats  # the part of the parameters that holds them
     kinds: OwnInts
-    strips: OwnInts
-    counters: OwnInts
-    limits: OwnInts
-    table: Ints2
-    impacts: Ints2
-    guards: Ints3
-    config: Ints
-    ends: Ints
-    quadrature: Floats2
-    series: Floats
-    work: Floats
-    stages: Floats2
-    polynomial: Floats
-    pieces: Floats
-    options: Ints2
-    reference: Floats
-    extremes: Floats2
-    shares: Floats2
-    section: Ints
+    coefficients: OwnFloats
+    filled_for: float  # slip signs and sector that coefficients were computed for; 0: none
+    task: int
+    last_step: float
+    first_step: float  # of the contact state just decided, whose series is at hand; 0: none
+    sector_low: float
+    sector_high: float
+    next_phase: float
+    # At the start of a step: derivatives, from the value on, that are known to be zero, of
+    # switching functions, distances from the sector's borders, and the section.
+    known_zeros: OwnInts
+    zeros_at_upper: int
+    zeros_at_lower: int
+    zeros_on_section: int
+    n_steps: int
+    n_events: int
+    n_chained: int  # transitions at this instant
+    n_grazings: int
+    n_impacts: int
+
+    # --- section points, samples, a ledger of events, tangent vectors ---
+    section_kind: FixedInt
+    section_from: FixedInt
+    section_to: FixedInt
+    section_contact: FixedInt
+    section_state: FixedInt
+    section_direction: FixedInt
+    n_sections: int
     section_times: Floats
     section_states: Floats2
+    n_sampled: int
     sample_times: Floats
     sample_states: Floats2
     sample_outputs: Floats2
     sample_codes: Ints2
-    ledger: Floats2
+    n_ledger: int
+    ledger_times: Floats
+    ledger_before: Ints
+    ledger_after: Ints
+    ledger_contacts: Ints
+    ledger_residuals: Floats
     tangents: Floats2
+
+    # --- measures ---
+    measured_time: float
+    spread: float  # integral of the squared distance from the reference
+    other_work: float
+    friction_work: float
+    drive_work: float
+    impact_loss: float
+    largest_residual: float
+    reference: Floats  # NaN for a coordinate that does not count
+    least: Floats
+    greatest: Floats
+    squares: Floats  # integrals
+    shares: Floats2  # time of each contact in slip, stick, separation
+    quadrature: Floats2
+
+    # --- scratch, written before it is read ---
+    series: Floats
+    work: Floats
+    outputs: Floats  # of a field function
+    reached: Floats  # the state at the end of a step
+    inner: Floats
+    begun: Floats
+    nodes: Floats2
+    between: Floats
+    joined: Floats  # a state and a tangent vector
+    rates_before: Floats
+    delays: Floats
+    at_rest: Floats
+    slip_velocities: Floats
+    polynomial: Floats
+    pieces: Floats
+    # Candidates of `decide`, per contact.
+    code_before: Ints
+    is_at_rest: Ints
+    n_offers: Ints
+    offered_kinds: Ints2
+    offered_signs: Ints2
 
 
 @native
@@ -346,15 +409,14 @@ def leading(series: Floats, offset: int, order: int, step: float, known_zeros: i
 @native
 def fill(run: Run) -> None:
     """Compute the coefficients, unless they are those of these slip signs and this sector."""
-    contacts, end = run.config[N_CONTACTS], run.config[N_PARAMETERS] - 1
-    wanted = 1.0 + run.parameters[end]
-    for i in range(contacts):
-        wanted = 2.0 * wanted + (1.0 if run.parameters[end - contacts + i] > 0.0 else 0.0)
-    if run.clock[FILLED_FOR] != wanted:
+    wanted = 1.0 + run.parameters[run.inside_sector]
+    for i in range(run.n_contacts):
+        wanted = 2.0 * wanted + (1.0 if run.slip_signs[i] > 0.0 else 0.0)
+    if run.filled_for != wanted:
         call_generated(
-            run.config[COEFFICIENTS], run.coefficients, 0.0, run.parameters, run.coefficients
+            run.fill_coefficients, run.coefficients, 0.0, run.parameters, run.coefficients
         )
-        run.clock[FILLED_FOR] = wanted
+        run.filled_for = wanted
 
 
 @native
@@ -363,8 +425,8 @@ def zeros_at_start(run: Run, index: int, guard: int) -> int:
 
     Rounding is a share of what the states, one after the other, add to it.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
-    taylor, t, zeros = run.table[index, TAYLOR], run.clock[TIME], 0
+    n, order = run.n_states, run.order
+    taylor, t, zeros = run.taylor[index], run.time, 0
     while zeros < 2:
         place, scale = (n + guard) * (order + 1) + zeros, 0.0
         call_generated(taylor, run.coefficients, t, run.y, run.work)
@@ -383,85 +445,130 @@ def zeros_at_start(run: Run, index: int, guard: int) -> int:
 
 
 @native
+def known_zeros_of(
+    run: Run, index: int, guard: int, trigger_kind: int, trigger_contact: int
+) -> int:
+    """How many derivatives of a switching function, from its value on, are known to be zero."""
+    kind, contact = run.guard_kinds[index, guard], run.guard_contacts[index, guard]
+    if kind == VELOCITY and contact == trigger_contact:
+        released = trigger_kind == (CAPACITY_UP if run.slip_signs[contact] > 0.0 else CAPACITY_DOWN)
+        if released and run.series[(run.n_states + guard) * (run.order + 1) + 1] < 0.0:
+            return 2  # slip friction does not exceed the capacity: this is rounding
+    if run.task == ENTER and (kind == GAP or kind == NORMAL):
+        return zeros_at_start(run, index, guard)
+    if kind == VELOCITY and run.is_at_rest[contact] == 1:
+        return 1
+    if contact == trigger_contact:
+        return 1 if kind == trigger_kind or (kind == GAP and trigger_kind == NORMAL) else 0
+    return 0
+
+
+@native
 def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool) -> bool:
     """Whether a candidate contact state can follow: every switching function leads positive.
 
     `lenient` leaves out that another contact opens or closes at the same instant, or that this
     one loses its normal force together with its capacity: the next event, chained to this one.
     """
-    n, order, contacts = run.config[N_STATES], run.config[ORDER], run.config[N_CONTACTS]
-    index = state_index(run.kinds, contacts)
-    if run.table[index, TAYLOR] == 0:
+    order, index = run.order, state_index(run.kinds, run.n_contacts)
+    if run.taylor[index] == 0:
         return False
     fill(run)
-    call_generated(run.table[index, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series)
-    rows = n + run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
-    step = step_size(run.series, rows, order, run.tolerances[RTOL], run.clock[LAST_STEP])
-    for i in range(run.table[index, N_ARGUMENTS]):
-        step = within_plateau(run.series, (rows + i) * (order + 1), order, step)
-    run.clock[FIRST_STEP] = step
+    step = series_at_hand(run, index)
+    run.first_step = step
     if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
-        step = run.clock[LAST_STEP] if run.clock[LAST_STEP] > 0.0 else 0.0
-    for g in range(run.table[index, N_GUARDS]):
-        kind, contact = run.guards[index, g, 0], run.guards[index, g, 1]
-        known_zeros = 0
-        if kind == VELOCITY and run.options[contact, AT_REST] == 1:
-            known_zeros = 1
-        if kind == trigger_kind and contact == trigger_contact:
-            known_zeros = 1
-        if kind == GAP and trigger_kind == NORMAL and contact == trigger_contact:
-            known_zeros = 1
-        if run.clock[TASK] == ENTER and (kind == GAP or kind == NORMAL):
-            known_zeros = zeros_at_start(run, index, g)
-        if kind == VELOCITY and contact == trigger_contact:
-            sign = run.parameters[run.config[N_PARAMETERS] - 1 - contacts + contact]
-            released = trigger_kind == (CAPACITY_UP if sign > 0.0 else CAPACITY_DOWN)
-            if released and run.series[(n + g) * (order + 1) + 1] < 0.0:
-                known_zeros = 2  # slip friction does not exceed the capacity: this is rounding
-        lead = leading(run.series, (n + g) * (order + 1), order, step, known_zeros)
+        step = run.last_step if run.last_step > 0.0 else 0.0
+    for g in range(run.n_guards[index]):
+        kind, contact = run.guard_kinds[index, g], run.guard_contacts[index, g]
+        offset = (run.n_states + g) * (order + 1)
+        known_zeros = known_zeros_of(run, index, g, trigger_kind, trigger_contact)
+        lead = leading(run.series, offset, order, step, known_zeros)
         if lenient and kind == NORMAL and trigger_kind == GAP and contact == trigger_contact:
             # the last of ever shorter flights: the open contact finds no gap rate left, this one
             # a force, or a rate of it, that is negative by rounding
-            offset = (n + g) * (order + 1)
             rounding = VANISHING * series_scale(run.series, offset, order, step)
             if lead == -2 or (lead == -1 and run.series[offset] >= -rounding):
                 lead = leading(run.series, offset, order, step, 2)
         opens = kind == NORMAL or kind == GAP
         if contact == trigger_contact:
             opens = kind == NORMAL and trigger_kind < NORMAL
-        at_zero = lead < -1
-        if lead < 0 and not (lenient and opens and at_zero):
+        if lead < 0 and not (lenient and opens and lead < -1):
             return False
         # A function that is zero throughout (a capacity that stays just reached) has no root.
-        run.strips[g] = max(lead - 1, 0) if lead != 0 else order + 1
+        run.known_zeros[g] = max(lead - 1, 0) if lead != 0 else order + 1
     return True
 
 
 @native
-def contact_outputs(table: Ints2, index: int, n: int) -> int:
-    """Where the contact outputs begin in the field output."""
-    return 2 * n + table[index, N_GUARDS] + table[index, HAS_ANGLE]
+def series_at_hand(run: Run, index: int) -> float:
+    """Write the series of a contact state; the length of the step that they allow."""
+    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.series)
+    order, rows = run.order, run.n_states + run.n_guards[index] + run.has_angle[index]
+    step = step_size(run.series, rows, order, run.rtol, run.last_step)
+    for i in range(run.n_arguments[index]):
+        step = within_plateau(run.series, (rows + i) * (order + 1), order, step)
+    return step
 
 
 @native
 def slip_velocity(run: Run, y: Floats, contact: int) -> float:
     """v_rel of a contact; zero when it is zero to rounding."""
-    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
-    index, field = state_index(run.kinds, contacts), run.stages[0]
-    call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], y, field)
-    v = field[contact_outputs(run.table, index, n) + PER_CONTACT * contact + 2]
+    index, outputs = state_index(run.kinds, run.n_contacts), run.outputs
+    call_generated(run.field[index], run.coefficients, run.time, y, outputs)
+    v = outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
     scale = 0.0
-    for i in range(run.config[N_COORDINATES], n):
+    for i in range(run.n_coordinates, run.n_states):
         scale += abs(y[i])
     return 0.0 if abs(v) <= ZERO * scale else v
 
 
 @native
-def offer(options: Ints2, contact: int, kind: int, sign: int) -> None:
+def offer(run: Run, contact: int, kind: int, sign: int) -> None:
     """Add a candidate state of a contact."""
-    place = OFFERS + 2 * options[contact, COUNT]
-    options[contact, place], options[contact, place + 1] = kind, sign
-    options[contact, COUNT] += 1
+    place = run.n_offers[contact]
+    run.offered_kinds[contact, place], run.offered_signs[contact, place] = kind, sign
+    run.n_offers[contact] = place + 1
+
+
+@native
+def offer_states(run: Run, i: int, trigger_kind: int, triggered: bool, grazing: bool) -> None:
+    """The candidate states of a contact; `triggered` says that it is the one that triggered."""
+    sign = 1 if run.slip_signs[i] > 0.0 else -1
+    run.n_offers[i], run.is_at_rest[i] = 0, 0
+    if run.kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
+        offer(run, i, SEPARATION, sign)
+        return
+    if run.kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
+        run.is_at_rest[i] = 1
+    else:  # re-contact, or a slip that ends at the same instant
+        v = slip_velocity(run, run.y, i)
+        run.is_at_rest[i] = 1 if v == 0.0 else 0
+        if run.kinds[i] == SEPARATION and v != 0.0 and run.is_one_way[i] == 0:
+            sign = 1 if v > 0.0 else -1
+    released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
+    if released and not grazing:  # the demanded force passes the capacity: it slips its way
+        offer(run, i, SLIP, 1 if trigger_kind == CAPACITY_UP else -1)
+        return
+    # What triggers falls through zero, unless it grazes: it cannot stay as it was.
+    passes = triggered and not grazing
+    if not (passes and trigger_kind == NORMAL):
+        if run.is_at_rest[i] == 1:
+            offer(run, i, STICK, sign)
+        if not (passes and trigger_kind == VELOCITY):
+            offer(run, i, SLIP, sign)
+        if run.is_at_rest[i] == 1:
+            offer(run, i, SLIP, -sign)
+    if trigger_kind < 0 or (triggered and (trigger_kind == GAP or trigger_kind == NORMAL)):
+        offer(run, i, SEPARATION, sign)
+
+
+@native
+def pick(run: Run, contact: int, rest: int) -> int:
+    """Give a contact the candidate that `rest` chooses; what is left to choose the others'."""
+    chosen = rest % run.n_offers[contact]
+    run.kinds[contact] = run.offered_kinds[contact, chosen]
+    run.slip_signs[contact] = run.offered_signs[contact, chosen]
+    return rest // run.n_offers[contact]
 
 
 @native
@@ -473,53 +580,20 @@ def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> 
     not trigger stay as they are if they can. `grazing` says that the switching function that
     triggered may only touch zero, so staying is a candidate.
     """
-    contacts = run.config[N_CONTACTS]
-    first_sign = run.config[N_PARAMETERS] - 1 - contacts
     combinations = 1
-    for i in range(contacts):
-        sign = 1 if run.parameters[first_sign + i] > 0.0 else -1
-        triggered = trigger_contact == i
-        run.options[i, COUNT], run.options[i, AT_REST] = 0, 0
-        if run.kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
-            offer(run.options, i, SEPARATION, sign)
-            continue
-        if run.kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
-            run.options[i, AT_REST] = 1
-        else:  # re-contact, or a slip that ends at the same instant
-            v = slip_velocity(run, run.y, i)
-            run.options[i, AT_REST] = 1 if v == 0.0 else 0
-            if run.kinds[i] == SEPARATION and v != 0.0 and run.options[i, ONE_WAY] == 0:
-                sign = 1 if v > 0.0 else -1
-        released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
-        if released and not grazing:  # the demanded force passes the capacity: it slips its way
-            offer(run.options, i, SLIP, 1 if trigger_kind == CAPACITY_UP else -1)
-            combinations *= run.options[i, COUNT]
-            continue
-        # What triggers falls through zero, unless it grazes: it cannot stay as it was.
-        passes = triggered and not grazing
-        if not (passes and trigger_kind == NORMAL):
-            if run.options[i, AT_REST] == 1:
-                offer(run.options, i, STICK, sign)
-            if not (passes and trigger_kind == VELOCITY):
-                offer(run.options, i, SLIP, sign)
-            if run.options[i, AT_REST] == 1:
-                offer(run.options, i, SLIP, -sign)
-        if trigger_kind < 0 or (triggered and (trigger_kind == GAP or trigger_kind == NORMAL)):
-            offer(run.options, i, SEPARATION, sign)
-        combinations *= run.options[i, COUNT]
+    for i in range(run.n_contacts):
+        offer_states(run, i, trigger_kind, trigger_contact == i, grazing)
+        combinations *= run.n_offers[i]
     begin = 0
-    if trigger_kind == GAP and run.counters[CHAINED] > SHORT_FLIGHTS:
+    if trigger_kind == GAP and run.n_chained > SHORT_FLIGHTS:
         begin = combinations
     for attempt in range(begin, 2 * combinations):
         rest = attempt % combinations
-        for place in range(contacts, -1, -1):  # the contact that triggered first: others stay
-            i = trigger_contact if place == contacts else place
-            if i < 0 or (i == trigger_contact and place < contacts):
-                continue
-            pick = rest % run.options[i, COUNT]
-            rest //= run.options[i, COUNT]
-            run.kinds[i] = run.options[i, OFFERS + 2 * pick]
-            run.parameters[first_sign + i] = run.options[i, OFFERS + 2 * pick + 1]
+        if trigger_contact >= 0:  # the contact that triggered changes first: others stay
+            rest = pick(run, trigger_contact, rest)
+        for i in range(run.n_contacts - 1, -1, -1):
+            if i != trigger_contact:
+                rest = pick(run, i, rest)
         if consistent(run, trigger_kind, trigger_contact, attempt >= combinations):
             return True
     return False
@@ -528,30 +602,30 @@ def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> 
 @native
 def state_after(run: Run, index: int, t: float, x: float, out: Floats) -> None:
     """State a time x into the step that begins at (t, y)."""
-    n = run.config[N_STATES]
-    if run.config[METHOD] == METHOD_TAYLOR:
-        call_generated(run.config[STATE], run.coefficients, x, run.series, out)
+    n = run.n_states
+    if run.is_taylor == 1:
+        call_generated(run.sum_series, run.coefficients, x, run.series, out)
         return
-    field, inner = run.stages[0], run.stages[1]
-    call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
+    field, inner = run.outputs, run.inner
+    call_generated(run.field[index], run.coefficients, t, run.y, field)
     for i in range(n):  # stage by stage: classical Runge-Kutta of order 4 (thesis 3.39, 3.40)
         out[i] = field[i] + x / 6.0 * field[n + i]
         inner[i] = field[i] + 0.5 * x * field[n + i]
-    start = run.stages[2]
+    start = run.begun
     for i in range(n):
         start[i] = field[i]
-    call_generated(run.table[index, FIELD], run.coefficients, t + 0.5 * x, inner, field)
+    call_generated(run.field[index], run.coefficients, t + 0.5 * x, inner, field)
     for i in range(n):
         out[i] += x / 3.0 * field[n + i]
         inner[i] = start[i] + 0.5 * x * field[n + i]
-    call_generated(run.table[index, FIELD], run.coefficients, t + 0.5 * x, inner, field)
+    call_generated(run.field[index], run.coefficients, t + 0.5 * x, inner, field)
     for i in range(n):
         out[i] += x / 3.0 * field[n + i]
         inner[i] = start[i] + x * field[n + i]
-    call_generated(run.table[index, FIELD], run.coefficients, t + x, inner, field)
+    call_generated(run.field[index], run.coefficients, t + x, inner, field)
     for i in range(n):
         out[i] += x / 6.0 * field[n + i]
-    call_generated(run.table[index, FIELD], run.coefficients, t + x, out, field)
+    call_generated(run.field[index], run.coefficients, t + x, out, field)
     for i in range(n):
         out[i] = field[i]  # constrained entries exactly
 
@@ -572,8 +646,8 @@ def bisected(
     NO_ROOT when it is positive at the end of the step; entries count in the field output.
     """
     state_after(run, index, t, step, out)
-    call_generated(run.table[index, FIELD], run.coefficients, t + step, out, run.stages[0])
-    if factor * run.stages[0, entry] + shift > 0.0:
+    call_generated(run.field[index], run.coefficients, t + step, out, run.outputs)
+    if factor * run.outputs[entry] + shift > 0.0:
         return NO_ROOT
     low, high = 0.0, step
     for _ in range(BISECTIONS):
@@ -581,8 +655,8 @@ def bisected(
         if middle <= low or middle >= high:
             break
         state_after(run, index, t, middle, out)
-        call_generated(run.table[index, FIELD], run.coefficients, t + middle, out, run.stages[0])
-        if factor * run.stages[0, entry] + shift > 0.0:
+        call_generated(run.field[index], run.coefficients, t + middle, out, run.outputs)
+        if factor * run.outputs[entry] + shift > 0.0:
             low = middle
         else:
             high = middle
@@ -624,8 +698,8 @@ def located(
         last,
         total + odd_total,
         end + odd_end,
-        run.config[VALUE_AND_SLOPE],
-        run.config[BERNSTEIN],
+        run.value_and_slope,
+        run.bernstein,
         order,
         run.pieces,
     )
@@ -639,9 +713,9 @@ def touched(
 
     Its series may dip below zero by the error of the series, and pass zero a little before. What
     the function itself is where it turns decides. Otherwise `tau`, where it passes. The field
-    output (stages[0]) is left as it is at the time returned.
+    output is left as it is at the time returned.
     """
-    n, order, field = run.config[N_STATES], run.config[ORDER], run.stages[0]
+    n, order, field = run.n_states, run.order, run.outputs
     offset = (n + hit) * (order + 1)
     slope, bend, power = run.series[offset + 1], 0.0, 1.0
     for k in range(2, order + 1):
@@ -651,87 +725,80 @@ def touched(
     if slope >= 0.0 or bend <= 0.0 or tau - slope / bend > step:
         return tau
     least = tau - slope / bend
-    t = run.clock[TIME]
-    call_generated(run.config[STATE], run.coefficients, least, run.series, out)
-    call_generated(run.table[index, FIELD], run.coefficients, t + least, out, field)
+    t = run.time
+    call_generated(run.sum_series, run.coefficients, least, run.series, out)
+    call_generated(run.field[index], run.coefficients, t + least, out, field)
     if field[2 * n + hit] >= -ZERO * scale:
         return least
-    call_generated(run.config[STATE], run.coefficients, tau, run.series, out)
-    call_generated(run.table[index, FIELD], run.coefficients, t + tau, out, field)
+    call_generated(run.sum_series, run.coefficients, tau, run.series, out)
+    call_generated(run.field[index], run.coefficients, t + tau, out, field)
     return tau
 
 
 @native
-def take_samples(run: Run, index: int, tau: float, out: Floats) -> None:
+def take_samples(run: Run, index: int, tau: float) -> None:
     """Record the samples that fall into the step of length tau."""
-    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
-    first_sign = run.config[N_PARAMETERS] - 1 - contacts
-    first = contact_outputs(run.table, index, n)
-    t = run.clock[TIME]
-    while (
-        run.counters[SAMPLED] < len(run.sample_times)
-        and run.sample_times[run.counters[SAMPLED]] <= t + tau
-    ):
-        row = run.counters[SAMPLED]
+    t, state, outputs, first = run.time, run.joined, run.outputs, run.contact_place[index]
+    while run.n_sampled < len(run.sample_times) and run.sample_times[run.n_sampled] <= t + tau:
+        row = run.n_sampled
         x = min(max(run.sample_times[row] - t, 0.0), tau)
-        state_after(run, index, t, x, out)
-        call_generated(run.table[index, FIELD], run.coefficients, t + x, out, run.stages[0])
-        for i in range(n):
-            run.sample_states[row, i] = run.stages[0, i]
-        for i in range(PER_CONTACT * contacts + N_ENERGIES):
-            run.sample_outputs[row, i] = run.stages[0, first + i]
-        for i in range(contacts):
-            run.sample_codes[row, i] = code_of(run.kinds[i], run.parameters[first_sign + i])
-        run.counters[SAMPLED] += 1
+        state_after(run, index, t, x, state)
+        call_generated(run.field[index], run.coefficients, t + x, state, outputs)
+        for i in range(run.n_states):
+            run.sample_states[row, i] = outputs[i]
+        for i in range(run.sample_outputs.shape[1]):
+            run.sample_outputs[row, i] = outputs[first + i]
+        for i in range(run.n_contacts):
+            run.sample_codes[row, i] = code_of(run.kinds[i], run.slip_signs[i])
+        run.n_sampled += 1
 
 
 @native
 def take_measures(run: Run, index: int, tau: float, end: Floats) -> None:
-    """Integrate the measures along the step of length tau, which ends at the state `end`.
-
-    Where the reference is NaN the coordinate does not count. extremes is (3, n): least and
-    greatest value, integral of the square; shares is (contacts, 3): time in slip, stick,
-    separation.
-    """
-    n, contacts, t = run.config[N_STATES], run.config[N_CONTACTS], run.clock[TIME]
-    energies = contact_outputs(run.table, index, n) + PER_CONTACT * contacts
-    run.measures[M_TIME] += tau
-    for i in range(contacts):
+    """Integrate the measures along the step of length tau, which ends at the state `end`."""
+    t, field = run.time, run.field[index]
+    run.measured_time += tau
+    for i in range(run.n_contacts):
         run.shares[i, run.kinds[i]] += tau
     count = nodes_needed(run, tau)
     first, x = count * (count - 1) // 2, 0.0
     for node in range(count):
         last_x, x = x, run.quadrature[first + node, 0] * tau
-        weight = run.quadrature[first + node, 1] * tau
-        here = run.stages[5 + node % 2]
+        here = run.nodes[node % 2]
         if node == 0:
-            call_generated(run.table[index, FIELD], run.coefficients, t, run.y, here)
+            call_generated(field, run.coefficients, t, run.y, here)
         elif node == count - 1:
-            call_generated(run.table[index, FIELD], run.coefficients, t + x, end, here)
+            call_generated(field, run.coefficients, t + x, end, here)
         else:
-            state_after(run, index, t, x, run.stages[4])
-            call_generated(run.table[index, FIELD], run.coefficients, t + x, run.stages[4], here)
-        for i in range(n):
-            value = here[i]
-            run.extremes[0, i] = min(run.extremes[0, i], value)
-            run.extremes[1, i] = max(run.extremes[1, i], value)
-            run.extremes[2, i] += weight * value * value
-        for i in range(run.config[N_COORDINATES]):
-            if run.reference[i] == run.reference[i]:
-                off = here[i] - run.reference[i]
-                run.measures[M_SPREAD] += weight * (off * off)
-        run.measures[M_OTHER] += weight * here[energies + OTHER_POWER]
-        run.measures[M_FRICTION] += weight * here[energies + FRICTION_POWER]
-        run.measures[M_DRIVE] += weight * here[energies + DRIVE_POWER]
-        if node > 0 and run.config[METHOD] == METHOD_TAYLOR:
-            look_for_turns(run, run.stages[6 - node % 2], here, last_x, x)
+            state_after(run, index, t, x, run.between)
+            call_generated(field, run.coefficients, t + x, run.between, here)
+        add_up(run, here, run.quadrature[first + node, 1] * tau, run.energy_place[index])
+        if node > 0 and run.is_taylor == 1:
+            look_for_turns(run, run.nodes[1 - node % 2], here, last_x, x)
+
+
+@native
+def add_up(run: Run, here: Floats, weight: float, energies: int) -> None:
+    """Add a node of the quadrature, where the field output is `here`."""
+    for i in range(run.n_states):
+        value = here[i]
+        run.least[i] = min(run.least[i], value)
+        run.greatest[i] = max(run.greatest[i], value)
+        run.squares[i] += weight * value * value
+    for i in range(run.n_coordinates):
+        if run.reference[i] == run.reference[i]:
+            off = here[i] - run.reference[i]
+            run.spread += weight * (off * off)
+    run.other_work += weight * here[energies + OTHER_POWER]
+    run.friction_work += weight * here[energies + FRICTION_POWER]
+    run.drive_work += weight * here[energies + DRIVE_POWER]
 
 
 @native
 def nodes_needed(run: Run, tau: float) -> int:
     """Nodes of the quadrature that integrates over this part of a step to rounding."""
     count = FEWEST_NODES
-    share = tau / run.clock[LAST_STEP]
+    share = tau / run.last_step
     while run.quadrature[count * (count - 1) // 2, 2] < share:
         count += 1
     return count
@@ -743,18 +810,18 @@ def look_for_turns(run: Run, before: Floats, after: Floats, low: float, high: fl
 
     Only a turn that can pass the extreme known so far is located.
     """
-    n, order = run.config[N_STATES], run.config[ORDER]
+    n, order = run.n_states, run.order
     for i in range(n):
         rise, fall = before[n + i], after[n + i]
         if rise * fall < 0.0:
             reach = (abs(rise) + abs(fall)) * (high - low)
             if rise > 0.0:
-                if max(before[i], after[i]) + reach > run.extremes[1, i]:
+                if max(before[i], after[i]) + reach > run.greatest[i]:
                     value = turning_value(run, i * (order + 1), low, high, rise, fall)
-                    run.extremes[1, i] = max(run.extremes[1, i], value)
-            elif min(before[i], after[i]) - reach < run.extremes[0, i]:
+                    run.greatest[i] = max(run.greatest[i], value)
+            elif min(before[i], after[i]) - reach < run.least[i]:
                 value = turning_value(run, i * (order + 1), low, high, rise, fall)
-                run.extremes[0, i] = min(run.extremes[0, i], value)
+                run.least[i] = min(run.least[i], value)
 
 
 @native
@@ -771,7 +838,7 @@ def turning_value(
     x, before, at_before = chord(low, high, at_low, at_high), high, at_high
     change = 0.0
     for _ in range(BISECTIONS):
-        call_generated(run.config[VALUE_AND_SLOPE], series, x, series, found)
+        call_generated(run.value_and_slope, series, x, series, found)
         slope = found[1]
         if slope * at_low > 0.0:
             low = x
@@ -788,14 +855,14 @@ def turning_value(
 
 
 @native
-def move_tangents(run: Run, index: int, tau: float, joined: Floats) -> None:
+def move_tangents(run: Run, index: int, tau: float) -> None:
     """Carry the tangent vectors (rows) over a step of length tau, in the parts that they need.
 
     The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
     where these are fast its series needs shorter steps.
     """
-    n, order, t = run.config[N_STATES], run.config[TANGENT_ORDER], run.clock[TIME]
-    c, moved, series = run.coefficients, run.table[index, MOVED], run.work
+    n, order, t = run.n_states, run.tangent_order, run.time
+    c, moved, series, joined = run.coefficients, run.sum_tangent, run.work, run.joined
     tangent, series_of_tangent = joined[n:], run.work[n * (order + 1) :]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
@@ -803,9 +870,9 @@ def move_tangents(run: Run, index: int, tau: float, joined: Floats) -> None:
             tangent[i] = run.tangents[row, i]
         done = 0.0
         while done < tau:
-            call_generated(run.table[index, TANGENT], c, t + done, joined, series)
+            call_generated(run.with_tangent[index], c, t + done, joined, series)
             rest = tau - done
-            part = step_size(series, 2 * n, order, run.tolerances[RTOL], rest)
+            part = step_size(series, 2 * n, order, run.rtol, rest)
             if part >= rest or done + part == done:
                 part, done = rest, tau
             else:
@@ -817,55 +884,53 @@ def move_tangents(run: Run, index: int, tau: float, joined: Floats) -> None:
 
 
 @native
-def switching_rates(
-    run: Run, index: int, entry: int, joined: Floats, rates: Floats, delays: Floats
-) -> None:
+def switching_rates(run: Run, index: int, entry: int) -> None:
     """At an event: the rates before it, and by how much each tangent delays it.
 
     A trajectory displaced by a tangent vector d meets the switching function g later by
     -dg(d) / g'; what the delay does to the state after the event is `saltate`'s.
     """
-    n = run.config[N_STATES]
-    outputs = run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
+    n, joined = run.n_states, run.joined
+    outputs = run.n_guards[index] + run.has_angle[index]
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
             joined[n + i] = run.tangents[row, i]
         call_generated(
-            run.table[index, SWITCHING], run.coefficients, run.clock[TIME], joined, run.work
+            run.switching_with_tangent[index], run.coefficients, run.time, joined, run.work
         )
         for i in range(n):  # rows of value and rate: y, tangent, switching, tangent of switching
-            rates[i] = run.work[2 * i + 1]
+            run.rates_before[i] = run.work[2 * i + 1]
         speed = run.work[2 * (2 * n + entry) + 1]
         change = run.work[2 * (2 * n + outputs + entry)]
-        delays[row] = -change / speed if speed != 0.0 else 0.0
+        run.delays[row] = -change / speed if speed != 0.0 else 0.0
 
 
 @native
-def strike(run: Run, impact: int, joined: Floats, rates: Floats) -> None:
-    """Tangents through an impact y -> R(y, t): D R d; `rates` becomes dR/dt along the flow.
+def strike(run: Run, impact: int) -> None:
+    """Tangents through an impact y -> R(y, t): D R d; the rates before become dR/dt along the flow.
 
     With it `saltate` adds (dR/dt - f_after) delay, as it does at events without an impact.
     """
-    n = run.config[N_STATES]
+    n, joined = run.n_states, run.joined
     for row in range(run.tangents.shape[0]):
         for i in range(n):
             joined[i] = run.y[i]
             joined[n + i] = run.tangents[row, i]
-        call_generated(impact, run.coefficients, run.clock[TIME], joined, run.work)
+        call_generated(impact, run.coefficients, run.time, joined, run.work)
         for i in range(n):  # rows of value and rate: y, tangent, R, tangent of R
-            rates[i] = run.work[2 * (2 * n + i) + 1]
+            run.rates_before[i] = run.work[2 * (2 * n + i) + 1]
             run.tangents[row, i] = run.work[2 * (3 * n + i)]
 
 
 @native
-def saltate(run: Run, rates: Floats, delays: Floats) -> None:
+def saltate(run: Run) -> None:
     """Tangents after an event: d + (f_before - f_after) delay; `series` is the new state's."""
-    order = run.config[ORDER]
+    order = run.order
     for row in range(run.tangents.shape[0]):
-        for i in range(run.config[N_STATES]):
+        for i in range(run.n_states):
             after = run.series[i * (order + 1) + 1]
-            run.tangents[row, i] += (rates[i] - after) * delays[row]
+            run.tangents[row, i] += (run.rates_before[i] - after) * run.delays[row]
 
 
 @native
@@ -875,51 +940,57 @@ def rounding_of_angle(border: float) -> float:
 
 
 @native
-def enter_zone(run: Run, angle: float) -> bool:
+def enter_sector(run: Run, angle: float) -> bool:
     """Set the sector that `angle` lies in and its borders; whether it lies on the lower one.
 
     On a border, to rounding, it is the sector above it; what moves down goes on below.
     """
-    run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = -np.inf, np.inf
-    zone_slot = run.config[N_PARAMETERS] - 1
-    run.parameters[zone_slot] = 0.0
-    if run.config[ZONE_START] < 0:
+    run.sector_low, run.sector_high = -np.inf, np.inf
+    run.parameters[run.inside_sector] = 0.0
+    if run.sector_start < 0:
         return False
-    width = run.parameters[run.config[ZONE_WIDTH]]
+    width = run.parameters[run.sector_width]
     if width <= 0.0:
         return False
     turn = 2.0 * np.pi
     if width >= turn:
-        run.parameters[zone_slot] = 1.0
+        run.parameters[run.inside_sector] = 1.0
         return False
-    start = run.parameters[run.config[ZONE_START]]
+    start = run.parameters[run.sector_start]
     rounding = rounding_of_angle(angle)
     base = start + turn * np.floor((angle - start) / turn)
     if angle - base >= turn - rounding:
         base += turn
     if angle - base < width - rounding:
-        run.parameters[zone_slot] = 1.0
-        run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base, base + width
+        run.parameters[run.inside_sector] = 1.0
+        run.sector_low, run.sector_high = base, base + width
     else:
-        run.clock[ZONE_LOW], run.clock[ZONE_HIGH] = base + width, base + turn
-    return angle - run.clock[ZONE_LOW] <= rounding
+        run.sector_low, run.sector_high = base + width, base + turn
+    return angle - run.sector_low <= rounding
 
 
 @native
 def starts_open(run: Run, contact: int) -> bool:
     """Whether a contact begins open: a gap, or none but one that is about to be."""
-    n, order = run.config[N_STATES], run.config[ORDER]
-    apart = len(run.table) - 1  # the state in which every contact is open
-    if run.table[apart, TAYLOR] == 0:
+    n, order = run.n_states, run.order
+    apart = len(run.taylor) - 1  # the state in which every contact is open
+    if run.taylor[apart] == 0:
         return False
-    for g in range(run.table[apart, N_GUARDS]):
-        if run.guards[apart, g, 0] == GAP and run.guards[apart, g, 1] == contact:
+    for g in range(run.n_guards[apart]):
+        if run.guard_kinds[apart, g] == GAP and run.guard_contacts[apart, g] == contact:
             zeros = zeros_at_start(run, apart, g)
-            call_generated(
-                run.table[apart, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
-            )
+            call_generated(run.taylor[apart], run.coefficients, run.time, run.y, run.series)
             return zeros < 2 and run.series[(n + g) * (order + 1) + zeros] > 0.0
     return False
+
+
+@native
+def take_on(run: Run) -> None:
+    """The state as the contact state has it: a drive's velocity in stick, a rigid contact's gap."""
+    index = state_index(run.kinds, run.n_contacts)
+    call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
+    for k in range(run.n_states):
+        run.y[k] = run.outputs[k]
 
 
 @native
@@ -929,39 +1000,31 @@ def set_out(run: Run) -> bool:
     A contact whose kind is STICK takes on the drive's velocity. Returns whether the angle lies on
     the lower border of its sector.
     """
-    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
-    first_sign = run.config[N_PARAMETERS] - 1 - contacts
-    field, rest, velocities = run.stages[0], run.stages[4], run.stages[5]
-    for i in range(contacts):
+    for i in range(run.n_contacts):
         if run.kinds[i] == STICK:
-            index = state_index(run.kinds, contacts)
-            call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
-            for k in range(n):
-                run.y[k] = field[k]
+            take_on(run)
             break
-    for i in range(contacts):
+    for i in range(run.n_contacts):
         is_open = starts_open(run, i)
         run.kinds[i] = SEPARATION if is_open else SLIP
-    index = state_index(run.kinds, contacts)
-    call_generated(run.table[index, FIELD], run.coefficients, run.clock[TIME], run.y, field)
-    for k in range(n):
-        run.y[k] = field[k]  # a rigid contact takes up its gap
-        rest[k] = 0.0
-    for i in range(contacts):
-        velocities[i] = slip_velocity(run, run.y, i)
-    for i in range(contacts):
+    take_on(run)
+    for k in range(run.n_states):
+        run.at_rest[k] = 0.0
+    for i in range(run.n_contacts):
+        run.slip_velocities[i] = slip_velocity(run, run.y, i)
+    for i in range(run.n_contacts):
         if run.kinds[i] == SLIP:
-            smooth, direction = run.options[i, ONE_WAY] == 1, velocities[i]
+            smooth, direction = run.is_one_way[i] == 1, run.slip_velocities[i]
             if smooth:  # the way it slides when the system is at rest
-                direction = slip_velocity(run, rest, i)
-            run.parameters[first_sign + i] = -1.0 if direction < 0.0 else 1.0
-            if velocities[i] == 0.0 and not smooth:
+                direction = slip_velocity(run, run.at_rest, i)
+            run.slip_signs[i] = -1.0 if direction < 0.0 else 1.0
+            if run.slip_velocities[i] == 0.0 and not smooth:
                 run.kinds[i] = STICK
     angle = 0.0
-    if run.table[0, HAS_ANGLE] == 1:
-        call_generated(run.table[0, FIELD], run.coefficients, run.clock[TIME], run.y, field)
-        angle = field[2 * n + run.table[0, N_GUARDS]]
-    return enter_zone(run, angle)
+    if run.has_angle[0] == 1:
+        call_generated(run.field[0], run.coefficients, run.time, run.y, run.outputs)
+        angle = run.outputs[2 * run.n_states + run.n_guards[0]]
+    return enter_sector(run, angle)
 
 
 @native
@@ -985,131 +1048,147 @@ def away_from_border(
 @native
 def cross_border(run: Run, upwards: bool) -> None:
     """Enter the neighbouring sector."""
-    zone_slot = run.config[N_PARAMETERS] - 1
-    width = run.parameters[run.config[ZONE_WIDTH]]
-    run.parameters[zone_slot] = 1.0 - run.parameters[zone_slot]
-    span = width if run.parameters[zone_slot] == 1.0 else 2.0 * np.pi - width
+    width, place = run.parameters[run.sector_width], run.inside_sector
+    run.parameters[place] = 1.0 - run.parameters[place]
+    span = width if run.parameters[place] == 1.0 else 2.0 * np.pi - width
     if upwards:
-        run.clock[ZONE_LOW] = run.clock[ZONE_HIGH]
-        run.clock[ZONE_HIGH] = run.clock[ZONE_LOW] + span
+        run.sector_low = run.sector_high
+        run.sector_high = run.sector_low + span
     else:
-        run.clock[ZONE_HIGH] = run.clock[ZONE_LOW]
-        run.clock[ZONE_LOW] = run.clock[ZONE_HIGH] - span
+        run.sector_high = run.sector_low
+        run.sector_low = run.sector_high - span
 
 
 @native
 def keep_section(run: Run) -> None:
     """Put the present state into the section buffer."""
-    row = run.counters[SECTIONS]
-    run.section_times[row] = run.clock[TIME]
+    row = run.n_sections
+    run.section_times[row] = run.time
     for i in range(len(run.y)):
         run.section_states[row, i] = run.y[i]
-    run.counters[SECTIONS] += 1
+    run.n_sections += 1
 
 
 @native
 def begin_step(run: Run, index: int) -> float:
     """Length of the step from where the motion is; its series are at hand afterwards."""
-    n, order, rows = run.config[N_STATES], run.config[ORDER], 0
-    if run.config[METHOD] != METHOD_TAYLOR:
-        run.clock[LAST_STEP] = run.tolerances[FIXED_STEP]
-        return run.tolerances[FIXED_STEP]
-    step = run.clock[FIRST_STEP]
-    run.clock[FIRST_STEP] = 0.0
+    if run.is_taylor == 0:
+        run.last_step = run.fixed_step
+        return run.fixed_step
+    step = run.first_step
+    run.first_step = 0.0
     if step == 0.0:
-        call_generated(
-            run.table[index, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
-        )
-        rows = n + run.table[index, N_GUARDS] + run.table[index, HAS_ANGLE]
-        step = step_size(run.series, rows, order, run.tolerances[RTOL], run.clock[LAST_STEP])
-        for i in range(run.table[index, N_ARGUMENTS]):
-            step = within_plateau(run.series, (rows + i) * (order + 1), order, step)
-        for i in range(n):
-            run.y[i] = run.series[i * (order + 1)]
+        step = series_at_hand(run, index)
+        take_up(run)
     if step < ENDLESS:
-        run.clock[LAST_STEP] = step
+        run.last_step = step
         return step
-    return polynomial_step(run.series, n, run.table[index, N_GUARDS], order, run.clock[LAST_STEP])
+    return polynomial_step(run.series, run.n_states, run.n_guards[index], run.order, run.last_step)
 
 
 @native
 def on_section(run: Run, value: float, step: float) -> bool:
     """Whether the section's state is zero to rounding, where it has this value in a step."""
-    if run.section[SECTION_KIND] != SECTION_ZERO or run.config[METHOD] != METHOD_TAYLOR:
+    if run.section_kind != SECTION_ZERO or run.is_taylor == 0:
         return False
-    order = run.config[ORDER]
-    offset = run.section[SECTION_STATE] * (order + 1)
-    return abs(value) <= ZERO * series_scale(run.series, offset, order, step)
+    offset = run.section_state * (run.order + 1)
+    return abs(value) <= ZERO * series_scale(run.series, offset, run.order, step)
 
 
 @native
 def coincides(run: Run, hit: int, step: float, root: float, fraction: float) -> bool:
     """Whether the section is met on an event: the slip velocity may be the section's state."""
-    if hit < 0 or fraction - root > SAME_INSTANT:
+    if hit == NOTHING or fraction - root > SAME_INSTANT:
         return False
-    order = run.config[ORDER]
-    offset = run.section[SECTION_STATE] * (order + 1)
-    return on_section(run, series_value(run.series, offset, order, fraction * step), step)
+    offset = run.section_state * (run.order + 1)
+    return on_section(run, series_value(run.series, offset, run.order, fraction * step), step)
+
+
+@native
+def fall(
+    run: Run, index: int, step: float, row: int, entry: int, zeros: int, factor: float, shift: float
+) -> float:
+    """First root of ``factor * function + shift`` over a step, as a fraction of it.
+
+    Of the function the series is in `row`, the value in an `entry` of the field output.
+    """
+    if run.is_taylor == 1:
+        return located(run, row * (run.order + 1), run.order, step, zeros, factor, shift)
+    return bisected(run, index, run.time, step, run.reached, entry, factor, shift)
+
+
+@native
+def first_guard(run: Run, index: int, step: float) -> tuple[int, float]:
+    """The first switching function of the contact state to fall, and when in the step."""
+    n, hit, fraction = run.n_states, NOTHING, 1.0
+    for guard in range(run.n_guards[index]):
+        zeros = run.known_zeros[guard]
+        if zeros <= run.order:
+            root = fall(run, index, step, n + guard, 2 * n + guard, zeros, 1.0, 0.0)
+            if root < fraction or (root == 1.0 and hit == NOTHING):
+                hit, fraction = guard, root
+    return hit, fraction
+
+
+@native
+def to_border(run: Run, index: int, step: float, upper: bool) -> float:
+    """When in a step a border of the sector is reached."""
+    n, order = run.n_states, run.order
+    row, entry = n + run.n_guards[index], 2 * n + run.n_guards[index]
+    zeros = run.zeros_at_upper if upper else run.zeros_at_lower
+    factor = -1.0 if upper else 1.0
+    shift = run.sector_high if upper else -run.sector_low
+    if run.is_taylor == 1:
+        leaving = away_from_border(run.series, row * (order + 1), order, step, factor, shift)
+        zeros = max(zeros, leaving)
+    return fall(run, index, step, row, entry, zeros, factor, shift)
+
+
+@native
+def off_section(run: Run, index: int, step: float) -> tuple[float, int]:
+    """The section's state, or its first derivative that is not zero, and the number of zeros.
+
+    A state of 0 stays at zero: a mass that sticks to a drive at rest. `step` is what is left of a
+    step until an event.
+    """
+    order, entry, value = run.order, run.section_state, 0.0
+    zeros = min(run.zeros_on_section, order)
+    if run.is_taylor == 1:
+        while zeros < order and value == 0.0:
+            value = run.series[entry * (order + 1) + zeros]
+            zeros += 1
+        return value, zeros - 1
+    if zeros == 0:
+        value = run.y[entry]
+    if value == 0.0:
+        state_after(run, index, run.time, 0.5 * step, run.reached)
+        value = run.reached[entry]
+    return value, zeros
 
 
 @native
 def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, float]:
-    """The first switching function to fall to zero in a step.
+    """What ends a step: NOTHING, a switching function, a border of the sector, the section.
 
-    Its number (-1: none), as a fraction of the step when, and of a section its sign before and
-    the sense in which it passes. In order: the contact state's own, the two borders of the
-    sector, the section.
+    With it, as a fraction of the step, when; and of the section its sign before and the sense in
+    which it passes.
     """
-    n, order, taylor = run.config[N_STATES], run.config[ORDER], run.config[METHOD] == METHOD_TAYLOR
-    n_guards, last, t = run.table[index, N_GUARDS], len(run.strips) - 1, run.clock[TIME]
-    fraction, hit, crossing, sign_before = 1.0, -1, 0.0, 0.0
-    for check in range(n_guards + 3):
-        factor, shift, strip = 1.0, 0.0, 0
-        if check < n_guards:
-            row, entry, strip = n + check, 2 * n + check, run.strips[check]
-            if strip > order:
-                continue
-        elif check < n_guards + 2:
-            if run.table[index, HAS_ANGLE] == 0 or run.clock[ZONE_HIGH] == np.inf:
-                continue
-            row, entry = n + n_guards, 2 * n + n_guards
-            upper = check == n_guards
-            factor = -1.0 if upper else 1.0
-            shift = run.clock[ZONE_HIGH] if upper else -run.clock[ZONE_LOW]
-            strip = run.strips[last - 2] if upper else run.strips[last - 1]
-            if taylor:
-                leaving = away_from_border(
-                    run.series, row * (order + 1), order, step, factor, shift
-                )
-                strip = max(strip, leaving)
-        else:
-            if run.section[SECTION_KIND] != SECTION_ZERO:
-                continue
-            entry = run.section[SECTION_STATE]
-            row, strip = entry, min(run.strips[last], order)
-            if taylor:
-                while strip < order and run.series[row * (order + 1) + strip] == 0.0:
-                    strip += 1
-                value = run.series[row * (order + 1) + strip] if strip < order else 0.0
-            else:
-                value = run.y[entry] if strip == 0 else 0.0
-                if value == 0.0:
-                    state_after(run, index, t, 0.5 * fraction * step, run.stages[3])
-                    value = run.stages[3, entry]
-            if value == 0.0:  # it stays at zero: a mass that sticks to a drive at rest
-                continue
-            factor = 1.0 if value > 0.0 else -1.0
-            sign_before = factor
-        if taylor:
-            root = located(run, row * (order + 1), order, step, strip, factor, shift)
-        else:
-            root = bisected(run, index, t, step, run.stages[3], entry, factor, shift)
-        if check < n_guards + 2:
-            if root < fraction or (root == 1.0 and hit < 0):
-                fraction, hit = root, check
-        elif 0.0 < root < fraction and not coincides(run, hit, step, root, fraction):
-            fraction, hit, crossing = root, check, -factor
-    return hit, fraction, sign_before, crossing
+    hit, fraction = first_guard(run, index, step)
+    if run.has_angle[index] == 1 and run.sector_high != np.inf:
+        for border in range(UPPER_BORDER, LOWER_BORDER - 1, -1):
+            root = to_border(run, index, step, border == UPPER_BORDER)
+            if root < fraction or (root == 1.0 and hit == NOTHING):
+                hit, fraction = border, root
+    if run.section_kind != SECTION_ZERO:
+        return hit, fraction, 0.0, 0.0
+    value, zeros = off_section(run, index, fraction * step)
+    if value == 0.0:
+        return hit, fraction, 0.0, 0.0
+    sign, entry = 1.0 if value > 0.0 else -1.0, run.section_state
+    root = fall(run, index, step, entry, entry, zeros, sign, 0.0)
+    if 0.0 < root < fraction and not coincides(run, hit, step, root, fraction):
+        return SECTION, root, sign, -sign
+    return hit, fraction, sign, 0.0
 
 
 @native
@@ -1121,19 +1200,19 @@ def polished(
     The root that was found is that of the switching function's series; Newton steps on the
     function itself, along the state's series, take it to rounding. `out` becomes the state there.
     """
-    n, order, field, t = run.config[N_STATES], run.config[ORDER], run.stages[0], run.clock[TIME]
+    n, order, field, t = run.n_states, run.order, run.outputs, run.time
     residual = 0.0
     scale, fall = scale_and_slope(run.series, (n + hit) * (order + 1), order, step, tau)
     grazing = scale == 0.0 or fall * step > -GRAZING * scale
-    enough = max(ROUNDING, EXACT * run.tolerances[RTOL])
+    enough = max(ROUNDING, EXACT * run.rtol)
     for polish in range(POLISHES):
-        call_generated(run.table[index, FIELD], run.coefficients, t + tau, out, field)
+        call_generated(run.field[index], run.coefficients, t + tau, out, field)
         value = field[2 * n + hit]
         residual = abs(value) / scale if scale > 0.0 else 0.0
         if grazing or residual <= enough or polish == POLISHES - 1:
             break
         tau += max(-value / fall, -tau)
-        call_generated(run.config[STATE], run.coefficients, tau, run.series, out)
+        call_generated(run.sum_series, run.coefficients, tau, run.series, out)
     if grazing and scale > 0.0:
         tau = touched(run, index, hit, tau, step, scale, out)
     for i in range(n):
@@ -1142,21 +1221,20 @@ def polished(
 
 
 @native
-def collide(run: Run, index: int, contact: int, joined: Floats, rates: Floats) -> None:
+def collide(run: Run, index: int, contact: int) -> None:
     """An impact, if the contact's state has one; books the energy that it takes."""
-    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
-    field, out, t = run.stages[0], run.stages[3], run.clock[TIME]
-    kinetic = contact_outputs(run.table, index, n) + PER_CONTACT * contacts + KINETIC
-    call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
-    before = field[kinetic]
+    outputs, out, t = run.outputs, run.reached, run.time
+    kinetic = run.energy_place[index] + KINETIC
+    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
+    before = outputs[kinetic]
     if len(run.tangents) > 0:
-        strike(run, run.impacts[index, contacts + contact], joined, rates)
-    call_generated(run.impacts[index, contact], run.coefficients, t, run.y, out)
-    for i in range(n):
+        strike(run, run.impact_with_tangent[index, contact])
+    call_generated(run.impact[index, contact], run.coefficients, t, run.y, out)
+    for i in range(run.n_states):
         run.y[i] = out[i]
-    call_generated(run.table[index, FIELD], run.coefficients, t, run.y, field)
-    run.measures[M_IMPACT] += before - field[kinetic]
-    run.counters[IMPACTS] += 1
+    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
+    run.impact_loss += before - outputs[kinetic]
+    run.n_impacts += 1
 
 
 @native
@@ -1166,53 +1244,52 @@ def section_at_event(run: Run, sign_before: float, is_met: bool) -> None:
     It is where the state passes zero, and where it comes to stay at zero: when it goes on from
     there (`sign_before` is 0) it does not count again.
     """
-    order, entry = run.config[ORDER], run.section[SECTION_STATE]
-    offset, step = entry * (order + 1), run.clock[LAST_STEP]
+    order, entry = run.order, run.section_state
+    offset, step = entry * (order + 1), run.last_step
     if not is_met and abs(run.y[entry]) > ZERO * series_scale(run.series, offset, order, step):
         return
     lead = leading(run.series, offset, order, step, 1)
-    run.strips[len(run.strips) - 1] = abs(lead) - 1 if lead != 0 else order + 1
-    wanted = run.section[SECTION_DIRECTION]
+    run.zeros_on_section = abs(lead) - 1 if lead != 0 else order + 1
+    wanted = run.section_direction
     passes = sign_before != 0.0 and sign_before * lead <= 0.0
     if passes and (wanted == 0 or wanted == -sign_before):
         keep_section(run)
-        run.section_states[run.counters[SECTIONS] - 1, entry] = 0.0
+        run.section_states[run.n_sections - 1, entry] = 0.0
 
 
 @native
 def book_event(run: Run, contact: int, itself: bool, residual: float) -> None:
     """Enter what changed into ledger and section; `itself`: `contact` counts in any case."""
-    first_sign = run.config[N_PARAMETERS] - 1 - run.config[N_CONTACTS]
-    events = run.counters[EVENTS]
-    for i in range(run.config[N_CONTACTS]):
-        before = run.options[i, BEFORE]
-        after = code_of(run.kinds[i], run.parameters[first_sign + i])
+    events = run.n_events
+    for i in range(run.n_contacts):
+        before, after = run.code_before[i], code_of(run.kinds[i], run.slip_signs[i])
         if before == after and not (itself and i == contact):
             continue
-        run.counters[EVENTS] += 1
-        if run.counters[LEDGER] < len(run.ledger):
-            row = run.counters[LEDGER]
-            run.ledger[row, 0], run.ledger[row, 1] = run.clock[TIME], before
-            run.ledger[row, 2], run.ledger[row, 3], run.ledger[row, 4] = after, i, residual
-            run.counters[LEDGER] += 1
+        run.n_events += 1
+        if run.n_ledger < len(run.ledger_times):
+            row = run.n_ledger
+            run.ledger_times[row], run.ledger_residuals[row] = run.time, residual
+            run.ledger_before[row], run.ledger_after[row] = before, after
+            run.ledger_contacts[row] = i
+            run.n_ledger += 1
         if (
-            run.section[SECTION_KIND] == SECTION_EVENT
-            and i == run.section[SECTION_CONTACT]
-            and kind_of(before) == run.section[SECTION_FROM]
-            and run.kinds[i] == run.section[SECTION_TO]
+            run.section_kind == SECTION_EVENT
+            and i == run.section_contact
+            and kind_of(before) == run.section_from
+            and run.kinds[i] == run.section_to
         ):
             keep_section(run)
-    if run.counters[EVENTS] == events:
-        run.counters[GRAZINGS] += 1
+    if run.n_events == events:
+        run.n_grazings += 1
     else:
-        run.measures[M_RESIDUAL] = max(run.measures[M_RESIDUAL], residual)
+        run.largest_residual = max(run.largest_residual, residual)
 
 
 @native
 def take_up(run: Run) -> None:
     """The state as the contact state just decided has it."""
-    for i in range(run.config[N_STATES]):
-        run.y[i] = run.series[i * (run.config[ORDER] + 1)]
+    for i in range(run.n_states):
+        run.y[i] = run.series[i * (run.order + 1)]
 
 
 @native
@@ -1221,21 +1298,30 @@ def heading(run: Run) -> int:
 
     Where the contact sticks, the way it would be released: that of the force demanded of it.
     """
-    n, order, contact = run.config[N_STATES], run.config[ORDER], run.config[ZONE_CONTACT]
-    index = state_index(run.kinds, run.config[N_CONTACTS])
-    step = run.clock[FIRST_STEP] if run.clock[FIRST_STEP] < ENDLESS else 0.0
-    if run.table[index, HAS_ANGLE] == 1:
-        offset = (n + run.table[index, N_GUARDS]) * (order + 1)
-        return leading(run.series, offset + 1, order - 1, step, run.options[contact, AT_REST])
+    n, order, contact = run.n_states, run.order, run.sector_contact
+    index = state_index(run.kinds, run.n_contacts)
+    step = run.first_step if run.first_step < ENDLESS else 0.0
+    if run.has_angle[index] == 1:
+        offset = (n + run.n_guards[index]) * (order + 1)
+        return leading(run.series, offset + 1, order - 1, step, run.is_at_rest[contact])
     for k in range(order + 1):
         run.polynomial[k] = 0.0
-    for g in range(run.table[index, N_GUARDS]):
-        kind, offset = run.guards[index, g, 0], (n + g) * (order + 1)
-        if run.guards[index, g, 1] == contact and (kind == CAPACITY_UP or kind == CAPACITY_DOWN):
+    for g in range(run.n_guards[index]):
+        kind, offset = run.guard_kinds[index, g], (n + g) * (order + 1)
+        if run.guard_contacts[index, g] == contact and (
+            kind == CAPACITY_UP or kind == CAPACITY_DOWN
+        ):
             sign = 1.0 if kind == CAPACITY_DOWN else -1.0
             for k in range(order + 1):
                 run.polynomial[k] += sign * run.series[offset + k]
     return leading(run.polynomial, 0, order, step, 0)
+
+
+@native
+def note_codes(run: Run) -> None:
+    """The contact state as it is before an event."""
+    for i in range(run.n_contacts):
+        run.code_before[i] = code_of(run.kinds[i], run.slip_signs[i])
 
 
 @native
@@ -1244,142 +1330,166 @@ def decide_on_border(run: Run) -> bool:
 
     The motion begins in the sector that it goes on into, above if it stays for ever.
     """
-    contacts = run.config[N_CONTACTS]
-    first_sign = run.config[N_PARAMETERS] - 1 - contacts
-    for i in range(contacts):
-        run.options[i, BEFORE] = code_of(run.kinds[i], run.parameters[first_sign + i])
+    note_codes(run)
     if decide(run, -1, -1, True) and heading(run) >= 0:
         return True
     cross_border(run, False)
-    for i in range(contacts):
-        run.kinds[i] = kind_of(run.options[i, BEFORE])
-        run.parameters[first_sign + i] = -1.0 if run.options[i, BEFORE] == CODE_SLIP_MINUS else 1.0
+    for i in range(run.n_contacts):
+        run.kinds[i] = kind_of(run.code_before[i])
+        run.slip_signs[i] = -1.0 if run.code_before[i] == CODE_SLIP_MINUS else 1.0
     return decide(run, -1, -1, True)
 
 
 @native
 def enter(run: Run) -> bool:
     """Decide the contact state where the motion begins or a force jumps; False: there is none."""
-    on_border = run.clock[TASK] == ENTER and set_out(run)
+    on_border = run.task == ENTER and set_out(run)
     if not (decide_on_border(run) if on_border else decide(run, -1, -1, True)):
         return False
     take_up(run)
-    run.counters[CHAINED] = 0
-    run.clock[TASK] = GO_ON
+    run.n_chained = 0
+    run.task = GO_ON
     return True
+
+
+@native
+def clear_known_zeros(run: Run) -> None:
+    """Behind a step nothing is known to be zero."""
+    for g in range(len(run.known_zeros)):
+        run.known_zeros[g] = 0
+    run.zeros_at_upper, run.zeros_at_lower, run.zeros_on_section = 0, 0, 0
+
+
+@native
+def keep_phase(run: Run, phase_interval: float) -> None:
+    """Put the present state into the section buffer, and look ahead for the next phase."""
+    keep_section(run)
+    run.next_phase += phase_interval
+
+
+@native
+def pass_section(run: Run, crossing: float) -> None:
+    """The section alone ends a step: the contact state stays."""
+    run.n_chained = 0
+    run.zeros_on_section = 1
+    if run.section_direction == 0 or run.section_direction == crossing:
+        run.y[run.section_state] = 0.0
+        keep_section(run)
+
+
+@native
+def pass_border(run: Run, index: int, upwards: bool) -> None:
+    """Go on in the neighbouring sector."""
+    cross_border(run, upwards)
+    fill(run)
+    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.series)
+    run.first_step = 0.0
+    if upwards:
+        run.zeros_at_lower = 1
+    else:
+        run.zeros_at_upper = 1
+
+
+@native
+def pass_event(
+    run: Run, index: int, hit: int, residual: float, grazing: bool, sign_before: float, is_met: bool
+) -> int:
+    """What follows where a step ends with an event; GOING, or why nothing does."""
+    border, with_tangents = hit < 0, len(run.tangents) > 0
+    trigger_kind, contact = -1, run.sector_contact
+    if not border:
+        trigger_kind, contact = run.guard_kinds[index, hit], run.guard_contacts[index, hit]
+    if with_tangents:
+        switching_rates(run, index, run.n_guards[index] if border else hit)
+    note_codes(run)
+    if trigger_kind == JAMMING:
+        return JAMMED
+    if trigger_kind == NORMAL and run.is_end[contact] == 1:
+        return CONTACT_LOST
+    impacted = trigger_kind == GAP and run.impact[index, contact] != 0
+    if impacted:
+        collide(run, index, contact)
+    if border:
+        pass_border(run, index, hit == UPPER_BORDER)
+    elif not decide(run, trigger_kind, contact, grazing):
+        return NO_STATE
+    take_up(run)
+    if with_tangents:
+        saltate(run)
+    if run.section_kind == SECTION_ZERO:
+        section_at_event(run, sign_before, is_met)
+    book_event(run, contact, impacted or border, residual)
+    return GOING
+
+
+@native
+def watch(run: Run, index: int, tau: float, measuring: bool) -> None:
+    """What is asked for along a step."""
+    if run.n_sampled < len(run.sample_times):
+        take_samples(run, index, tau)
+    if measuring:
+        take_measures(run, index, tau, run.reached)
+    if len(run.tangents) > 0:
+        move_tangents(run, index, tau)
 
 
 @native
 def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> int:
     """Run until t_stop, a full section buffer, a budget or an end; returns why it stopped."""
-    n, contacts = run.config[N_STATES], run.config[N_CONTACTS]
-    first_sign = run.config[N_PARAMETERS] - 1 - contacts
-    out, joined, rates, delays = run.stages[3], run.stages[4], run.stages[5], run.stages[6]
-    with_tangents, last = len(run.tangents) > 0, len(run.strips) - 1
+    out, stroboscopic, stop = run.reached, run.section_kind == SECTION_PHASE, GOING
     fill(run)
-    if run.clock[TASK] != GO_ON and not enter(run):
+    if run.task != GO_ON and not enter(run):
         return NO_STATE
-    while True:
-        t = run.clock[TIME]
+    while stop == GOING:
+        t = run.time
+        if run.n_sections >= run.max_sections:
+            return SECTION_FULL
         if t >= t_stop:
             return REACHED
-        if run.counters[STEPS] >= run.limits[MAX_STEPS]:
+        if run.n_steps >= run.max_steps:
             return STEP_BUDGET
-        if run.counters[EVENTS] >= run.limits[MAX_EVENTS]:
+        if run.n_events >= run.max_events:
             return EVENT_BUDGET
-        stroboscopic = run.section[SECTION_KIND] == SECTION_PHASE
-        if stroboscopic and run.clock[NEXT_PHASE] <= t:  # on an event
-            keep_section(run)
-            run.clock[NEXT_PHASE] += phase_interval
-            if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
-                return SECTION_FULL
+        if stroboscopic and run.next_phase <= t:  # on an event
+            keep_phase(run, phase_interval)
+            continue
         # --- the step ---------------------------------------------------------------------------
-        run.counters[STEPS] += 1
-        index = state_index(run.kinds, contacts)
-        n_guards = run.table[index, N_GUARDS]
+        run.n_steps += 1
+        index = state_index(run.kinds, run.n_contacts)
         goal, reaches_phase = t + begin_step(run, index), False
-        if stroboscopic and run.clock[NEXT_PHASE] <= min(goal, t_stop):
-            goal, reaches_phase = run.clock[NEXT_PHASE], True
+        if stroboscopic and run.next_phase <= min(goal, t_stop):
+            goal, reaches_phase = run.next_phase, True
         elif t_stop <= goal:
             goal = t_stop
         step = goal - t
         hit, fraction, sign_before, crossing = first_fall(run, index, step)
-        tau = step if hit < 0 else fraction * step
+        tau = step if hit == NOTHING else fraction * step
         residual, grazing = 0.0, True
         state_after(run, index, t, tau, out)
-        if run.config[METHOD] == METHOD_TAYLOR and 0 <= hit < n_guards:
+        if run.is_taylor == 1 and hit >= 0:
             tau, residual, grazing = polished(run, index, hit, tau, step, out)
-        # --- along the step ---------------------------------------------------------------------
-        if run.counters[SAMPLED] < len(run.sample_times):
-            take_samples(run, index, tau, joined)
-        if measuring:
-            take_measures(run, index, tau, out)
-        if with_tangents:
-            move_tangents(run, index, tau, joined)
-        for i in range(n):
+        watch(run, index, tau, measuring)
+        for i in range(run.n_states):
             run.y[i] = out[i]
-            if not abs(out[i]) < run.tolerances[BOUND]:
+            if not abs(out[i]) < run.bound:
                 return DIVERGED
-        was_on_section = run.strips[last] > 0
-        for g in range(last + 1):
-            run.strips[g] = 0
-        if hit < 0:
-            run.clock[TIME] = goal
-            run.counters[CHAINED] = 0
+        was_on_section = run.zeros_on_section > 0
+        clear_known_zeros(run)
+        if hit == NOTHING:
+            run.time = goal
+            run.n_chained = 0
             if reaches_phase:
-                keep_section(run)
-                run.clock[NEXT_PHASE] += phase_interval
-                if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
-                    return SECTION_FULL
+                keep_phase(run, phase_interval)
             continue
-        run.clock[TIME] = t + tau
-        if hit == n_guards + 2:  # only a section: the contact state stays
-            run.counters[CHAINED] = 0
-            run.strips[last] = 1
-            wanted = run.section[SECTION_DIRECTION]
-            if wanted == 0 or wanted == crossing:
-                run.y[run.section[SECTION_STATE]] = 0.0
-                keep_section(run)
-                if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
-                    return SECTION_FULL
+        run.time = t + tau
+        if hit == SECTION:
+            pass_section(run, crossing)
             continue
-        # --- an event ---------------------------------------------------------------------------
-        run.counters[CHAINED] = run.counters[CHAINED] + 1 if t + tau <= t else 0
-        if run.counters[CHAINED] > CHAIN_CAP:
+        run.n_chained = run.n_chained + 1 if t + tau <= t else 0
+        if run.n_chained > CHAIN_CAP:
             return CHATTERING
         if was_on_section and fraction <= SAME_INSTANT:  # what led here is counted
             sign_before = 0.0
-        is_met = on_section(run, out[run.section[SECTION_STATE]], step)
-        border = hit >= n_guards
-        trigger_kind, trigger_contact = -1, run.config[ZONE_CONTACT]
-        if not border:
-            trigger_kind, trigger_contact = run.guards[index, hit, 0], run.guards[index, hit, 1]
-        if with_tangents:
-            switching_rates(run, index, n_guards if border else hit, joined, rates, delays)
-        for i in range(contacts):
-            run.options[i, BEFORE] = code_of(run.kinds[i], run.parameters[first_sign + i])
-        if trigger_kind == JAMMING:
-            return JAMMED
-        if trigger_kind == NORMAL and run.ends[trigger_contact] == 1:
-            return CONTACT_LOST
-        impacted = trigger_kind == GAP and run.impacts[index, trigger_contact] != 0
-        if impacted:
-            collide(run, index, trigger_contact, joined, rates)
-        if border:
-            cross_border(run, hit == n_guards)
-            fill(run)
-            call_generated(
-                run.table[index, TAYLOR], run.coefficients, run.clock[TIME], run.y, run.series
-            )
-            run.clock[FIRST_STEP] = 0.0
-            run.strips[last - 1 if hit == n_guards else last - 2] = 1
-        elif not decide(run, trigger_kind, trigger_contact, grazing):
-            return NO_STATE
-        take_up(run)
-        if with_tangents:
-            saltate(run, rates, delays)
-        if run.section[SECTION_KIND] == SECTION_ZERO:
-            section_at_event(run, sign_before, is_met)
-        book_event(run, trigger_contact, impacted or border, residual)
-        if run.counters[SECTIONS] >= run.limits[MAX_SECTIONS]:
-            return SECTION_FULL
+        is_met = on_section(run, out[run.section_state], step)
+        stop = pass_event(run, index, hit, residual, grazing, sign_before, is_met)
+    return stop

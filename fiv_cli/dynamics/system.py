@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from operator import itemgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.generate import JACOBIAN, Generated, generate
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
+from fiv_cli.codegen.generate import JACOBIAN, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
+from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.models.base import rate_of
 
@@ -76,28 +78,53 @@ class System:
         }
 
     @cached_property
-    def tangent_table(self) -> NDArray[np.int64]:
-        """`Tables.table` with the tangent functions, compiled on first use."""
-        from fiv_cli.dynamics import kernel
-
-        table = self.tables.table.copy()
+    def tangent_tables(self) -> Mapping[str, NDArray[np.int64]]:
+        """Addresses of the functions that carry tangents, compiled on first use, by field."""
+        tables = {
+            "with_tangent": np.zeros_like(self.tables.field),
+            "switching_with_tangent": np.zeros_like(self.tables.field),
+            "impact_with_tangent": np.zeros_like(self.tables.impact),
+        }
         for index, state in self.generated.states.items():
-            for place, kind in ((kernel.TANGENT, "tangent"), (kernel.SWITCHING, "switching")):
-                name = f"{state.name}_{kind}"
-                table[index, place] = self.generated.address(name, TANGENT_TEXT)
-            table[index, kernel.MOVED] = self.generated.address("moved", TANGENT_TEXT)
-        return table
+            name, address = state.name, partial(self.generated.address, part=TANGENT_TEXT)
+            tables["with_tangent"][index] = address(f"{name}_tangent")
+            tables["switching_with_tangent"][index] = address(f"{name}_switching")
+            for contact in state.impacts:
+                place = index, contact
+                tables["impact_with_tangent"][place] = address(f"{name}_impact_tangent_{contact}")
+        return tables
 
     @cached_property
-    def tangent_impacts(self) -> NDArray[np.int64]:
-        """`Tables.impacts` with the functions that carry tangents, compiled on first use."""
-        impacts = self.tables.impacts.copy()
-        for index, state in self.generated.states.items():
-            for contact in state.impacts:
-                name = f"{state.name}_impact_tangent_{contact}"
-                place = self.n_contacts + contact
-                impacts[index, place] = self.generated.address(name, TANGENT_TEXT)
-        return impacts
+    def sum_tangent(self) -> int:
+        """Address of the function that sums the series of a tangent, compiled on first use."""
+        return self.generated.address("moved", TANGENT_TEXT)
+
+    @cached_property
+    def outputs_width(self) -> int:
+        """Most numbers that a field function writes."""
+        return int(np.max(self.tables.energy_place)) + len(ENERGY_OUTPUTS)
+
+    # --- generated functions, called from Python --------------------------------------------------
+    def coefficients(self, parameters: Vector) -> Vector:
+        """What depends on parameters alone, as generated code reads it."""
+        coefficients = np.zeros(max(self.generated.n_coefficients, 1))
+        fill = self.tables.numbers["fill_coefficients"]
+        call_generated(fill, coefficients, 0.0, parameters, coefficients)
+        return coefficients
+
+    def field(self, index: int, coefficients: Vector, time: float, y: Vector) -> FieldOutput:
+        """What a contact state makes of a state."""
+        tables, n = self.tables, len(y)
+        out = np.zeros(self.outputs_width)
+        call_generated(tables.field[index], coefficients, time, y, out)
+        contacts, energies = tables.contact_place[index], tables.energy_place[index]
+        return FieldOutput(
+            out[:n],
+            out[n : 2 * n],
+            out[2 * n : 2 * n + tables.n_guards[index]],
+            out[contacts:energies].reshape(-1, PER_CONTACT),
+            out[energies : energies + len(ENERGY_OUTPUTS)],
+        )
 
     def parameter_values(self, parameters: Mapping[str, float]) -> tuple[float, ...]:
         """Parameters in generated order; the slip signs and the sector follow them there."""
@@ -144,66 +171,102 @@ class System:
         return vector
 
 
-@dataclass(frozen=True)
-class Tables:
-    """Tables of addresses and switching functions, indexed by contact state (see kernel.py).
+class FieldOutput(NamedTuple):
+    """What a field function says of a state.
 
-    `impacts` holds, per contact, the impact function and then, while tangents are carried, the
-    one that takes them through the impact; `ends` is 1 for a contact that cannot open, whose loss
-    ends a motion.
+    Attributes
+    ----------
+    state : with the entries that contact determines; shape (n_states,)
+    rates : its time derivatives; shape (n_states,)
+    switching : switching functions of the contact state; shape (n_guards,)
+    contacts : `CONTACT_OUTPUTS` per contact; shape (n_contacts, 3)
+    energies : `ENERGY_OUTPUTS`
     """
 
-    table: NDArray[np.int64]
-    impacts: NDArray[np.int64]
-    guards: NDArray[np.int64]
-    config: NDArray[np.int64]
-    ends: NDArray[np.int64]
+    state: Vector
+    rates: Vector
+    switching: Vector
+    contacts: Vector
+    energies: Vector
+
+
+@dataclass(frozen=True)
+class Tables:
+    """What the driver reads of a system: see `kernel.Run`, whose fields these are.
+
+    Attributes
+    ----------
+    numbers : the scalars among them
+    """
+
+    taylor: NDArray[np.int64]
+    field: NDArray[np.int64]
+    impact: NDArray[np.int64]
+    n_guards: NDArray[np.int64]
+    guard_kinds: NDArray[np.int64]
+    guard_contacts: NDArray[np.int64]
+    has_angle: NDArray[np.int64]
+    n_arguments: NDArray[np.int64]
+    contact_place: NDArray[np.int64]
+    energy_place: NDArray[np.int64]
+    is_end: NDArray[np.int64]
+    is_one_way: NDArray[np.int64]
+    numbers: Mapping[str, int]
+
+    def arrays(self) -> dict[str, NDArray[np.int64]]:
+        """The arrays by name."""
+        return {name: table for name, table in vars(self).items() if name != "numbers"}
 
 
 def _tables(generated: Generated) -> Tables:
-    from fiv_cli.dynamics import kernel
+    contacts, states = len(generated.smooth), generated.states
+    most = max(1, *(len(state.guards) for state in states.values()))
+    widths = {"impact": (contacts,), "guard_kinds": (most,), "guard_contacts": (most,)}
+    per_state = {
+        name: np.zeros((3**contacts, *widths.get(name, ())), np.int64)
+        for name in (*widths, "taylor", "field", "n_guards", "has_angle", "n_arguments",
+                     "contact_place", "energy_place")
+    }  # fmt: skip
+    smooth, ends = np.array(generated.smooth, np.int64), np.ones(contacts, np.int64)
+    tables = Tables(**per_state, is_end=ends, is_one_way=smooth, numbers=_numbers(generated))
+    for index, state in states.items():
+        _enter_state(tables, generated, index, state)
+    return tables
 
+
+def _enter_state(tables: Tables, generated: Generated, index: int, state: StateTable) -> None:
+    """Fill in what is known of a contact state."""
     contacts = len(generated.smooth)
-    count = 3**contacts
-    most = max(len(state.guards) for state in generated.states.values())
-    table = np.zeros((count, kernel.TABLE_WIDTH), np.int64)
-    impacts = np.zeros((count, 2 * contacts), np.int64)
-    guards = np.full((count, max(most, 1), 2), -1, np.int64)
-    for index, state in generated.states.items():
-        table[index, kernel.TAYLOR] = generated.address(f"{state.name}_taylor")
-        table[index, kernel.FIELD] = generated.address(f"{state.name}_field")
-        table[index, kernel.N_GUARDS] = len(state.guards)
-        table[index, kernel.HAS_ANGLE] = int(state.has_angle)
-        table[index, kernel.N_ARGUMENTS] = state.n_arguments
-        for contact in state.impacts:
-            impacts[index, contact] = generated.address(f"{state.name}_impact_{contact}")
-        for place, guard in enumerate(state.guards):
-            guards[index, place] = guard
-    ends = np.ones(contacts, np.int64)
-    for state in generated.states.values():
-        ends[np.array(state.kinds) == kernel.SEPARATION] = 0
-    return Tables(table, impacts, guards, _config(generated), ends)
+    tables.taylor[index] = generated.address(f"{state.name}_taylor")
+    tables.field[index] = generated.address(f"{state.name}_field")
+    for contact in state.impacts:
+        tables.impact[index, contact] = generated.address(f"{state.name}_impact_{contact}")
+    tables.n_guards[index] = len(state.guards)
+    for place, (kind, contact) in enumerate(state.guards):
+        tables.guard_kinds[index, place], tables.guard_contacts[index, place] = kind, contact
+    tables.has_angle[index] = int(state.has_angle)
+    tables.n_arguments[index] = state.n_arguments
+    first = 2 * len(generated.state_names) + len(state.guards) + int(state.has_angle)
+    tables.contact_place[index] = first
+    tables.energy_place[index] = first + PER_CONTACT * contacts
+    tables.is_end[np.array(state.kinds) == SEPARATION] = 0
 
 
-def _config(generated: Generated) -> NDArray[np.int64]:
-    from fiv_cli.dynamics import kernel
-
-    config = np.full(kernel.CONFIG_WIDTH, -1, np.int64)
-    config[kernel.N_STATES] = len(generated.state_names)
-    config[kernel.N_CONTACTS] = len(generated.smooth)
-    config[kernel.ORDER] = generated.order
-    config[kernel.TANGENT_ORDER] = generated.tangent_order
-    config[kernel.N_PARAMETERS] = len(generated.parameter_names)
-    config[kernel.N_COORDINATES] = len(generated.coordinates)
-    config[kernel.COEFFICIENTS] = generated.address("coefficients")
-    config[kernel.STATE] = generated.address("state")
-    config[kernel.VALUE_AND_SLOPE] = generated.address("value_and_slope")
-    config[kernel.BERNSTEIN] = generated.address("bernstein")
-    config[kernel.METHOD] = kernel.METHOD_TAYLOR
-    config[kernel.ZONE_CONTACT] = 0
-    if generated.zone is not None:
-        start, width, contact = generated.zone
-        config[kernel.ZONE_START] = generated.parameter_names.index(start)
-        config[kernel.ZONE_WIDTH] = generated.parameter_names.index(width)
-        config[kernel.ZONE_CONTACT] = contact
-    return config
+def _numbers(generated: Generated) -> dict[str, int]:
+    names = generated.parameter_names
+    start, width, contact = generated.zone or ("", "", 0)
+    return {
+        "n_states": len(generated.state_names),
+        "n_coordinates": len(generated.coordinates),
+        "n_contacts": len(generated.smooth),
+        "order": generated.order,
+        "tangent_order": generated.tangent_order,
+        "fill_coefficients": generated.address("coefficients"),
+        "sum_series": generated.address("state"),
+        "value_and_slope": generated.address("value_and_slope"),
+        "bernstein": generated.address("bernstein"),
+        "sector_start": names.index(start) if start else -1,
+        "sector_width": names.index(width) if width else -1,
+        "inside_sector": len(names) - 1,
+        "sector_contact": contact,
+    }

@@ -47,6 +47,11 @@ def ascii_name(name: str) -> str:
     return ".".join(_SYNONYMS.get(part, part) for part in parts)
 
 
+def axis_name(name: str) -> str:
+    """The contract name of an axis or a parameter: ``friction.μ_k`` -> ``mu_k``."""
+    return ascii_name(name).removeprefix("friction.")
+
+
 def can_name_a_file(name: str) -> bool:
     """Whether `name` can be part of the name of a file, and be shown."""
     return bool(name) and name.isprintable() and not {"/", "\\"} & set(name)

@@ -299,27 +299,21 @@ def _one_axis(part: xr.Dataset) -> xr.DataArray:
 
 def _at_points_of(array: xr.DataArray, points: xr.DataArray) -> xr.DataArray:
     """`array` at the coordinates of `points`: NaN where it has no such point."""
-    alone = [dim for dim in array.dims if dim not in points.dims]
-    if any(array.sizes[dim] > 1 for dim in alone):
-        raise select.SelectionError(
-            f"{', '.join(map(str, alone))}: an axis of the other case only; narrow it with `at`"
-        )
-    array = array.isel(dict.fromkeys(alone, 0), drop=True)
-    for dim in array.dims:
-        array = _reindexed(array, str(dim), select.axis_of(points.to_dataset(name="p"), str(dim)))
-    return xr.broadcast(array, points)[0].transpose(*points.dims)
-
-
-def _reindexed(array: xr.DataArray, dim: str, axis: xr.DataArray) -> xr.DataArray:
-    if dim not in array.coords:
-        return array
-    if array.sizes[dim] == 1 and not select.is_numeric(array.coords[dim]):
+    for dim in map(str, array.dims):
+        axis, is_one = array.coords.get(dim), array.sizes[dim] == 1
         # the one start of the other case stands for whatever start this case has
-        return array.isel({dim: 0}, drop=True)
-    if not select.is_numeric(axis):
-        return array.reindex({dim: axis.values})
-    tolerance = select.SAME * float(np.max(np.abs(axis.values)))
-    return array.reindex({dim: axis.values}, method="nearest", tolerance=tolerance)
+        if dim not in points.dims or (is_one and axis is not None and not select.is_numeric(axis)):
+            if not is_one:
+                message = f"{dim}: an axis of the other case only; narrow it with `at`"
+                raise select.SelectionError(message)
+            array = array.isel({dim: 0}, drop=True)
+        elif axis is not None and select.is_numeric(axis):
+            wanted = points.coords[dim].values
+            tolerance = select.SAME * float(np.max(np.abs(wanted)))
+            array = array.reindex({dim: wanted}, method="nearest", tolerance=tolerance)
+        elif axis is not None:
+            array = array.reindex({dim: points.coords[dim].values})
+    return xr.broadcast(array, points)[0].transpose(*points.dims)
 
 
 def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _Values:

@@ -69,7 +69,7 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     low, high, unknown = _between(_TAKINGS[what], _values(dataset[variable], of), missing, axes)
     ends = {f"{what}_low": low.where(~unknown), f"{what}_high": high.where(~unknown)}
     found = xr.Dataset({**ends, "status": _status(dataset["status"], unknown, axes)})
-    if "relative_to" in take:
+    if take.get("relative_to"):
         found = _relative(found, take["relative_to"])
     named = {"units": _unit(dataset[variable], what, axes[0]), "long_name": _words(variable, take)}
     return _with_middle(found, what, named).assign_attrs(dataset.attrs)
@@ -159,7 +159,7 @@ def _words(variable: str, take: Mapping[str, Any]) -> str:
         words = f"with {of.replace('.', words, 1)}"
     elif of:
         words = f"that is {of.replace('_', ' ')}"
-    words += " over that of the reference" if "relative_to" in take else ""
+    words += " over that of the reference" if take.get("relative_to") else ""
     return f"{take['what']} {words}"
 
 

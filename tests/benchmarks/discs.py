@@ -64,7 +64,7 @@ def fiv_run(rtol: float, given: dict[str, float], t_end: float) -> tuple[Vector,
     motion.keep_ledger(EVENTS)
     motion.run(t_end)
     kept = [i for i, name in enumerate(built.state_names) if not name.startswith("z")]
-    return motion.ledger[: motion.n_events, 0].copy(), motion.y[kept]
+    return motion.ledger.times.copy(), motion.y[kept]
 
 
 def opponent(given: dict[str, float]) -> scipy_disc.Slider:

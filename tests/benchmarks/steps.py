@@ -67,7 +67,6 @@ def seconds_per_step(stepping: Stepping, measuring: bool, tangents: int) -> floa
     taken, steps = 0.0, 0
     while taken < LEAST_SECONDS:
         motion = Motion(system, parameters, SOLVER, stepping.start)
-        _ = motion.started
         n = len(motion.y)
         if measuring:
             motion.start_measuring(np.zeros(len(system.coordinates)))

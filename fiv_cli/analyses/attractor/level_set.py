@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN, HURWITZ, LEADING, LINEAR, SAMPLES
 from fiv_cli.analyses.rest.equilibria import Sliding
 from fiv_cli.analyses.rest.linearisation import free_states
-from fiv_cli.codegen.memory import call_generated
-from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]
@@ -80,19 +78,18 @@ class LevelSet:
     @cached_property
     def _guards(self) -> tuple[Vector, Real]:
         """Switching functions at the equilibrium, and their slopes by the free states."""
-        count = int(self.sliding.system.tables.table[self.sliding.index, kernel.N_GUARDS])
-        first = 2 * len(self.equilibrium)
+        margins = self.sliding.field(self.equilibrium).switching
         m, size = len(self.sliding.system.coordinates), np.max(np.abs(self.equilibrium))
         steps = np.full(len(self.equilibrium), DIFFERENCE * (size if size > 0.0 else 1.0))
         steps[m : 2 * m] *= np.max(np.abs(self.eigenvalues))
-        slopes = np.zeros((count, len(self.free)))
+        slopes = np.zeros((len(margins), len(self.free)))
         for column, place in enumerate(self.free):
             for sign in (1.0, -1.0):
                 moved = self.equilibrium.copy()
                 moved[place] += sign * steps[place]
-                found = self.sliding.field(moved)[first : first + count]
+                found = self.sliding.field(moved).switching
                 slopes[:, column] += sign * found / (2.0 * steps[place])
-        return self.sliding.field(self.equilibrium)[first : first + count], slopes
+        return margins, slopes
 
     @cached_property
     def is_bounded(self) -> bool:
@@ -285,9 +282,7 @@ def slides_freely(system: System, parameters: Mapping[str, float], target: Level
     states[1][target.free] += np.max(np.abs(target.equilibrium)) * target.shapes[0]
     for zone in (0.0, 1.0):
         motion_parameters[-1] = zone
-        coefficients = np.zeros_like(target.sliding.coefficients)
-        fill = system.tables.config[kernel.COEFFICIENTS]
-        call_generated(fill, coefficients, 0.0, motion_parameters, coefficients)
+        coefficients = system.coefficients(motion_parameters)
         for state in states:
             for phase in range(PHASES):
                 if not _same_rates(target, coefficients, phase * period / PHASES, state):
@@ -296,9 +291,7 @@ def slides_freely(system: System, parameters: Mapping[str, float], target: Level
 
 
 def _same_rates(target: LevelSet, coefficients: Vector, time: float, state: Vector) -> bool:
-    n = len(state)
-    out = np.zeros(3 * n + 64 + kernel.N_ENERGIES)
-    address = target.sliding.system.tables.table[target.sliding.index, kernel.FIELD]
-    call_generated(address, coefficients, time, state, out)
-    expected = target.sliding.rates(state)
-    return bool(np.max(np.abs(out[n : 2 * n] - expected)) <= SAME * np.max(np.abs(expected)))
+    sliding = target.sliding
+    found = sliding.system.field(sliding.index, coefficients, time, state).rates
+    expected = sliding.rates(state)
+    return bool(np.max(np.abs(found - expected)) <= SAME * np.max(np.abs(expected)))

@@ -56,7 +56,7 @@ from fiv_cli.analyses.cycles.periodic import (
     tightened,
 )
 from fiv_cli.analyses.rest.linearisation import free_jacobian
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.codes import SEPARATION, SLIP, STICK
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
@@ -273,9 +273,8 @@ class _Response:
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        first = -1 - self.system.n_contacts
-        ways = (one.parameters[first:-1].tolist() for one in (self.motion, self.rests.unexcited))
-        return self._all_contacts(kernel.SLIP) and next(ways) == next(ways)
+        ways = self.rests.unexcited.parameters[-1 - self.system.n_contacts : -1]
+        return self._all_contacts(SLIP) and np.array_equal(self.motion.slip_signs, ways)
 
     def _all_contacts(self, kind: int) -> bool:
         """Whether every contact is of this kind."""
@@ -284,7 +283,7 @@ class _Response:
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
         waited = self.motion.time - self.last_event >= self.patience * (1.0 - 1e-12)
-        return waited and self._all_contacts(kernel.SLIP)
+        return waited and self._all_contacts(SLIP)
 
     def _forget_oldest(self) -> None:
         half = KEPT // 2
@@ -300,7 +299,7 @@ class _Response:
         period = self._strobe_period()
         offset = section.phase / (2 * np.pi) * period
         turns = np.floor((self.motion.time - offset) / period + 1e-9) + 1
-        self.motion.clock[kernel.NEXT_PHASE] = offset + turns * period
+        self.motion.frame.next_phase = offset + turns * period
 
     def _strobe_period(self) -> float:
         return self.excitation if self.excitation is not None else self.patience
@@ -335,7 +334,7 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
-        if self.excitation is not None or not self._all_contacts(kernel.STICK):
+        if self.excitation is not None or not self._all_contacts(STICK):
             return None
         if np.any(self.motion.rates() != 0.0):
             return None
@@ -379,7 +378,7 @@ class _Response:
         while self.motion.time < t_max and self._goes_on:
             before = self.count
             self._step(t_max, strobe, measuring=True)
-            if np.any(self.motion.measures.shares[:, kernel.STICK] > 0.0):
+            if np.any(self.motion.measures.shares[:, STICK] > 0.0):
                 self.count = 0
                 return None
             found = self._rest() or (self._cycle(strobe) if self.count > before else None)
@@ -425,7 +424,7 @@ class _Response:
         energy = self.motion.energy()
         points = self._next_points(multiplicity, section, measuring=True)
         period, full = self.motion.time - begun, self.stop == Stop.SECTION_FULL
-        scales = extents(self.motion.measures.extremes[:2])
+        scales = extents(self.motion.measures.extremes)
         share = repeats(self.problem, points, scales, period) if full else 1
         if not full or abs(period - cycle.period) > SAME_PERIOD * cycle.period or share > 1:
             shorter = confirm(self.problem, self.motion, period / share) if share > 1 else None
@@ -475,15 +474,15 @@ class _Response:
     def _measured(self, energy_before: float) -> dict[str, Any]:
         """Everything that was integrated along the measured stretch."""
         measures, motion = self.motion.measures, self.motion
-        time = measures.time
+        time = measures.measured_time
         shares = measures.shares / time
         per_contact = shares if len(shares) > 1 else shares[0][None, :]
         fractions = [
             per_contact[:, kind] if len(shares) > 1 else float(per_contact[0, kind])
-            for kind in (kernel.STICK, kernel.SLIP, kernel.SEPARATION)
+            for kind in (STICK, SLIP, SEPARATION)
         ]
         values: dict[str, Any] = {
-            "L_s": float(measures.totals[kernel.M_SPREAD]) / time,
+            "L_s": measures.spread / time,
             "L_s_window": time,
             "stick_fraction": fractions[0],
             "slip_fraction": fractions[1],
@@ -492,11 +491,10 @@ class _Response:
         }
         if self.rests.first is None:
             values["L_s"] = float("nan")
-        least, greatest, squares = measures.extremes
         for i, name in enumerate(self.system.state_names):
-            values[f"{name}_min"] = float(least[i])
-            values[f"{name}_max"] = float(greatest[i])
-            values[f"{name}_rms"] = float(np.sqrt(squares[i] / time))
+            values[f"{name}_min"] = float(measures.least[i])
+            values[f"{name}_max"] = float(measures.greatest[i])
+            values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))
         return values
 
     def _floquet(self, cycle: Confirmed) -> dict[str, Any]:
@@ -545,7 +543,7 @@ class _Response:
                 exponent.update()
         if exponent is not None:
             exponent.release()
-        if self.motion.measures.time <= 0.0:
+        if self.motion.measures.measured_time <= 0.0:
             return Outcome(reason="time_budget", values={"attractor": "undecided"})
         values = self._measured(energy) | {"transient_used": begun}
         if exponent is not None:
@@ -609,7 +607,7 @@ class _Response:
         return {
             "attractor": attractor,
             "state": motion.y.tolist(),
-            "sticking": [int(kind == kernel.STICK) for kind in motion.kinds],
+            "sticking": [int(kind == STICK) for kind in motion.kinds],
         }
 
     def _add_reference(self, outcome: Outcome) -> None:

@@ -23,7 +23,6 @@ from fiv_cli.analyses.cycles.periodic import (
     is_at_rest,
     to_longest_piece,
 )
-from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import Vector
 
@@ -119,10 +118,10 @@ def guess_between(problem: Problem, begin: Begin, begun: float, ended: float) ->
     motion.keep_ledger(MOST_EVENTS)
     motion.start_measuring(np.zeros(len(problem.system.coordinates)))
     motion.run(ended, measuring=True)
-    extremes = motion.measures.extremes[:2]
+    extremes = motion.measures.extremes
     if is_at_rest(extremes, len(problem.system.coordinates)):
         return None
-    times = motion.ledger[: motion.counters[kernel.LEDGER], 0] - begun
+    times = motion.ledger.times - begun
     again = begin()
     again.run(begun + to_longest_piece(times, ended - begun))
     return Guess(anchor_at(problem, again), ended - begun, extents(extremes))

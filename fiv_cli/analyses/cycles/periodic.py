@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.rest.equilibria import statics_of
+from fiv_cli.codegen.codes import CODE_SEPARATION, SEPARATION, STICK
 from fiv_cli.codegen.memory import call_generated
-from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.dynamics.motion import Ledger, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
 Matrix = NDArray[np.float64]
@@ -110,7 +110,7 @@ def begin(problem: Problem, anchor: Anchor) -> Motion:
 def _parted(anchor: Anchor, motion: Motion) -> int:
     """Number of contacts that are open in `motion` and closed at `anchor`."""
     pairs = zip(anchor.closed, motion.kinds, strict=False)
-    return sum(closed and kind == kernel.SEPARATION for closed, kind in pairs)
+    return sum(closed and kind == SEPARATION for closed, kind in pairs)
 
 
 def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
@@ -166,22 +166,22 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
     motion.keep_ledger(MOST_EVENTS)
     motion.carry_tangents(np.eye(n) if tangents else np.zeros((0, n)))
     stop = motion.run(started + span)
-    rows = motion.ledger[: motion.counters[kernel.LEDGER]]
+    ledger = motion.ledger
     return Passage(
         begun=before,
         projection=projection,
         state=motion.y.copy(),
         rates=np.array([rates, motion.rates() if motion.started else rates]),
         monodromy=motion.tangents.T.copy(),
-        times=rows[:, 0] - started,
-        events=tuple((int(r[1]), int(r[2]), int(r[3])) for r in rows if not _bounces(r)),
+        times=ledger.times - started,
+        events=tuple(event for event in _events(ledger) if not _bounces(event)),
         stop=stop,
     )
 
 
 def _projection(motion: Motion) -> Matrix:
     """Derivative of the state where a motion is by the state asked for, by differentiated code."""
-    index = kernel.state_index(motion.kinds, len(motion.kinds))
+    index = motion.state_index
     if not _is_constrained(motion.system, index):
         return np.eye(len(motion.y))
     return _tangents_at(motion.system, index, motion.coefficients, motion.time, motion.y)
@@ -211,8 +211,14 @@ def _tangents_at(
     return matrix
 
 
-def _bounces(row: Vector) -> bool:
-    return bool(row[1] == row[2] == kernel.CODE_SEPARATION)
+def _events(ledger: Ledger) -> list[Event]:
+    """Code before, code after and contact of each event."""
+    columns = (ledger.before.tolist(), ledger.after.tolist(), ledger.contacts.tolist())
+    return list(zip(*columns, strict=True))
+
+
+def _bounces(event: Event) -> bool:
+    return event[0] == event[1] == CODE_SEPARATION
 
 
 # --- the closing conditions ----------------------------------------------------------------------
@@ -465,7 +471,7 @@ def _watched(problem: Problem, anchor: Anchor, period: float) -> tuple[Matrix, M
         motion.time + period, problem.section, (times, points), None, True,
         problem.excitation or period,
     )  # fmt: skip
-    return points[: motion.n_sections].copy(), motion.measures.extremes[:2].copy()
+    return points[: motion.n_sections].copy(), motion.measures.extremes
 
 
 def aim_phase(motion: Motion, section: Section, excitation: float | None) -> None:
@@ -473,7 +479,7 @@ def aim_phase(motion: Motion, section: Section, excitation: float | None) -> Non
     if section.kind == "phase" and excitation is not None:
         offset = section.phase / (2 * np.pi) * excitation
         turns = np.floor((motion.time - offset) / excitation + 1e-9) + 1
-        motion.clock[kernel.NEXT_PHASE] = offset + turns * excitation
+        motion.frame.next_phase = offset + turns * excitation
 
 
 def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:
@@ -522,9 +528,9 @@ def to_longest_piece(times: Vector, span: float) -> float:
 
 def anchor_at(problem: Problem, motion: Motion) -> Anchor:
     """The point where a motion is."""
-    sticking = tuple(bool(kind == kernel.STICK) for kind in motion.kinds)
+    sticking = tuple(bool(kind == STICK) for kind in motion.kinds)
     phase = 0.0
     if problem.excitation is not None:
         phase = 2 * np.pi * (motion.time / problem.excitation % 1.0)
-    closed = tuple(bool(kind != kernel.SEPARATION) for kind in motion.kinds)
+    closed = tuple(bool(kind != SEPARATION) for kind in motion.kinds)
     return Anchor(motion.y.copy(), sticking, phase, closed)

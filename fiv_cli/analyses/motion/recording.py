@@ -19,8 +19,8 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.rest.surface import Place, weights
-from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Samples, samples_at
+from fiv_cli.codegen.codes import CODE_NAMES
+from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 
 DEFAULT_SAMPLES = 2000
@@ -52,11 +52,11 @@ def record(
         outcome.values |= _surface(system, parameters, outcome.values, settings["points"])
     outcome.values |= trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
-        "event_time": ledger[:, 0],
-        "event_from": [CODE_NAMES[int(code)] for code in ledger[:, 1]],
-        "event_to": [CODE_NAMES[int(code)] for code in ledger[:, 2]],
-        "event_contact": ledger[:, 3].astype(int) + 1,
-        "event_residual": ledger[:, 4],
+        "event_time": ledger.times,
+        "event_from": [CODE_NAMES[code] for code in ledger.before.tolist()],
+        "event_to": [CODE_NAMES[code] for code in ledger.after.tolist()],
+        "event_contact": ledger.contacts + 1,
+        "event_residual": ledger.residuals,
     }
     return outcome
 
@@ -83,34 +83,27 @@ def begun(
 
 def _run_with_ledger(
     motion: Motion, t_end: float, samples: Samples
-) -> tuple[NDArray[np.float64], Outcome | None]:
+) -> tuple[Ledger, Outcome | None]:
     """Run to `t_end`, stopping whenever the ledger is full to make it longer."""
-    pages: list[NDArray[np.float64]] = []
-    budget = int(motion.limits[kernel.MAX_EVENTS])
+    pages: list[Ledger] = []
+    budget = motion.frame.max_events
     while True:
         motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
-        motion.limits[kernel.MAX_EVENTS] = min(budget, motion.n_events + LEDGER_ROWS)
+        motion.frame.max_events = min(budget, motion.n_events + LEDGER_ROWS)
         stop = motion.run(t_end, samples=samples, measuring=True)
-        pages.append(motion.ledger[: motion.counters[kernel.LEDGER]])
+        pages.append(motion.ledger)
         page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
         if not page_full:
-            return np.concatenate(pages), stopped(stop)
+            return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
 
 
 def _curves(system: System, samples: Samples) -> dict[str, Any]:
     """Everything over time; NaN after the end of a motion that stopped early."""
     taken = np.arange(len(samples.times)) < samples.count
-    contacts = system.n_contacts
-    forces = samples.outputs[:, : 3 * contacts].reshape(-1, contacts, 3)
-    energies = samples.outputs[:, 3 * contacts :]
     curves = dict(zip(system.state_names, samples.states.T, strict=True))
-    curves["F_N"] = _contact_rows(forces[:, :, 0])
-    curves["F_T"] = _contact_rows(forces[:, :, 1])
-    curves["kinetic_energy"] = energies[:, kernel.KINETIC]
-    curves["potential_energy"] = energies[:, kernel.POTENTIAL]
-    curves["other_power"] = energies[:, kernel.OTHER_POWER]
-    curves["friction_power"] = energies[:, kernel.FRICTION_POWER]
-    curves["drive_power"] = energies[:, kernel.DRIVE_POWER]
+    curves["F_N"] = _contact_rows(samples.forces[:, :, 0])
+    curves["F_T"] = _contact_rows(samples.forces[:, :, 1])
+    curves |= samples.energies
     blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
     codes = np.where(taken[:, None], samples.codes, -1)
     return {**blanked, "contact_state": _contact_rows(codes)}

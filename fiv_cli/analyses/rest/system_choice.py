@@ -23,7 +23,7 @@ class SystemChoice(Choice):
         averaged = [name for name, law in all_laws().items() if law.average is not None]
         for law in [law for law in known.laws if law.average is None]:
             message = f"the law {law.name!r} has no average"
-            yield Refusal(message, listed(averaged), follows=("law",))
+            yield Refusal(message, listed(averaged))
 
 
 SYSTEM = SystemChoice(

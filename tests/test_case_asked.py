@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import CaseError, Problem
-from fiv_cli.reading.asked import load_checked
 from fiv_cli.sweep.plan import make_plan
 
 BELT = """\
@@ -27,6 +24,11 @@ kind = "eigenvalues"
 def claim(variable: str, expect: str, *lines: str) -> str:
     table = ["[[claim]]", 'source = "a"', 'text = "b"', f'variable = "{variable}"']
     return BELT + "\n".join([*table, f"expect = {expect}", *lines]) + "\n"
+
+
+TAKE = 'take = { what = "share", of = ". > 0", over = "v" }'
+OF_CLASS = TAKE.replace(". > 0", "periodic")
+MEAN = 'take = { what = "mean", over = "v" }'
 
 
 def figure(*lines: str) -> str:
@@ -48,11 +50,8 @@ def problem(text: str) -> Problem:
         claim("L_s", '"increasing"'),
         claim("period", "{ value = 6.3, tolerance = 1.0 }", 'analysis = "response"'),
         claim("L_s", "{ between = [0.5, 1.0] }"),
-        claim(
-            "attractor",
-            "{ less_than = 1 }",
-            'take = { what = "share", of = "periodic", over = "v" }',
-        ),
+        claim("attractor", "{ less_than = 1 }", OF_CLASS),
+        claim("L_s", "{ less_than = 1 }", TAKE),
         claim("stable", '"unstable"'),
         claim("v", '"increasing"'),
         figure('kind = "curve"', 'variable = ["x_min", "growth_rate"]'),
@@ -81,6 +80,11 @@ def test_what_will_be_there(text: str) -> None:
         (claim("attractor", "{ less_than = 3 }"), "claim.0.expect", "not a number"),
         (claim("attractor", '"increasing"'), "claim.0.expect", "not a number"),
         (claim("attractor", '"not perodic"'), "claim.0.expect", "did you mean 'periodic'"),
+        (claim("L_s", '"periodic"', TAKE), "claim.0.expect", "'share' is a number"),
+        (claim("L_s", "{ less_than = 1 }", OF_CLASS), "claim.0.take.of", "no class 'periodic'"),
+        (claim("stable", "{ less_than = 1 }", OF_CLASS), "claim.0.take.of", "no class 'periodic'"),
+        (claim("attractor", "{ less_than = 1 }", MEAN), "claim.0.take.what", "there is no mean"),
+        (figure('kind = "curve"', 'variable = "L_s"', OF_CLASS), "figure.0.take.of", "a number"),
         (claim("stable", '"yess"'), "claim.0.expect", "no class 'yess'"),
         (figure('kind = "curve"', 'variable = "L_S"'), "figure.0.variable", "did you mean 'L_s'"),
         (figure('kind = "curve"', 'variable = ["L_s", "z"]'), "figure.0.variable", "'z'"),
@@ -97,11 +101,10 @@ def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
     assert words in f"{found.message} {found.suggestion}"
 
 
-def test_a_state_that_is_not_there_hides_no_other_problem(tmp_path: Path) -> None:
-    """Its variables cannot be told then; what else is wrong is told all the same."""
-    case = tmp_path / "a.toml"
-    text = BELT.replace('kind = "response"', 'kind = "response"\nobserve = "xinf"')
-    case.write_text(text + '[[claim]]\ntext = "b"\nvariable = "L_s"\nexpect = "increasing"\n')
+def test_of_an_analysis_that_is_not_understood_no_variable_is_missed() -> None:
+    """Which variables it has depends on what was misspelt; the others are told all the same."""
+    text = claim("L_s", '"increasing"') + figure('kind = "curve"', 'x = "w"').replace(BELT, "")
+    text = text.replace('kind = "response"', 'kind = "response"\nobserve = "xinf"')
     with pytest.raises(CaseError) as caught:
-        load_checked(case)
-    assert [p.path for p in caught.value.problems] == ["analysis.0.observe", "claim.0.source"]
+        parse_case(text.replace('"L_s"', '"Ls"'), "a.toml")
+    assert [p.path for p in caught.value.problems] == ["analysis.0.observe", "figure.0.x"]

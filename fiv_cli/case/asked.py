@@ -1,0 +1,172 @@
+"""What the figures and claims of a case ask for, against what its analyses will hold.
+
+A misspelt variable is told before anything is computed, not after.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.catalogue import variables_of
+from fiv_cli.analyses.settings import StateName
+from fiv_cli.analyses.variables import COMPUTED, Variable, motions
+from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
+from fiv_cli.case.grammar import OfClass, parse_condition
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.structure import COUNTED
+from fiv_cli.flags import TABLES
+from fiv_cli.models import get_model
+from fiv_cli.notation.names import listed
+
+Held = Mapping[str, Sequence[Variable]]
+"""Name of an analysis -> its variables."""
+
+
+def check_what_is_asked(case: Case, report: Report) -> None:
+    """Note every variable that a figure or a claim names and no analysis of the case computes.
+
+    What is asked of an analysis that was not understood itself waits for that.
+    """
+    held = {spec.name: _variables(case, spec) for spec in case.analyses if _is_sound(case, spec)}
+    asked = [spec.name for spec in case.analyses]
+    for index, figure in enumerate(case.figures):
+        place: Path = ("figure", index)
+        if held.keys() >= {figure.settings.get("analysis")} or held.keys() >= {*asked}:
+            known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
+            for name in _named(figure):
+                if _check(name, known, (*place, "variable"), report) and "take" in figure.settings:
+                    _check_taken(figure.settings["take"], name, known, (*place, "take"), report)
+        _check_scale(figure, place, report)
+    for index, claim in enumerate(case.claims):
+        place = ("claim", index)
+        if held.keys() >= {claim.analysis} or held.keys() >= {*asked}:
+            known = _known(case, held, claim.analysis, with_motions=False)
+            if _check(claim.variable, known, (*place, "variable"), report):
+                _check_expected(claim, known, place, report)
+    _check_refined(case, held, report)
+
+
+def _check_refined(case: Case, held: Held, report: Report) -> None:
+    """Note an analysis without the class whose borders are refined."""
+    if case.refinement is None:
+        return
+    name = case.refinement.of
+    for analysis, variables in held.items():
+        classes = [variable.name for variable in variables if variable.is_class]
+        if name not in classes:
+            message = f"the analysis {analysis!r} has no class {name!r}"
+            report.unknown(("sweep", "refine", "of"), message, name, classes)
+
+
+def _is_sound(case: Case, spec: AnalysisSpec) -> bool:
+    """Whether the variables of an analysis can be told: it suits the model, all it needs is given,
+    and its states are those of the model."""
+    analysis, model = get_analysis(spec.kind), get_model(case.model)
+    needed = [spec.settings.get(one.name) for one in analysis.settings if one.required]
+    named = [spec.settings.get(one.name) for one in analysis.settings if isinstance(one, StateName)]
+    states = {None, *(name for name, *_ in motions(model.states(case.options)))}
+    return not analysis.unsuited(model) and None not in needed and states.issuperset(named)
+
+
+def _variables(case: Case, spec: AnalysisSpec) -> Sequence[Variable]:
+    model = get_model(case.model)
+    return variables_of(spec.kind, model, case.options, spec.settings, case.varying)
+
+
+def _named(figure: FigureSpec) -> Iterable[str]:
+    named = figure.settings.get("variable", [])
+    return [named] if isinstance(named, str) else named
+
+
+def _known(
+    case: Case, held: Held, analysis: str | None, with_motions: bool
+) -> dict[str, Variable | None]:
+    """Everything that stands in the dataset of the case, or of one of its analyses.
+
+    A figure may also be drawn of a motion that ``fiv history`` computes (`with_motions`).
+    """
+    chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
+    found: dict[str, Variable | None] = dict.fromkeys(
+        [*(axis.dim for axis in case.axes), COMPUTED.name]
+    )
+    if with_motions:
+        own = variables_of("history", get_model(case.model), case.options, {})
+        found |= {variable.name: variable for variable in own}
+    for variables in chosen:
+        found |= {f"{v.ragged}_row_size": None for v in variables if v.ragged}
+        found |= {variable.name: variable for variable in variables}
+    return found
+
+
+def _check(name: str, known: Mapping[str, Variable | None], place: Path, report: Report) -> bool:
+    """Whether there is such a variable; notes where there is none."""
+    if name not in known:
+        variables = {v.name: v.long_name for v in known.values() if v is not None}
+        message = f"no analysis of this case computes {name!r}"
+        report.unknown(place, message, name, variables)
+    return name in known
+
+
+def _check_expected(
+    claim: ClaimSpec, known: Mapping[str, Variable | None], place: Path, report: Report
+) -> None:
+    """Note a class that is expected of a number, and a number that is expected of a class."""
+    name, classes, at = claim.variable, _classes(known[claim.variable]), (*place, "expect")
+    if claim.take:
+        _check_taken(claim.take, name, known, (*place, "take"), report)
+        name, classes = claim.take["what"], []
+    if not isinstance(claim.expect, OfClass):
+        if classes:
+            message = f"{name!r} holds a class, not a number"
+            report.add(at, message, f'{listed(classes)}, or "not CLASS"')
+    elif classes:
+        _check_class(name, classes, claim.expect.name, at, report)
+    else:
+        message = f"{name!r} is a number and has no class {claim.expect.name!r}"
+        forms = '"increasing", "decreasing", { value, tolerance } or { less_than }'
+        report.add(at, message, forms)
+
+
+def _check_taken(
+    take: Mapping[str, Any],
+    name: str,
+    known: Mapping[str, Variable | None],
+    place: Path,
+    report: Report,
+) -> None:
+    """Note a class that is counted of a number, and a number that is taken of a class."""
+    classes, of = _classes(known[name]), take.get("of", "")
+    if classes and not of:
+        message = f"{name!r} holds a class, of which there is no {take['what']}"
+        report.add((*place, "what"), message, listed(COUNTED))
+    elif classes:
+        _check_class(name, classes, of.removeprefix("not "), (*place, "of"), report)
+    elif of and not parse_condition(of):
+        message = f"{name!r} is a number and has no class {of!r}"
+        report.add((*place, "of"), message, 'a condition such as ". > 0"')
+
+
+def _check_class(
+    name: str, classes: Sequence[str], wanted: str, place: Path, report: Report
+) -> None:
+    if wanted not in classes:
+        report.unknown(place, f"{name!r} has no class {wanted!r}", wanted, classes)
+
+
+def _classes(variable: Variable | None) -> list[str]:
+    """What a flag may say; nothing of a number."""
+    return list(TABLES[variable.flags].codes) if variable and variable.kind == "flag" else []
+
+
+def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:
+    """Note limits that a logarithmic axis cannot have."""
+    log = figure.settings.get("log", False)
+    for which in ("x", "y"):
+        limits = figure.settings.get(f"{which}lim", ())
+        logarithmic = log is True or (isinstance(log, str) and which in log)
+        numbers = [bound for bound in limits if isinstance(bound, int | float)]
+        if logarithmic and any(bound <= 0 for bound in numbers):
+            message = f"a logarithmic axis begins above 0, not at {min(numbers)!r}"
+            report.add((*place, f"{which}lim"), message, "[low, high] with 0 < low")

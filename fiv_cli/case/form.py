@@ -1,0 +1,181 @@
+"""The form of a case file: each of its tables read for itself.
+
+What is wrong here is told before any name is looked up: which tables and keys there are, of what
+type their values are, and the words that decide what else may stand in a case, the model and the
+kinds of analyses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from pydantic import BaseModel
+
+from fiv_cli.analyses import all_analyses
+from fiv_cli.case.report import Path, Report
+from fiv_cli.case.structure import (
+    AnalysisTable,
+    CaseTable,
+    ClaimTable,
+    CurveTable,
+    FigureTable,
+    FrictionTable,
+    HeaderTable,
+    InitialTable,
+    ModelTable,
+    RangeTable,
+    SolverTable,
+    SweepTable,
+)
+from fiv_cli.case.tables import keys_of, read_table, read_tables
+from fiv_cli.models import all_models
+from fiv_cli.notation.names import axis_name, nearest
+from fiv_cli.notation.values import describe
+
+T = TypeVar("T", bound=BaseModel)
+V = TypeVar("V")
+
+# A name with a dot in it may be written without quotes: initial.x = ..., friction.mu_k = ...
+_WITH_A_DOT = ("initial", "friction")
+
+
+class Entry(NamedTuple, Generic[V]):
+    """A key of ``[grid]`` or ``[schedule]``: its contract name, its place, and what it holds."""
+
+    name: str
+    place: Path
+    value: V
+
+
+@dataclass(frozen=True)
+class Form:
+    """The tables of a case file, each of a sound form."""
+
+    header: HeaderTable
+    model: ModelTable
+    friction: FrictionTable
+    grid: tuple[Entry[list[Any] | RangeTable], ...]
+    schedule: tuple[Entry[CurveTable], ...]
+    sweep: SweepTable
+    initial: tuple[InitialTable, ...]
+    analysis: tuple[AnalysisTable, ...]
+    figure: tuple[FigureTable, ...]
+    claim: tuple[ClaimTable, ...]
+    solver: SolverTable
+
+    def places_of(self, name: str) -> list[Path]:
+        """Where the case fixes what an axis, or the time, varies."""
+        if name == "friction":
+            return [("friction", "law")] if self.friction.law is not None else []
+        friction = self.friction.model_extra or {}
+        tables: dict[Path, Mapping[str, Any]] = {
+            ("model", "parameters"): self.model.parameters,
+            ("model", "options"): self.model.options,
+            ("friction",): friction,
+        }
+        tables |= {("friction", k): v for k, v in friction.items() if isinstance(v, dict)}
+        return [
+            (*path, key)
+            for path, table in tables.items()
+            for key in table
+            if axis_name(key) == name
+        ]
+
+
+def read_form(document: Mapping[str, Any], report: Report) -> Form:
+    """The tables of `document`; CaseError with all that is wrong with their form."""
+    _refuse_unknown_tables(document, report)
+    header = {key: document[key] for key in keys_of(HeaderTable) if key in document}
+    form = Form(
+        header=_one(HeaderTable, header, (), report),
+        model=_one(ModelTable, document.get("model", {"name": ""}), ("model",), report),
+        friction=_one(FrictionTable, document.get("friction", {}), ("friction",), report),
+        grid=tuple(_axes(document, report)),
+        schedule=tuple(_curves(document, report)),
+        sweep=_one(SweepTable, document.get("sweep", {}), ("sweep",), report),
+        initial=_all(InitialTable, document, "initial", report),
+        analysis=_all(AnalysisTable, document, "analysis", report),
+        figure=_all(FigureTable, document, "figure", report),
+        claim=_all(ClaimTable, document, "claim", report),
+        solver=_one(SolverTable, document.get("solver", {}), ("solver",), report),
+    )
+    _refuse_unknown_words(document, report)
+    report.raise_if_any()
+    return form
+
+
+def _refuse_unknown_tables(document: Mapping[str, Any], report: Report) -> None:
+    known = keys_of(CaseTable)
+    unknown = [key for key in document if key not in known]
+    for key in unknown:
+        report.unknown((key,), f"unknown table or key {key!r}", key, known)
+    needed = {"model": "the table [model] with its name", "analysis": "one [[analysis]] at least"}
+    for key, what in needed.items():
+        if key not in document and nearest(key, unknown) is None:
+            report.add((key,), "is missing", what)
+
+
+def _refuse_unknown_words(document: Mapping[str, Any], report: Report) -> None:
+    """Note a model and kinds of analyses that there are not: without them no name means a thing."""
+    models = {name: model.title for name, model in all_models().items()}
+    _check_word(document.get("model"), "name", ("model",), models, report)
+    kinds = {name: analysis.title for name, analysis in all_analyses().items()}
+    analyses = document.get("analysis")
+    for index, table in enumerate(analyses if isinstance(analyses, list) else []):
+        _check_word(table, "kind", ("analysis", index), kinds, report)
+
+
+def _check_word(
+    table: object, key: str, path: Path, known: Mapping[str, str], report: Report
+) -> None:
+    word = table.get(key) if isinstance(table, dict) else None
+    if isinstance(word, str) and word not in known:
+        report.unknown((*path, key), f"there is no {path[0]} {word!r}", word, known)
+
+
+def _one(form: type[T], raw: object, path: Path, report: Report) -> T:
+    """`raw` as a `form`; an unfilled one, and a note, where it is none."""
+    return read_table(form, raw, path, report) or form.model_construct()
+
+
+def _all(form: type[T], document: Mapping[str, Any], key: str, report: Report) -> tuple[T, ...]:
+    return tuple(table for _, _, table in read_tables(form, document.get(key, []), (key,), report))
+
+
+def _axes(document: Mapping[str, Any], report: Report) -> Iterator[Entry[list[Any] | RangeTable]]:
+    for name, place, value in _entries(document, "grid", RangeTable, report):
+        if isinstance(value, dict):
+            yield Entry(name, place, _one(RangeTable, value, place, report))
+        elif isinstance(value, list):
+            yield Entry(name, place, value)
+        else:
+            report.add(
+                place,
+                f"an axis is a list or a range, not {describe(value)}",
+                "[1, 2, 3], { start, stop, step } or { start, stop, num, scale }",
+                "a single value is fixed under [model.parameters] or [friction]",
+            )
+
+
+def _curves(document: Mapping[str, Any], report: Report) -> Iterator[Entry[CurveTable]]:
+    for name, place, value in _entries(document, "schedule", CurveTable, report):
+        yield Entry(name, place, _one(CurveTable, value, place, report))
+
+
+def _entries(
+    document: Mapping[str, Any], key: str, form: type[BaseModel], report: Report
+) -> Iterator[Entry[object]]:
+    """The keys of a table of which each holds a `form`; a nested one is a name with a dot."""
+    table = document.get(key, {})
+    if not isinstance(table, dict):
+        report.add((key,), f"must be a table, not {describe(table)}")
+        return
+    for name, value in table.items():
+        nested = isinstance(value, dict) and not keys_of(form).keys() & value.keys()
+        if nested and name in _WITH_A_DOT:
+            for inner, own in value.items():
+                yield Entry(axis_name(f"{name}.{inner}"), (key, name, inner), own)
+        else:
+            yield Entry(axis_name(name), (key, name), value)

@@ -1,0 +1,31 @@
+"""Codes that equations, generated code and driver must agree on."""
+
+from __future__ import annotations
+
+# Kinds of contact state.
+SLIP, STICK, SEPARATION = 0, 1, 2
+
+# Contact states, with the sense of slip, in ledgers and samples.
+CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
+CODE_NAMES = ("slip+", "slip-", "stick", "separation")
+
+# Kinds of switching function; each is positive inside the contact state that it guards.
+VELOCITY = 0  # sign * v_rel of a slipping contact
+CAPACITY_UP = 1  # static capacity - F_T of a sticking contact
+CAPACITY_DOWN = 2  # static capacity + F_T of a sticking contact
+NORMAL = 3  # F_N of a closed contact
+GAP = 4  # gap of a separated contact
+JAMMING = 5  # determinant of the algebraic normal force
+
+# What `field` functions report per contact, and of the energy balance: where each stands there.
+CONTACT_OUTPUTS = ("F_N", "F_T", "slip_velocity")
+ENERGY_OUTPUTS = (
+    "kinetic_energy",
+    "potential_energy",
+    "other_power",  # damping, excitation, normal forces: what changes T + U without friction
+    "friction_power",  # of the friction forces on the system
+    "drive_power",  # put in by the belt or the disc through the contacts
+)
+PER_CONTACT = len(CONTACT_OUTPUTS)
+SLIP_VELOCITY = CONTACT_OUTPUTS.index("slip_velocity")
+KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_OUTPUTS))

@@ -1,0 +1,146 @@
+"""What is wrong in a case is told in three phases, form, names and values, and each is whole."""
+
+from __future__ import annotations
+
+import pytest
+
+from fiv_cli.case.load import parse_case
+from fiv_cli.errors import CaseError
+
+# line -> how it would be right, in the order of the phases
+FORM = {
+    "schema = 2": "schema = 1",
+    "titel = 'a'": "title = 'a'",
+    "name = 'pin-on-disk'": "name = 'pin-on-disc'",
+    "parameters = { c1 = [1], c2 = -1, d1 = 2 }": "parameters = { c1 = 1, c2 = -1, d1 = 2 }",
+    "N0 = 30": "N0 = [20, 30, 30]",
+    "kind = 'respons'": "kind = 'response'",
+    "kind = 'stat'": "kind = 'state'",
+    "kind = 'pie'": "kind = 'curve'",
+    "rtol = 'a'": "rtol = 1.0",
+    "expect = { value = 3 }": "expect = { value = 3, tolerance = 1 }",
+}
+NAMES = {
+    "d1 = 2": "k2 = 2",
+    "law = 'colomb'": "law = 'coulomb'",
+    "Omgea =": "Omega =",
+    "zip = [['NO', 'Omega']]": "zip = [['c2', 'Omega']]",
+    "fi = 0": "phi = 0",
+    "observ = 'phi'": "observe = 'phi'",
+    "select = { initial = 'fra' }": "select = { initial = 'far' }",
+    "x = 'mu'": "x = 'c2'",
+    "variable = 'atractor'": "variable = 'attractor'",
+    "at = { Om = 1 }": "at = { N0 = '1 m' }",
+}
+VALUES = {
+    "c2 = -1": "c2 = 1",
+    "mu_s = 0.1": "mu_s = 0.3",
+    "[20, 30, 30]": "[20, 30]",
+    "stop = 1.3": "stop = 1.5",
+    "zip = [['c2', 'Omega']]": "zip = [['N0', 'Omega']]",
+    "count = 2": "",
+    "t_max = -1": "t_max = 1",
+    "x = 'c2'": "x = 'N0'",
+    "variable = 'attractor'": "variable = 'period'",
+    "at = { N0 = '1 m' }": "at = { N0 = 20 }",
+    "rtol = 1.0": "rtol = 1e-9",
+}
+CASE = """\
+schema = 2
+titel = 'a'
+[model]
+name = 'pin-on-disk'
+parameters = { c1 = [1], c2 = -1, d1 = 2 }
+[friction]
+law = 'colomb'
+mu_s = 0.1
+mu_k = 0.2
+[grid]
+N0 = 30
+Omgea = { start = 0.5, stop = 1.3, step = 1.0 }
+[sweep]
+zip = [['NO', 'Omega']]
+[[initial]]
+kind = 'stat'
+label = 'far'
+state = { fi = 0 }
+count = 2
+[[analysis]]
+kind = 'respons'
+observ = 'phi'
+t_max = -1
+[[figure]]
+kind = 'pie'
+x = 'mu'
+select = { initial = 'fra' }
+[[claim]]
+source = 'here'
+text = 'so'
+variable = 'atractor'
+at = { Om = 1 }
+expect = { value = 3 }
+[solver]
+rtol = 'a'
+"""
+
+
+def mended(text: str, mistakes: dict[str, str]) -> str:
+    for wrong, right in mistakes.items():
+        assert text.count(wrong) == 1, wrong
+        text = text.replace(wrong, right)
+    return text
+
+
+def told(text: str) -> list[str]:
+    with pytest.raises(CaseError) as caught:
+        parse_case(text, "a.toml")
+    assert all(problem.line is not None for problem in caught.value.problems)
+    return [problem.path for problem in caught.value.problems]
+
+
+def test_the_form_is_told_first_and_whole() -> None:
+    assert told(CASE) == [
+        "schema",
+        "titel",
+        "model.name",
+        "model.parameters.c1",
+        "grid.N0",
+        "initial.0.kind",
+        "analysis.0.kind",
+        "figure.0.kind",
+        "claim.0.expect",
+        "solver.rtol",
+    ]
+
+
+def test_then_names() -> None:
+    assert told(mended(CASE, FORM)) == [
+        "model.parameters.d1",
+        "friction.law",
+        "grid.Omgea",
+        "sweep.zip.0",
+        "initial.0.state.fi",
+        "analysis.0.observ",
+        "figure.0.x",
+        "figure.0.select.initial",
+        "claim.0.variable",
+        "claim.0.at.Om",
+    ]
+
+
+def test_then_values_and_the_third_look_is_the_last() -> None:
+    text = mended(mended(CASE, FORM), NAMES)
+    assert told(text) == [
+        "model.parameters.c2",
+        "friction.mu_k",
+        "grid.N0",
+        "grid.Omega.stop",
+        "sweep.zip.0",
+        "initial.0.count",
+        "analysis.0.t_max",
+        "figure.0.x",
+        "claim.0.at.N0",
+        "claim.0.expect",
+        "solver.rtol",
+    ]
+    assert parse_case(mended(text, VALUES), "a.toml").zips == (("N0", "Omega"),)
