@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.codegen.codes import CODE_NAMES
 from fiv_cli.codegen.setup import Setup, default_parameters
-from fiv_cli.dynamics.motion import CODE_NAMES, Motion
+from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, build_system
 from fiv_cli.models.base import Model
 

@@ -12,7 +12,14 @@ import pytest
 import fiv_cli
 from fiv_cli.codegen import derive
 from fiv_cli.codegen.assembly import LIBRARY
-from fiv_cli.codegen.codes import SLIP
+from fiv_cli.codegen.codes import (
+    CODE_NAMES,
+    CODE_SEPARATION,
+    CODE_SLIP_MINUS,
+    CODE_SLIP_PLUS,
+    CODE_STICK,
+    SLIP,
+)
 from fiv_cli.codegen.emit import PARTNER, TaylorStep
 from fiv_cli.codegen.graph import UNARY
 from fiv_cli.dynamics import kernel, motion
@@ -154,15 +161,10 @@ def test_kinds_are_indexed_alike() -> None:
 
 
 def test_codes_have_names() -> None:
-    codes = (
-        kernel.CODE_SLIP_PLUS,
-        kernel.CODE_SLIP_MINUS,
-        kernel.CODE_STICK,
-        kernel.CODE_SEPARATION,
-    )
-    assert [motion.CODE_NAMES[code] for code in codes] == ["slip+", "slip-", "stick", "separation"]
+    codes = (CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION)
+    assert [CODE_NAMES[code] for code in codes] == ["slip+", "slip-", "stick", "separation"]
     assert [kernel.kind_of(code) for code in codes] == [0, 0, 1, 2]
-    for sign, code in ((1.0, kernel.CODE_SLIP_PLUS), (-1.0, kernel.CODE_SLIP_MINUS)):
+    for sign, code in ((1.0, CODE_SLIP_PLUS), (-1.0, CODE_SLIP_MINUS)):
         assert kernel.code_of(SLIP, sign) == code
 
 

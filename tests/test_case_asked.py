@@ -26,6 +26,11 @@ def claim(variable: str, expect: str, *lines: str) -> str:
     return BELT + "\n".join([*table, f"expect = {expect}", *lines]) + "\n"
 
 
+TAKE = 'take = { what = "share", of = ". > 0", over = "v" }'
+OF_CLASS = TAKE.replace(". > 0", "periodic")
+MEAN = 'take = { what = "mean", over = "v" }'
+
+
 def figure(*lines: str) -> str:
     return BELT + "\n".join(["[[figure]]", *lines]) + "\n"
 
@@ -45,11 +50,8 @@ def problem(text: str) -> Problem:
         claim("L_s", '"increasing"'),
         claim("period", "{ value = 6.3, tolerance = 1.0 }", 'analysis = "response"'),
         claim("L_s", "{ between = [0.5, 1.0] }"),
-        claim(
-            "attractor",
-            "{ less_than = 1 }",
-            'take = { what = "share", of = "periodic", over = "v" }',
-        ),
+        claim("attractor", "{ less_than = 1 }", OF_CLASS),
+        claim("L_s", "{ less_than = 1 }", TAKE),
         claim("stable", '"unstable"'),
         claim("v", '"increasing"'),
         figure('kind = "curve"', 'variable = ["x_min", "growth_rate"]'),
@@ -78,6 +80,11 @@ def test_what_will_be_there(text: str) -> None:
         (claim("attractor", "{ less_than = 3 }"), "claim.0.expect", "not a number"),
         (claim("attractor", '"increasing"'), "claim.0.expect", "not a number"),
         (claim("attractor", '"not perodic"'), "claim.0.expect", "did you mean 'periodic'"),
+        (claim("L_s", '"periodic"', TAKE), "claim.0.expect", "'share' is a number"),
+        (claim("L_s", "{ less_than = 1 }", OF_CLASS), "claim.0.take.of", "no class 'periodic'"),
+        (claim("stable", "{ less_than = 1 }", OF_CLASS), "claim.0.take.of", "no class 'periodic'"),
+        (claim("attractor", "{ less_than = 1 }", MEAN), "claim.0.take.what", "there is no mean"),
+        (figure('kind = "curve"', 'variable = "L_s"', OF_CLASS), "figure.0.take.of", "a number"),
         (claim("stable", '"yess"'), "claim.0.expect", "no class 'yess'"),
         (figure('kind = "curve"', 'variable = "L_S"'), "figure.0.variable", "did you mean 'L_s'"),
         (figure('kind = "curve"', 'variable = ["L_s", "z"]'), "figure.0.variable", "'z'"),

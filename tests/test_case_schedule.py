@@ -239,6 +239,13 @@ def test_a_spectrum_is_of_a_steady_state() -> None:
     assert found.suggestion == 'kind = "spectrogram"'
 
 
+@pytest.mark.parametrize("line", ["hop = 1.0", "t_end = 20.0"])
+def test_a_spectrum_with_settings_of_a_spectrogram_is_told_of_it(line: str) -> None:
+    text = SPECTROGRAM.replace("spectrogram", "spectrum")
+    found = problem(text.replace("f_max = 10.0", f"f_max = 10.0\n{line}"))
+    assert found.suggestion.endswith('belongs to kind = "spectrogram"')
+
+
 @pytest.mark.parametrize("line", ["t_max = 100.0", 'lyapunov = "never"'])
 def test_a_spectrogram_has_no_settings_of_a_steady_state(line: str) -> None:
     found = problem(SPECTROGRAM.replace("f_max = 10.0", f"f_max = 10.0\n{line}"))

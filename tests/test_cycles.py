@@ -26,9 +26,8 @@ from fiv_cli.analyses.cycles.first_guess import Returns, near_returns
 from fiv_cli.analyses.cycles.periodic import Anchor, Problem, _closed, begin, close, newton, passage
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
-from fiv_cli.codegen.codes import SEPARATION, SLIP, STICK
-from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Stop
+from fiv_cli.codegen.codes import CODE_NAMES, CODE_STICK, SEPARATION, SLIP, STICK
+from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.errors import CaseError
 
 TURNING = Section("zero", state="x_dot", direction="down")
@@ -433,7 +432,7 @@ def landing_slope(model: str, carried: Any, changes: dict[str, float]) -> float:
     problem = Problem(system(model), parameters, solver, Section("event"))
     anchor = Anchor(np.array(carried["state"]), tuple(map(bool, carried["sticking"])))
     around = passage(problem, anchor, carried["period"], tangents=False)
-    landing = next(n for n, event in enumerate(around.events) if event[1] == kernel.CODE_STICK)
+    landing = next(n for n, event in enumerate(around.events) if event[1] == CODE_STICK)
     before = begin(problem, anchor)
     before.run(before.time + around.times[landing] - 1e-9)
     return float(before.rates()[len(before.y) // 2])

@@ -9,7 +9,7 @@ import pytest
 from motions import ledger
 from watched import SMALL, watched
 
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_STICK
 from fiv_cli.dynamics import motion as motions_of
 from fiv_cli.dynamics.compiled import advance_at
 
@@ -43,8 +43,8 @@ def test_python_moves_as_the_machine_code_does(name: str, monkeypatch: pytest.Mo
 def test_the_cases_meet_stick_impacts_separation_sectors_and_sections() -> None:
     moved = {name: watched(name)[0] for name in SMALL}
     codes = {name: ledger(begun)[:, 1:3] for name, begun in moved.items()}
-    assert kernel.CODE_STICK in codes["belt"]
-    assert kernel.CODE_SEPARATION in codes["separation"]
+    assert CODE_STICK in codes["belt"]
+    assert CODE_SEPARATION in codes["separation"]
     assert moved["impacts"].frame.n_impacts > 0
     assert np.any(codes["sector"][:, 0] == codes["sector"][:, 1])  # on a border nothing else
     assert all(begun.n_sections > 0 for begun in moved.values())

@@ -15,8 +15,7 @@ from small_models import BOUNCER, TWO_BOUNCERS, TWO_MASSES
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
-from fiv_cli.codegen.codes import SEPARATION
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS, CODE_STICK, SEPARATION
 from fiv_cli.dynamics.motion import Motion, Stop, samples_at
 
 G = 10.0
@@ -143,24 +142,24 @@ def test_an_elastic_contact_returns_what_it_takes() -> None:
 @pytest.mark.parametrize(
     ("start", "code"),
     [
-        ({"z": 0.0, "z_dot": 2.0}, kernel.CODE_SEPARATION),
-        ({"z": 0.0, "z_dot": -2.0}, kernel.CODE_SLIP_PLUS),
-        ({"z": 0.0}, kernel.CODE_SLIP_PLUS),
-        ({"z": 0.0, "x_dot": 1.0}, kernel.CODE_STICK),
-        ({"z": 1e-9}, kernel.CODE_SEPARATION),
+        ({"z": 0.0, "z_dot": 2.0}, CODE_SEPARATION),
+        ({"z": 0.0, "z_dot": -2.0}, CODE_SLIP_PLUS),
+        ({"z": 0.0}, CODE_SLIP_PLUS),
+        ({"z": 0.0, "x_dot": 1.0}, CODE_STICK),
+        ({"z": 1e-9}, CODE_SEPARATION),
     ],
 )
 def test_starts_on_the_border_of_contact(options: Any, start: Any, code: int) -> None:
     begun = motion(BOUNCER, start=start, options=options)
     if "x_dot" in start and options is not RIGID:
-        code = kernel.CODE_STICK if begun.codes == [kernel.CODE_STICK] else kernel.CODE_SLIP_PLUS
+        code = CODE_STICK if begun.codes == [CODE_STICK] else CODE_SLIP_PLUS
     assert begun.codes == [code]
     assert begun.run(0.1) == Stop.REACHED
 
 
 def test_a_start_that_is_lifted_separates_at_once() -> None:
     begun = motion(BOUNCER, start={}, A=15.0)
-    assert begun.codes == [kernel.CODE_SEPARATION]
+    assert begun.codes == [CODE_SEPARATION]
     begun.run(0.1)
     assert begun.y[1] == pytest.approx(-G * 0.01 / 2 + 15.0 / 9 * (1 - cos(0.3)), abs=1e-13)
 
@@ -169,7 +168,7 @@ def test_a_start_that_is_lifted_separates_at_once() -> None:
 def two_sticking(**changes: float) -> Motion:
     """Two masses that stick from the start."""
     begun = motion(TWO_MASSES, start={"x1_dot": 1.0, "x2_dot": 1.0}, **changes)
-    assert begun.codes == [kernel.CODE_STICK] * 2
+    assert begun.codes == [CODE_STICK] * 2
     return begun
 
 
@@ -228,7 +227,7 @@ def test_the_sections_of_each_contact() -> None:
         section = Section("event", "slip->stick", contact=contact)
         assert begun.run(1e3, section, (found, states)) == Stop.SECTION_FULL
         rows = ledger(begun)
-        own = rows[(rows[:, 3] == contact - 1) & (rows[:, 2] == kernel.CODE_STICK)]
+        own = rows[(rows[:, 3] == contact - 1) & (rows[:, 2] == CODE_STICK)]
         assert np.array_equal(found, own[:, 0])
         assert np.all(states[:, 1 + contact] == 1.0)
 
@@ -240,7 +239,7 @@ def test_two_masses_fall_and_land_each_for_itself(ratio: float, height: float) -
     begun = motion(TWO_BOUNCERS, start={"z1": height, "z2": ratio * height}, m2=1.3)
     found = booked(begun, 3.0)
     falls = dict(zip(ledger(begun)[:, 3].astype(int), times(begun), strict=True))
-    landings = {int(row[3]): row[0] for row in ledger(begun) if row[1] == kernel.CODE_SEPARATION}
+    landings = {int(row[3]): row[0] for row in ledger(begun) if row[1] == CODE_SEPARATION}
     assert set(falls) == {0, 1}
     assert landings[0] == pytest.approx(sqrt(2 * height / G), abs=1e-12)
     assert landings[1] == pytest.approx(sqrt(2 * ratio * height / G), abs=1e-12)
@@ -265,8 +264,8 @@ def test_samples_know_the_contact_states() -> None:
     begun.run(1.0, samples=taken)
     landing = sqrt(2 / G)
     flying = taken.times < landing
-    assert np.all(taken.codes[flying, 0] == kernel.CODE_SEPARATION)
-    assert np.all(taken.codes[~flying, 0] != kernel.CODE_SEPARATION)
+    assert np.all(taken.codes[flying, 0] == CODE_SEPARATION)
+    assert np.all(taken.codes[~flying, 0] != CODE_SEPARATION)
     assert np.all(taken.outputs[flying, 0] == 0.0)
     np.testing.assert_allclose(taken.outputs[~flying, 0], G, rtol=1e-14)
 

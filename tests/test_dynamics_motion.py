@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.codes import CODE_STICK
 from fiv_cli.dynamics import motion as dynamics_motion
 from fiv_cli.dynamics.motion import Motion, Stop, next_stride, samples_at
 from fiv_cli.dynamics.settings import Section
@@ -82,7 +82,7 @@ def test_sticking_holds_exactly() -> None:
         taken = samples_at(begun.system, np.linspace(0.0, t_end, 3001))
         begun.run(t_end, samples=taken)
         column = begun.system.state_names.index(f"{begun.system.coordinates[0]}_dot")
-        sticking = taken.codes[:, 0] == kernel.CODE_STICK
+        sticking = taken.codes[:, 0] == CODE_STICK
         assert sticking.sum() > 500
         assert np.all(taken.states[sticking, column] == velocity)
         assert not np.any(taken.states[~sticking, column] == velocity)

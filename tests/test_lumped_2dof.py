@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS
 from fiv_cli.dynamics.motion import Motion, Stop, samples_at
 
 MATRICES = {"flutter-2dof": flutter_matrices, "excited-2dof": excited_matrices}
@@ -139,7 +139,7 @@ def test_a_landing_costs_the_energy_of_the_gap_rate() -> None:
     """Only y meets the belt: the loss is half the mass times y' squared, x keeps its speed."""
     start = {"x": 0.1, "y": 0.5, "x_dot": 0.3}
     flight = motion("flutter-2dof", "coulomb", start, TIGHT, ALL)
-    assert flight.codes == [kernel.CODE_SEPARATION]
+    assert flight.codes == [CODE_SEPARATION]
     flight.run(1.5)
     landing = times(flight)[0]
     begun = motion("flutter-2dof", "coulomb", start, TIGHT, ALL)
@@ -149,7 +149,7 @@ def test_a_landing_costs_the_energy_of_the_gap_rate() -> None:
     assert fall < -0.1
     assert found.impact == pytest.approx(fall**2 / 2, rel=1e-7)
     assert begun.y[2] == pytest.approx(along, abs=1e-7)
-    assert begun.codes == [kernel.CODE_SLIP_PLUS]
+    assert begun.codes == [CODE_SLIP_PLUS]
 
 
 # --- integrators and laws ------------------------------------------------------------------------

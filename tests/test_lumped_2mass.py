@@ -21,12 +21,12 @@ from small_models import TWO_MASSES
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
 from fiv_cli.api import analyse
-from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.motion import CODE_NAMES, Motion, Stop
+from fiv_cli.codegen.codes import CODE_NAMES, CODE_SLIP_MINUS, CODE_SLIP_PLUS, CODE_STICK
+from fiv_cli.dynamics.motion import Motion, Stop
 
 COMPARED = 40  # events
 CAPACITY = 8.0  # N: mu_s N
-SIGNS = {kernel.CODE_SLIP_PLUS: 1.0, kernel.CODE_SLIP_MINUS: -1.0, kernel.CODE_STICK: 0.0}
+SIGNS = {CODE_SLIP_PLUS: 1.0, CODE_SLIP_MINUS: -1.0, CODE_STICK: 0.0}
 STATES = ("x1", "x2", "x1_dot", "x2_dot")
 TOGETHER = {"x1_dot": 1.0, "x2_dot": 1.0}  # both move with the belt
 CASES: list[tuple[dict[str, float], float]] = [
@@ -114,7 +114,7 @@ def test_energy_is_balanced(damping: float) -> None:
 def test_mass_1_releases_first_where_mass_2_has_capacity_left() -> None:
     """k1 x1 + c1 v + k2 (x1 - x2) reaches mu_s N; the pull on mass 2 stays as it was."""
     begun = masses({**TOGETHER, "x1": 0.5, "x2": 3.0})
-    assert begun.codes == [kernel.CODE_STICK] * 2
+    assert begun.codes == [CODE_STICK] * 2
     begun.run(20.0)
     assert transitions(begun)[0] == "stick->slip+ 0"
     release = (CAPACITY - 0.6 + 2.5) / 2.0 - 0.5  # c1 = 2 D sqrt(m2 k2) = 0.6
@@ -127,7 +127,7 @@ def test_mass_1_releases_first_where_mass_2_has_capacity_left() -> None:
 def test_both_release_at_once_where_mass_2_is_held_by_all_its_capacity(law: str, x1: float) -> None:
     """Mass 2 is on the border until mass 1 goes, and then has to follow at the same instant."""
     begun = masses({**TOGETHER, "x1": x1, "x2": x1 + CAPACITY}, law)
-    assert begun.codes == [kernel.CODE_STICK] * 2
+    assert begun.codes == [CODE_STICK] * 2
     assert begun.run(20.0) == Stop.REACHED
     assert transitions(begun)[:2] == ["stick->slip+ 0", "stick->slip+ 1"]
     release = (CAPACITY - 0.6 + CAPACITY) / 2.0 - x1
@@ -138,8 +138,8 @@ def test_both_release_at_once_where_mass_2_is_held_by_all_its_capacity(law: str,
 def test_the_border_of_sticking_together(beyond: float, sticks: bool) -> None:
     """A pull on mass 2 just below its capacity holds, one just above slips at once."""
     begun = masses({**TOGETHER, "x2": CAPACITY + beyond})
-    expected = kernel.CODE_STICK if sticks else kernel.CODE_SLIP_PLUS
-    assert begun.codes == [kernel.CODE_STICK, expected]
+    expected = CODE_STICK if sticks else CODE_SLIP_PLUS
+    assert begun.codes == [CODE_STICK, expected]
     begun.run(20.0)
     if sticks:
         assert transitions(begun)[:2] == ["stick->slip+ 0", "stick->slip+ 1"]

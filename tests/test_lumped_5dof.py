@@ -18,7 +18,7 @@ from motions import TIGHT, defaults, motion, times, transitions
 
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import Balance, balance
-from fiv_cli.dynamics import kernel
+from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS
 from fiv_cli.dynamics.motion import Motion, Stop
 
 FIRST = 50  # events compared one by one
@@ -188,7 +188,7 @@ class Landing:
 
     def __init__(self, options: Options, start: Mapping[str, float]) -> None:
         other, flight = reference(options), five(start, options)
-        assert flight.codes == [kernel.CODE_SEPARATION]
+        assert flight.codes == [CODE_SEPARATION]
         flight.run(0.2)
         self.time = times(flight)[0]
         flight = five(start, {**options, "impact": "none"})
@@ -258,7 +258,7 @@ def test_the_literal_impact_leaves_a_gap_rate(slide: float, opens: bool) -> None
     left = (landing.before["x1_dot"] - landing.before["x2_dot"]) * landing.before["phi"]
     assert -landing.rate_after == pytest.approx(left, rel=1e-10)
     assert (left > 0.1) == opens
-    assert (landing.begun.codes == [kernel.CODE_SEPARATION]) == opens
+    assert (landing.begun.codes == [CODE_SEPARATION]) == opens
     assert landing.found.impact == pytest.approx(landing.loss, rel=1e-9)
 
 
@@ -266,7 +266,7 @@ def test_without_an_impact_law_nothing_is_lost() -> None:
     landing = Landing({"impact": "none"}, {"x1": 0.02, "phi": 0.1, "y1": 0.0, "y1_dot": -1.0})
     assert landing.found.impact == 0.0
     assert landing.after == landing.before
-    assert landing.begun.codes != [kernel.CODE_SEPARATION]
+    assert landing.begun.codes != [CODE_SEPARATION]
 
 
 # --- neutral mechanics ---------------------------------------------------------------------------
@@ -303,14 +303,12 @@ def test_bouncing_without_friction_and_impact_law(slope_force: str) -> None:
 
 
 # --- re-contact at zero compression and zero gap rate ---------------------------------------------
-@pytest.mark.parametrize(
-    ("height", "code"), [(0.001, kernel.CODE_SLIP_PLUS), (0.02, kernel.CODE_SEPARATION)]
-)
+@pytest.mark.parametrize(("height", "code"), [(0.001, CODE_SLIP_PLUS), (0.02, CODE_SEPARATION)])
 def test_the_gap_acceleration_decides_at_the_belt(height: float, code: int) -> None:
     """Slider and belt held up together: the preload presses, the belt's springs pull it away."""
     start = {"x1_dot": 0.5, "y1": height, "y2": height}
     gap_acceleration = -200.0 - 3e3 * height + 2e4 * height
-    assert (gap_acceleration < 0.0) == (code == kernel.CODE_SLIP_PLUS)
+    assert (gap_acceleration < 0.0) == (code == CODE_SLIP_PLUS)
     begun = five(start)
     assert begun.codes == [code]
     begun.run(1e-4)
@@ -410,5 +408,5 @@ def test_turning_under_the_slider_takes_part() -> None:
     assert reference().compression(y) == pytest.approx(-0.1 * 0.2)
     assert reference().compression_rate(y) == pytest.approx(-3.0 * 0.2)
     start = {"x1": 0.1, "phi": 0.2, "y1": -0.01, "x1_dot": 3.0}
-    assert five(start).codes == [kernel.CODE_SEPARATION]  # 0.02 m below it
-    assert five(start, {"geometry": "linear"}).codes != [kernel.CODE_SEPARATION]
+    assert five(start).codes == [CODE_SEPARATION]  # 0.02 m below it
+    assert five(start, {"geometry": "linear"}).codes != [CODE_SEPARATION]

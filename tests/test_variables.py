@@ -20,7 +20,7 @@ from fiv_cli.models.base import Model
 PACKAGE = Path(fiv_cli.__file__).parent
 
 # Files that list names which are variables' names, too, and why they do.
-LISTING = {"codegen/derive.py": "the outputs of generated code, which stands below the analyses"}
+LISTING = {"codegen/codes.py": "the outputs of generated code, which stands below the analyses"}
 
 
 def variables_on(model: Model) -> Iterator[tuple[str, Variable]]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fiv_cli.analyses import all_analyses
+from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import read_settings
 from fiv_cli.case.case import AnalysisSpec, Axis
@@ -14,7 +16,8 @@ from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import AnalysisTable
-from fiv_cli.notation.names import ascii_name, listed
+from fiv_cli.models.base import leaders
+from fiv_cli.notation.names import ascii_name, listed, suggest
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
@@ -34,9 +37,8 @@ class Surroundings(Physics):
 
     def followers(self, leader: str) -> tuple[str, ...]:
         """Parameters whose value is that of `leader`, because nothing else gives them one."""
-        given = {key.split(".")[-1] for key in self.fixed} | {*self.axes}
-        table = self.table().values()
-        return tuple(p.name for p in table if p.default_from == leader and p.name not in given)
+        found = leaders(self.table().values(), {*self.given, *self.axes})
+        return tuple(name for name, other in found.items() if other == leader)
 
     def value(self, name: str) -> float | None:
         """The value of a parameter, SI; None where it varies, or could not be read."""
@@ -81,14 +83,24 @@ def _analysis(
     if analysis.unsuited(model):
         suited = [kind for kind, one in analyses.items() if not one.unsuited(model)]
         report.add((*place, "kind"), analysis.unsuited(model), listed(suited))
-        return AnalysisSpec(name, analysis.kind, {s.name: s.default for s in analysis.settings})
+        return AnalysisSpec(name, analysis.kind, analysis.default_settings)
     given = table.model_extra or {}
     known = _surroundings(physics, axes, given.get("parameter"))
     found = read_settings(analysis.settings, given, known, f"the analysis {analysis.kind!r}")
     for one in found.refusals:
-        where = (*place, *one.place)
-        report.add(where, one.message, one.allowed, one.suggestion, one.of_name)
+        hint = one.suggestion or _where_it_belongs(str(one.place[0]), analysis)
+        report.add((*place, *one.place), one.message, one.allowed, hint, one.of_name)
     return AnalysisSpec(name, analysis.kind, found.value)
+
+
+def _where_it_belongs(key: str, analysis: Analysis) -> str:
+    """Where a setting belongs that the analysis does not have."""
+    if key in analysis.default_settings:
+        return ""
+    kinds = [kind for kind, other in all_analyses().items() if key in other.default_settings]
+    meant = [kind for kind in kinds if kind == analysis.counterpart] or kinds
+    belongs = f"{key!r} belongs to kind = {' or '.join(map(json.dumps, meant))}"
+    return belongs if kinds else suggest(key, {"name": "of the analysis"})
 
 
 def _surroundings(physics: Physics, axes: Sequence[Axis], varied: object) -> Surroundings:

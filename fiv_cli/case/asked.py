@@ -6,14 +6,16 @@ A misspelt variable is told before anything is computed, not after.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import StateName
 from fiv_cli.analyses.variables import COMPUTED, Variable, motions
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
-from fiv_cli.case.grammar import OfClass
+from fiv_cli.case.grammar import OfClass, parse_condition
 from fiv_cli.case.report import Path, Report
+from fiv_cli.case.structure import COUNTED
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed
@@ -34,14 +36,15 @@ def check_what_is_asked(case: Case, report: Report) -> None:
         if held.keys() >= {figure.settings.get("analysis")} or held.keys() >= {*asked}:
             known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
             for name in _named(figure):
-                _check(name, known, (*place, "variable"), report)
+                if _check(name, known, (*place, "variable"), report) and "take" in figure.settings:
+                    _check_taken(figure.settings["take"], name, known, (*place, "take"), report)
         _check_scale(figure, place, report)
     for index, claim in enumerate(case.claims):
         place = ("claim", index)
         if held.keys() >= {claim.analysis} or held.keys() >= {*asked}:
             known = _known(case, held, claim.analysis, with_motions=False)
             if _check(claim.variable, known, (*place, "variable"), report):
-                _check_expected(claim, known[claim.variable], place, report)
+                _check_expected(claim, known, place, report)
     _check_refined(case, held, report)
 
 
@@ -107,23 +110,54 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
 
 
 def _check_expected(
-    claim: ClaimSpec, variable: Variable | None, place: Path, report: Report
+    claim: ClaimSpec, known: Mapping[str, Variable | None], place: Path, report: Report
 ) -> None:
     """Note a class that is expected of a number, and a number that is expected of a class."""
-    if variable is None or claim.take:
-        return
-    classes = list(TABLES[variable.flags].codes) if variable.kind == "flag" else []
+    name, classes, at = claim.variable, _classes(known[claim.variable]), (*place, "expect")
+    if claim.take:
+        _check_taken(claim.take, name, known, (*place, "take"), report)
+        name, classes = claim.take["what"], []
     if not isinstance(claim.expect, OfClass):
         if classes:
-            message = f"{variable.name!r} holds a class, not a number"
-            report.add((*place, "expect"), message, f'{listed(classes)}, or "not CLASS"')
-    elif not classes:
-        message = f"{claim.variable!r} is a number and has no class {claim.expect.name!r}"
+            message = f"{name!r} holds a class, not a number"
+            report.add(at, message, f'{listed(classes)}, or "not CLASS"')
+    elif classes:
+        _check_class(name, classes, claim.expect.name, at, report)
+    else:
+        message = f"{name!r} is a number and has no class {claim.expect.name!r}"
         forms = '"increasing", "decreasing", { value, tolerance } or { less_than }'
-        report.add((*place, "expect"), message, forms)
-    elif claim.expect.name not in classes:
-        message = f"{variable.name!r} has no class {claim.expect.name!r}"
-        report.unknown((*place, "expect"), message, claim.expect.name, classes)
+        report.add(at, message, forms)
+
+
+def _check_taken(
+    take: Mapping[str, Any],
+    name: str,
+    known: Mapping[str, Variable | None],
+    place: Path,
+    report: Report,
+) -> None:
+    """Note a class that is counted of a number, and a number that is taken of a class."""
+    classes, of = _classes(known[name]), take.get("of", "")
+    if classes and not of:
+        message = f"{name!r} holds a class, of which there is no {take['what']}"
+        report.add((*place, "what"), message, listed(COUNTED))
+    elif classes:
+        _check_class(name, classes, of.removeprefix("not "), (*place, "of"), report)
+    elif of and not parse_condition(of):
+        message = f"{name!r} is a number and has no class {of!r}"
+        report.add((*place, "of"), message, 'a condition such as ". > 0"')
+
+
+def _check_class(
+    name: str, classes: Sequence[str], wanted: str, place: Path, report: Report
+) -> None:
+    if wanted not in classes:
+        report.unknown(place, f"{name!r} has no class {wanted!r}", wanted, classes)
+
+
+def _classes(variable: Variable | None) -> list[str]:
+    """What a flag may say; nothing of a number."""
+    return list(TABLES[variable.flags].codes) if variable and variable.kind == "flag" else []
 
 
 def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:

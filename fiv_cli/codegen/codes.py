@@ -5,6 +5,10 @@ from __future__ import annotations
 # Kinds of contact state.
 SLIP, STICK, SEPARATION = 0, 1, 2
 
+# Contact states, with the sense of slip, in ledgers and samples.
+CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
+CODE_NAMES = ("slip+", "slip-", "stick", "separation")
+
 # Kinds of switching function; each is positive inside the contact state that it guards.
 VELOCITY = 0  # sign * v_rel of a slipping contact
 CAPACITY_UP = 1  # static capacity - F_T of a sticking contact

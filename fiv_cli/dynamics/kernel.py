@@ -19,6 +19,10 @@ import numpy as np
 from fiv_cli.codegen.codes import (
     CAPACITY_DOWN,
     CAPACITY_UP,
+    CODE_SEPARATION,
+    CODE_SLIP_MINUS,
+    CODE_SLIP_PLUS,
+    CODE_STICK,
     DRIVE_POWER,
     FRICTION_POWER,
     GAP,
@@ -50,9 +54,6 @@ from fiv_cli.codegen.memory import (
     native,
 )
 from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
-
-# Codes of a contact's state in ledgers and samples.
-CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
 
 # What `advance` begins with: going on, deciding the contact state anew, or entering it.
 GO_ON, DECIDE, ENTER = 0, 1, 2

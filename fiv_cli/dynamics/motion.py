@@ -32,7 +32,6 @@ from fiv_cli.models.base import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": SLIP, "stick": STICK, "separation": SEPARATION}
-CODE_NAMES = ("slip+", "slip-", "stick", "separation")
 
 
 class Stop(IntEnum):
@@ -97,7 +96,8 @@ class Measures(NamedTuple):
         return np.array([self.least, self.greatest])
 
 
-FORGOTTEN = ("measured_time", "spread", "other_work", "friction_work", "drive_work", "impact_loss")
+# Sums that begin anew with every measuring; the largest residual does not.
+SUMS = tuple(name for name in Measures._fields if not kernel.Run.fields[name].kind.depth)[:-1]
 
 
 class Ledger(NamedTuple):
@@ -288,7 +288,7 @@ class Motion:
     def start_measuring(self, reference: Vector) -> None:
         """Forget what was measured and measure from here on, L_s about `reference`."""
         n, contacts = len(self.y), self.system.n_contacts
-        for name in FORGOTTEN:
+        for name in SUMS:
             setattr(self.frame, name, 0.0)
         self.frame.show("reference", np.array(reference, dtype=float))
         self.frame.show("least", np.full(n, np.inf))

@@ -221,25 +221,14 @@ class Tables:
 def _tables(generated: Generated) -> Tables:
     contacts, states = len(generated.smooth), generated.states
     most = max(1, *(len(state.guards) for state in states.values()))
-
-    def zeros(*more: int) -> NDArray[np.int64]:
-        return np.zeros((3**contacts, *more), np.int64)
-
-    tables = Tables(
-        taylor=zeros(),
-        field=zeros(),
-        impact=zeros(contacts),
-        n_guards=zeros(),
-        guard_kinds=zeros(most),
-        guard_contacts=zeros(most),
-        has_angle=zeros(),
-        n_arguments=zeros(),
-        contact_place=zeros(),
-        energy_place=zeros(),
-        is_end=np.ones(contacts, np.int64),
-        is_one_way=np.array(generated.smooth, np.int64),
-        numbers=_numbers(generated),
-    )
+    widths = {"impact": (contacts,), "guard_kinds": (most,), "guard_contacts": (most,)}
+    per_state = {
+        name: np.zeros((3**contacts, *widths.get(name, ())), np.int64)
+        for name in (*widths, "taylor", "field", "n_guards", "has_angle", "n_arguments",
+                     "contact_place", "energy_place")
+    }  # fmt: skip
+    smooth, ends = np.array(generated.smooth, np.int64), np.ones(contacts, np.int64)
+    tables = Tables(**per_state, is_end=ends, is_one_way=smooth, numbers=_numbers(generated))
     for index, state in states.items():
         _enter_state(tables, generated, index, state)
     return tables

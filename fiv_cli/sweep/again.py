@@ -285,7 +285,7 @@ def _points_before(point: Point, start: int) -> Sequence[Values]:
         for chain in chains.positions if chains.entry == start else ():
             if point.position in chain:
                 before = chain[: int(np.flatnonzero(chain == point.position)[0])]
-                return [point.analysis.point(int(position))[0] for position in before]
+                return [values for values, _ in point.analysis.points(before)]
     return ()
 
 

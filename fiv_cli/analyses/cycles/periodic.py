@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.rest.equilibria import statics_of
-from fiv_cli.codegen.codes import SEPARATION, STICK
+from fiv_cli.codegen.codes import CODE_SEPARATION, SEPARATION, STICK
 from fiv_cli.codegen.memory import call_generated
-from fiv_cli.dynamics.kernel import CODE_SEPARATION
 from fiv_cli.dynamics.motion import Ledger, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 

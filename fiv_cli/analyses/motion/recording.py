@@ -19,7 +19,8 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.rest.surface import Place, weights
-from fiv_cli.dynamics.motion import CODE_NAMES, Ledger, Motion, Samples, samples_at
+from fiv_cli.codegen.codes import CODE_NAMES
+from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 
 DEFAULT_SAMPLES = 2000
