@@ -434,10 +434,13 @@ def _settings(
     from fiv_cli.analyses.settings import read_settings
     from fiv_cli.case.analysis import Surroundings
     from fiv_cli.case.report import dotted
+    from fiv_cli.case.toml import plain
 
     made = Section | Question | Varied | tuple | None
     objects = {name: value for name, value in given.items() if isinstance(value, made)}
-    written = {name: value for name, value in given.items() if name not in objects}
+    written = {name: plain(value) for name, value in given.items() if name not in objects}
+    asked = {*written, *(setting.name for setting in analysis.settings if setting.required)}
+    asked -= objects.keys()
     varied = given.get("parameter", "")
     known = Surroundings(
         setup.model, setup.options, (setup.law,), changes, varied=getattr(varied, "name", varied)
@@ -446,7 +449,7 @@ def _settings(
     problems = [
         Problem(dotted(("settings", *one.place)), one.message, one.allowed, one.suggestion)
         for one in found.refusals
-        if one.place[0] not in objects
+        if one.place[0] in asked
     ]
     if problems:
         raise CaseError("<call>", problems)

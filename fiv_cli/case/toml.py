@@ -104,6 +104,11 @@ def toml_text(document: Mapping[str, Any]) -> str:
     return "\n".join([*lines, ""])
 
 
+def plain(value: Any) -> Any:
+    """A number or an array of NumPy's as Python's own; anything else as it is."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
 def toml_value(value: Any, place: str) -> str:
     """A value as TOML; `place` says where it stands.
 
@@ -112,8 +117,7 @@ def toml_value(value: Any, place: str) -> str:
     CaseError
         it can stand in no case file.
     """
-    if hasattr(value, "tolist"):  # a number or an array of NumPy's
-        value = value.tolist()
+    value = plain(value)
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
