@@ -590,10 +590,8 @@ def test_a_mode_can_be_selected_by_its_number():
     ],
 )
 def test_laws_are_drawn_as_they_are_written(name, velocity, expected):
-    from fiv_cli.plots.law import defaults
-
     law = get_law(name)
-    assert force(law, np.array(velocity), defaults(law)) == pytest.approx(expected)
+    assert force(law, np.array(velocity), law.defaults) == pytest.approx(expected)
 
 
 def test_a_law_of_a_coefficient_and_one_of_a_force_have_their_own_axis():

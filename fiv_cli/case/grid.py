@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import prod
 from typing import Any, NamedTuple
 
@@ -22,7 +23,7 @@ from fiv_cli.case.physics import (
 from fiv_cli.case.refinement import Values, halved, read_refinement
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import RangeTable, SweepTable
-from fiv_cli.notation.names import axis_name, listed
+from fiv_cli.notation.names import axis_name, listed, suggest
 from fiv_cli.notation.units import exact, nearest_double
 from fiv_cli.notation.values import check_quantity
 
@@ -39,6 +40,7 @@ class Candidate:
     read: Callable[[Any], Any]
     unit: str | None = None
     allowed: str = ""
+    choices: Collection[str] = ()
 
 
 class Grid(NamedTuple):
@@ -87,9 +89,13 @@ def _candidate(name: str, place: Path, physics: Physics, report: Report) -> Cand
     if state != name:
         note_no_state(state, place, physics, report)
     elif name == "friction":
-        return _law_axis(place, physics)
+        names = law_names(physics.model)
+        read = partial(resolve_law, physics.model)
+        return Candidate(name, "law", place, read, allowed=listed(names), choices=names)
     elif name in options:
-        return Candidate(name, "option", place, options[name].text, allowed=options[name].allowed)
+        option = options[name]
+        allowed, choices = option.allowed, option.choices
+        return Candidate(name, "option", place, option.text, allowed=allowed, choices=choices)
     elif name in parameters:
         own = parameters[name]
         return Candidate(name, "parameter", place, own.checked, own.unit, own.allowed)
@@ -100,17 +106,6 @@ def _candidate(name: str, place: Path, physics: Physics, report: Report) -> Cand
 
 def _finite(value: float) -> float:
     return value
-
-
-def _law_axis(place: Path, physics: Physics) -> Candidate:
-    names = law_names(physics.model)
-    return Candidate(
-        "friction",
-        "law",
-        place,
-        lambda value: resolve_law(physics.model, str(value)),
-        allowed=listed(names),
-    )
 
 
 def _values(candidate: Candidate, value: list[Any] | RangeTable, report: Report) -> Values:
@@ -203,7 +198,8 @@ def _element(candidate: Candidate, index: int, value: Any, report: Report) -> An
             value = nearest_double(exact(check_quantity(value), candidate.unit))
         return candidate.read(value)
     except ValueError as error:
-        report.add((*candidate.place, index), str(error), candidate.allowed)
+        place, hint = (*candidate.place, index), suggest(str(value), candidate.choices)
+        report.add(place, str(error), candidate.allowed, hint, of_name=candidate.unit is None)
         return None
 
 

@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Parameter, Requirement
+from fiv_cli.models.base import Parameter, Requirement, followed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -69,3 +69,9 @@ class Law:
     structural: tuple[str, ...] = ()
     average: Callable[[Slip, Mapping[str, Expr], Expr, bool], Expr] | None = None
     requirements: tuple[Requirement, ...] = ()
+
+    @property
+    def defaults(self) -> dict[str, float]:
+        """Parameter -> default of its own table; a model may have others."""
+        given = {p.name: p.default for p in self.parameters if p.default is not None}
+        return followed(self.parameters, given)

@@ -16,7 +16,7 @@ balance. Nothing here imports SymPy: a model does that inside ``equations``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -341,6 +341,18 @@ class Model:
     def unexcited(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """The same parameters with every excitation switched off."""
         return {**parameters, **{forcing.amplitude: 0.0 for forcing in self.forcings}}
+
+
+def leaders(table: Iterable[Parameter], given: Container[str] = ()) -> dict[str, str]:
+    """Parameter -> the one whose value it takes, where it is not `given` one of its own."""
+    following = {p.name: p.default_from for p in table if p.default_from is not None}
+    return {name: leader for name, leader in following.items() if name not in given}
+
+
+def followed(table: Sequence[Parameter], given: Mapping[str, float]) -> dict[str, float]:
+    """The values that a table of parameters has, in its order: as given, or as their leaders'."""
+    sources = {p.name: p.name for p in table} | leaders(table, given)
+    return {name: given[source] for name, source in sources.items() if source in given}
 
 
 def _with_default(parameter: Parameter, default: float | str | None) -> Parameter:

@@ -26,7 +26,7 @@ from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter, Requirement
+from fiv_cli.models.base import Requirement, leaders
 from fiv_cli.sweep.refine import Maps, maps_of
 from fiv_cli.sweep.requests import (
     StartEntry,
@@ -261,6 +261,7 @@ def _template(
     laws = next((axis.values for axis in axes if axis.kind == "law"), (case.law,))
     model = get_model(case.model)
     own = {law: model.parameters_under(get_law(law).parameters) for law in laws}
+    every = [parameter for table in own.values() for parameter in table]
     fixed = {law: _unvaried(case, law) for law in laws}
     return Template(
         model=case.model,
@@ -268,7 +269,7 @@ def _template(
         options=case.options,
         parameters=fixed,
         names={law: tuple(p.name for p in table) for law, table in own.items()},
-        followers=_followers(case, [p for table in own.values() for p in table]),
+        followers=tuple(leaders(every, [axis.name for axis in axes]).items()),
         axes=tuple((axis.name, axis.kind) for axis in axes),
         entries=entries or (None,),
         analysis=spec.kind,
@@ -284,13 +285,6 @@ def _unvaried(case: Case, law: str) -> dict[str, float]:
     """The parameters under `law` that no axis decides, SI."""
     varied = {axis.name for axis in case.axes}
     return {n: v for n, v in case.parameters_at(law, {}).items() if n not in varied}
-
-
-def _followers(case: Case, table: list[Parameter]) -> tuple[tuple[str, str], ...]:
-    """Parameters that take another one's value, which an axis may vary."""
-    varied = {axis.name for axis in case.axes}
-    found = {p.name: p.default_from for p in table if p.default_from and p.name not in varied}
-    return tuple(found.items())
 
 
 def _dims(case: Case, uses_starts: bool) -> tuple[Dim, ...]:
