@@ -215,7 +215,7 @@ def history(
     next: choose from v, initial
     """
     from fiv_cli.reading.datasets import read_analyses
-    from fiv_cli.sweep.again import find_point, motion_settings, write_motion
+    from fiv_cli.sweep.motion import find_point, motion_settings, write_motion
 
     point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
     settings = motion_settings(t_end, sample)

@@ -100,7 +100,7 @@ def test_the_scale_of_mode_shapes_does_not_matter(scale: float) -> None:
     expected = other.values(other.slip(1.0).rate(0.0, y))
     begun = motion(RIGID, "exponential", start)
     assert begun.y == pytest.approx(other.values(y), rel=1e-12, abs=1e-14)
-    assert begun._field(0).rates == pytest.approx(expected, rel=1e-10, abs=1e-9)
+    assert begun.rates() == pytest.approx(expected, rel=1e-10, abs=1e-9)
 
 
 # --- number of modes ------------------------------------------------------------------------------

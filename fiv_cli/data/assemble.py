@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.variables import Role, Variable, motions
 from fiv_cli.case.case import Axis
 from fiv_cli.data.block import Array, Block, dtype_of, fill_value, padded
-from fiv_cli.data.follow import follow_modes
 from fiv_cli.data.layout import Layout
+from fiv_cli.data.modes import follow_modes
 from fiv_cli.flags import REASONS, TABLES
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter

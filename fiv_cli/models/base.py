@@ -293,6 +293,8 @@ class Model:
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     vibration : coordinates that L_s counts (thesis 6.20, 6.42); none named: all
     requirements : what its parameters, and those of its laws, must be to one another
+    singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
+        its equations mean nothing there, and a message; ("", "") where they do
     """
 
     name: str
@@ -314,6 +316,10 @@ class Model:
     )
     vibration: tuple[str, ...] = ()
     requirements: tuple[Requirement, ...] = ()
+    singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = lambda known, options: (
+        "",
+        "",
+    )
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

@@ -27,7 +27,8 @@ from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
-from fiv_cli.sweep.points import (
+from fiv_cli.sweep.refine import Maps, maps_of
+from fiv_cli.sweep.requests import (
     StartEntry,
     Template,
     Values,
@@ -40,7 +41,6 @@ from fiv_cli.sweep.points import (
     request_at,
     resolve_start,
 )
-from fiv_cli.sweep.refine import Maps, maps_of
 
 Positions = NDArray[np.int64]
 

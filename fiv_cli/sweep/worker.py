@@ -29,7 +29,7 @@ from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import from_plain, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
-from fiv_cli.sweep.points import (
+from fiv_cli.sweep.requests import (
     StartEntry,
     Template,
     Values,
