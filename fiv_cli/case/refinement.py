@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.axes import AxisError, Span, span_of_list
 from fiv_cli.case.case import Refinement, StartSpec
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import RefineTable, SweepTable
+from fiv_cli.case.structure import SweepTable
 from fiv_cli.notation.names import ascii_name, axis_name
 from fiv_cli.notation.units import exact
 from fiv_cli.notation.values import check_quantity
@@ -21,9 +20,6 @@ if TYPE_CHECKING:
 Values = Span | list[Any]
 
 PLACE: Path = ("sweep", "refine")
-
-MOST_LEVELS = 12
-"""A lattice halved more often than this has more points than can be held."""
 
 
 def read_refinement(
@@ -40,21 +36,9 @@ def read_refinement(
     numeric = [candidate.name for candidate, _ in counted if candidate.unit is not None]
     alone = [name for name in numeric if not any(name in group for group in zips)]
     axes = alone if refine.along is None else list(map(axis_name, refine.along))
-    sound = _sound(refine, report)
-    if not _known(axes, alone, physics, report) or not sound:
+    if not _known(axes, alone, physics, report):
         return None
     return Refinement(refine.levels, ascii_name(refine.of), tuple(axes), refine.sample, refine.seed)
-
-
-def _sound(refine: RefineTable, report: Report) -> bool:
-    """Whether the numbers are in their ranges; notes those that are not."""
-    ranges = {"levels": (1, MOST_LEVELS), "sample": (0, inf), "seed": (0, inf)}
-    given = {key: getattr(refine, key) or 0 for key in ranges}
-    wrong = [key for key, (low, high) in ranges.items() if not low <= given[key] <= high]
-    for key in wrong:
-        allowed = f"1 to {MOST_LEVELS}" if key == "levels" else "0 or more"
-        report.add((*PLACE, key), f"{given[key]} is out of range", allowed)
-    return not wrong
 
 
 def _known(names: Sequence[str], alone: Sequence[str], physics: Physics, report: Report) -> bool:
