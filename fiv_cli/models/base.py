@@ -269,6 +269,11 @@ class Equations:
     zone: Zone | None = None
 
 
+def _regular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
+    """The equations of most models mean something under all parameters."""
+    return "", ""
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A mechanical model: what the user sees, and where its equations are.
@@ -293,6 +298,8 @@ class Model:
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     vibration : coordinates that L_s counts (thesis 6.20, 6.42); none named: all
     requirements : what its parameters, and those of its laws, must be to one another
+    singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
+        its equations mean nothing there, and a message; ("", "") where they do
     """
 
     name: str
@@ -314,6 +321,7 @@ class Model:
     )
     vibration: tuple[str, ...] = ()
     requirements: tuple[Requirement, ...] = ()
+    singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""
