@@ -103,6 +103,9 @@ def load(
         return load_case(source, overrides)
     try:
         return parse_case(toml_text(source), DICT, overrides)
+    except RecursionError:
+        problem = Problem("case", "nests too deeply")
+        raise CaseError(DICT, [problem]) from None
     except CaseError as error:  # a dict has no lines
         problems = [replace(problem, line=None, column=None) for problem in error.problems]
         raise CaseError(DICT, problems) from None
@@ -156,7 +159,7 @@ def run(
     Raises
     ------
     UsageError, StorageError
-        `output` cannot be written.
+        `output` cannot be written, or nobody is to compute.
     StoreMismatchError, LockedError
         another case is stored there, or is running there.
 
@@ -172,6 +175,8 @@ def run(
     from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
 
+    if workers < 1:
+        raise UsageError(f"workers={workers}: nobody computes\nnext: workers=1, in this process")
     told = for_stderr(quiet=not progress) if isinstance(progress, bool) else progress
     with _computing(), _place(output) as path:
         run_case(case, path, Policy(workers=workers, fresh=fresh), told)
@@ -276,7 +281,7 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
 
 
 def figure(data: str | Path | Results, name: str | None = None, axis: Axes | None = None) -> Figure:
-    """Draw a dataset.
+    """Draw a dataset; a notebook that has imported matplotlib.pyplot shows what is returned.
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import doctest
 import subprocess
 import sys
@@ -12,6 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from fiv_cli import api, errors
@@ -149,6 +152,7 @@ def test_every_problem_of_a_dict_is_told_without_lines() -> None:
         ({"grid": {"v": [1.0, None]}}, "grid.v.1"),
         ({"analysis": [{"kind": "response", "t_max": 1j}]}, "analysis.0.t_max"),
         ({"model": {1: "x"}}, "model.1"),
+        ({"title": "\ud800"}, "title"),
     ],
 )
 def test_what_no_file_can_hold_is_told(document: dict[str, Any], place: str) -> None:
@@ -156,6 +160,27 @@ def test_what_no_file_can_hold_is_told(document: dict[str, Any], place: str) -> 
         api.load({**BELT, **document})
     (problem,) = caught.value.problems
     assert problem.path == place
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(["schema", "model", "grid", "analysis", "initial", "title", "solver"]),
+        st.recursive(
+            st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),
+            lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.integers(), inner),
+        ),
+    )
+)
+def test_any_dict_is_a_case_or_is_refused(document: dict[str, Any]) -> None:
+    with contextlib.suppress(api.CaseError):
+        api.load({**BELT, **document})
+
+
+def test_a_dict_within_itself_is_refused() -> None:
+    endless: dict[str, Any] = {}
+    endless["a"] = endless
+    with pytest.raises(api.CaseError, match="nests too deeply"):
+        api.load({**BELT, "grid": endless})
 
 
 def test_a_missing_file_is_what_the_command_says(capsys: pytest.CaptureFixture[str]) -> None:
@@ -200,6 +225,11 @@ def test_a_run_goes_on_where_it_stopped_and_tells_how_far_it_is() -> None:
     api.run(api.load(ONE, {"grid.v": [0.5, 1.0, 1.5]}), "a.nc", progress=told[1])
     api.run(api.load(ONE), "a.nc", fresh=True, progress=told[2])
     assert [one.done for one in told] == [one.total for one in told] == [2, 3, 2]
+
+
+def test_somebody_computes() -> None:
+    with pytest.raises(api.UsageError, match="workers=0"):
+        api.run(api.load(ONE), workers=0)
 
 
 def test_another_case_is_refused() -> None:

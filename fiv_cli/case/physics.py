@@ -289,8 +289,7 @@ class _Reader:
     def parameter(
         self, parameter: Parameter, value: object, place: Path, found: dict[str, float]
     ) -> None:
-        try:
+        with self.report.noting(place, parameter.allowed):
             found[parameter.name] = parameter.read(value)
-        except ValueError as error:
-            self.report.add(place, str(error), parameter.allowed)
+        if parameter.name not in found:
             self.unread.add(parameter.name)

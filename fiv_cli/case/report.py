@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.notation.names import listed, suggest
@@ -76,6 +77,14 @@ class Report:
         """Note that `name`, at `path`, is none of the `known` names."""
         if len(self._names) <= MOST_PROBLEMS:
             self.add(path, message, listed(known), suggestion or suggest(name, known), True)
+
+    @contextmanager
+    def noting(self, path: Path, allowed: str) -> Iterator[None]:
+        """A block whose ValueError is noted as what is wrong with the value at `path`."""
+        try:
+            yield
+        except ValueError as error:
+            self.add(path, str(error), allowed)
 
     def add_problems(self, problems: Sequence[Problem]) -> None:
         """Note problems that know their place already."""

@@ -97,6 +97,8 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
         report.add(path, f"{describe(value)} is not allowed", expected, suggest(str(value), names))
     elif kind == "value_error":
         report.add(path, str(details["ctx"]["error"]))
+    elif kind in ("greater_than_equal", "less_than_equal"):
+        report.add(path, f"{value!r} is out of range", str(details["msg"]).lower())
     else:
         report.add(path, f"{describe(value)} does not fit", _expected(kind, details))
 

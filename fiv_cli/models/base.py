@@ -269,6 +269,11 @@ class Equations:
     zone: Zone | None = None
 
 
+def _regular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
+    """The equations of most models mean something under all parameters."""
+    return "", ""
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A mechanical model: what the user sees, and where its equations are.
@@ -316,10 +321,7 @@ class Model:
     )
     vibration: tuple[str, ...] = ()
     requirements: tuple[Requirement, ...] = ()
-    singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = lambda known, options: (
-        "",
-        "",
-    )
+    singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""
