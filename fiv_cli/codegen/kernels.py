@@ -14,7 +14,7 @@ import operator
 from collections.abc import Callable, Sequence
 from functools import cache
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from llvmlite import ir
@@ -35,9 +35,6 @@ from fiv_cli.codegen.memory import WORD, Field, Frame, Kind, bits_of, call_gener
 
 if TYPE_CHECKING:
     from llvmlite.ir import Instruction, IRBuilder, Value
-    from numba.core.base import BaseContext as Context
-    from numba.core.datamodel import DataModelManager
-    from numba.core.typing.templates import Signature
 
     Kernel = Callable[..., object]
     Values = Sequence[Value]
@@ -49,6 +46,27 @@ DOUBLE, INTEGER = ir.DoubleType(), ir.IntType(64)
 GENERATED = ir.FunctionType(
     ir.VoidType(), (DOUBLE.as_pointer(), DOUBLE, DOUBLE.as_pointer(), DOUBLE.as_pointer())
 )
+
+
+class Signature(Protocol):
+    """The types of a call, as numba gives them to those who lower it."""
+
+    args: Sequence[types.Type]
+    return_type: types.Type
+
+
+class Context(Protocol):
+    """What numba lends to those who lower a call, as far as they use it here."""
+
+    def cast(self, builder: IRBuilder, value: Value, kind: types.Type, to: types.Type) -> Value: ...
+
+    def get_value_type(self, kind: types.Type) -> ir.Type: ...
+
+    def get_dummy_value(self) -> Value: ...
+
+    def make_tuple(self, builder: IRBuilder, kind: types.Type, values: Values) -> Value: ...
+
+    def make_helper(self, builder: IRBuilder, kind: types.Type, value: Value) -> Any: ...
 
 
 @cache
@@ -107,7 +125,7 @@ register_model(FrameType)(models.OpaqueModel)
 
 @register_model(View)
 class _ViewModel(models.StructModel):
-    def __init__(self, manager: DataModelManager, view: View) -> None:
+    def __init__(self, manager: object, view: View) -> None:
         lengths = [(f"length{level}", types.int64) for level in range(view.depth)]
         super().__init__(manager, view, [("data", types.CPointer(view.element)), *lengths])
 
