@@ -34,7 +34,7 @@ def variables_of(
     return (STATUS, REASON, *own, *over_time)
 
 
-ALL_ASKED: Mapping[str, Any] = {
+ALL_ASKED: Settings = {
     "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
     "system": "averaged",
 }  # fmt: skip
