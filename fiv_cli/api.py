@@ -27,7 +27,7 @@ from tempfile import TemporaryDirectory
 from threading import RLock
 from typing import TYPE_CHECKING, Any
 
-from fiv_cli.errors import CaseError, FivError, UsageError
+from fiv_cli.errors import CaseError, FivError, Problem, UsageError
 from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+    from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings, Start
     from fiv_cli.case.case import Case
     from fiv_cli.codegen.setup import Setup
     from fiv_cli.friction.base import Law
@@ -103,6 +103,9 @@ def load(
         return load_case(source, overrides)
     try:
         return parse_case(toml_text(source), DICT, overrides)
+    except RecursionError:
+        problem = Problem("case", "nests too deeply")
+        raise CaseError(DICT, [problem]) from None
     except CaseError as error:  # a dict has no lines
         problems = [replace(problem, line=None, column=None) for problem in error.problems]
         raise CaseError(DICT, problems) from None
@@ -156,7 +159,7 @@ def run(
     Raises
     ------
     UsageError, StorageError
-        `output` cannot be written.
+        `output` cannot be written, or nobody is to compute.
     StoreMismatchError, LockedError
         another case is stored there, or is running there.
 
@@ -172,6 +175,8 @@ def run(
     from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
 
+    if workers < 1:
+        raise UsageError(f"workers={workers}: nobody computes\nnext: workers=1, in this process")
     told = for_stderr(quiet=not progress) if isinstance(progress, bool) else progress
     with _computing(), _place(output) as path:
         run_case(case, path, Policy(workers=workers, fresh=fresh), told)
@@ -215,7 +220,7 @@ def history(
     next: choose from v, initial
     """
     from fiv_cli.reading.datasets import read_analyses
-    from fiv_cli.sweep.again import find_point, motion_settings, write_motion
+    from fiv_cli.sweep.motion import find_point, motion_settings, write_motion
 
     point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
     settings = motion_settings(t_end, sample)
@@ -276,7 +281,7 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
 
 
 def figure(data: str | Path | Results, name: str | None = None, axis: Axes | None = None) -> Figure:
-    """Draw a dataset.
+    """Draw a dataset; a notebook that has imported matplotlib.pyplot shows what is returned.
 
     Parameters
     ----------
@@ -316,7 +321,7 @@ def analyse(
     start: Mapping[str, float] | Start | None = None,
     settings: Mapping[str, Any] | None = None,
     solver: SolverSettings | None = None,
-    options: Mapping[str, str] | None = None,
+    options: Mapping[str, Any] | None = None,
     announce: Callable[[str], None] = lambda sentence: None,
     **parameters: float,
 ) -> Outcome:
@@ -327,8 +332,9 @@ def analyse(
     model, law : names; or objects of one's own, written in a file that is imported and each
         under a name of its own; law None: the model's first
     analysis : kind
-    start : states that are not zero, or a `Start`; None for an analysis without starts
-    settings : of the analysis, where they differ from the defaults
+    start : states that are not zero, or a `Start`
+    settings : of the analysis, where they differ from the defaults: as a case writes them, or the
+        objects that are made of that (`Section`, `Question`, `Varied`, tuples)
     solver : how motions are integrated
     options : of the model, where they differ from the defaults
     announce : called with a sentence when something must be generated or compiled
@@ -342,7 +348,9 @@ def analyse(
     Raises
     ------
     UsageError
-        there is no such model, law, analysis, setting, option or parameter.
+        there is no such model, law, analysis, option, state or parameter.
+    CaseError
+        a case would not be allowed to have these settings.
 
     Examples
     --------
@@ -351,27 +359,25 @@ def analyse(
     >>> found.values["attractor"], round(found.values["period"], 6)
     ('periodic', 8.068888)
     """
-    from fiv_cli.analyses.base import SolverSettings, Start
+    from fiv_cli.analyses import all_analyses
+    from fiv_cli.analyses.base import SolverSettings
     from fiv_cli.analyses.execute import Request, answer, prepare
 
+    kind = pick(analysis, all_analyses(), "analysis", "fiv schema")
     solver = solver or SolverSettings()
     setup = _setup(model, law, options or {}, solver.rtol)
-    begin = Start("start", "state", start) if isinstance(start, Mapping) else start
-    request = Request(
-        setup,
-        _parameters(setup, parameters),
-        analysis,
-        _settings(analysis, settings or {}),
-        solver,
-        begin,
-    )
+    if kind.unsuited(setup.model):
+        raise UsageError(f"{kind.unsuited(setup.model)}\nnext: choose another analysis")
+    begin = _start(setup, start or {}) if kind.uses_starts else None
+    chosen = _settings(kind, setup, parameters, settings or {})
+    request = Request(setup, _parameters(setup, parameters), analysis, chosen, solver, begin)
     with _computing():
         prepare([request], announce)
         return answer(request)
 
 
 def _setup(
-    model: str | Model, law: str | Law | None, options: Mapping[str, str], rtol: float
+    model: str | Model, law: str | Law | None, options: Mapping[str, Any], rtol: float
 ) -> Setup:
     """A setup of names that exist."""
     from fiv_cli.codegen.setup import Setup
@@ -382,14 +388,31 @@ def _setup(
         model = pick(model, all_models(), "model", "fiv models")
     if isinstance(law, str):
         law = pick(law, all_laws(), "friction law", "fiv models --laws")
+    texts = {name: _option_text(model, name, value) for name, value in options.items()}
+    return Setup.of(model, law, texts, rtol=rtol)
+
+
+def _option_text(model: Model, name: str, value: object) -> str:
+    """The text that stands for the value of an option."""
     known = {option.name: option for option in model.options}
-    for name, value in options.items():
-        try:
-            pick(name, known, f"option of {model.name}", f"fiv models {model.name}").text(value)
-        except ValueError as error:
-            allowed = known[name].allowed
-            raise UsageError(f"option {name}: {error}\nnext: choose from {allowed}") from None
-    return Setup.of(model, law, options, rtol=rtol)
+    option = pick(name, known, f"option of {model.name}", f"fiv models {model.name}")
+    try:
+        return option.text(value)
+    except ValueError as error:
+        raise UsageError(f"{name}: {error}\nnext: choose from {option.allowed}") from None
+
+
+def _start(setup: Setup, start: Mapping[str, float] | Start) -> Start:
+    """A start from states that exist; the others are zero."""
+    from fiv_cli.analyses.base import Start
+
+    if isinstance(start, Start):
+        return start
+    coordinates = [state.name for state in setup.model.states(setup.options)]
+    known = [*coordinates, *(f"{name}_dot" for name in coordinates), *setup.law.states]
+    for name in start:
+        pick(name, dict.fromkeys(known), f"state of {setup.model.name}", "name another")
+    return Start("start", "state", start)
 
 
 def _parameters(setup: Setup, changes: Mapping[str, float]) -> dict[str, float]:
@@ -402,20 +425,40 @@ def _parameters(setup: Setup, changes: Mapping[str, float]) -> dict[str, float]:
     return default_parameters(setup.model, setup.law, **changes)
 
 
-def _settings(analysis: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Every setting of an analysis, where all that are given exist and none is missing."""
-    from fiv_cli.analyses import all_analyses
+def _settings(
+    analysis: Analysis, setup: Setup, changes: Mapping[str, float], given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Every setting of an analysis: read as in a case, but for objects (see `analyse`).
 
-    kind = pick(analysis, all_analyses(), "analysis", "fiv schema")
-    known = kind.default_settings
-    for name in given:
-        pick(name, known, f"setting of {analysis}", f"choose from {', '.join(known)}")
-    missing = [one.name for one in kind.settings if one.required and one.name not in given]
-    if missing:
-        raise UsageError(
-            f"{analysis}: {missing[0]} is missing\nnext: settings={{{missing[0]!r}: ...}}"
-        )
-    return {**known, **given}
+    Raises
+    ------
+    CaseError
+        a case would not be allowed to have them.
+    """
+    from fiv_cli.analyses.base import Question, Section, Varied
+    from fiv_cli.analyses.settings import read_settings
+    from fiv_cli.case.analysis import Surroundings
+    from fiv_cli.case.report import dotted
+    from fiv_cli.case.toml import plain
+
+    made = Section | Question | Varied | tuple | None
+    objects = {name: value for name, value in given.items() if isinstance(value, made)}
+    written = {name: plain(value) for name, value in given.items() if name not in objects}
+    asked = {*written, *(setting.name for setting in analysis.settings if setting.required)}
+    asked -= objects.keys()
+    varied = given.get("parameter", "")
+    known = Surroundings(
+        setup.model, setup.options, (setup.law,), changes, varied=getattr(varied, "name", varied)
+    )
+    found = read_settings(analysis.settings, written, known, f"the analysis {analysis.kind!r}")
+    problems = [
+        Problem(dotted(("settings", *one.place)), one.message, one.allowed, one.suggestion)
+        for one in found.refusals
+        if one.place[0] in asked
+    ]
+    if problems:
+        raise CaseError("<call>", problems)
+    return {**found.value, **objects}
 
 
 def _analyses_of(data: str | Path | Results) -> dict[str, xr.Dataset]:

@@ -120,7 +120,7 @@ class CaseError(InputError):
             if others:
                 lines.append(f"      likewise: {', '.join(map(_place, others))}")
         is_file = not self.source.startswith("<")
-        then = f"the file, then `fiv check {self.source}`" if is_file else "it and load it again"
+        then = f"the file, then `fiv check {self.source}`" if is_file else "it and try again"
         lines.append(f"next: correct {then}")
         return lines
 

@@ -13,11 +13,11 @@ from functools import partial
 from math import asin, atan, cos, hypot, inf, nan, pi, sin, sqrt
 
 from fiv_cli import api
-from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
+from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 
 RTOL = 1e-12  # tighter than the default of runs, so that closed forms are met to rounding
 CLOSED = 1e-11  # tolerance against a closed form
-RELEASE = Section("event", "stick->slip")
+RELEASE = {"event": "stick->slip"}
 
 Bench = Callable[..., Outcome]
 """`api.analyse` at this tolerance."""
@@ -173,7 +173,7 @@ def den_hartog(bench: Bench) -> Iterator[Check]:
             "coulomb",
             "response",
             {"x": 1.0},
-            {"section": Section("phase")},
+            {"section": {"phase": 0.0}},
             v=0.0,
             N=1.0,
             mu_k=friction,
@@ -277,7 +277,7 @@ def rigid_contact_on_a_disc(bench: Bench) -> Iterator[Check]:
         ("speeding up, moving load", (0.1, 2.0), 1.171690, (1.0, 2.0, 0.0)),
     )
     for name, bracket, expected, (c_z, moment, alpha) in cases:
-        settings = {"parameter": Varied("Omega"), "bracket": bracket, "system": "original"}
+        settings = {"parameter": "Omega", "bracket": bracket, "system": "original"}
         found = bench(
             "disc-rigid-contact", "exponential", "critical", None, settings,
             c_z=c_z, C_phi=moment, alpha=alpha,
@@ -288,7 +288,7 @@ def rigid_contact_on_a_disc(bench: Bench) -> Iterator[Check]:
 def excited_disc_at_rest(bench: Bench) -> Iterator[Check]:
     """A moving load: the speed above which sliding on a disc is unstable."""
     source = "thesis 5.4.2, Figure 5.8(a) with xi = 2e-4; separate computation"
-    settings = {"parameter": Varied("Omega"), "bracket": (1.0, 40.0), "system": "original"}
+    settings = {"parameter": "Omega", "bracket": [1.0, 40.0], "system": "original"}
     law = {"mu_s": 1.0, "mu_0": 1.0, "mu_k": 1.0, "alpha": 0.0}
     found = bench(
         "excited-disc", "exponential", "critical", None, settings, F=100.0, xi=2e-4, **law
@@ -316,7 +316,7 @@ def _critical(
     options: Mapping[str, str] | None = None,
 ) -> Outcome:
     """Every critical value of a parameter from zero to `highest`."""
-    settings = {"parameter": Varied(parameter), "bracket": (0.0, highest), "system": system}
+    settings = {"parameter": parameter, "bracket": [0.0, highest], "system": system}
     return bench(model, "coulomb", "critical", None, settings, options=options, **changes)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import doctest
 import subprocess
 import sys
@@ -12,9 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from fiv_cli import api, errors
+from fiv_cli.analyses.base import Section
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.toml import parse_toml, toml_text
 from fiv_cli.cli.main import run as command
@@ -139,7 +143,7 @@ def test_every_problem_of_a_dict_is_told_without_lines() -> None:
     assert [problem.path for problem in caught.value.problems] == ["grdi"]
     assert all(problem.line is None for problem in caught.value.problems)
     assert "\n  <dict>: grdi:" in str(caught.value)
-    assert str(caught.value).endswith("next: correct it and load it again")
+    assert str(caught.value).endswith("next: correct it and try again")
 
 
 @pytest.mark.parametrize(
@@ -148,6 +152,7 @@ def test_every_problem_of_a_dict_is_told_without_lines() -> None:
         ({"grid": {"v": [1.0, None]}}, "grid.v.1"),
         ({"analysis": [{"kind": "response", "t_max": 1j}]}, "analysis.0.t_max"),
         ({"model": {1: "x"}}, "model.1"),
+        ({"title": "\ud800"}, "title"),
     ],
 )
 def test_what_no_file_can_hold_is_told(document: dict[str, Any], place: str) -> None:
@@ -155,6 +160,27 @@ def test_what_no_file_can_hold_is_told(document: dict[str, Any], place: str) -> 
         api.load({**BELT, **document})
     (problem,) = caught.value.problems
     assert problem.path == place
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(["schema", "model", "grid", "analysis", "initial", "title", "solver"]),
+        st.recursive(
+            st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),
+            lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.integers(), inner),
+        ),
+    )
+)
+def test_any_dict_is_a_case_or_is_refused(document: dict[str, Any]) -> None:
+    with contextlib.suppress(api.CaseError):
+        api.load({**BELT, **document})
+
+
+def test_a_dict_within_itself_is_refused() -> None:
+    endless: dict[str, Any] = {}
+    endless["a"] = endless
+    with pytest.raises(api.CaseError, match="nests too deeply"):
+        api.load({**BELT, "grid": endless})
 
 
 def test_a_missing_file_is_what_the_command_says(capsys: pytest.CaptureFixture[str]) -> None:
@@ -199,6 +225,11 @@ def test_a_run_goes_on_where_it_stopped_and_tells_how_far_it_is() -> None:
     api.run(api.load(ONE, {"grid.v": [0.5, 1.0, 1.5]}), "a.nc", progress=told[1])
     api.run(api.load(ONE), "a.nc", fresh=True, progress=told[2])
     assert [one.done for one in told] == [one.total for one in told] == [2, 3, 2]
+
+
+def test_somebody_computes() -> None:
+    with pytest.raises(api.UsageError, match="workers=0"):
+        api.run(api.load(ONE), workers=0)
 
 
 def test_another_case_is_refused() -> None:
@@ -325,10 +356,10 @@ def test_a_model_that_is_typed_has_no_versions() -> None:
         (("belt-1dof", "coulom", "response"), {}, "no friction law 'coulom'; did you mean"),
         (("belt-1dof", None, "respons"), {}, "no analysis 'respons'; did you mean 'response'"),
         (("belt-1dof", None, "response"), {"mass": 1.0}, "no parameter of belt-1dof with coulomb"),
-        (("belt-1dof", None, "response", {}, {"tmax": 1.0}), {}, "no setting of response 'tmax'"),
-        (("belt-1dof", None, "history", {}), {}, "history: t_end is missing"),
+        (("belt-1dof", None, "response", {"y": 1.0}), {}, "no state of belt-1dof 'y'"),
+        (("belt-1dof", None, "plate"), {}, "belt-1dof has no elastic disc"),
         (("belt-1dof", None, "response"), {"options": {"a": "b"}}, "no option of belt-1dof 'a'"),
-        (("belt-5dof", None, "equilibrium"), {"options": {"impact": "x"}}, "option impact: 'x'"),
+        (("belt-5dof", None, "equilibrium"), {"options": {"impact": "x"}}, "impact: 'x' is not"),
     ],
 )
 def test_a_wrong_call_says_what_is_wrong(
@@ -338,3 +369,22 @@ def test_a_wrong_call_says_what_is_wrong(
         api.analyse(*arguments, **named)
     assert said in str(caught.value)
     assert "\nnext: " in str(caught.value)
+
+
+def test_settings_are_those_of_a_case() -> None:
+    written = {"section": {"event": "stick->slip"}, "t_max": "5 min", "observe": "x"}
+    objects = {"section": Section("event", "stick->slip"), "t_max": 300.0}
+    first, second = (api.analyse("belt-1dof", None, "response", {}, s) for s in (written, objects))
+    assert first.values["period"] == second.values["period"]
+    assert first.ragged["section_value"] == pytest.approx([4.0])  # mu_s N / k
+    bracket = {"parameter": "mu_k", "bracket": [0, 6]}
+    onset = api.analyse("flutter-2dof", None, "critical", None, bracket)
+    assert onset.values["critical_value"][0] == pytest.approx(5 / 2 + 3**0.5)
+
+
+def test_settings_that_no_case_may_have() -> None:
+    wrong = {"tmax": 1.0, "section": {"event": "slip"}, "observe": "y"}
+    with pytest.raises(api.CaseError) as caught:
+        api.analyse("belt-1dof", None, "spectrum", {}, wrong)
+    paths = {problem.path for problem in caught.value.problems}
+    assert paths == {f"settings.{name}" for name in ("tmax", "section.event", "observe", "f_max")}

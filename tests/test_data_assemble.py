@@ -16,8 +16,8 @@ from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.case.case import Axis
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.block import Block, pack
-from fiv_cli.data.follow import follow_modes
 from fiv_cli.data.layout import Dim, Layout
+from fiv_cli.data.modes import follow_modes
 from fiv_cli.data.netcdf import read_datasets, to_attribute, write_datasets
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.flags import REASONS, TABLES, advice

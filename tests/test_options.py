@@ -17,7 +17,7 @@ from fiv_cli.models import get_model
 from fiv_cli.models.disc import read_modes
 from fiv_cli.notation.names import ascii_name
 from fiv_cli.plate import AnnularPlate, mode
-from fiv_cli.sweep.again import find_point
+from fiv_cli.sweep.motion import find_point
 
 DISC = """
 schema = 1

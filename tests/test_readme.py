@@ -6,14 +6,19 @@ import importlib
 import re
 import shlex
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import pytest
 
+from fiv_cli.analyses.base import Start
+from fiv_cli.analyses.variables import Subject
 from fiv_cli.case.grammar import parse_expect
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.structure import What
 from fiv_cli.cli.main import COMMANDS
+from fiv_cli.codegen.setup import Setup, default_parameters
+from fiv_cli.dynamics.settings import SolverSettings
+from fiv_cli.dynamics.system import build_system
 from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
 
@@ -102,3 +107,20 @@ def test_the_help_of_a_command_names_cases_that_there_are(name: str) -> None:
     text = str(importlib.import_module(COMMANDS[name][0]).command.help)
     for path in re.findall(r"configs/\S+?\.toml", text):
         assert list(ROOT.glob(path)), path
+
+
+def test_the_analysis_of_the_reader_works() -> None:
+    """On a mass that slides to and fro about its start, twice as far as where it would rest."""
+    declaration, engine = (block for block in blocks("python") if "fiv_cli.analyses" in block)
+    spoken: dict[str, Any] = {}
+    exec(declaration, spoken)
+    exec(engine, spoken)
+    setup = Setup.of("belt-1dof")
+    parameters = default_parameters(setup.model, setup.law, v=100.0)
+    start = Start("rest", "state")
+    outcome = spoken["reach"](
+        build_system(setup), parameters, start, {"t_end": 10.0}, SolverSettings()
+    )
+    subject = Subject(setup.model.states({}), "", False, {"t_end": 10.0})
+    assert set(outcome.values) == {v.name for v in spoken["ANALYSIS"].variables(subject)}
+    assert outcome.values["reach"] == pytest.approx([2.0 * parameters["mu_k"] * parameters["N"]])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fiv_cli.codegen import emit
 from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.generate import load_text
-from fiv_cli.codegen.memory import Floats, Frame, address_of
+from fiv_cli.codegen.memory import Floats, Frame
 from fiv_cli.dynamics import roots
 
 AMBIGUOUS = 1e-6  # complex pairs this close to the real axis, or roots this close to a border
@@ -83,8 +83,8 @@ def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
     polynomial[: degree + 1] = coefficients
     total, end = float(np.sum(np.abs(coefficients))), float(np.sum(coefficients))
     pieces = roots.scratch()
-    frame = Sought.words({"polynomial": polynomial, "pieces": pieces})
-    return ROOTS.function(address_of(frame), degree, total, end, *generated(top), top)
+    frame = Sought.holding({"polynomial": polynomial, "pieces": pieces}, {})
+    return ROOTS.function(frame.address, degree, total, end, *generated(top), top)
 
 
 def with_roots(*places: float, beyond: tuple[float, ...] = ()) -> NDArray[np.float64]:

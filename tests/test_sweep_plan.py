@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
-from fiv_cli.sweep.points import (
+from fiv_cli.sweep.requests import (
     point_key,
     request_at,
     resolve_start,

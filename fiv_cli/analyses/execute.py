@@ -55,7 +55,6 @@ def execute(request: Request) -> Outcome:
 def answer(request: Request) -> Outcome:
     """Run one point; what goes wrong is raised."""
     from fiv_cli.analyses import get_analysis
-    from fiv_cli.analyses.rest.surface import nodes_at_r0
     from fiv_cli.dynamics.system import build_system
 
     analysis, parameters = get_analysis(request.analysis), request.parameters
@@ -63,10 +62,10 @@ def answer(request: Request) -> Outcome:
     if not analysis.generated:
         return analysis.run(request.setup, *what)
     system = build_system(request.setup)
-    nodes = nodes_at_r0(system, parameters)
-    if nodes:
-        said = f"mode {', '.join(nodes)} has a node at r0 = {parameters['r0']!r} m"
-        return Outcome(status="failed", reason="node_at_r0", message=said)
+    singular = request.setup.model.singular
+    reason, message = singular(system.known(parameters), system.setup.options)
+    if reason:
+        return Outcome(status="failed", reason=reason, message=message)
     return analysis.run(system, *what)
 
 

@@ -16,6 +16,7 @@ from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import AnalysisTable
+from fiv_cli.models.base import leaders
 from fiv_cli.notation.names import ascii_name, listed, suggest
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -36,9 +37,8 @@ class Surroundings(Physics):
 
     def followers(self, leader: str) -> tuple[str, ...]:
         """Parameters whose value is that of `leader`, because nothing else gives them one."""
-        given = {key.split(".")[-1] for key in self.fixed} | {*self.axes}
-        table = self.table().values()
-        return tuple(p.name for p in table if p.default_from == leader and p.name not in given)
+        found = leaders(self.table().values(), {*self.given, *self.axes})
+        return tuple(name for name, other in found.items() if other == leader)
 
     def value(self, name: str) -> float | None:
         """The value of a parameter, SI; None where it varies, or could not be read."""
@@ -82,7 +82,7 @@ def _analysis(
     name, model = table.name or analysis.kind, physics.model
     if analysis.unsuited(model):
         suited = [kind for kind, one in analyses.items() if not one.unsuited(model)]
-        report.add((*place, "kind"), analysis.unsuited(model), listed(suited))
+        report.add((*place, "kind"), analysis.unsuited(model), listed(suited), of_name=True)
         return AnalysisSpec(name, analysis.kind, analysis.default_settings)
     given = table.model_extra or {}
     known = _surroundings(physics, axes, given.get("parameter"))

@@ -10,7 +10,7 @@ from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, followed
 from fiv_cli.schedule import STEADY, Schedule
 
 
@@ -188,9 +188,7 @@ class Case:
         model = get_model(self.model)
         own = model.parameters_under(get_law(law).parameters)
         given = {**self.parameters, **_of_law(self.parameters, law), **varied}
-        leaders = {p.name: p.default_from for p in own if p.default_from is not None}
-        sources = {p.name: p.name if p.name in given else leaders.get(p.name) for p in own}
-        return {name: given[source] for name, source in sources.items() if source in given}
+        return followed(own, given)
 
 
 def _of_law(parameters: Mapping[str, float], law: str) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 A case's fingerprint hashes everything that decides its numbers but the extent of the grid, so that
 an axis may grow and finished points stay. Titles, claims and figures do not count. The keys of
-points are built on it in ``sweep/points.py``.
+points are built on it in ``sweep/requests.py``.
 """
 
 from __future__ import annotations

@@ -27,7 +27,8 @@ class Physics:
         of every value of the axis
     laws : the laws in use: one, or those of the axis ``friction``
     fixed : parameter -> SI value, given by the case; ``LAW.NAME`` when given for one law only
-    unread : options and parameters whose value was given and is not sound
+    unread : parameters whose value was given and is not sound
+    laws_known : False where a law is none that the model knows; `laws` are then all it can have
     """
 
     model: Model
@@ -35,6 +36,12 @@ class Physics:
     laws: tuple[Law, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
     unread: frozenset[str] = frozenset()
+    laws_known: bool = True
+
+    @property
+    def given(self) -> set[str]:
+        """The parameters that the case gives a value, were it under one of its laws."""
+        return {name.split(".")[-1] for name in self.fixed}
 
     def table(self) -> dict[str, Parameter]:
         """Every parameter of the model and of the laws in use, by name."""
@@ -52,7 +59,8 @@ class Physics:
         Whole numbers and what is written into the generated code cannot.
         """
         own = {parameter.name for parameter in self.model.parameters}
-        shared = set.intersection(*({p.name for p in law.parameters} for law in self.laws))
+        tables = [{parameter.name for parameter in law.parameters} for law in self.laws]
+        shared = set.intersection(*tables) if self.laws_known else set.union(*tables)
         structural = {name for law in self.laws for name in law.structural}
         return {
             name: parameter
@@ -93,9 +101,9 @@ def read_physics(form: Form, report: Report) -> Physics:
     reader = _Reader(report)
     options = {**model.default_options(), **reader.options(model, form.model)}
     options |= _options_of_axes(model, options, axes)
-    laws = reader.laws(model, form.friction, axes.get("friction"))
+    laws, known = reader.laws(model, form.friction, axes.get("friction"))
     fixed = reader.of_model(model, laws, form.model) | reader.of_laws(model, laws, form.friction)
-    return Physics(model, options, laws, fixed, frozenset(reader.unread))
+    return Physics(model, options, laws, fixed, frozenset(reader.unread), known)
 
 
 def note_no_axis(
@@ -115,10 +123,8 @@ def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Repor
 
 
 def note_no_state(name: str, place: Path, physics: Physics, report: Report) -> None:
-    """Note that the model has no state `name`; an option that is not sound may decide that."""
-    if physics.unread.isdisjoint(option.name for option in physics.model.options):
-        units = physics.units_of_states()
-        report.unknown(place, f"there is no state {name!r}", name, units)
+    """Note that the model has no state `name`."""
+    report.unknown(place, f"there is no state {name!r}", name, physics.units_of_states())
 
 
 def law_names(model: Model) -> list[str]:
@@ -127,13 +133,13 @@ def law_names(model: Model) -> list[str]:
     return [*plain, "tanh"] if len(plain) < len(model.laws) else plain
 
 
-def resolve_law(model: Model, name: str, of: str | None = None) -> str:
+def resolve_law(model: Model, name: object, of: str | None = None) -> str:
     """The contract name of the law called `name` (and `of`); ValueError when there is none."""
     regularised = TANH_OF + (of or model.laws[0].removeprefix(TANH_OF))
     full = regularised if name == "tanh" else name
     if full not in model.laws:
         raise ValueError(f"{full!r} is no friction law of {model.name}")
-    return full
+    return str(full)
 
 
 def _options_of_axes(
@@ -161,8 +167,16 @@ def _known_texts(option: Option, values: object) -> list[str]:
     return texts
 
 
+def _known_law(model: Model, name: object, of: str | None = None) -> str | None:
+    """The contract name of a law; None where the model knows none of the kind (noted elsewhere)."""
+    try:
+        return resolve_law(model, name, of)
+    except ValueError:
+        return None
+
+
 class _Reader:
-    """Reads what a case gives for options and parameters, and keeps what of it is not sound."""
+    """Reads what a case gives for options, laws and parameters; keeps which are not sound."""
 
     def __init__(self, report: Report) -> None:
         self.report = report
@@ -175,27 +189,26 @@ class _Reader:
             place: Path = ("model", "options", name)
             if name not in known:
                 self.report.unknown(place, f"unknown option {name!r}", name, known)
-                self.unread |= known.keys()  # it may have been any
                 continue
             try:
                 chosen[name] = known[name].text(value)
             except ValueError as error:
                 option = known[name]
                 hint = suggest(str(value), option.choices)
-                self.report.add(place, str(error), option.allowed, hint)
-                self.unread.add(name)
+                self.report.add(place, str(error), option.allowed, hint, of_name=True)
         return chosen
 
-    def laws(self, model: Model, table: FrictionTable, axis: object) -> tuple[Law, ...]:
-        """The laws in use; where one of them is not known, all that the model can have."""
-        names = self.laws_of_axis(model, axis) + self.law_of_table(model, table)
+    def laws(
+        self, model: Model, table: FrictionTable, axis: object
+    ) -> tuple[tuple[Law, ...], bool]:
+        """The laws in use, and whether all are known; where not, all that the model can have."""
+        written = axis if isinstance(axis, list) else []
+        names = [_known_law(model, name) for name in written] + self.law_of_table(model, table)
         chosen = [name for name in names if name is not None] or [model.laws[0]]
-        known = model.laws if None in names else dict.fromkeys(chosen)
-        return tuple(get_law(name) for name in known)
-
-    def laws_of_axis(self, model: Model, axis: object) -> list[str | None]:
-        places = enumerate(axis) if isinstance(axis, list) else ()
-        return [self.law(model, str(n), None, ("grid", "friction", i), n) for i, n in places]
+        known = None not in names
+        return tuple(
+            get_law(name) for name in dict.fromkeys(chosen if known else model.laws)
+        ), known
 
     def law_of_table(self, model: Model, table: FrictionTable) -> list[str | None]:
         if table.law is None and table.of is not None:
@@ -205,16 +218,13 @@ class _Reader:
         if table.of is not None and table.law in {*model.laws} - {"tanh"}:
             message = f"law {table.law!r} is not of another law"
             self.report.add(("friction", "of"), message)
-        key, written = ("of", table.of) if table.law == "tanh" and table.of else ("law", table.law)
-        return [self.law(model, table.law, table.of, ("friction", key), written)]
-
-    def law(self, model: Model, name: str, of: str | None, place: Path, written: str) -> str | None:
-        """The contract name of a law; None, and a note, where the model knows none of the kind."""
-        try:
-            return resolve_law(model, name, of)
-        except ValueError as error:
-            self.report.unknown(place, str(error), written, law_names(model))
-            return None
+        name = _known_law(model, table.law, table.of)
+        if name is None:
+            of = table.law == "tanh" and table.of
+            written, place = (of, "of") if of else (table.law, "law")
+            message = f"{written!r} is no friction law of {model.name}"
+            self.report.unknown(("friction", place), message, written, law_names(model))
+        return [name]
 
     def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:
         known = {p.name: p for p in model.parameters}
@@ -286,8 +296,7 @@ class _Reader:
     def parameter(
         self, parameter: Parameter, value: object, place: Path, found: dict[str, float]
     ) -> None:
-        try:
+        with self.report.noting(place, parameter.allowed):
             found[parameter.name] = parameter.read(value)
-        except ValueError as error:
-            self.report.add(place, str(error), parameter.allowed)
+        if parameter.name not in found:
             self.unread.add(parameter.name)

@@ -11,7 +11,7 @@ from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import CurveTable
-from fiv_cli.models.base import Forcing, Parameter
+from fiv_cli.models.base import Forcing, Parameter, leaders
 from fiv_cli.notation.names import listed
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
@@ -147,29 +147,24 @@ def _listed(
 
 
 def _value(parameter: Parameter, value: object, place: Path, report: Report) -> float | None:
-    try:
+    with report.noting(place, parameter.allowed):
         return parameter.read(value)
-    except ValueError as error:
-        report.add(place, str(error), parameter.allowed)
-        return None
+    return None
 
 
 def _time(value: object, place: Path, report: Report) -> float | None:
-    try:
+    with report.noting(place, "a time in s"):
         return convert(check_quantity(value), "s")
-    except ValueError as error:
-        report.add(place, str(error), "a time in s")
-        return None
+    return None
 
 
 def _following(
     curves: Mapping[str, Points], physics: Physics, axes: Sequence[Axis]
 ) -> dict[str, Points]:
     """Parameters whose value is that of one that varies, because nothing else gives them one."""
-    given = {key.split(".")[-1] for key in physics.fixed} | {axis.name for axis in axes}
-    free = [p for p in physics.table().values() if p.name not in given | curves.keys()]
-    leaders = {p.name: p.default_from for p in free if p.default_from is not None}
-    return {name: curves[leader] for name, leader in leaders.items() if leader in curves}
+    given = {*physics.given, *curves, *(axis.name for axis in axes)}
+    found = leaders(physics.table().values(), given)
+    return {name: curves[leader] for name, leader in found.items() if leader in curves}
 
 
 # --- phases ---------------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ DICT = "<dict>"
 """Stands for the file of a case that is no file but a dict."""
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+_SURROGATE = re.compile(r"[\ud800-\udfff]")  # half a character
 _TOKEN = re.compile(r"\"\"\"|'''|[\"'#\[\]{}.=,\n]")
 # What ends a text that begins with these quotes (a match follows the opening).
 _REST = {
@@ -104,6 +105,11 @@ def toml_text(document: Mapping[str, Any]) -> str:
     return "\n".join([*lines, ""])
 
 
+def plain(value: Any) -> Any:
+    """A number or an array of NumPy's as Python's own; anything else as it is."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
 def toml_value(value: Any, place: str) -> str:
     """A value as TOML; `place` says where it stands.
 
@@ -112,14 +118,15 @@ def toml_value(value: Any, place: str) -> str:
     CaseError
         it can stand in no case file.
     """
-    if hasattr(value, "tolist"):  # a number or an array of NumPy's
-        value = value.tolist()
+    value = plain(value)
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, str):
+    if isinstance(value, str) and not _SURROGATE.search(value):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, int | float):
-        return repr(value)
+    if isinstance(value, int):
+        return str(int(value))
+    if isinstance(value, float):
+        return repr(float(value))
     if isinstance(value, date | time):  # a datetime is a date
         return value.isoformat()
     if isinstance(value, list | tuple):

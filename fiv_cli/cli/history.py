@@ -61,7 +61,7 @@ def command(
       fiv history a.toml --at mu_k=0.3 -o motion.nc && fiv plot motion.nc
     """
     from fiv_cli import api
-    from fiv_cli.sweep.again import find_point, motion_settings, write_motion
+    from fiv_cli.sweep.motion import find_point, motion_settings, write_motion
 
     provide_cache()
     loaded = api.load(case, overrides)

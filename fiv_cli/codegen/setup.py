@@ -10,7 +10,7 @@ from functools import cached_property
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Model
+from fiv_cli.models.base import Model, followed
 from fiv_cli.schedule import STEADY, Schedule
 
 LEAST_ORDER = 14
@@ -106,5 +106,4 @@ def default_parameters(model: Model, law: Law, **changes: float) -> dict[str, fl
     """Every parameter of a model under a law, SI: as in `changes`, else at its default."""
     table = model.parameters_under(law.parameters)
     given = {p.name: p.default for p in table if p.default is not None} | changes
-    leaders = {p.name: p.default_from for p in table if p.default_from is not None}
-    return {name: given[leader] for name, leader in leaders.items() if leader in given} | given
+    return followed(table, given) | given

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.variables import Role, Variable, motions
 from fiv_cli.case.case import Axis
 from fiv_cli.data.block import Array, Block, dtype_of, fill_value, padded
-from fiv_cli.data.follow import follow_modes
 from fiv_cli.data.layout import Layout
+from fiv_cli.data.modes import follow_modes
 from fiv_cli.flags import REASONS, TABLES
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
@@ -283,12 +283,11 @@ def _parameter_attributes(parameter: Parameter) -> dict[str, Any]:
 
 
 def _parameter(name: str, model: str) -> Parameter:
-    """The parameter of the model or of one of its laws; the bare name after ``friction.``."""
+    """The parameter of the model or of one of its laws."""
     from fiv_cli.friction import get_law
 
-    bare = name.removeprefix("friction.")
     tables = [get_model(model).parameters, *(get_law(n).parameters for n in get_model(model).laws)]
-    return next(p for table in tables for p in table if p.name == bare)
+    return next(p for table in tables for p in table if p.name == name)
 
 
 def _start_attributes(axis: Axis, model: str) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Parameter, Requirement
+from fiv_cli.models.base import Parameter, Requirement, followed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -48,7 +48,8 @@ class Law:
     parameters : its parameter table
     force : ``(Slip, parameters) -> F_T`` in N, positive along v
     capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
-    states : internal states, name -> unit
+    states : internal states, name -> unit (no shipped law has any: see the test of one in
+        ``tests/test_law_with_states.py``)
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)
     average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
@@ -69,3 +70,9 @@ class Law:
     structural: tuple[str, ...] = ()
     average: Callable[[Slip, Mapping[str, Expr], Expr, bool], Expr] | None = None
     requirements: tuple[Requirement, ...] = ()
+
+    @property
+    def defaults(self) -> dict[str, float]:
+        """Parameter -> default of its own table; a model may have others."""
+        given = {p.name: p.default for p in self.parameters if p.default is not None}
+        return followed(self.parameters, given)

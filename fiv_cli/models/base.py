@@ -16,10 +16,11 @@ balance. Nothing here imports SymPy: a model does that inside ``equations``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from fiv_cli.errors import UsageError
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
@@ -229,6 +230,13 @@ class Contact:
     sliding_only: bool = False
     static_friction: bool = True
 
+    def __post_init__(self) -> None:
+        if self.normal_force is None and (self.gap is None or self.gap_coordinate is None):
+            raise UsageError(
+                "a rigid contact (normal_force = None) has no gap or no gap_coordinate\n"
+                "next: name the state that the closed gap determines"
+            )
+
 
 @dataclass(frozen=True)
 class Zone:
@@ -269,6 +277,11 @@ class Equations:
     zone: Zone | None = None
 
 
+def _regular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
+    """The equations of most models mean something under all parameters."""
+    return "", ""
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A mechanical model: what the user sees, and where its equations are.
@@ -293,6 +306,8 @@ class Model:
     equations : ``(Symbols, options) -> Equations``; imports SymPy
     vibration : coordinates that L_s counts (thesis 6.20, 6.42); none named: all
     requirements : what its parameters, and those of its laws, must be to one another
+    singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
+        its equations mean nothing there, and a message; ("", "") where they do
     """
 
     name: str
@@ -314,6 +329,7 @@ class Model:
     )
     vibration: tuple[str, ...] = ()
     requirements: tuple[Requirement, ...] = ()
+    singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""
@@ -341,6 +357,18 @@ class Model:
     def unexcited(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """The same parameters with every excitation switched off."""
         return {**parameters, **{forcing.amplitude: 0.0 for forcing in self.forcings}}
+
+
+def leaders(table: Iterable[Parameter], given: Container[str] = ()) -> dict[str, str]:
+    """Parameter -> the one whose value it takes, where it is not `given` one of its own."""
+    following = {p.name: p.default_from for p in table if p.default_from is not None}
+    return {name: leader for name, leader in following.items() if name not in given}
+
+
+def followed(table: Sequence[Parameter], given: Mapping[str, float]) -> dict[str, float]:
+    """The values that a table of parameters has, in its order: as given, or as their leaders'."""
+    sources = {p.name: p.name for p in table} | leaders(table, given)
+    return {name: given[source] for name, source in sources.items() if source in given}
 
 
 def _with_default(parameter: Parameter, default: float | str | None) -> Parameter:

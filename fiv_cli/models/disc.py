@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
     from fiv_cli.plate import AnnularPlate
 
+NODE = 1e-9  # a mode whose shape at r0 is below about this share of its mean has a node there
 THESIS_MODES = "0,0 0,1 0,2 0,3"
 
 _WRITTEN = re.compile(r"\s*\d+,\d+(\s+\d+,\d+)*\s*")
@@ -193,6 +194,15 @@ def _ratio(plate: AnnularPlate, r0: float, radius: float, circles: int, diameter
         return math.nan
     shape = mode(plate, circles, diameters).shape
     return float(shape(radius) / shape(r0))
+
+
+def singular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
+    """Modes that the slider at r0 does not move: their coordinates, in metres there, are none."""
+    area = math.pi * (known["b"] ** 2 - known["a"] ** 2)
+    least = NODE**2 / (known["rho"] * known["h"] * area)
+    nodes = [f"({k}, {n})" for k, n in modes(options) if not known[f"mobility_{k}_{n}"] > least]
+    said = f"mode {', '.join(nodes)} has a node at r0 = {known['r0']!r} m"
+    return ("node_at_r0", said) if nodes else ("", "")
 
 
 DERIVED = Derived(_names, _values, tuple(parameter.name for parameter in PLATE))

@@ -96,6 +96,11 @@ def surface(
     return disc.surface(parameters, options, radius, angle)
 
 
+def singular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
+    """A rigid disc has no modes."""
+    return ("", "") if options["geometry"] == "linear" else disc.singular(known, options)
+
+
 MODEL = Model(
     name="disc-nonlinear-contact",
     title="slider in nonlinear contact with a spinning elastic disc",
@@ -112,4 +117,5 @@ MODEL = Model(
     surface=surface,
     vibration=("phi", "u"),
     requirements=(disc.ON_THE_DISC,),
+    singular=singular,
 )

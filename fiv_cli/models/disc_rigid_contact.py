@@ -99,4 +99,5 @@ MODEL = Model(
     surface=disc.surface,
     vibration=("phi", "z"),
     requirements=(disc.ON_THE_DISC,),
+    singular=disc.singular,
 )

@@ -121,4 +121,5 @@ MODEL = Model(
     surface=disc.surface,
     vibration=("phi", "u"),
     requirements=(disc.ON_THE_DISC,),
+    singular=disc.singular,
 )

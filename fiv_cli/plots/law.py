@@ -64,13 +64,6 @@ def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np
     return np.broadcast_to(np.asarray(evaluate(velocity), dtype=float), velocity.shape)
 
 
-def defaults(law: Law) -> dict[str, float]:
-    """Parameter -> default of the law's own table."""
-    given = {p.name: p.default for p in law.parameters if p.default is not None}
-    follow = {p.name: given[p.default_from] for p in law.parameters if p.default_from}
-    return {**follow, **given}
-
-
 def _law(name: str) -> Law:
     laws = all_laws()
     if name not in laws:
@@ -84,14 +77,14 @@ def _scales_with_load(law: Law) -> bool:
 
     load = sympy.Symbol("N", positive=True)
     v = sympy.Symbol("v", positive=True)
-    expression = law.force(Slip(v, sympy.Integer(1), v, load), defaults(law))
+    expression = law.force(Slip(v, sympy.Integer(1), v, load), law.defaults)
     return bool(sympy.sympify(expression).has(load))
 
 
 def _curve(ax: Axes, law: Law, colour: str) -> None:
     """Both branches, and between them what the contact can hold in stick."""
     speed = np.linspace(FASTEST / SAMPLES, FASTEST, SAMPLES) - FASTEST / SAMPLES * (1 - 1e-9)
-    parameters = defaults(law)
+    parameters = law.defaults
     for velocity, label in ((-speed[::-1], f"{law.name} ({_values(law)})"), (speed, "")):
         ax.plot(velocity, force(law, velocity, parameters), color=colour, label=label or None)
     if law.capacity is not None:
@@ -100,7 +93,7 @@ def _curve(ax: Axes, law: Law, colour: str) -> None:
 
 
 def _values(law: Law) -> str:
-    given = defaults(law)
+    given = law.defaults
     return ", ".join(
         f"${p.symbol}$ = {given[p.name]:g} {labels.unit_text(p.unit)}".rstrip()
         for p in law.parameters

@@ -15,8 +15,7 @@ from matplotlib.lines import Line2D
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
-from fiv_cli.reading import take
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import ends_of, flag_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,9 +40,9 @@ def levels_of(array: xr.DataArray, settings: Mapping[str, Any]) -> list[float]:
     return found
 
 
-def ends_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
+def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
     """The variable, or the two ends of what it may be."""
-    low, high = take.ends_of(dataset, str(array.name))
+    low, high = ends_of(dataset, str(array.name))
     return [array] if low.equals(high) else [low, high]
 
 

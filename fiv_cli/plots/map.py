@@ -84,7 +84,7 @@ def _placed(
     """
     x, y = (points.positions(axis) for axis in plane_axes)
     known = _computed(dataset)
-    ends = (numbers(end).where(known) for end in levels.ends_of(dataset, array))
+    ends = (numbers(end).where(known) for end in levels.planes_of(dataset, array))
     return (x, y), [_plane(end, panel, plane_axes) for end in ends]
 
 

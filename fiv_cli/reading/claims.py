@@ -23,8 +23,14 @@ import xarray as xr
 from fiv_cli.case.case import ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, name_of_only, numbers, unknown_points
-from fiv_cli.reading.take import ends_of, taken
+from fiv_cli.reading.datasets import (
+    ends_of,
+    flag_names,
+    name_of_only,
+    numbers,
+    unknown_points,
+)
+from fiv_cli.reading.take import taken
 
 Analyses = Mapping[str, xr.Dataset]
 Stored = Callable[[str], Analyses | None]
@@ -148,7 +154,7 @@ def _asked(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, str]:
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
-    if list(analyses) == [""] and analysis == name_of_only(analyses[""]):
+    if analysis and list(analyses) == [""] and analysis == name_of_only(analyses[""]):
         analysis = ""  # a file of one analysis does not say its name
     if analysis and analysis not in analyses:
         raise select.SelectionError(f"{analysis}: no analysis of the dataset")
@@ -258,7 +264,7 @@ def _try_trend(expect: Trend, part: xr.Dataset, variable: str) -> _Trial:
     if axis.dims[0] not in part[variable].dims:
         raise select.SelectionError(f"{variable}: not one value per point along {axis.dims[0]}")
     known = ~unknown_points(part, variable, False)
-    ends = (numbers(end).where(known & np.isfinite(end)) for end in ends_of(part, variable))
+    ends = (end.where(known & np.isfinite(end)) for end in ends_of(part, variable))
     low, high = (end.transpose(..., axis.dims[0]).values for end in ends)
     least, greatest = low[..., 1:] - high[..., :-1], high[..., 1:] - low[..., :-1]
     if not expect.rises:
@@ -324,7 +330,7 @@ def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _
         return _ragged_values(part, variable, sizes)
     row = rows.copy(data=np.arange(rows.size).reshape(rows.shape))
     unknown = unknown_points(part, variable, allow_undecided)
-    arrays = xr.broadcast(*map(numbers, ends_of(part, variable)), unknown, row)
+    arrays = xr.broadcast(*ends_of(part, variable), unknown, row)
     low, high, is_open, place = (a.transpose(*rows.dims, ...).values.ravel() for a in arrays)
     padded = not set(part[variable].dims) <= set(rows.dims)
     kept = ~np.isnan(low) | is_open | (not padded)

@@ -117,6 +117,13 @@ def numbers(array: xr.DataArray) -> xr.DataArray:
     return array.astype(float).where(~array.isin(list(fill)))
 
 
+def ends_of(dataset: xr.Dataset, variable: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """The least and the greatest numbers that a variable may be; the same where it is known."""
+    ends = (f"{variable}_low", f"{variable}_high")
+    low, high = ends if all(end in dataset for end in ends) else (variable, variable)
+    return numbers(dataset[low]), numbers(dataset[high])
+
+
 def unknown_points(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr.DataArray:
     """Points whose `variable` the dataset cannot tell, over the grid (and starts).
 

@@ -75,13 +75,6 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     return _with_middle(found, what, named).assign_attrs(dataset.attrs)
 
 
-def ends_of(dataset: xr.Dataset, variable: str) -> tuple[xr.DataArray, xr.DataArray]:
-    """The least and the greatest that a variable may be: one array twice where it is known."""
-    if f"{variable}_low" in dataset and f"{variable}_high" in dataset:
-        return dataset[f"{variable}_low"], dataset[f"{variable}_high"]
-    return dataset[variable], dataset[variable]
-
-
 def _values(array: xr.DataArray, of: str) -> xr.DataArray:
     """The numbers; with `of` 1 where it holds, else 0, also where no value applies (NaN)."""
     if not of:
@@ -137,7 +130,7 @@ def _relative(found: xr.Dataset, reference: Mapping[str, Any]) -> xr.Dataset:
 
 def _with_middle(found: xr.Dataset, what: str, named: Mapping[str, str]) -> xr.Dataset:
     """The dataset with the middle of the interval, NaN of one without end, and all ends named."""
-    low, high = ends_of(found, what)
+    low, high = found[f"{what}_low"], found[f"{what}_high"]
     middle = 0.5 * (low.where(np.isfinite(low)) + high.where(np.isfinite(high)))
     found = found.assign({what: middle})
     for name, bound in ((what, ""), (f"{what}_low", ", at least"), (f"{what}_high", ", at most")):

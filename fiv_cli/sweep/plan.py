@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import product
+from itertools import product, repeat
 from math import prod
 from typing import Any
 
@@ -26,8 +26,9 @@ from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter, Requirement
-from fiv_cli.sweep.points import (
+from fiv_cli.models.base import Requirement, leaders
+from fiv_cli.sweep.refine import Maps, maps_of
+from fiv_cli.sweep.requests import (
     StartEntry,
     Template,
     Values,
@@ -40,7 +41,6 @@ from fiv_cli.sweep.points import (
     request_at,
     resolve_start,
 )
-from fiv_cli.sweep.refine import Maps, maps_of
 
 Positions = NDArray[np.int64]
 
@@ -80,14 +80,21 @@ class AnalysisPlan:
 
     def point(self, position: int) -> tuple[Values, int]:
         """Axis values and start index of the point at `position`."""
-        entry = 0
-        if self.layout.labels is not None:
-            position, entry = divmod(position, len(self.layout.labels))
-        picked: list[Values] = []
-        for dim in reversed(self.layout.dims):
-            position, index = divmod(position, dim.size)
-            picked.append(tuple(axis.values[index] for axis in dim.axes))
-        return tuple(value for values in reversed(picked) for value in values), entry
+        (point,) = self.points(np.array([position]))
+        return point
+
+    def points(self, positions: Positions) -> Iterator[tuple[Values, int]]:
+        """Axis values and start index of points."""
+        sizes = [dim.size for dim in self.layout.dims]
+        shape = (*sizes, len(self.template.entries))
+        *places, starts = (column.tolist() for column in np.unravel_index(positions, shape))
+        columns = [
+            [axis.values[place] for place in along]
+            for dim, along in zip(self.layout.dims, places, strict=True)
+            for axis in dim.axes
+        ]
+        values = zip(*columns, strict=True) if columns else repeat((), len(starts))
+        return zip(values, starts, strict=True)
 
     def entry(self, index: int) -> StartEntry | None:
         """The start with this index along ``initial``; None where there are no starts."""
@@ -254,6 +261,7 @@ def _template(
     laws = next((axis.values for axis in axes if axis.kind == "law"), (case.law,))
     model = get_model(case.model)
     own = {law: model.parameters_under(get_law(law).parameters) for law in laws}
+    every = [parameter for table in own.values() for parameter in table]
     fixed = {law: _unvaried(case, law) for law in laws}
     return Template(
         model=case.model,
@@ -261,7 +269,7 @@ def _template(
         options=case.options,
         parameters=fixed,
         names={law: tuple(p.name for p in table) for law, table in own.items()},
-        followers=_followers(case, [p for table in own.values() for p in table]),
+        followers=tuple(leaders(every, [axis.name for axis in axes]).items()),
         axes=tuple((axis.name, axis.kind) for axis in axes),
         entries=entries or (None,),
         analysis=spec.kind,
@@ -277,13 +285,6 @@ def _unvaried(case: Case, law: str) -> dict[str, float]:
     """The parameters under `law` that no axis decides, SI."""
     varied = {axis.name for axis in case.axes}
     return {n: v for n, v in case.parameters_at(law, {}).items() if n not in varied}
-
-
-def _followers(case: Case, table: list[Parameter]) -> tuple[tuple[str, str], ...]:
-    """Parameters that take another one's value, which an axis may vary."""
-    varied = {axis.name for axis in case.axes}
-    found = {p.name: p.default_from for p in table if p.default_from and p.name not in varied}
-    return tuple(found.items())
 
 
 def _dims(case: Case, uses_starts: bool) -> tuple[Dim, ...]:

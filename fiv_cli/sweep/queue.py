@@ -133,13 +133,13 @@ class Queue:
             self._singles.appendleft(np.delete(job.positions, row))
 
     def _single_job(self, positions: Positions, heartbeat: Path | None, alone: bool = False) -> Job:
-        points = (self._analysis.point(int(position)) for position in positions)
+        points = self._analysis.points(positions)
         segments = tuple(Segment((values,), entry) for values, entry in points)
         return Job(self._task(segments, heartbeat), positions, alone=alone)
 
     def _chain_job(self, cursor: Cursor, count: int, heartbeat: Path | None) -> Job:
         positions = cursor.positions[cursor.offset : cursor.stop(count)]
-        values = tuple(self._analysis.point(int(position))[0] for position in positions)
+        values = tuple(values for values, _ in self._analysis.points(positions))
         segment = Segment(values, cursor.entry, cursor.state, cursor.previous)
         alone = cursor.offset in cursor.alone
         return Job(self._task((segment,), heartbeat), positions, cursor, alone)

@@ -10,7 +10,7 @@ The first equilibrium is the one that the unloaded system moves to as its loads 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 
@@ -98,6 +98,11 @@ class Sliding:
         determined = self.statics.determined
         return [i for i, name in enumerate(self.system.coordinates) if name not in determined]
 
+    @cached_property
+    def free_rates(self) -> NDArray[np.intp]:
+        """Places of their accelerations among `rates`."""
+        return len(self.system.coordinates) + np.array(self.free, np.intp)
+
 
 @cache
 def statics_of(system: System) -> Statics:
@@ -158,7 +163,7 @@ def all_equilibria(state: Sliding) -> Equilibria:
     """Every sliding equilibrium, with what is known of those that are none."""
     if not state.moving:
         return Equilibria(reason="no_drive")
-    reduced = (_reduced(state, reduction) for reduction in state.statics.reductions)
+    reduced = (_reduced(state, polynomial) for polynomial in _polynomials(state.system))
     found = next((one for one in reduced if one is not None), None) or _search(state)
     held = [y for y in found.states if _is_held(state, y)]
     if not all(relative_residual(state, y) <= EXACT for y in held):
@@ -173,7 +178,7 @@ def relative_residual(state: Sliding, y: Vector) -> float:
 
     The forces of an equation: what each displacement contributes, and the loads.
     """
-    rows = len(state.system.coordinates) + np.array(state.free)
+    rows = state.free_rates
     left = np.abs(state.rates(y)[rows])
     forces = np.abs(state.slopes(y, state.free)[rows]) @ np.abs(y[state.free])
     forces += np.abs(state.rates(np.zeros(len(y)))[rows])
@@ -197,24 +202,58 @@ def _loaded(reduction: Reduction) -> Loaded:
     return load_reduction(reduction)
 
 
-def _reduced(state: Sliding, reduction: Reduction) -> Equilibria | None:
+@dataclass(frozen=True, eq=False)
+class _Polynomial:
+    """A reduction as a point needs it: code that is loaded, and places for names and slots.
+
+    Attributes
+    ----------
+    arguments : places of its parameters in the parameter vector
+    closure, denominator, numerators : places of the coefficients, from s^0 upwards
+    """
+
+    reduction: Reduction
+    loaded: Loaded
+    arguments: NDArray[np.intp]
+    closure: NDArray[np.intp]
+    denominator: NDArray[np.intp]
+    numerators: tuple[NDArray[np.intp], ...]
+
+
+@cache
+def _polynomials(system: System) -> tuple[_Polynomial, ...]:
+    """The reductions of a system, in the order in which they are tried."""
+    names = system.generated.parameter_names
+    return tuple(
+        _Polynomial(
+            reduction,
+            _loaded(reduction),
+            np.array([names.index(name) for name in reduction.parameters], np.intp),
+            np.array(reduction.closure, np.intp),
+            np.array(reduction.denominator, np.intp),
+            tuple(np.array(slots, np.intp) for slots in reduction.numerators),
+        )
+        for reduction in statics_of(system).reductions
+    )
+
+
+def _reduced(state: Sliding, polynomial: _Polynomial) -> Equilibria | None:
     """Every root of the closure that is a real solution of the full equations.
 
     None where the scalar does not determine the other unknowns at these parameters.
     """
-    values = np.zeros(reduction.n_slots)
-    known = dict(zip(state.system.generated.parameter_names, state.parameters, strict=True))
-    arguments = np.array([known[name] for name in reduction.parameters])
-    call_generated(_loaded(reduction).statics, values, 0.0, arguments, values)
-    if not np.any(values[list(reduction.denominator)]) or not np.all(np.isfinite(values)):
+    values = np.zeros(polynomial.reduction.n_slots)
+    arguments = state.parameters[polynomial.arguments]
+    call_generated(polynomial.loaded.statics, values, 0.0, arguments, values)
+    if not values[polynomial.denominator].any() or not np.isfinite(values).all():
         return None
-    roots = _roots(values[list(reduction.closure)])
+    roots = _roots(values[polynomial.closure])
     nearly = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
     found: list[Vector] = []
-    for scalar in np.sort(nearly):
-        _keep(found, _newton(state, _inserted(state, reduction, values, arguments, float(scalar))))
+    for scalar in np.sort(nearly).tolist():
+        _keep(found, _newton(state, _inserted(state, polynomial, values, arguments, scalar)))
     missing = len(roots) - len(found)
-    certified = missing % 2 == 0 and not _undetermined(reduction, values)
+    certified = missing % 2 == 0 and not _undetermined(polynomial, values)
     n_complex = missing if certified else None
     return Equilibria(found, 0, n_complex, certified, "" if found else _why_none(state))
 
@@ -222,45 +261,57 @@ def _reduced(state: Sliding, reduction: Reduction) -> Equilibria | None:
 def _why_none(state: Sliding) -> str:
     """A singular stiffness without load, or nothing known."""
     start = np.zeros(len(state.system.state_names))
-    stiffness = state.slopes(start, state.free)[
-        len(state.system.coordinates) + np.array(state.free)
-    ]
+    stiffness = state.slopes(start, state.free)[state.free_rates]
     singular = np.linalg.matrix_rank(stiffness) < len(state.free)
     return "singular_equilibrium" if singular else "no_equilibrium"
 
 
 def _roots(coefficients: Vector) -> NDArray[np.complex128]:
-    """Roots of a polynomial given from s^0 upwards."""
-    return np.roots(coefficients[::-1]).astype(complex)
+    """Roots of a polynomial given from s^0 upwards: those of `numpy.roots`, sooner."""
+    falling = coefficients[::-1]
+    if not (falling[0] and falling[-1]):  # it is of a lower degree, or has zero as a root
+        return np.roots(falling).astype(complex)
+    companion = np.eye(len(falling) - 1, k=-1)
+    companion[0] = -falling[1:] / falling[0]
+    return np.linalg.eigvals(companion).astype(complex)
+
+
+def _value(coefficients: Vector, at: float) -> float:
+    """A polynomial given from s^0 upwards, by Horner's rule."""
+    value = 0.0
+    for coefficient in reversed(coefficients.tolist()):
+        value = value * at + coefficient
+    return value
 
 
 def _inserted(
-    state: Sliding, reduction: Reduction, values: Vector, arguments: Vector, scalar: float
+    state: Sliding, polynomial: _Polynomial, values: Vector, arguments: Vector, scalar: float
 ) -> Vector:
     """State vector of the solution with this value of the scalar."""
-    denominator = np.polyval(values[list(reduction.denominator)][::-1], scalar)
+    reduction = polynomial.reduction
+    denominator = np.float64(_value(values[polynomial.denominator], scalar))
     known = {reduction.scalar: scalar}
-    for name, slots in zip(reduction.unknowns, reduction.numerators, strict=True):
-        known[name] = float(np.polyval(values[list(slots)][::-1], scalar) / denominator)
-    taken_out = np.zeros(len(reduction.eliminated))
-    if len(taken_out):
+    for name, slots in zip(reduction.unknowns, polynomial.numerators, strict=True):
+        known[name] = float(_value(values[slots], scalar) / denominator)
+    if reduction.eliminated:
+        taken_out = np.zeros(len(reduction.eliminated))
         solved = np.concatenate([arguments, list(known.values())])
-        call_generated(_loaded(reduction).eliminated, taken_out, 0.0, solved, taken_out)
-    known |= dict(zip(reduction.eliminated, map(float, taken_out), strict=True))
+        call_generated(polynomial.loaded.eliminated, taken_out, 0.0, solved, taken_out)
+        known |= dict(zip(reduction.eliminated, taken_out.tolist(), strict=True))
     return state.system.state_vector(known)
 
 
-def _undetermined(reduction: Reduction, values: Vector) -> bool:
+def _undetermined(polynomial: _Polynomial, values: Vector) -> bool:
     """Whether somewhere the scalar leaves the other unknowns free (a bifurcation off the family).
 
     There the denominator has a real root that is one of every numerator too.
     """
-    if len(reduction.denominator) == 1:
+    if len(polynomial.denominator) == 1:
         return False
-    roots = _roots(values[list(reduction.denominator)])
+    roots = _roots(values[polynomial.denominator])
     real = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
     return any(
-        all(_vanishes(values[list(slots)], float(root)) for slots in reduction.numerators)
+        all(_vanishes(values[slots], float(root)) for slots in polynomial.numerators)
         for root in real
     )
 
@@ -289,7 +340,7 @@ def _search(state: Sliding) -> Equilibria:
 def _newton(
     state: Sliding,
     start: Vector,
-    known: Iterable[Vector] = (),
+    known: Sequence[Vector] = (),
     kept: Vector | None = None,
 ) -> Vector | None:
     """Root of the accelerations at zero velocity; None when Newton does not converge.
@@ -300,23 +351,23 @@ def _newton(
     known : solutions to stay away from
     kept : accelerations that stand on the right side instead of zero, shape (n_states,)
     """
-    m, free = len(state.system.coordinates), state.free
-    rows = m + np.array(free)
+    free, rows = state.free, state.free_rates
     y = state.field(start).state.copy()
     last = np.inf
     for _ in range(NEWTON_STEPS):
         matrix = state.slopes(y, free)[rows]
         rest = state.rates(y) if kept is None else state.rates(y) - kept
         try:
-            step = np.linalg.solve(matrix, rest[rows])
+            step = np.linalg.solve(matrix, rest[rows]).astype(float, copy=False)
         except np.linalg.LinAlgError:
             return None
-        step *= _deflation(step, y[free], [solution[free] for solution in known])
+        if known:
+            step *= _deflation(step, y[free], [solution[free] for solution in known])
         y[free] -= step
-        if not np.all(np.abs(y) < BOUND):
+        if not (np.abs(y) < BOUND).all():
             return None
         y = state.field(y).state.copy()
-        size = np.max(np.abs(step)) / np.max(np.abs(y), initial=1e-300)
+        size = np.abs(step).max() / max(np.abs(y).max(), 1e-300)
         if size <= CONVERGED or (size <= STALLED and size > last / 2.0):
             return y
         last = size

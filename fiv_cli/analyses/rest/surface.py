@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from fiv_cli.dynamics.system import System, Vector
 
-NODE = 1e-9  # a mode whose shape at r0 is below about this share of its mean has a node there
-
 Place = tuple[float, float]  # (radius in m, angle in rad, fixed in space)
 
 
@@ -28,20 +26,6 @@ def weights(
         for name, weight in surface(parameters, system.setup.options, radius, angle).items():
             found[row, system.coordinates.index(name)] = weight
     return found
-
-
-def nodes_at_r0(system: System, parameters: Mapping[str, float]) -> list[str]:
-    """Modes ``(k, l)`` of an elastic disc that the slider at r0 does not move.
-
-    Their coordinates, displacements at r0, have no scale.
-    """
-    if system.setup.model.surface is None:
-        return []
-    known = system.known(parameters)
-    area = np.pi * (known["b"] ** 2 - known["a"] ** 2)
-    least = NODE**2 / (known["rho"] * known["h"] * area)
-    pairs = (name.split("_")[1:] for name in system.coordinates if name.startswith("C_"))
-    return [f"({k}, {n})" for k, n in pairs if not known[f"mobility_{k}_{n}"] > least]
 
 
 def at_the_contact(system: System, parameters: Mapping[str, float], state: Vector) -> float:

@@ -1,4 +1,4 @@
-"""One point of a sweep again, with its full motion: planned and run as a case of its own."""
+"""The whole motion of one point of a sweep: planned and run as a case of its own."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from fiv_cli.models import get_model
 from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
-from fiv_cli.sweep.points import Values, request_at
 from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.requests import Values, request_at
 from fiv_cli.sweep.worker import ChainState, Segment, Task, imported, run_task
 
 NEAR = 1e-9
@@ -110,7 +110,7 @@ def _seconds(name: str, value: float | str) -> float:
 def write_motion(
     point: Point, settings: Mapping[str, float], path: Path, announce: Callable[[str], None]
 ) -> Outcome:
-    """Run one point as `run_again`, and write its motion to `path`.
+    """Run one point as `run_motion`, and write its motion to `path`.
 
     Raises
     ------
@@ -120,14 +120,14 @@ def write_motion(
     check_output(path, "", fresh=True)
     if path.exists() and MARK not in (global_attributes(path) or {}):
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
-    dataset, outcome = run_again(point, settings, announce)
+    dataset, outcome = run_motion(point, settings, announce)
     attributes = provenance(point.case, fingerprint(point.case))
     attributes[MARK] = ", ".join(f"{name}={value}" for name, value in point.place.items())
     write_datasets(path, {"history": dataset}, attributes)
     return outcome
 
 
-def run_again(
+def run_motion(
     point: Point,
     settings: Mapping[str, float],
     announce: Callable[[str], None],
@@ -285,7 +285,7 @@ def _points_before(point: Point, start: int) -> Sequence[Values]:
         for chain in chains.positions if chains.entry == start else ():
             if point.position in chain:
                 before = chain[: int(np.flatnonzero(chain == point.position)[0])]
-                return [point.analysis.point(int(position))[0] for position in before]
+                return [values for values, _ in point.analysis.points(before)]
     return ()
 
 

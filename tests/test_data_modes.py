@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.rest.modes import matched
 from fiv_cli.api import analyse
-from fiv_cli.data.follow import coupling_points, follow_grid, follow_modes
+from fiv_cli.data.modes import coupling_points, follow_grid, follow_modes
 
 Complex = NDArray[np.complex128]
 FLUTTER = 5 / 2 + sqrt(3)
@@ -244,7 +244,7 @@ def test_a_failure_to_follow_keeps_the_eigenvalues(monkeypatch: pytest.MonkeyPat
     def fails(*arguments: object) -> None:
         raise np.linalg.LinAlgError("SVD did not converge")
 
-    monkeypatch.setattr("fiv_cli.data.follow.coupling_points", fails)
+    monkeypatch.setattr("fiv_cli.data.modes.coupling_points", fails)
     dataset = zipped([4.0, 4.4], [1.0, 2.0])
     found = follow_modes(dataset)
     xr.testing.assert_equal(found, dataset)

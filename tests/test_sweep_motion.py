@@ -1,4 +1,4 @@
-"""One point of a sweep again: which start it has, and what it is called."""
+"""The motion of one point of a sweep: which start it has, and what it is called."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import sweep_fakes
 
 from fiv_cli.analyses.execute import Request
 from fiv_cli.errors import UsageError
-from fiv_cli.sweep.again import find_point, run_again
+from fiv_cli.sweep.motion import find_point, run_motion
 from fiv_cli.sweep.policy import Policy
 
 
@@ -29,7 +29,7 @@ POLICY = Policy(executor="sweep_fakes:motion", preparer="sweep_fakes:prepare")
 def run(text: str, at: dict[str, str], **settings: float) -> Any:
     """Run a point again."""
     point = find_point(sweep_fakes.case(text), at)
-    return run_again(point, settings, lambda text: None, POLICY)
+    return run_motion(point, settings, lambda text: None, POLICY)
 
 
 def test_the_point_keeps_its_parameters_start_and_place(seen: list[Request]) -> None:
