@@ -90,6 +90,10 @@ class Report:
         """Note problems that know their place already."""
         self._values.extend(problems)
 
+    def understands(self, path: Path) -> bool:
+        """Whether all names in the table at `path` are known."""
+        return not any(problem.path.startswith(f"{dotted(path)}.") for problem in self._names)
+
     def raise_if_any(self) -> None:
         """CaseError with every problem, of names or values."""
         self._raise([*self._names, *self._values])

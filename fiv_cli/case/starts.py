@@ -148,5 +148,5 @@ def _check_continued(
     if not start.from_label:
         report.add((*place, "from"), "is missing", f"the label of a start: {listed(beginnings)}")
     elif start.from_label not in beginnings:
-        message = f"no start of kind equilibrium or state is labelled {start.from_label!r}"
+        message = f"there is no start {start.from_label!r} of kind equilibrium or state"
         report.unknown((*place, "from"), message, start.from_label, beginnings)

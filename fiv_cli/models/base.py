@@ -20,6 +20,7 @@ from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from fiv_cli.errors import UsageError
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
@@ -228,6 +229,13 @@ class Contact:
     closing_rate: Expr | None = None
     sliding_only: bool = False
     static_friction: bool = True
+
+    def __post_init__(self) -> None:
+        if self.normal_force is None and (self.gap is None or self.gap_coordinate is None):
+            raise UsageError(
+                "a rigid contact (normal_force = None) has no gap or no gap_coordinate\n"
+                "next: name the state that the closed gap determines"
+            )
 
 
 @dataclass(frozen=True)
