@@ -25,11 +25,7 @@ CLASS_SHIFT = 0.06
 # The pairs of classes that tell crossings apart, and how they are put into words. To a question
 # about a number motions of one class may give two answers; then these tell.
 CLASSES, ANSWERS = ("class_below", "class_above"), ("answer_below", "answer_above")
-SORTS = {
-    ("crossing_kind", "crossing_direction"): "{} {}",
-    CLASSES: "{} to {}",
-    ANSWERS: "{} to {}",
-}
+SORTS = {("crossing_kind", "crossing_direction"): "{} {}", CLASSES: "{} to {}", ANSWERS: "{} to {}"}
 
 
 def suits(dataset: xr.Dataset) -> bool:
