@@ -12,7 +12,7 @@ from motions import TIGHT, defaults, motion, system
 from small_models import TWO_MASSES
 
 from fiv_cli.analyses import all_analyses, execute, get_analysis
-from fiv_cli.analyses.base import Later, Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses.base import Later, Outcome, Request, Section, SolverSettings, Start
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
@@ -250,7 +250,8 @@ def test_a_sticking_contact_takes_on_the_new_drive_velocity() -> None:
     carried = {"attractor": "periodic", "state": [1.0, 1.0], "sticking": [1]}
     parameters = defaults("belt-1dof", "coulomb", v=1.3)
     start = Start("up", "continue", {}, carried)
-    begun = start_motion(system("belt-1dof"), parameters, start, TIGHT, None)
+    one = system("belt-1dof")
+    begun = start_motion(one, Request(one.setup, parameters, "response", {}, TIGHT, start), None)
     assert isinstance(begun, Motion)
     assert list(begun.y) == [1.0, 1.3]
     assert begun.kinds[0] == 1

@@ -11,10 +11,10 @@ import xarray as xr
 from motions import TIGHT, defaults
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request, SolverSettings, Start
+from fiv_cli.analyses.execute import answer
 from fiv_cli.cli.main import run
 from fiv_cli.codegen.setup import Setup
-from fiv_cli.dynamics.system import build_system
 from fiv_cli.errors import UsageError
 from fiv_cli.fourier import HANN_BANDWIDTH, short_time
 from fiv_cli.plots import drawing
@@ -60,10 +60,10 @@ def belt(
     """Spectrogram of a belt that always slips, with scheduled parameters."""
     parameters = defaults("belt-1dof", "coulomb", v=1e6, **changes)
     schedule = make_schedule(curves)
-    built = build_system(Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule))
-    analysis = get_analysis("spectrogram")
-    filled = analysis.default_settings | settings
-    return analysis.run(built, parameters, Start("a", "state", start), filled, solver)
+    setup = Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule)
+    filled = get_analysis("spectrogram").default_settings | settings
+    begin = Start("a", "state", start)
+    return answer(Request(setup, parameters, "spectrogram", filled, solver, begin))
 
 
 def test_a_constant_oscillation_has_its_amplitude_and_mean_all_the_time() -> None:

@@ -1,4 +1,4 @@
-"""What an analysis is: ``(system, parameters, start, settings, solver) -> Outcome``.
+"""What an analysis is: ``(system, request) -> Outcome``.
 
 To add an analysis:
 
@@ -37,6 +37,7 @@ __all__ = [
     "Outcome",
     "Points",
     "Question",
+    "Request",
     "Schedule",
     "Section",
     "Settings",
@@ -130,6 +131,28 @@ class Start:
         return replace(self, values={**self.values, **taken})
 
 
+@dataclass(frozen=True)
+class Request:
+    """One point of one analysis.
+
+    Attributes
+    ----------
+    setup : the model, the law, and how they are taken
+    parameters : every parameter of the model and of the law, SI
+    analysis : kind
+    settings : every setting of the analysis
+    solver : integrator settings
+    start : None where the analysis has no starts
+    """
+
+    setup: Setup
+    parameters: Mapping[str, float]
+    analysis: str
+    settings: Settings
+    solver: SolverSettings = field(default_factory=SolverSettings)
+    start: Start | None = None
+
+
 @dataclass
 class Outcome:
     """What came of one run: an answer, or why there is none.
@@ -190,8 +213,7 @@ class Analysis:
     title : one line
     settings : what a case may say of it
     variables : what its answers hold on a subject, without ``status`` and ``reason``
-    run : ``(system, parameters, start, settings, solver) -> Outcome``; `start` is None where
-        `uses_starts` is false; `settings` holds every setting, defaults filled in
+    run : ``(system, request) -> Outcome``
     uses_starts : whether the dim ``initial`` exists
     linear : no motion is followed: some requirements fall away, tangents are not carried
     varying : whether parameters may vary in time

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.analyses.rest.equilibria import Sliding, equilibria, sliding, why_none
 from fiv_cli.dynamics.motion import STOP_REASONS, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
@@ -24,47 +24,20 @@ __all__ = [
 ]
 
 
-def start_motion(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    solver: SolverSettings,
-    equilibrium: Vector | None,
-) -> Motion | Outcome:
-    """The motion that `start` describes, or the outcome that says why there is none."""
+def start_motion(system: System, request: Request, equilibrium: Vector | None) -> Motion | Outcome:
+    """The motion that the start describes, or the outcome that says why there is none."""
+    start = request.start
+    assert start is not None
+    begin = partial(Motion, system, request.parameters, request.solver)
     if start.kind == "continue" and start.carried is not None:
-        return _continued(system, parameters, start, solver, equilibrium)
-    if start.kind == "state":
-        return Motion(system, parameters, solver, start.values)
+        if start.carried["attractor"] != "equilibrium":
+            sticking = tuple(bool(s) for s in start.carried["sticking"])
+            return begin(np.array(start.carried["state"], dtype=float), sticking=sticking)
+    elif start.kind == "state":
+        return begin(start.values)
     if equilibrium is None:
-        return _without_equilibrium(system, parameters)
-    return Motion(system, parameters, solver, _offset(system, equilibrium, start.values))
-
-
-def _without_equilibrium(system: System, parameters: Mapping[str, float]) -> Outcome:
-    return Outcome(status="failed", reason=why_none(sliding(system, parameters)))
-
-
-def _continued(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    solver: SolverSettings,
-    equilibrium: Vector | None,
-) -> Motion | Outcome:
-    carried = start.carried
-    assert carried is not None
-    if carried["attractor"] == "equilibrium":
-        if equilibrium is None:
-            return _without_equilibrium(system, parameters)
-        return Motion(system, parameters, solver, _offset(system, equilibrium, start.values))
-    sticking = tuple(bool(s) for s in carried["sticking"])
-    state = np.array(carried["state"], dtype=float)
-    return Motion(system, parameters, solver, state, sticking=sticking)
-
-
-def _offset(system: System, equilibrium: Vector, values: Mapping[str, float]) -> Vector:
-    return equilibrium + system.state_vector(values)
+        return Outcome(status="failed", reason=why_none(sliding(system, request.parameters)))
+    return begin(equilibrium + system.state_vector(start.values))
 
 
 def stopped(stop: Stop) -> Outcome | None:

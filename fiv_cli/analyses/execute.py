@@ -3,39 +3,16 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from fiv_cli.analyses.base import Outcome, Setup, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.errors import StorageError
 from fiv_cli.plate import ModeNotFoundError
 
 if TYPE_CHECKING:
     from fiv_cli.dynamics.system import System
-
-
-@dataclass(frozen=True)
-class Request:
-    """One point of one analysis.
-
-    Attributes
-    ----------
-    setup : the model, the law, and how they are taken
-    parameters : every parameter of the model and of the law, SI
-    analysis : kind
-    settings : every setting of the analysis
-    solver : integrator settings
-    start : None where the analysis has no starts
-    """
-
-    setup: Setup
-    parameters: Mapping[str, float]
-    analysis: str
-    settings: Mapping[str, object]
-    solver: SolverSettings = field(default_factory=SolverSettings)
-    start: Start | None = None
 
 
 def execute(request: Request) -> Outcome:
@@ -57,16 +34,15 @@ def answer(request: Request) -> Outcome:
     from fiv_cli.analyses import get_analysis
     from fiv_cli.dynamics.system import build_system
 
-    analysis, parameters = get_analysis(request.analysis), request.parameters
-    what = parameters, request.start, request.settings, request.solver
+    analysis = get_analysis(request.analysis)
     if not analysis.generated:
-        return analysis.run(request.setup, *what)
+        return analysis.run(request.setup, request)
     system = build_system(request.setup)
     singular = request.setup.model.singular
-    reason, message = singular(system.known(parameters), system.setup.options)
+    reason, message = singular(system.known(request.parameters), system.setup.options)
     if reason:
         return Outcome(status="failed", reason=reason, message=message)
-    return analysis.run(system, *what)
+    return analysis.run(system, request)
 
 
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:

@@ -35,7 +35,14 @@ from fiv_cli.analyses.attractor.bisection import (
     scanned,
 )
 from fiv_cli.analyses.attractor.steady_state import steady_state
-from fiv_cli.analyses.base import Outcome, Question, Settings, SolverSettings, Start, broken
+from fiv_cli.analyses.base import (
+    Outcome,
+    Question,
+    Request,
+    Settings,
+    Start,
+    broken,
+)
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.dynamics.system import System
@@ -51,18 +58,20 @@ class _Runs:
     """Runs of `response` along a parameter, and what they cost together."""
 
     system: System
-    parameters: Mapping[str, float]
-    start: Start
-    settings: Settings
-    solver: SolverSettings
+    request: Request
     count: int = 0
     undecided: int = 0
     failed: list[Outcome] = field(default_factory=list)
     totals: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def settings(self) -> Settings:
+        """What is asked."""
+        return self.request.settings
+
     def look(self, value: float, origin: Look | None) -> Look:
         """The answer at `value` from the start, or going on from `origin`."""
-        parameters = self.settings["parameter"].at(self.parameters, value)
+        parameters = self.settings["parameter"].at(self.request.parameters, value)
         outcome = self._outcome(parameters, origin)
         label = str(outcome.values.get("attractor", NOTHING))
         answer = answered(self.settings["of"], outcome)
@@ -76,18 +85,19 @@ class _Runs:
         unmet = broken(setup.model, setup.law, parameters)
         if unmet is not None:
             return Outcome("not_computed", unmet.reason)
-        start = self.start.at(parameters)
+        assert self.request.start is not None
+        start = self.request.start.at(parameters)
         if origin is not None:
             start = going_on(start, origin.carry)
-        return steady_state(self.system, parameters, start, self.settings, self.solver)
+        return steady_state(self.system, replace(self.request, parameters=parameters, start=start))
 
     def closer(self) -> _Runs:
         """Runs that tell the class more closely, booked with these; a time asked for stays."""
         longer = 1.0 if self.settings["of"].counts else LONGER
         settings = {**self.settings, "t_max": longer * self.settings["t_max"]}
-        return replace(
-            self, settings=settings, solver=self.solver.with_error(CLOSER), count=0, undecided=0
-        )
+        solver = self.request.solver.with_error(CLOSER)
+        request = replace(self.request, settings=settings, solver=solver)
+        return replace(self, request=request, count=0, undecided=0)
 
     def _book(self, outcome: Outcome) -> None:
         if outcome.status != "ok":
@@ -136,15 +146,9 @@ def going_on(start: Start, carry: Mapping[str, object]) -> Start:
     return Start(start.label, "continue", {}, {**carry, "attractor": "followed"})
 
 
-def boundaries(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def boundaries(system: System, request: Request) -> Outcome:
     """Every change of the answer in the bracket, by rising value, and its two sides."""
-    runs = _Runs(system, parameters, start, settings, solver)
+    runs, settings = _Runs(system, request), request.settings
     passes = _passes(runs)
     listed = sorted(
         ((change, way) for way, found in passes.items() for change in found.changes),
@@ -201,7 +205,7 @@ def _error(bracket: tuple[float, float], closer: _Runs, change: Change, way: str
     if origin is not None and origin.carry is None:  # nothing to go on from
         return float("nan")
     away = confirmed_within(change, closer.look, origin, bracket)
-    return (1.0 + CLOSER) * away + closer.solver.rtol * float(np.max(np.abs(bracket)))
+    return (1.0 + CLOSER) * away + closer.request.solver.rtol * float(np.max(np.abs(bracket)))
 
 
 def _names(words: Iterable[str]) -> NDArray[np.str_]:

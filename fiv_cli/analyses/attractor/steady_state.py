@@ -13,7 +13,6 @@ the equilibrium that was reached or, of a motion that does not rest, the first o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -37,7 +36,7 @@ from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, s
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
-from fiv_cli.analyses.base import Outcome, Section, Settings, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request, Section
 from fiv_cli.analyses.common import (
     Sliding,
     balance,
@@ -48,14 +47,13 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.cycles.periodic import (
-    Problem,
     aim_phase,
     begin,
     extents,
     floquet,
     is_nontrivial,
+    problem_of,
     repeats,
-    tightened,
 )
 from fiv_cli.analyses.rest.linearisation import free_jacobian
 from fiv_cli.codegen.codes import SEPARATION, SLIP, STICK
@@ -71,21 +69,14 @@ SHOWN = 512  # section values stored of a motion that is not periodic
 SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
 
-def steady_state(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
-    """The steady state that `start` leads to."""
-    unexcited = sliding(system, parameters)
+def steady_state(system: System, request: Request) -> Outcome:
+    """The steady state that the start leads to."""
+    unexcited = sliding(system, request.parameters)
     solutions = equilibria(unexcited)
-    motion = start_motion(system, parameters, start, solver, next(iter(solutions), None))
+    motion = start_motion(system, request, next(iter(solutions), None))
     if isinstance(motion, Outcome):
         return motion
-    problem = Problem(system, parameters, tightened(solver), settings["section"])
-    return _Response(problem, settings, solver, Rests(unexcited, solutions), motion).outcome()
+    return _Response(system, request, Rests(unexcited, solutions), motion).outcome()
 
 
 def from_least(values: Vector) -> Vector:
@@ -145,22 +136,16 @@ class Rests:
 class _Response:
     """One run on its way to a steady state."""
 
-    def __init__(
-        self,
-        problem: Problem,
-        settings: Settings,
-        solver: SolverSettings,
-        rests: Rests,
-        motion: Motion,
-    ) -> None:
-        self.problem, self.system, self.solver = problem, problem.system, solver
-        self.settings, self.rests, self.motion = settings, rests, motion
-        self.excitation = problem.excitation
+    def __init__(self, system: System, request: Request, rests: Rests, motion: Motion) -> None:
+        self.system, self.settings, self.solver = system, request.settings, request.solver
+        self.problem = problem_of(system, request)
+        self.rests, self.motion = rests, motion
+        self.excitation = self.problem.excitation
         self.patience = self._patience()
         self.last_event = motion.time
-        self.section: Section = settings["section"]
+        self.section = self.problem.section
         names = self.system.state_names
-        self.observed = names.index(settings["observe"] or names[0])
+        self.observed = names.index(self.settings["observe"] or names[0])
         self.times = np.zeros(KEPT)
         self.points = np.zeros((KEPT, len(names)))
         self.count = 0

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.cycles.end_error import end_error
 from fiv_cli.analyses.cycles.first_guess import Guess, guesses, returns
-from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, floquet, tightened
+from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, floquet, problem_of
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System
 
@@ -23,22 +23,16 @@ STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
 BRIDGES = 5  # halvings of the way between neighbours
 
 
-def find_cycle(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
-    """The cycle near what `start` leads to, and its branch where a parameter is given."""
-    problem = Problem(system, parameters, tightened(solver), settings["section"])
-    if start.kind == "continue" and start.carried is not None:
+def find_cycle(system: System, request: Request) -> Outcome:
+    """The cycle near what the start leads to, and its branch where a parameter is given."""
+    problem, start, settings = problem_of(system, request), request.start, request.settings
+    if start is not None and start.kind == "continue" and start.carried is not None:
         neighbour = _carried_guess(start.carried)
         found: Cycle | Outcome | None = _bridged(
             problem, neighbour, start.carried["parameters"], BRIDGES
         )
     else:
-        found = _reached(problem, start, settings)
+        found = _reached(problem, request)
     if found is None:
         return Outcome(reason="no_cycle")
     if isinstance(found, Outcome):
@@ -51,13 +45,12 @@ def find_cycle(
 
 
 # --- the cycle -----------------------------------------------------------------------------------
-def _reached(problem: Problem, start: Start, settings: Settings) -> Cycle | Outcome | None:
-    """The cycle that the motion from `start` comes near; the outcome where it never returns."""
+def _reached(problem: Problem, request: Request) -> Cycle | Outcome | None:
+    """The cycle that the motion from the start comes near; the outcome where it never returns."""
     solutions = equilibria(sliding(problem.system, problem.parameters))
     equilibrium = solutions[0] if solutions else None
-    begin = partial(
-        start_motion, problem.system, problem.parameters, start, problem.solver, equilibrium
-    )
+    exact = replace(request, solver=problem.solver)
+    begin = partial(start_motion, problem.system, exact, equilibrium)
     first = begin()
     if isinstance(first, Outcome):
         return first
@@ -67,6 +60,7 @@ def _reached(problem: Problem, start: Start, settings: Settings) -> Cycle | Outc
         assert isinstance(motion, Motion)
         return motion
 
+    settings = request.settings
     found = returns(problem, begun, settings["transient"], settings["t_max"])
     if len(found.times) < 2:
         return stopped(found.stop) or Outcome(reason="no_return")

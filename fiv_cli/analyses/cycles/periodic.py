@@ -20,7 +20,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Section, SolverSettings, Varied
+from fiv_cli.analyses.base import Request, Section, SolverSettings, Varied
 from fiv_cli.analyses.rest.equilibria import statics_of
 from fiv_cli.codegen.codes import CODE_SEPARATION, SEPARATION, STICK
 from fiv_cli.codegen.memory import call_generated
@@ -51,7 +51,7 @@ class Problem:
     ----------
     system : the compiled system
     parameters : every parameter, SI
-    solver : integrator settings, tight enough for Newton's method (see `tightened`)
+    solver : integrator settings, tight enough for Newton's method (see `problem_of`)
     section : section of the report
     """
 
@@ -73,9 +73,10 @@ class Problem:
         return replace(self, parameters=varied.at(self.parameters, value))
 
 
-def tightened(solver: SolverSettings) -> SolverSettings:
-    """`solver` with steps so accurate that differences of motions are smooth."""
-    return replace(solver, rtol=min(solver.rtol, TIGHT))
+def problem_of(system: System, request: Request) -> Problem:
+    """What is asked, with steps so accurate that differences of motions are smooth."""
+    solver = replace(request.solver, rtol=min(request.solver.rtol, TIGHT))
+    return Problem(system, request.parameters, solver, request.settings["section"])
 
 
 @dataclass(frozen=True)

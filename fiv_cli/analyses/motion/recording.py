@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
     Balance,
     balance,
@@ -27,18 +27,12 @@ DEFAULT_SAMPLES = 2000
 LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
 
 
-def record(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def record(system: System, request: Request) -> Outcome:
     """States, contact forces and energies at the sample times, and every event.
 
     On discs also the displacement w at the points asked for.
     """
-    motion = begun(system, parameters, start, solver)
+    motion, settings = begun(system, request), request.settings
     if isinstance(motion, Outcome):
         return motion
     times = sample_times(settings)
@@ -49,7 +43,7 @@ def record(
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
-        outcome.values |= _surface(system, parameters, outcome.values, settings["points"])
+        outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
     outcome.values |= trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger.times,
@@ -73,12 +67,12 @@ def sample_times(settings: Settings) -> Vector:
     return times if reached else np.append(times, t_end)
 
 
-def begun(
-    system: System, parameters: Mapping[str, float], start: Start, solver: SolverSettings
-) -> Motion | Outcome:
-    """The motion that `start` describes; an equilibrium is looked for only where it needs one."""
-    solutions = [] if start.kind == "state" else equilibria(sliding(system, parameters))
-    return start_motion(system, parameters, start, solver, solutions[0] if solutions else None)
+def begun(system: System, request: Request) -> Motion | Outcome:
+    """The motion from the start; an equilibrium is looked for only where it needs one."""
+    assert request.start is not None
+    given = request.start.kind == "state"
+    solutions = [] if given else equilibria(sliding(system, request.parameters))
+    return start_motion(system, request, solutions[0] if solutions else None)
 
 
 def _run_with_ledger(

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, Settings, SolverSettings
+from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, frequency_ratio
 from fiv_cli.analyses.rest.equilibria import equilibria, why_none
 from fiv_cli.analyses.rest.linearisation import NEUTRAL, free_jacobian, modes_at, sliding_system
@@ -124,14 +124,9 @@ class _Hole(Exception):
         self.sample = sample
 
 
-def critical_values(
-    system: System,
-    parameters: Mapping[str, float],
-    start: None,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def critical_values(system: System, request: Request) -> Outcome:
     """Every crossing inside the bracket by rising value, with its kind, direction and mode."""
+    parameters, settings = request.parameters, request.settings
     varied, bracket, which = settings["parameter"], settings["bracket"], settings["system"]
 
     def probe(at: float) -> Sample:

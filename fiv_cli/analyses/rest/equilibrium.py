@@ -5,13 +5,12 @@ How they are found, and when the set is certified to be complete, is told in ``e
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Analysis, Outcome, Settings, SolverSettings
+from fiv_cli.analyses.base import Analysis, Outcome, Request
 from fiv_cli.analyses.rest.system_choice import SYSTEM
 from fiv_cli.analyses.variables import Subject, Variable, classes, count, trust
 
@@ -19,19 +18,13 @@ if TYPE_CHECKING:
     from fiv_cli.dynamics.system import System
 
 
-def run(
-    system: System,
-    parameters: Mapping[str, float],
-    start: None,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def run(system: System, request: Request) -> Outcome:
     """Equilibria, contact forces there and what is left of the equations (residual)."""
     from fiv_cli.analyses.rest.equilibria import all_equilibria
     from fiv_cli.analyses.rest.linearisation import sliding_system
     from fiv_cli.analyses.rest.surface import at_the_contact
 
-    state = sliding_system(system, parameters, settings["system"])
+    state = sliding_system(system, request.parameters, request.settings["system"])
     found = all_equilibria(state)
     solutions = found.states
     counts: dict[str, object] = {
@@ -45,7 +38,7 @@ def run(
     forces = np.array([state.contact_forces(y) for y in solutions])
     m = len(system.coordinates)
     if system.setup.model.surface is not None:
-        counts["w"] = np.array([at_the_contact(system, parameters, y) for y in solutions])
+        counts["w"] = np.array([at_the_contact(system, request.parameters, y) for y in solutions])
     return Outcome(
         values=counts
         | {

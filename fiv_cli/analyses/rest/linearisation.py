@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, Settings, SolverSettings
+from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
 from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, sliding
 from fiv_cli.dynamics.system import System, Vector
@@ -27,16 +27,10 @@ def sliding_system(system: System, parameters: Mapping[str, float], which: str) 
     return sliding(system, parameters)
 
 
-def eigenvalues_at(
-    system: System,
-    parameters: Mapping[str, float],
-    start: None,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def eigenvalues_at(system: System, request: Request) -> Outcome:
     """Eigenvalues (rad/s) and vectors at the equilibrium asked for, by rising frequency."""
-    which, number = settings["system"], settings["at_equilibrium"]
-    state = sliding_system(system, parameters, which)
+    which, number = request.settings["system"], request.settings["at_equilibrium"]
+    state = sliding_system(system, request.parameters, which)
     found = all_equilibria(state)
     if len(found.states) < number:
         return Outcome(status="failed", reason=found.reason or "no_equilibrium")
@@ -44,7 +38,7 @@ def eigenvalues_at(
     values = _described(*modes_at(state, at))
     if which == "original":
         return Outcome(values=values)
-    ratio = frequency_ratio(system, parameters, free_jacobian(state, at))
+    ratio = frequency_ratio(system, request.parameters, free_jacobian(state, at))
     reason = "" if ratio >= LEAST_RATIO else "averaging_invalid"
     return Outcome(reason=reason, values={**values, "averaging_ratio": ratio})
 

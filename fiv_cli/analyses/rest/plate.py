@@ -6,12 +6,11 @@ diameters l and radius r; how they are computed is told in ``fiv_cli/plate.py``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fiv_cli.analyses.base import Analysis, Outcome, Settings, Setup, SolverSettings
+from fiv_cli.analyses.base import Analysis, Outcome, Request, Setup
 from fiv_cli.analyses.settings import Integer
 from fiv_cli.models import disc
 from fiv_cli.plate import mode
@@ -23,24 +22,18 @@ from fiv_cli.analyses.variables import Subject, Variable, axis
 NODE = 1e-9  # a mode whose shape at r0 is below this share of its largest has a node there
 
 
-def plate_modes(
-    setup: Setup,
-    parameters: Mapping[str, float],
-    start: None,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def plate_modes(setup: Setup, request: Request) -> Outcome:
     """Frequencies (rad/s), R(r0)^2/M (1/kg) and R(r)/R(r0) at radii from a to b.
 
     NaN stands for modes that are not asked for, and for shapes of modes with a node at r0: nothing
     that acts there moves them.
     """
-    plate, r0 = disc.plate_of(parameters), parameters["r0"]
+    plate, r0 = disc.plate_of(request.parameters), request.parameters["r0"]
     pairs = disc.modes(setup.options)
     circles, diameters = (max(numbers) + 1 for numbers in zip(*pairs, strict=True))
     frequency = np.full((circles, diameters), np.nan)
     inverse_mass = frequency.copy()
-    radius = np.linspace(plate.a, plate.b, settings["n_r"])
+    radius = np.linspace(plate.a, plate.b, request.settings["n_r"])
     shape = np.full((circles, diameters, len(radius)), np.nan)
     outcome = Outcome()
     for k, n in pairs:

@@ -18,13 +18,13 @@ Samples are taken between events on the series of the integrator, so no event is
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.steady_state import steady_state
-from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request, Settings, Start
 from fiv_cli.analyses.common import start_motion, stopped
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import spectrum
@@ -57,16 +57,10 @@ class Lines:
     peak: float
 
 
-def steady_spectrum(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def steady_spectrum(system: System, request: Request) -> Outcome:
     """The steady state, its spectrum, and the eigenfrequencies of the sliding equilibrium."""
-    found = steady_state(system, parameters, start, settings, solver)
-    modes = {"frequency": frequencies(settings)} | growing_modes(system, parameters)
+    found, settings = steady_state(system, request), request.settings
+    modes = {"frequency": frequencies(settings)} | growing_modes(system, request.parameters)
     names = [variable.name for variable in KEPT_OF_STEADY_STATE]
     kept = {name: found.values[name] for name in names if name in found.values}
     outcome = Outcome(found.status, found.reason, kept | modes, {}, found.message, found.carry)
@@ -75,7 +69,7 @@ def steady_spectrum(
     if kept["attractor"] == "equilibrium":
         outcome.values |= _at_rest(found.values[f"{_observed(system, settings)}_min"], settings)
         return outcome
-    return _with_lines(outcome, system, parameters, settings, solver)
+    return _with_lines(outcome, system, request)
 
 
 def _observed(system: System, settings: Settings) -> str:
@@ -87,16 +81,10 @@ def _at_rest(mean: float, settings: Settings) -> dict[str, object]:
     return {"amplitude": np.zeros(len(frequencies(settings))), "mean": mean, "variance_shown": 1.0}
 
 
-def _with_lines(
-    outcome: Outcome,
-    system: System,
-    parameters: Mapping[str, float],
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def _with_lines(outcome: Outcome, system: System, request: Request) -> Outcome:
     """Go on from where the steady state was accepted, and transform."""
-    follow = Start("", "continue", {}, outcome.carry)
-    motion = start_motion(system, parameters, follow, solver, None)
+    follow, settings = Start("", "continue", {}, outcome.carry), request.settings
+    motion = start_motion(system, replace(request, start=follow), None)
     assert isinstance(motion, Motion)
     place = system.state_names.index(_observed(system, settings))
     period = outcome.values.get("period")

@@ -7,12 +7,10 @@ those of a spectrum: a bin shows the root of the sum of the squares of what fall
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import balance, stopped, trust
 from fiv_cli.analyses.motion.recording import begun, varying_at
 from fiv_cli.analyses.spectra.resolution import bin_width, frequencies, hop, slice_length
@@ -24,18 +22,13 @@ OVERSAMPLED = 8  # samples per period of the highest frequency
 PAGE = 2**14  # samples taken at a time: every state of each is held
 
 
-def spectrogram(
-    system: System,
-    parameters: Mapping[str, float],
-    start: Start,
-    settings: Settings,
-    solver: SolverSettings,
-) -> Outcome:
+def spectrogram(system: System, request: Request) -> Outcome:
     """The observed state over time and frequency, from the start to the end of the run."""
+    settings = request.settings
     t_end = end_of(system, settings)
     if not slice_length(settings) < t_end:
         return Outcome(status="failed", reason="window_too_long")
-    motion = begun(system, parameters, start, solver)
+    motion = begun(system, request)
     if isinstance(motion, Outcome):
         return motion
     energy_before = motion.energy()
