@@ -483,7 +483,7 @@ def test_what_computes_an_analysis_takes_what_every_analysis_is_given(kind: str)
     analysis = get_analysis(kind)
     run = analysis.run.function if isinstance(analysis.run, Later) else analysis.run
     of = "system" if analysis.generated else "setup"
-    assert list(signature(run).parameters) == [of, "parameters", "start", "settings", "solver"]
+    assert list(signature(run).parameters) == [of, "request"]
 
 
 @pytest.mark.parametrize(

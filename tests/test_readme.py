@@ -118,9 +118,8 @@ def test_the_analysis_of_the_reader_works() -> None:
     setup = Setup.of("belt-1dof")
     parameters = default_parameters(setup.model, setup.law, v=100.0)
     start = Start("rest", "state")
-    outcome = spoken["reach"](
-        build_system(setup), parameters, start, {"t_end": 10.0}, SolverSettings()
-    )
+    request = Request(setup, parameters, "reach", {"t_end": 10.0}, SolverSettings(), start)
+    outcome = spoken["reach"](build_system(setup), request)
     subject = Subject(setup.model.states({}), "", False, {"t_end": 10.0})
     assert set(outcome.values) == {v.name for v in spoken["ANALYSIS"].variables(subject)}
     assert outcome.values["reach"] == pytest.approx([2.0 * parameters["mu_k"] * parameters["N"]])
