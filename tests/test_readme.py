@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 import pytest
 
-from fiv_cli.analyses.base import Start
+from fiv_cli.analyses.base import Request, Start
 from fiv_cli.analyses.variables import Subject
 from fiv_cli.case.grammar import parse_expect
 from fiv_cli.case.load import parse_case
