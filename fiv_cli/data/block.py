@@ -245,21 +245,21 @@ def _check_rows(rows: Mapping[str, Any], columns: _Columns) -> None:
 
 def _pack_value(block: Block, outcomes: Sequence[Outcome], variable: Variable) -> None:
     """Stack one variable over the points; nothing where no point has it."""
-    found = [outcome.values.get(variable.name) for outcome in outcomes]
-    if all(value is None for value in found):
+    values = [outcome.values.get(variable.name) for outcome in outcomes]
+    if all(value is None for value in values):
         return
     fill = fill_value(variable)
     if not variable.dims:
-        plain = [fill if value is None else value for value in found]
+        plain = [fill if value is None else value for value in values]
         block.values[variable.name] = np.array(plain, dtype_of(variable))
         return
-    shapes = {None if array is None else array.shape for array in found}
+    shapes = {None if array is None else array.shape for array in values}
     if len(shapes) == 1:
-        block.values[variable.name] = np.array(found)
+        block.values[variable.name] = np.array(values)
         return
     largest = tuple(max(sizes) for sizes in zip(*(shapes - {None}), strict=True))
-    stack = np.full((len(found), *largest), fill, dtype_of(variable))
-    for row, array in enumerate(found):
+    stack = np.full((len(values), *largest), fill, dtype_of(variable))
+    for row, array in enumerate(values):
         if array is not None:
             place: tuple[Any, ...] = (row, *(slice(size) for size in array.shape))
             stack[place] = array

@@ -237,13 +237,13 @@ def coupling_points(axis: NDArray[np.float64], values: Complex) -> NDArray[np.fl
     -------
     (points, modes): the value between a point and the next at which the mode does so, else NaN
     """
-    found = np.full(values.shape, np.nan)
+    places = np.full(values.shape, np.nan)
     modes = range(values.shape[1])
     for first, second in product(modes, modes):
         if first < second:
             for point, place in _merging(axis, values[:, first], values[:, second]):
-                found[point, [first, second]] = place
-    return found
+                places[point, [first, second]] = place
+    return places
 
 
 def _merging(

@@ -32,17 +32,17 @@ def fill_in(
     origins : (size,) codes of `flags.COMPUTED`
     """
     filled = (origins == COMPUTED.codes["filled_in"]).reshape(dataset["status"].shape)
-    found = dataset.copy()
+    filled_in = dataset.copy()
     for name, value in (
         (of, classes.reshape(filled.shape)),
         ("status", STATUS.codes[NOT_COMPUTED]),
         ("reason", reason_code("filled_in")),
     ):
         known = dataset[name]
-        found[name] = known.copy(data=np.where(filled, value, known.values).astype(known.dtype))
+        filled_in[name] = known.copy(data=np.where(filled, value, known.values).astype(known.dtype))
     which = origins.reshape(filled.shape)
-    found[RUN.name] = xr.Variable(dataset["status"].dims, which, attributes_of(RUN))
-    return found
+    filled_in[RUN.name] = xr.Variable(dataset["status"].dims, which, attributes_of(RUN))
+    return filled_in
 
 
 def refinement_attributes(

@@ -175,13 +175,13 @@ def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
         return {}
     first, second = (dataset[name] for name in pair)
     tables = [flag_names(first.attrs), flag_names(second.attrs)]
-    found = {}
+    sorts = {}
     for kind, direction in product(*tables):
         mask = (first == kind) & (second == direction)
         if bool(mask.any()) and NOT_COMPUTED not in (tables[0][kind], tables[1][direction]):
             words = SORTS[pair].format(tables[0][kind], tables[1][direction])
-            found[words.replace("_", " ")] = mask
-    return found
+            sorts[words.replace("_", " ")] = mask
+    return sorts
 
 
 def _name_values(ax: Axes, variables: Sequence[xr.DataArray]) -> None:

@@ -86,13 +86,13 @@ def default_figures(source: Source) -> list[FigureSpec]:
 
     Names are unique: a second ``map`` is ``map-2``.
     """
-    found: list[FigureSpec] = []
+    figures: list[FigureSpec] = []
     for name, dataset in _analyses(source).items():
         for kind in _default_kinds(dataset):
-            count = 1 + sum(figure.kind == kind for figure in found)
+            count = 1 + sum(figure.kind == kind for figure in figures)
             unique = kind if count == 1 else f"{kind}-{count}"
-            found.append(FigureSpec(unique, kind, {"analysis": name} if name else {}))
-    return found
+            figures.append(FigureSpec(unique, kind, {"analysis": name} if name else {}))
+    return figures
 
 
 def _default_kinds(dataset: xr.Dataset) -> list[str]:

@@ -32,12 +32,12 @@ def levels_of(array: xr.DataArray, settings: points.Settings) -> list[float]:
     UsageError : levels of a class, or more than can be told apart
     """
     named = settings.get("level", [])
-    found = sorted(float(level) for level in (named if isinstance(named, list) else [named]))
-    if found and flag_names(array.attrs):
+    levels = sorted(float(level) for level in (named if isinstance(named, list) else [named]))
+    if levels and flag_names(array.attrs):
         raise UsageError(f"{array.name}: classes have no level\ndraw the level of a number")
-    if len(found) > len(STYLES):
-        raise UsageError(f"{len(found)} levels in one figure are too many\nask for {len(STYLES)}")
-    return found
+    if len(levels) > len(STYLES):
+        raise UsageError(f"{len(levels)} levels in one figure are too many\nask for {len(STYLES)}")
+    return levels
 
 
 def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:

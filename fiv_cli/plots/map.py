@@ -118,12 +118,12 @@ def _overlaid(planes: _Planes, lines: Sequence[float], settings: points.Settings
 
 def _how_run(dataset: xr.Dataset) -> str:
     """How many of the points of a refined map were run, and how far to trust the others."""
-    found = dataset.attrs
-    if "refined_of" not in found:
+    facts = dataset.attrs
+    if "refined_of" not in facts:
         return ""
-    total = found["points_run"] + found["points_filled_in"]
-    share = f"{found['points_run'] / total:.1%} of {total} points run"
-    tested, wrong = found["sample_size"], found["sample_mislabelled"]
+    total = facts["points_run"] + facts["points_filled_in"]
+    share = f"{facts['points_run'] / total:.1%} of {total} points run"
+    tested, wrong = facts["sample_size"], facts["sample_mislabelled"]
     return f"{share}, {wrong} of {tested} sampled mislabelled" if tested else share
 
 

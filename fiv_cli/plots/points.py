@@ -240,17 +240,17 @@ def _once(label: str, before: Sequence[str]) -> str | None:
 def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """Kind of gap -> the points that have it: failed, not reached, ... and undecided."""
     status = dataset["status"]
-    found = {
+    kinds = {
         name.replace("_", " "): status == code
         for code, name in flag_names(status.attrs).items()
         if name != "ok"
     }
     if "computed" in dataset:  # what is filled in has an answer, the only one that was asked for
-        found["not computed"] &= ~is_class(dataset["computed"], ("filled_in",))
+        kinds["not computed"] &= ~is_class(dataset["computed"], ("filled_in",))
     if "attractor" in dataset:
         undecided = is_class(dataset["attractor"], ("undecided",))
-        found["undecided"] = undecided & is_class(status, ("ok", "budget"))
-    return {name: mask for name, mask in found.items() if bool(mask.any())}
+        kinds["undecided"] = undecided & is_class(status, ("ok", "budget"))
+    return {name: mask for name, mask in kinds.items() if bool(mask.any())}
 
 
 def dress(ax: Axes, layers: Sequence[Layer], settings: Settings) -> None:

@@ -79,12 +79,12 @@ def _stored(dataset: xr.Dataset) -> tuple[list[Panel], str]:
     """The spectrograms of a dataset."""
     array = numbers(dataset[VARIABLE])
     spread = ["time", "frequency"]
-    found = points.lines(dataset, spread, [str(dim) for dim in array.dims])
-    map_.refuse_many(found, array, spread)
+    lines = points.lines(dataset, spread, [str(dim) for dim in array.dims])
+    map_.refuse_many(lines, array, spread)
     time, frequency = dataset["time"].values, dataset["frequency"].values
     panels = [
         Panel(line.label, time, frequency, array.isel(line.index).transpose(*spread).values)
-        for line in found
+        for line in lines
     ]
     return panels, labels.axis_label(dataset[VARIABLE])
 
@@ -126,11 +126,11 @@ def _transformed(
     if "resolution" in settings:
         window = LINES / points.in_si(settings["resolution"])
     try:
-        found = short_time(values, length / (time.size - 1), window, window / HOPS)
+        windows = short_time(values, length / (time.size - 1), window, window / HOPS)
     except ValueError as error:
         raise UsageError(
             f"{name}: {error}\nrun the history with a smaller `sample`, or give the figure another "
             "`resolution` (Hz)"
         ) from error
     words = points.joined(one.label, label)
-    return Panel(words, time[0] + found.time, found.frequency, found.amplitude)
+    return Panel(words, time[0] + windows.time, windows.frequency, windows.amplitude)

@@ -202,33 +202,33 @@ def _where_missed(trial: _Trial) -> str:
 
 def _try_class(expect: OfClass, part: xr.Dataset, variable: str) -> _Trial:
     """A class name, or ``not CLASS``."""
-    found = _values(part, variable, allow_undecided=expect.name == "undecided")
+    values = _values(part, variable, allow_undecided=expect.name == "undecided")
     classes = flag_names(part[variable].attrs)
     if expect.name not in classes.values():
         allowed = ", ".join(classes.values()) or "none: it is no flag"
         raise select.SelectionError(f"{expect.name}: no class of {variable} ({allowed})")
     codes = [code for code, name in classes.items() if name == expect.name]
-    hit = np.isin(found.low, codes) != expect.negated
-    counts = Counter(found.low[~found.open].tolist())
+    hit = np.isin(values.low, codes) != expect.negated
+    counts = Counter(values.low[~values.open].tolist())
     named = [f"{classes.get(code, code)} {count}" for code, count in counts.most_common()]
-    return found.trial(hit, False, "found " + ", ".join(named) if named else "")
+    return values.trial(hit, False, "found " + ", ".join(named) if named else "")
 
 
 def _try_bounds(
     expect: Bounds, part: xr.Dataset, variable: str, at: Mapping[str, Any], other: Stored
 ) -> _Trial:
     """Each value lies between numbers, or what another case holds at the same point."""
-    found = _values(part, variable)
-    least, greatest = (_bound(end, at, found, other) for end in (expect.least, expect.greatest))
+    values = _values(part, variable)
+    least, greatest = (_bound(end, at, values, other) for end in (expect.least, expect.greatest))
     of_others = [bound for bound in (least, greatest) if bound.ndim]
     if expect.strict:
         least, greatest = _beside(least, math.inf), _beside(greatest, -math.inf)
-    hit = (found.low >= least) & (found.high <= greatest)
-    may_be = (found.low <= greatest) & (found.high >= least)
+    hit = (values.low >= least) & (values.high <= greatest)
+    may_be = (values.low <= greatest) & (values.high >= least)
     unsure = np.isnan(least) | np.isnan(greatest) | (may_be & ~hit)
     against = [f"against {_span(bound, bound)}" for bound in of_others]
-    words = [_range(found, part[variable]), *against]
-    return found.trial(hit, unsure, ", ".join(words))
+    words = [_range(values, part[variable]), *against]
+    return values.trial(hit, unsure, ", ".join(words))
 
 
 def _beside(bound: np.ndarray, side: float) -> np.ndarray:
@@ -236,7 +236,7 @@ def _beside(bound: np.ndarray, side: float) -> np.ndarray:
     return np.where(np.isfinite(bound), np.nextafter(bound, side), bound)
 
 
-def _bound(bound: Bound, at: Mapping[str, Any], found: _Values, other: Stored) -> np.ndarray:
+def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, other: Stored) -> np.ndarray:
     """A number, or the value of ``CASE:variable`` at the point of each value found, else NaN."""
     if not isinstance(bound, str):
         return np.array(bound)
@@ -249,7 +249,7 @@ def _bound(bound: Bound, at: Mapping[str, Any], found: _Values, other: Stored) -
     shared = {name: wanted for name, wanted in at.items() if name.replace(".", "_") in axes}
     part = select.subset(dataset, shared, nearest=False)
     array = numbers(part[variable]).where(~unknown_points(part, variable, False))
-    return np.asarray(_at_points_of(array, found.rows).values.ravel()[found.row])
+    return np.asarray(_at_points_of(array, values.rows).values.ravel()[values.row])
 
 
 def _try_trend(expect: Trend, part: xr.Dataset, variable: str) -> _Trial:
@@ -343,10 +343,10 @@ def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Val
     return _Values(values, values, is_open, np.concatenate([row[known], open_rows]), rows)
 
 
-def _range(found: _Values, variable: xr.DataArray) -> str:
+def _range(values: _Values, variable: xr.DataArray) -> str:
     """The values found, from least to greatest, with their unit."""
-    known = ~found.open
-    span, unit = _span(found.low[known], found.high[known]), str(variable.attrs.get("units", "1"))
+    known = ~values.open
+    span, unit = _span(values.low[known], values.high[known]), str(variable.attrs.get("units", "1"))
     return f"found {span}" if unit == "1" or span == NOTHING else f"found {span} {unit}"
 
 

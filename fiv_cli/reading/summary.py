@@ -64,10 +64,10 @@ def _grid_axes(dataset: xr.Dataset) -> list[str]:
 
 def _axis(dataset: xr.Dataset, name: str) -> dict[str, Any]:
     axis = select.axis_of(dataset, name)
-    found: dict[str, Any] = {"size": axis.size, "units": str(axis.attrs.get("units", "1"))}
+    facts: dict[str, Any] = {"size": axis.size, "units": str(axis.attrs.get("units", "1"))}
     if select.is_numeric(axis):
-        return {**found, "first": float(axis.values[0]), "last": float(axis.values[-1])}
-    return {**found, "values": [str(value) for value in axis.values]}
+        return {**facts, "first": float(axis.values[0]), "last": float(axis.values[-1])}
+    return {**facts, "values": [str(value) for value in axis.values]}
 
 
 def _counts(flag: xr.DataArray, grid_dims: int) -> dict[str, int]:
@@ -102,7 +102,7 @@ def _ranges(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     told = counts | {variable.name for variable in variables_in(dataset, Role.TRUST, Role.WORK)}
     names = [str(name) for name in dataset.data_vars if _is_number(dataset, str(name))]
     ranges = {name: _range(dataset[name]) for name in names if name not in told}
-    return {name: found for name, found in ranges.items() if found}
+    return {name: span for name, span in ranges.items() if span}
 
 
 def _range(variable: xr.DataArray) -> dict[str, Any]:
@@ -145,49 +145,49 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
     return [
         "",
         f"{name or 'points'}: {dims}",
-        *(f"  {axis:<22} {_axis_line(found)}" for axis, found in part["axes"].items()),
+        *(f"  {axis:<22} {_axis_line(facts)}" for axis, facts in part["axes"].items()),
         *_count_lines(part),
-        *(f"  {key:<22} {_range_line(found)}" for key, found in part["ranges"].items()),
+        *(f"  {key:<22} {_range_line(facts)}" for key, facts in part["ranges"].items()),
         *_trust_lines(part["trust"]),
         *([f"  refined {part['refined']}"] if "refined" in part else []),
     ]
 
 
-def _axis_line(found: Mapping[str, Any]) -> str:
-    if "values" in found:
-        names = found["values"]
+def _axis_line(axis: Mapping[str, Any]) -> str:
+    if "values" in axis:
+        names = axis["values"]
         listed = names if len(names) <= MOST_NAMES else [names[0], "...", names[-1]]
         return ", ".join(listed) + (f", {len(names)} values" if listed != names else "")
-    return f"{found['first']:g} to {found['last']:g}{_unit(found)}, {found['size']} values"
+    return f"{axis['first']:g} to {axis['last']:g}{_unit(axis)}, {axis['size']} values"
 
 
 def _count_lines(part: Mapping[str, Any]) -> list[str]:
     """The classes that occur; behind the reasons, what each of them means."""
-    found = {key: f"  {key:<22} {_count_line(n)}" for key, n in part["counts"].items() if n}
+    counts = {key: f"  {key:<22} {_count_line(n)}" for key, n in part["counts"].items() if n}
     meant = [f"    {name}: {sentence}" for name, sentence in part["advice"].items()]
-    return [line for key in found for line in (found[key], *(meant if key == "reason" else []))]
+    return [line for key in counts for line in (counts[key], *(meant if key == "reason" else []))]
 
 
-def _count_line(found: Mapping[str, int]) -> str:
-    return ", ".join(f"{name} {count}" for name, count in found.items())
+def _count_line(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in counts.items())
 
 
-def _range_line(found: Mapping[str, Any]) -> str:
-    least, greatest = f"{found['least']:.6g}", f"{found['greatest']:.6g}"
-    return (least if least == greatest else f"{least} to {greatest}") + _unit(found)
+def _range_line(span: Mapping[str, Any]) -> str:
+    least, greatest = f"{span['least']:.6g}", f"{span['greatest']:.6g}"
+    return (least if least == greatest else f"{least} to {greatest}") + _unit(span)
 
 
 def _trust_lines(trust: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    known = {name: found for name, found in trust.items() if found}
-    if not known:
+    worst = {name: facts for name, facts in trust.items() if facts}
+    if not worst:
         return []
-    return ["  trust, worst values:", *(_trust_line(name, found) for name, found in known.items())]
+    return ["  trust, worst values:", *(_trust_line(name, facts) for name, facts in worst.items())]
 
 
-def _trust_line(name: str, found: Mapping[str, Any]) -> str:
-    place = f" at {found['at']}" if found["at"] else ""
-    return f"    {name:<20} {found['worst']:.6g}{_unit(found)}{place}"
+def _trust_line(name: str, worst: Mapping[str, Any]) -> str:
+    place = f" at {worst['at']}" if worst["at"] else ""
+    return f"    {name:<20} {worst['worst']:.6g}{_unit(worst)}{place}"
 
 
-def _unit(found: Mapping[str, Any]) -> str:
-    return "" if found["units"] == "1" else f" {found['units']}"
+def _unit(facts: Mapping[str, Any]) -> str:
+    return "" if facts["units"] == "1" else f" {facts['units']}"

@@ -68,11 +68,11 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     missing = unknown_points(dataset, variable, "undecided" in of)
     low, high, unknown = _between(_TAKINGS[what], _values(dataset[variable], of), missing, axes)
     ends = {f"{what}_low": low.where(~unknown), f"{what}_high": high.where(~unknown)}
-    found = xr.Dataset({**ends, "status": _status(dataset["status"], unknown, axes)})
+    interval = xr.Dataset({**ends, "status": _status(dataset["status"], unknown, axes)})
     if take.get("relative_to"):
-        found = _relative(found, take["relative_to"])
+        interval = _relative(interval, take["relative_to"])
     named = {"units": _unit(dataset[variable], what, axes[0]), "long_name": _words(variable, take)}
-    return _with_middle(found, what, named).assign_attrs(dataset.attrs)
+    return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
 
 def _values(array: xr.DataArray, of: str) -> xr.DataArray:
@@ -96,8 +96,8 @@ def _between(
     """The least and the greatest that may be found, and where nothing is known."""
     along = [dim for dim in _dims(axes) if dim in missing.dims]
     if taking.ends is None:
-        found = taking.take(values, axes)
-        return found, found, missing.any(along)
+        value = taking.take(values, axes)
+        return value, value, missing.any(along)
     one, other = (taking.take(values.where(~missing, end), axes) for end in taking.ends)
     # a place that there is for one end only may be anywhere, or nowhere
     sure = one.isnull() == other.isnull()
@@ -115,27 +115,27 @@ def _status(
     )
     # a point of undecided class has been computed, and is yet no answer
     pending = first.where(first != codes["ok"], codes["pending"])
-    found = xr.where(unknown, pending, codes["ok"])
-    return found.astype(status.dtype).assign_attrs(status.attrs)
+    told = xr.where(unknown, pending, codes["ok"])
+    return told.astype(status.dtype).assign_attrs(status.attrs)
 
 
-def _relative(found: xr.Dataset, reference: Mapping[str, Any]) -> xr.Dataset:
+def _relative(shares: xr.Dataset, reference: Mapping[str, Any]) -> xr.Dataset:
     """The shares over that at the reference point."""
-    part = select.subset(found, reference, nearest=False)
-    whole = part.isel({d: 0 for d in part.dims if part.sizes[d] < found.sizes[d]}, drop=True)
+    part = select.subset(shares, reference, nearest=False)
+    whole = part.isel({d: 0 for d in part.dims if part.sizes[d] < shares.sizes[d]}, drop=True)
     ends = (("share_low", "share_high"), ("share_high", "share_low"))
-    ratios = {name: found[name] / whole[by].where(whole[by] > 0.0) for name, by in ends}
-    return found.assign({n: ratio.transpose(*found[n].dims) for n, ratio in ratios.items()})
+    ratios = {name: shares[name] / whole[by].where(whole[by] > 0.0) for name, by in ends}
+    return shares.assign({n: ratio.transpose(*shares[n].dims) for n, ratio in ratios.items()})
 
 
-def _with_middle(found: xr.Dataset, what: str, named: Mapping[str, str]) -> xr.Dataset:
+def _with_middle(interval: xr.Dataset, what: str, named: Mapping[str, str]) -> xr.Dataset:
     """The dataset with the middle of the interval, NaN of one without end, and all ends named."""
-    low, high = found[f"{what}_low"], found[f"{what}_high"]
+    low, high = interval[f"{what}_low"], interval[f"{what}_high"]
     middle = 0.5 * (low.where(np.isfinite(low)) + high.where(np.isfinite(high)))
-    found = found.assign({what: middle})
+    interval = interval.assign({what: middle})
     for name, bound in ((what, ""), (f"{what}_low", ", at least"), (f"{what}_high", ", at most")):
-        found[name].attrs = {**named, "long_name": named["long_name"] + bound}
-    return found
+        interval[name].attrs = {**named, "long_name": named["long_name"] + bound}
+    return interval
 
 
 def _unit(array: xr.DataArray, what: str, axis: xr.DataArray) -> str:
@@ -175,8 +175,8 @@ def _first(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
         raise select.SelectionError(f"{axis.name}: an axis of labels, whose places are no numbers")
     is_held = held > 0.0
     place = is_held.argmax(dim)
-    found = place.copy(data=axis.values[place.values].astype(float))
-    return found.where(is_held.any(dim))
+    places = place.copy(data=axis.values[place.values].astype(float))
+    return places.where(is_held.any(dim))
 
 
 def _last(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:

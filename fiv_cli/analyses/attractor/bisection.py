@@ -90,13 +90,13 @@ class Found:
 def scanned(values: Sequence[float], look: Looking, width: float) -> Found:
     """Looks at all values, each from the start, and every change between them."""
     looks = [look(value, None) for value in values]
-    decided = [place for place, one in enumerate(looks) if one.answer is not None]
-    found = []
+    decided = [place for place, taken in enumerate(looks) if taken.answer is not None]
+    changes = []
     for place, following in pairwise(decided):
         before, after = looks[place], looks[following]
         if before.answer != after.answer:
-            found.append(_bisected(before, after, looks[place + 1 : following], look, width))
-    return Found(looks, in_order([*found, *open_steps(looks)]))
+            changes.append(_bisected(before, after, looks[place + 1 : following], look, width))
+    return Found(looks, in_order([*changes, *open_steps(looks)]))
 
 
 def followed(
@@ -114,7 +114,7 @@ def followed(
     first : the look at the first of the values, if it has been taken
     """
     looks = [look(values[0], None) if first is None else first]
-    found = []
+    changes = []
     for value in values[1:]:
         if looks[-1].carry is None:
             break
@@ -123,11 +123,11 @@ def followed(
         if place is not None and reached.answer not in (None, looks[place].answer):
             end = _Branch(looks[place], reached, looks[place + 1 :], look, width).end()
             if isinstance(end, Change):
-                found.append(end)
+                changes.append(end)
             else:
                 reached = end
         looks.append(reached)
-    return Found(looks, in_order([*found, *open_steps(looks)]))
+    return Found(looks, in_order([*changes, *open_steps(looks)]))
 
 
 def _last_decided(looks: Sequence[Look]) -> int | None:
@@ -154,9 +154,9 @@ def open_steps(looks: Sequence[Look]) -> list[Change]:
     ]
 
 
-def in_order(found: Sequence[Change]) -> list[Change]:
+def in_order(changes: Sequence[Change]) -> list[Change]:
     """Changes by rising value."""
-    return sorted(found, key=lambda change: change.middle)
+    return sorted(changes, key=lambda change: change.middle)
 
 
 def _bisected(
@@ -167,13 +167,13 @@ def _bisected(
         value = _next_value(before, inside, after, width)
         if value is None:
             return Change(before, after)
-        found = look(value, None)
-        if found.answer is None:
-            inside = _sorted([*inside, found], before)
-        elif found.answer == before.answer:
-            before, inside = found, _between(inside, found, after)
+        here = look(value, None)
+        if here.answer is None:
+            inside = _sorted([*inside, here], before)
+        elif here.answer == before.answer:
+            before, inside = here, _between(inside, here, after)
         else:
-            after, inside = found, _between(inside, before, found)
+            after, inside = here, _between(inside, before, here)
 
 
 class _Branch:
@@ -211,33 +211,33 @@ class _Branch:
         able = [one for one in behind if one.carry is not None]
         return self.look(value, able[-1] if able else self.origin)
 
-    def _take(self, found: Look) -> None:
+    def _take(self, here: Look) -> None:
         """Book a look on the way."""
-        if found.answer is None:
-            self.inside = _sorted([*self.inside, found], self.before)
-        elif found.answer == self.before.answer:
-            self._advance(found)
+        if here.answer is None:
+            self.inside = _sorted([*self.inside, here], self.before)
+        elif here.answer == self.before.answer:
+            self._advance(here)
         else:
-            self.off.append(found)
-            self.inside = _between(self.inside, self.before, found)
+            self.off.append(here)
+            self.inside = _between(self.inside, self.before, here)
 
-    def _advance(self, found: Look) -> None:
+    def _advance(self, here: Look) -> None:
         """Go on from a look that is still on the branch."""
-        self.before, self.origin = found, found if found.carry is not None else self.origin
-        ahead = abs(self.target.value - found.value)
+        self.before, self.origin = here, here if here.carry is not None else self.origin
+        ahead = abs(self.target.value - here.value)
         self.off = [one for one in self.off if abs(self.target.value - one.value) < ahead]
         if self.off:
-            self.inside = _between(self.inside, found, self.off[-1])
+            self.inside = _between(self.inside, here, self.off[-1])
 
     def _goes_on(self) -> bool:
         """Whether the branch bears one more step, of what is left or of the width asked for."""
         for value in (self.off[-1].value, self._at_width()):
-            found = self._look_on(value)
-            if found.answer == self.before.answer:
-                self._advance(found)
+            here = self._look_on(value)
+            if here.answer == self.before.answer:
+                self._advance(here)
                 return True
-        if found.answer is not None and abs(self.off[-1].value - self.before.value) < self.width:
-            self.off.append(found)
+        if here.answer is not None and abs(self.off[-1].value - self.before.value) < self.width:
+            self.off.append(here)
         return False
 
     def _at_width(self) -> float:

@@ -87,8 +87,8 @@ class LevelSet:
             for sign in (1.0, -1.0):
                 moved = self.equilibrium.copy()
                 moved[place] += sign * steps[place]
-                found = self.sliding.field(moved).switching
-                slopes[:, column] += sign * found / (2.0 * steps[place])
+                switching = self.sliding.field(moved).switching
+                slopes[:, column] += sign * switching / (2.0 * steps[place])
         return margins, slopes
 
     @cached_property
@@ -185,11 +185,11 @@ def level_set(
         inverse = np.linalg.inv(vectors)
     except np.linalg.LinAlgError:
         return None
-    found = LevelSet(
+    levels = LevelSet(
         sliding, equilibrium, number, values.astype(complex), vectors.astype(complex),
         inverse.astype(complex),
     )  # fmt: skip
-    return found if found.holds else None
+    return levels if levels.holds else None
 
 
 @dataclass
@@ -223,19 +223,19 @@ class Descent:
         time : s
         state : of sliding, shape (n_states,)
         """
-        found = self.target.amplitudes(state)
-        level = self.target.level(found)
+        amplitudes = self.target.amplitudes(state)
+        level = self.target.level(amplitudes)
         if self.target.is_bounded and not level < 1.0:
             self.forget()
             return float("nan")
-        size = float(self.target.weights @ found)
+        size = float(self.target.weights @ amplitudes)
         if size < FALLEN * self.bent:
             exact = self.target.margin(state)
             if not np.isnan(exact):
                 return exact
             self.bent = size
         self.times.append(time)
-        self.amplitudes.append(found)
+        self.amplitudes.append(amplitudes)
         self.sizes.append(size)
         return 1.0 - level if level <= FALLEN and self._falls() else float("nan")
 
@@ -292,6 +292,6 @@ def slides_freely(system: System, parameters: Mapping[str, float], target: Level
 
 def _same_rates(target: LevelSet, coefficients: Vector, time: float, state: Vector) -> bool:
     sliding = target.sliding
-    found = sliding.system.field(sliding.index, coefficients, time, state).rates
+    rates = sliding.system.field(sliding.index, coefficients, time, state).rates
     expected = sliding.rates(state)
-    return bool(np.max(np.abs(found - expected)) <= SAME * np.max(np.abs(expected)))
+    return bool(np.max(np.abs(rates - expected)) <= SAME * np.max(np.abs(expected)))

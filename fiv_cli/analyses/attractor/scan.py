@@ -178,16 +178,16 @@ def _passes(runs: _Runs) -> dict[str, Found]:
 
 def _crossings(listed: Sequence[tuple[Change, str]]) -> dict[str, object]:
     """The variables along the dim ``crossing``."""
-    found = [change for change, _ in listed]
+    changes = [change for change, _ in listed]
     return {
-        "boundary": np.array([change.middle for change in found]),
-        "boundary_width": np.array([change.width for change in found]),
-        "class_below": _names(change.low.label for change in found),
-        "class_above": _names(change.high.label for change in found),
-        "answer_below": _names(_word(change.low) for change in found),
-        "answer_above": _names(_word(change.high) for change in found),
+        "boundary": np.array([change.middle for change in changes]),
+        "boundary_width": np.array([change.width for change in changes]),
+        "class_below": _names(change.low.label for change in changes),
+        "class_above": _names(change.high.label for change in changes),
+        "answer_below": _names(_word(change.low) for change in changes),
+        "answer_above": _names(_word(change.high) for change in changes),
         "found_going": _names(way for _, way in listed),
-        "n_crossings": len(found),
+        "n_crossings": len(changes),
     }
 
 
@@ -253,7 +253,7 @@ def _is_decided(one: Found, size: int) -> bool:
 
 
 def _concluded(
-    runs: _Runs, passes: Mapping[str, Found], values: dict[str, object], found: Sequence[Change]
+    runs: _Runs, passes: Mapping[str, Found], values: dict[str, object], changes: Sequence[Change]
 ) -> Outcome:
     """The outcome, with the reason why there may be more, or less, than was found."""
     looks = [look for one in passes.values() for look in one.looks]
@@ -262,6 +262,6 @@ def _concluded(
         return Outcome(first.status, first.reason, values, message=first.message)
     if len(looks) < len(passes) * runs.settings["scan"]:
         return Outcome(reason="branch_ended", values=values)
-    if not all(change.decided for change in found):
+    if not all(change.decided for change in changes):
         return Outcome(reason="undecided_in_part", values=values)
-    return Outcome(reason="" if found else "no_crossing", values=values)
+    return Outcome(reason="" if changes else "no_crossing", values=values)

@@ -126,11 +126,11 @@ class Rests:
     @cached_property
     def level_sets(self) -> list[LevelSet]:
         """About every stable one."""
-        found = (
+        sets = (
             level_set(self.unexcited, y, free_jacobian(self.unexcited, y), number)
             for number, y in enumerate(self.solutions, start=1)
         )
-        return [one for one in found if one is not None]
+        return [levels for levels in sets if levels is not None]
 
 
 class _Response:
@@ -187,13 +187,13 @@ class _Response:
             self.stop = self.motion.run(min(transient, t_max))
             self.last_event = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
-        found = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
-        if found.values["attractor"] == "undecided" and found.status == "ok":
-            found.carry = self._carry("undecided")  # the motion goes on, whatever it is
+        answer = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
+        if answer.values["attractor"] == "undecided" and answer.status == "ok":
+            answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
-        found.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
-        self._add_reference(found)
-        return found
+        answer.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
+        self._add_reference(answer)
+        return answer
 
     def _ended(self) -> Outcome | None:
         """The outcome of a motion that cannot go on."""
@@ -221,12 +221,12 @@ class _Response:
             span = min(2.0 * span, self.patience) if self.motion.n_events > events else shortest
             if self.count > before:
                 last_point = self.motion.time
-            found = self._rest() or (self._cycle(self.section) if self.count > before else None)
-            if found is None and self._has_waited(last_point):
-                found = self._without_points()
+            answer = self._rest() or (self._cycle(self.section) if self.count > before else None)
+            if answer is None and self._has_waited(last_point):
+                answer = self._without_points()
                 last_point = self.motion.time
-            if found is not None:
-                return found
+            if answer is not None:
+                return answer
         return self._ended()
 
     def _has_waited(self, last_point: float) -> bool:
@@ -263,7 +263,7 @@ class _Response:
 
     def _all_contacts(self, kind: int) -> bool:
         """Whether every contact is of this kind."""
-        return all(one == kind for one in self.motion.kinds.tolist())
+        return all(own == kind for own in self.motion.kinds.tolist())
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
@@ -357,9 +357,9 @@ class _Response:
             if np.any(self.motion.measures.shares[:, STICK] > 0.0):
                 self.count = 0
                 return None
-            found = self._rest() or (self._cycle(strobe) if self.count > before else None)
-            if found is not None:
-                return found
+            answer = self._rest() or (self._cycle(strobe) if self.count > before else None)
+            if answer is not None:
+                return answer
         values = {"attractor": "undecided", "transient_used": begun} | self._measured(energy)
         return self._ended() or Outcome(reason="slide_not_decided", values=values)
 
@@ -376,10 +376,10 @@ class _Response:
             return None
         span = self.times[self.count - 1] - self.times[self.count - 1 - multiplicity]
         cycle = confirm(self.problem, self.motion, float(span))
-        found = None if cycle is None else self._measured_cycle(cycle, multiplicity, section)
-        if found is None:
+        answer = None if cycle is None else self._measured_cycle(cycle, multiplicity, section)
+        if answer is None:
             self._wait()
-        return found
+        return answer
 
     def _wait(self) -> None:
         """No cycle yet: wait until the section repeats more closely, at last for longer."""
@@ -495,9 +495,9 @@ class _Response:
         if ended is not None:
             return ended
         self.waiting_until = 0.0
-        found = self._cycle(self.section, lasting=True)
-        if found is not None:
-            return found
+        answer = self._cycle(self.section, lasting=True)
+        if answer is not None:
+            return answer
         told, outcome.reason = self._class_of(outcome)
         outcome.values["attractor"] = told
         if told != "undecided":
@@ -509,9 +509,9 @@ class _Response:
         energy = self.motion.energy()
         exponent = Exponent(self.motion, self.excitation is None) if with_exponent else None
         for goal in np.linspace(begun, until, BLOCKS + 1)[1:]:
-            found = self._measure_to(float(goal))
-            if found is not None:
-                return found
+            answer = self._measure_to(float(goal))
+            if answer is not None:
+                return answer
             if exponent is not None:
                 exponent.update()
         if exponent is not None:
@@ -530,9 +530,9 @@ class _Response:
         while self.motion.time < goal and self._goes_on:
             before = self.count
             self._step(goal, self.section, measuring=True)
-            found = self._rest() or (self._cycle(self.section) if self.count > before else None)
-            if found is not None:
-                return found
+            answer = self._rest() or (self._cycle(self.section) if self.count > before else None)
+            if answer is not None:
+                return answer
         return None
 
     def _class_of(self, outcome: Outcome) -> tuple[str, str]:

@@ -170,13 +170,13 @@ def _jacobian(
 ) -> tuple[Vector, Matrix] | None:
     """The closing conditions and their Jacobian, the derivative by the parameter last."""
     own, value = unknowns[:-1], _within(line, float(unknowns[-1] * line.span))
-    found = frame.around(line.at(value), own) if line.holds(value) else None
-    if found is None:
+    motion = frame.around(line.at(value), own) if line.holds(value) else None
+    if motion is None:
         return None
-    slope = _by_parameter(line, frame, own, value, found)
+    slope = _by_parameter(line, frame, own, value, motion)
     if slope is None:
         return None
-    return frame.values(found, own), np.column_stack([frame.jacobian(found), slope])
+    return frame.values(motion, own), np.column_stack([frame.jacobian(motion), slope])
 
 
 def _by_parameter(
@@ -189,9 +189,9 @@ def _by_parameter(
     sides: list[tuple[float, Vector]] = []
     for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
         if line.holds(value + shift):
-            found = frame.around(line.at(value + shift), own, tangents=False)
-            if found is not None and found.events == here.events:
-                sides.append((shift, frame.values(found, own)))
+            motion = frame.around(line.at(value + shift), own, tangents=False)
+            if motion is not None and motion.events == here.events:
+                sides.append((shift, frame.values(motion, own)))
     if not sides:
         return None
     if len(sides) == 1:
@@ -242,10 +242,10 @@ def _corrected(
     """The cycle of the branch in the plane across `across` through `foreseen`."""
 
     def conditions(unknowns: Vector) -> tuple[Vector, Matrix] | None:
-        found = _jacobian(line, here.frame, unknowns)
-        if found is None:
+        evaluated = _jacobian(line, here.frame, unknowns)
+        if evaluated is None:
             return None
-        values, jacobian = found
+        values, jacobian = evaluated
         away = float(across @ (unknowns - foreseen))
         return np.append(values, away), np.vstack([jacobian, across])
 
@@ -325,8 +325,8 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     """The point of the branch at `cycle`, going on along `way` (physical units)."""
     frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
     unknowns = np.append(frame.start, value / line.span)
-    found = _jacobian(line, frame, unknowns)
-    if found is None:
+    evaluated = _jacobian(line, frame, unknowns)
+    if evaluated is None:
         return None
     n = len(frame.scales)
     scaled = np.concatenate(
@@ -334,7 +334,7 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     )
     if frame.normal is not None:  # the way along the flow is no way along the branch
         scaled[:n] -= (scaled[:n] @ frame.normal) * frame.normal
-    tangent = _direction(found[1], scaled)
+    tangent = _direction(evaluated[1], scaled)
     return None if tangent is None else Point(value, cycle, frame, unknowns, tangent)
 
 
@@ -483,8 +483,8 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
         if is_close(line, here, length):
             break
         length *= 0.5
-    found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
-    if not found:
+    is_found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
+    if not is_found:
         return None, here, length
     reach = reach_of(line, here, length)
     value, kind = here.value + 0.5 * way_of(here) * reach, _kind_of_change(here, there)
@@ -595,12 +595,12 @@ def _round_corner(line: Continuation, here: Point) -> Point | None:
     for distance in CORNERS:
         tried = {here.cycle.signature}
         for way in np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))]):
-            found = _beyond_corner(line, here, here.unknowns + distance * way)
-            if found is None or found.cycle.signature in tried:
+            point = _beyond_corner(line, here, here.unknowns + distance * way)
+            if point is None or point.cycle.signature in tried:
                 continue
-            if _begins_at(line, found, here):
-                return found
-            tried.add(found.cycle.signature)
+            if _begins_at(line, point, here):
+                return point
+            tried.add(point.cycle.signature)
     return None
 
 

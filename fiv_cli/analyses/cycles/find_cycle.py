@@ -28,19 +28,19 @@ def find_cycle(system: System, request: Request) -> Outcome:
     problem, start, settings = problem_of(system, request), request.start, request.settings
     if start is not None and start.kind == "continue" and start.carried is not None:
         neighbour = _carried_guess(start.carried)
-        found: Cycle | Outcome | None = _bridged(
+        cycle: Cycle | Outcome | None = _bridged(
             problem, neighbour, start.carried["parameters"], BRIDGES
         )
     else:
-        found = _reached(problem, request)
-    if found is None:
+        cycle = _reached(problem, request)
+    if cycle is None:
         return Outcome(reason="no_cycle")
-    if isinstance(found, Outcome):
-        return found
+    if isinstance(cycle, Outcome):
+        return cycle
     observed = system.state_names.index(settings["observe"] or system.state_names[0])
-    outcome = _outcome(problem, found, observed)
+    outcome = _outcome(problem, cycle, observed)
     if settings["parameter"] is not None and settings["bracket"] is not None:
-        _add_branch(outcome, problem, found, settings, observed)
+        _add_branch(outcome, problem, cycle, settings, observed)
     return outcome
 
 
@@ -61,10 +61,10 @@ def _reached(problem: Problem, request: Request) -> Cycle | Outcome | None:
         return motion
 
     settings = request.settings
-    found = returns(problem, begun, settings["transient"], settings["t_max"])
-    if len(found.times) < 2:
-        return stopped(found.stop) or Outcome(reason="no_return")
-    return _closed(problem, guesses(problem, begun, found, settings["multiplicity"]))
+    passed = returns(problem, begun, settings["transient"], settings["t_max"])
+    if len(passed.times) < 2:
+        return stopped(passed.stop) or Outcome(reason="no_return")
+    return _closed(problem, guesses(problem, begun, passed, settings["multiplicity"]))
 
 
 def _closed(problem: Problem, candidates: Iterator[Guess]) -> Cycle | None:

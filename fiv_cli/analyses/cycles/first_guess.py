@@ -71,7 +71,7 @@ def returns(problem: Problem, begin: Begin, transient: float, t_max: float) -> R
 
 
 def near_returns(
-    problem: Problem, found: Returns, multiplicity: int | None
+    problem: Problem, passed: Returns, multiplicity: int | None
 ) -> list[tuple[float, float]]:
     """Times of the two ends of near-returns, the most promising first.
 
@@ -80,13 +80,13 @@ def near_returns(
     numbers = range(1, RETURNS + 1) if multiplicity is None else (multiplicity,)
     ranked = []
     for m in numbers:
-        if len(found.times) <= m:
+        if len(passed.times) <= m:
             continue
-        spans = found.times[m:] - found.times[:-m]
-        apart = np.where(_whole_turns(problem, spans), _distances(found.points, m), np.inf)
+        spans = passed.times[m:] - passed.times[:-m]
+        apart = np.where(_whole_turns(problem, spans), _distances(passed.points, m), np.inf)
         best = int(np.argmin(apart))
         if np.isfinite(apart[best]):
-            ranked.append((max(apart[best], CLOSE) * m, found.times[best], found.times[best + m]))
+            ranked.append((max(apart[best], CLOSE) * m, passed.times[best], passed.times[best + m]))
     return [(begun, ended) for _, begun, ended in sorted(ranked)]
 
 
@@ -128,10 +128,10 @@ def guess_between(problem: Problem, begin: Begin, begun: float, ended: float) ->
 
 
 def guesses(
-    problem: Problem, begin: Begin, found: Returns, multiplicity: int | None
+    problem: Problem, begin: Begin, passed: Returns, multiplicity: int | None
 ) -> Iterator[Guess]:
     """Guesses of cycles, the most promising first."""
-    for begun, ended in near_returns(problem, found, multiplicity):
+    for begun, ended in near_returns(problem, passed, multiplicity):
         guess = guess_between(problem, begin, begun, ended)
         if guess is not None:
             yield guess

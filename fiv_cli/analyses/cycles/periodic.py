@@ -267,37 +267,37 @@ class Shooting:
         period = self.period_of(problem, unknowns)
         if not 0.2 * self.period < period < 5.0 * self.period:
             return None
-        found = passage(problem, self.anchor_of(unknowns), period, tangents)
-        finite = bool(np.all(np.isfinite(found.monodromy)))
-        return found if finite and found.stop == Stop.REACHED else None
+        motion = passage(problem, self.anchor_of(unknowns), period, tangents)
+        finite = bool(np.all(np.isfinite(motion.monodromy)))
+        return motion if finite and motion.stop == Stop.REACHED else None
 
-    def values(self, found: Passage, unknowns: Vector) -> Vector:
+    def values(self, motion: Passage, unknowns: Vector) -> Vector:
         """What must vanish: the gap after a period, what contact does not let be, and, where the
         period is free, the way along the flow."""
-        state, begun = unknowns[: len(self.scales)], found.begun / self.scales
-        gap = np.concatenate([found.state / self.scales - begun, begun - state])
+        state, begun = unknowns[: len(self.scales)], motion.begun / self.scales
+        gap = np.concatenate([motion.state / self.scales - begun, begun - state])
         if self.normal is None:
             return gap
         return np.append(gap, self.normal @ (begun - self.anchor.state / self.scales))
 
-    def jacobian(self, found: Passage) -> Matrix:
+    def jacobian(self, motion: Passage) -> Matrix:
         """Derivative of `values` by the unknowns."""
-        projection = found.projection * self.scales / self.scales[:, None]
-        monodromy = found.monodromy * self.scales / self.scales[:, None]
+        projection = motion.projection * self.scales / self.scales[:, None]
+        monodromy = motion.monodromy * self.scales / self.scales[:, None]
         closing = np.vstack([monodromy - projection, projection - np.eye(len(self.scales))])
         if self.normal is None:
             return closing
-        stretch = found.rates[1] / self.scales * self.period
+        stretch = motion.rates[1] / self.scales * self.period
         last = np.concatenate([stretch, np.zeros_like(stretch)])
         across = np.append(self.normal @ projection, 0.0)
         return np.vstack([np.column_stack([closing, last]), across])
 
     def conditions(self, problem: Problem, unknowns: Vector) -> tuple[Vector, Matrix] | None:
         """`values` and their Jacobian; None where the motion does not last a period."""
-        found = self.around(problem, unknowns)
-        if found is None:
+        motion = self.around(problem, unknowns)
+        if motion is None:
             return None
-        return self.values(found, unknowns), self.jacobian(found)
+        return self.values(motion, unknowns), self.jacobian(motion)
 
 
 def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Shooting:
@@ -316,11 +316,11 @@ Conditions = Callable[[Vector], tuple[Vector, Matrix] | None]
 
 def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
     """Root of `conditions` near `unknowns`; None when Newton's method does not settle."""
-    found = conditions(unknowns)
+    evaluated = conditions(unknowns)
     for _ in range(NEWTON_STEPS):
-        if found is None:
+        if evaluated is None:
             return None
-        values, jacobian = found
+        values, jacobian = evaluated
         if not np.all(np.isfinite(jacobian)):
             return None
         step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
@@ -330,7 +330,7 @@ def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
         moved = _shortened(conditions, unknowns, step, float(np.linalg.norm(values)))
         if moved is None:
             return None
-        unknowns, found = moved
+        unknowns, evaluated = moved
     return None
 
 
@@ -340,9 +340,9 @@ def _shortened(
     """The longest share of a step that improves the conditions."""
     for share in SHORTENED:
         trial = unknowns + share * step
-        found = conditions(trial)
-        if found is not None and float(np.linalg.norm(found[0])) < before:
-            return trial, found
+        evaluated = conditions(trial)
+        if evaluated is not None and float(np.linalg.norm(evaluated[0])) < before:
+            return trial, evaluated
     return None
 
 
@@ -436,10 +436,10 @@ def is_at_rest(extremes: Matrix, n_coordinates: int) -> bool:
 def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cycle | None:
     """The cycle near a guess; None when there is none that Newton's method finds."""
     conditions = shooting(problem, anchor, period, scales)
-    found = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
-    if found is None:
+    root = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
+    if root is None:
         return None
-    cycle = describe(problem, conditions.anchor_of(found), conditions.period_of(problem, found))
+    cycle = describe(problem, conditions.anchor_of(root), conditions.period_of(problem, root))
     if cycle is None:
         return None
     share = repeats(problem, cycle.points, cycle.scales, cycle.period)

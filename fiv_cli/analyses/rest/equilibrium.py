@@ -25,16 +25,16 @@ def run(system: System, request: Request) -> Outcome:
     from fiv_cli.analyses.rest.surface import at_the_contact
 
     state = sliding_system(system, request.parameters, request.settings["system"])
-    found = all_equilibria(state)
-    solutions = found.states
+    equilibria = all_equilibria(state)
+    solutions = equilibria.states
     counts: dict[str, object] = {
         "n_solutions": len(solutions),
-        "n_pulling": found.pulling,
-        "complete": "certified" if found.certified else "not_certified",
+        "n_pulling": equilibria.pulling,
+        "complete": "certified" if equilibria.certified else "not_certified",
     }
-    counts |= {} if found.n_complex is None else {"n_complex": found.n_complex}
+    counts |= {} if equilibria.n_complex is None else {"n_complex": equilibria.n_complex}
     if not solutions:
-        return Outcome(status="failed", reason=found.reason, values=counts)
+        return Outcome(status="failed", reason=equilibria.reason, values=counts)
     forces = np.array([state.contact_forces(y) for y in solutions])
     m = len(system.coordinates)
     if system.setup.model.surface is not None:

@@ -31,10 +31,10 @@ def eigenvalues_at(system: System, request: Request) -> Outcome:
     """Eigenvalues (rad/s) and vectors at the equilibrium asked for, by rising frequency."""
     which, number = request.settings["system"], request.settings["at_equilibrium"]
     state = sliding_system(system, request.parameters, which)
-    found = all_equilibria(state)
-    if len(found.states) < number:
-        return Outcome(status="failed", reason=found.reason or "no_equilibrium")
-    at = found.states[number - 1]
+    equilibria = all_equilibria(state)
+    if len(equilibria.states) < number:
+        return Outcome(status="failed", reason=equilibria.reason or "no_equilibrium")
+    at = equilibria.states[number - 1]
     values = _described(*modes_at(state, at))
     if which == "original":
         return Outcome(values=values)

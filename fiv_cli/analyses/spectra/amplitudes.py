@@ -59,15 +59,15 @@ class Lines:
 
 def steady_spectrum(system: System, request: Request) -> Outcome:
     """The steady state, its spectrum, and the eigenfrequencies of the sliding equilibrium."""
-    found, settings = steady_state(system, request), request.settings
+    steady, settings = steady_state(system, request), request.settings
     modes = {"frequency": frequencies(settings)} | growing_modes(system, request.parameters)
     names = [variable.name for variable in KEPT_OF_STEADY_STATE]
-    kept = {name: found.values[name] for name in names if name in found.values}
-    outcome = Outcome(found.status, found.reason, kept | modes, {}, found.message, found.carry)
-    if found.carry is None:
+    kept = {name: steady.values[name] for name in names if name in steady.values}
+    outcome = Outcome(steady.status, steady.reason, kept | modes, {}, steady.message, steady.carry)
+    if steady.carry is None:
         return outcome
     if kept["attractor"] == "equilibrium":
-        outcome.values |= _at_rest(found.values[f"{_observed(system, settings)}_min"], settings)
+        outcome.values |= _at_rest(steady.values[f"{_observed(system, settings)}_min"], settings)
         return outcome
     return _with_lines(outcome, system, request)
 

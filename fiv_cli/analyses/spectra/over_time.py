@@ -36,9 +36,9 @@ def spectrogram(system: System, request: Request) -> Outcome:
     place = system.state_names.index(settings["observe"] or system.state_names[0])
     interval = 1.0 / (OVERSAMPLED * float(settings["f_max"]))
     values, end = _sampled(motion, place, interval, t_end)
-    found = short_time(values, interval, slice_length(settings), hop(settings))
+    windows = short_time(values, interval, slice_length(settings), hop(settings))
     outcome = end or Outcome()
-    outcome.values |= _on_bins(found, settings) | varying_at(system, found.time) | trust(motion)
+    outcome.values |= _on_bins(windows, settings) | varying_at(system, windows.time) | trust(motion)
     outcome.values["energy_residual"] = balance(motion, energy_before).residual
     return outcome
 
@@ -65,15 +65,15 @@ def _sampled(
     return values, None
 
 
-def _on_bins(found: TimeFrequency, settings: Settings) -> dict[str, NDArray[np.float64]]:
+def _on_bins(windows: TimeFrequency, settings: Settings) -> dict[str, NDArray[np.float64]]:
     grid = frequencies(settings)
-    place = np.floor(found.frequency / bin_width(settings) + 0.5).astype(int)
+    place = np.floor(windows.frequency / bin_width(settings) + 0.5).astype(int)
     inside = place < len(grid)
-    squares = found.amplitude[:, inside] ** 2 / HANN_BANDWIDTH
+    squares = windows.amplitude[:, inside] ** 2 / HANN_BANDWIDTH
     sums = [np.bincount(place[inside], row, len(grid)) for row in squares]
     return {
-        "time": found.time,
+        "time": windows.time,
         "frequency": grid,
         "spectrogram": np.sqrt(np.array(sums)),
-        "mean": found.mean,
+        "mean": windows.mean,
     }
