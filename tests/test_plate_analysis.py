@@ -10,9 +10,7 @@ import xarray as xr
 from motions import defaults
 from scipy.optimize import brentq
 
-from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.execute import Request, execute
-from fiv_cli.analyses.rest.plate import plate_modes
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run
@@ -67,7 +65,7 @@ def test_a_node_at_the_slider_is_said() -> None:
     shape = mode(AnnularPlate(0.044, 0.12, 0.002, 7200.0, 150e9, 0.211), 1, 0).shape
     node = brentq(lambda r: float(shape(r)), 0.06, 0.119, xtol=1e-16)
     setup = Setup.of("annular-plate", options={"modes": "0,0 1,0"})
-    found = plate_modes(setup, {**DEFAULTS, "r0": node}, None, {"n_r": 5}, SolverSettings())
+    found = execute(Request(setup, {**DEFAULTS, "r0": node}, "plate", {"n_r": 5}))
     assert (found.status, found.reason) == ("ok", "node_at_r0")
     assert "mode (1, 0) has a node" in found.message
     assert found.values["inverse_modal_mass"][1, 0] == 0.0
