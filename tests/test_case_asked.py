@@ -101,10 +101,14 @@ def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
     assert words in f"{found.message} {found.suggestion}"
 
 
-def test_of_an_analysis_that_is_not_understood_no_variable_is_missed() -> None:
-    """Which variables it has depends on what was misspelt; the others are told all the same."""
+def test_of_an_analysis_that_is_not_understood_any_variable_may_be_asked() -> None:
+    """Which it has depends on what was misspelt; what none of its kind has is told all the same."""
     text = claim("L_s", '"increasing"') + figure('kind = "curve"', 'x = "w"').replace(BELT, "")
     text = text.replace('kind = "response"', 'kind = "response"\nobserve = "xinf"')
     with pytest.raises(CaseError) as caught:
         parse_case(text.replace('"L_s"', '"Ls"'), "a.toml")
-    assert [p.path for p in caught.value.problems] == ["analysis.0.observe", "figure.0.x"]
+    assert [p.path for p in caught.value.problems] == [
+        "analysis.0.observe",
+        "claim.0.variable",
+        "figure.0.x",
+    ]

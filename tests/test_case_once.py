@@ -99,8 +99,15 @@ state = { C_0_2 = 1e-3 }
 kind = "response"
 section = { zero = "C_0_2_dot" }
 observe = "C_0_2"
+[[analysis]]
+kind = "history"
+t_end = 1.0
+points = [[0.1, 0.0]]
 [[figure]]
 kind = "phase"
+[[figure]]
+kind = "history"
+variable = "w"
 """
 
 FORCED = """\
@@ -163,6 +170,10 @@ def test_the_cases_are_sound(text: str) -> None:
         (PIN, 'over = ["Omega"]', 'ovr = ["Omega"]', "figure.0.take.ovr"),
         (PIN, 'label = "far"', 'lable = "far"', "initial.0.lable"),
         (LAW, 'law = "stribeck"', 'law = "tahn"\nof = "stribeck"', "friction.law"),
+        (PIN, "schema = 1", "scema = 1", "scema"),
+        (PIN, 'analysis = "response"\nx', 'analysis = "reponse"\nx', "figure.0.analysis"),
+        (LAW, 'law = "stribeck"', 'lw = "stribeck"', "friction.lw"),
+        (DISC, "points = ", "ponts = ", "analysis.1.ponts"),
         (FORCED, '"belt-1dof"', '"belt-dof"', "model.name"),
         (FORCED, "u0 =", "uo =", "model.parameters.uo"),
         (FORCED, "parameters = { u0 = 0.5,", "parameters = { u0 = true,", "model.parameters.u0"),

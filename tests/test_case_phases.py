@@ -17,7 +17,7 @@ FORM = {
     "kind = 'respons'": "kind = 'response'",
     "kind = 'stat'": "kind = 'state'",
     "kind = 'pie'": "kind = 'curve'",
-    "rtol = 'a'": "rtol = 1.0",
+    "rtol = 'a'": "rtol = 1e-9",
     "expect = { value = 3 }": "expect = { value = 3, tolerance = 1 }",
 }
 NAMES = {
@@ -43,7 +43,6 @@ VALUES = {
     "x = 'c2'": "x = 'N0'",
     "variable = 'attractor'": "variable = 'period'",
     "at = { N0 = '1 m' }": "at = { N0 = 20 }",
-    "rtol = 1.0": "rtol = 1e-9",
 }
 CASE = """\
 schema = 2
@@ -141,6 +140,5 @@ def test_then_values_and_the_third_look_is_the_last() -> None:
         "figure.0.x",
         "claim.0.at.N0",
         "claim.0.expect",
-        "solver.rtol",
     ]
     assert parse_case(mended(text, VALUES), "a.toml").zips == (("N0", "Omega"),)

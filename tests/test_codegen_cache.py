@@ -166,16 +166,6 @@ def test_a_folder_that_others_can_write_to_is_not_used(
     assert [path.name for path in own_cache.iterdir()] == ["name"]
 
 
-def test_the_cache_is_closed_to_others_whatever_the_umask(own_cache: Path) -> None:
-    before = os.umask(0)
-    try:
-        cache.write("name", b"content")
-    finally:
-        os.umask(before)
-    assert own_cache.stat().st_mode & 0o777 == 0o700
-    assert (own_cache / "name").stat().st_mode & 0o777 == 0o600
-
-
 def aged(path: Path, days: float) -> None:
     """Let a file have been used so many days ago."""
     then = time.time() - 86400.0 * days

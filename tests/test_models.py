@@ -9,9 +9,10 @@ import pytest
 import sympy
 from motions import defaults, motion, system
 
+from fiv_cli.errors import UsageError
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.models import all_models, get_model
-from fiv_cli.models.base import Equations, Model
+from fiv_cli.models.base import Contact, Equations, Model
 from fiv_cli.models.symbols import Symbols
 
 # One row for each model: a start, parameters that excite it, and how long it is followed, s.
@@ -209,3 +210,11 @@ def test_state_vectors_go_by_name(model: Model) -> None:
     assert built.coordinates == tuple(names)
     vector = built.state_vector({f"{names[-1]}_dot": 3.0})
     assert vector[-1] == 3.0 and np.count_nonzero(vector) == 1
+
+
+def test_a_rigid_contact_names_what_its_closed_gap_determines() -> None:
+    """Else nothing would keep the gap closed, and what was generated so would be kept."""
+    gap = Symbols().coordinate("z")
+    with pytest.raises(UsageError, match="gap_coordinate\nnext: name the state"):
+        Contact(gap, "x", None, gap=gap)
+    assert Contact(gap, "x", None, gap=gap, gap_coordinate="z").gap_coordinate == "z"

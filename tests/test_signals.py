@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-import xarray as xr
 from disturbed import ENDING, PATIENCE, Run, ignoring, wait_for
 
 SEED = 20
@@ -140,15 +139,6 @@ def test_nothing_is_left_in_shared_memory(tmp_path: Path) -> None:
         killed.send(signal.SIGKILL, to_all=True)
         assert killed.code() == -9
         assert not list(Path("/dev/shm").glob(f"*-{killed.process.pid}-*"))
-
-
-@pytest.mark.campaign
-def test_hundreds_of_analyses(tmp_path: Path) -> None:
-    """They did not come to an end when each was written into a file opened anew."""
-    with run(tmp_path, grouped(300)) as many:
-        assert many.code(90.0) == 0
-    with xr.open_dataset(tmp_path / "a.nc", group="a299") as last:
-        assert last["status"].values.tolist() == [0, 0]
 
 
 # --- at any instant -------------------------------------------------------------------------------

@@ -35,16 +35,13 @@ def variables_of(
     return (STATUS, REASON, *own, *over_time)
 
 
-_ANYTHING = Subject(
-    states=(State("state", "x", "1", "any state"),),
-    contact="contact",
-    surface=True,
-    settings={
-        "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
-        "system": "averaged",
-    },
-)  # fmt: skip
-"""A subject of which every analysis has all the variables that it can have."""
+ALL_ASKED: Mapping[str, Any] = {
+    "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
+    "system": "averaged",
+}  # fmt: skip
+"""Settings under which every analysis has all the variables that it can have."""
+
+_ANYTHING = Subject((State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED)
 
 
 def possible_variables(analysis: Analysis) -> Sequence[Variable]:

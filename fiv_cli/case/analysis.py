@@ -82,7 +82,7 @@ def _analysis(
     name, model = table.name or analysis.kind, physics.model
     if analysis.unsuited(model):
         suited = [kind for kind, one in analyses.items() if not one.unsuited(model)]
-        report.add((*place, "kind"), analysis.unsuited(model), listed(suited))
+        report.add((*place, "kind"), analysis.unsuited(model), listed(suited), of_name=True)
         return AnalysisSpec(name, analysis.kind, analysis.default_settings)
     given = table.model_extra or {}
     known = _surroundings(physics, axes, given.get("parameter"))

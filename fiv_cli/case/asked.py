@@ -9,9 +9,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.catalogue import variables_of
-from fiv_cli.analyses.settings import StateName
-from fiv_cli.analyses.variables import COMPUTED, Variable, motions
+from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
+from fiv_cli.analyses.variables import COMPUTED, Variable
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass, parse_condition
 from fiv_cli.case.report import Path, Report
@@ -20,31 +19,31 @@ from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed
 
-Held = Mapping[str, Sequence[Variable]]
-"""Name of an analysis -> its variables."""
+Held = Mapping[str, Sequence[Variable] | None]
+"""Name of an analysis -> its variables; None where it does not suit the model."""
 
 
 def check_what_is_asked(case: Case, report: Report) -> None:
     """Note every variable that a figure or a claim names and no analysis of the case computes.
 
-    What is asked of an analysis that was not understood itself waits for that.
+    Of an analysis that is not understood itself, any that it could have under other settings.
     """
-    held = {spec.name: _variables(case, spec) for spec in case.analyses if _is_sound(case, spec)}
-    asked = [spec.name for spec in case.analyses]
+    held = {
+        spec.name: _variables(case, spec, report.understands(("analysis", index)))
+        for index, spec in enumerate(case.analyses)
+    }
     for index, figure in enumerate(case.figures):
         place: Path = ("figure", index)
-        if held.keys() >= {figure.settings.get("analysis")} or held.keys() >= {*asked}:
-            known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
-            for name in _named(figure):
-                if _check(name, known, (*place, "variable"), report) and "take" in figure.settings:
-                    _check_taken(figure.settings["take"], name, known, (*place, "take"), report)
+        known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
+        for name in _named(figure) if known else ():
+            if _check(name, known, (*place, "variable"), report) and "take" in figure.settings:
+                _check_taken(figure.settings["take"], name, known, (*place, "take"), report)
         _check_scale(figure, place, report)
     for index, claim in enumerate(case.claims):
         place = ("claim", index)
-        if held.keys() >= {claim.analysis} or held.keys() >= {*asked}:
-            known = _known(case, held, claim.analysis, with_motions=False)
-            if _check(claim.variable, known, (*place, "variable"), report):
-                _check_expected(claim, known, place, report)
+        known = _known(case, held, claim.analysis, with_motions=False)
+        if known and _check(claim.variable, known, (*place, "variable"), report):
+            _check_expected(claim, known, place, report)
     _check_refined(case, held, report)
 
 
@@ -54,25 +53,20 @@ def _check_refined(case: Case, held: Held, report: Report) -> None:
         return
     name = case.refinement.of
     for analysis, variables in held.items():
-        classes = [variable.name for variable in variables if variable.is_class]
-        if name not in classes:
+        classes = [variable.name for variable in variables or () if variable.is_class]
+        if variables is not None and name not in classes:
             message = f"the analysis {analysis!r} has no class {name!r}"
             report.unknown(("sweep", "refine", "of"), message, name, classes)
 
 
-def _is_sound(case: Case, spec: AnalysisSpec) -> bool:
-    """Whether the variables of an analysis can be told: it suits the model, all it needs is given,
-    and its states are those of the model."""
-    analysis, model = get_analysis(spec.kind), get_model(case.model)
-    needed = [spec.settings.get(one.name) for one in analysis.settings if one.required]
-    named = [spec.settings.get(one.name) for one in analysis.settings if isinstance(one, StateName)]
-    states = {None, *(name for name, *_ in motions(model.states(case.options)))}
-    return not analysis.unsuited(model) and None not in needed and states.issuperset(named)
-
-
-def _variables(case: Case, spec: AnalysisSpec) -> Sequence[Variable]:
-    model = get_model(case.model)
-    return variables_of(spec.kind, model, case.options, spec.settings, case.varying)
+def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Variable] | None:
+    model, analysis = get_model(case.model), get_analysis(spec.kind)
+    if analysis.unsuited(model):
+        return None
+    needed = (one.name for one in analysis.settings if one.required)
+    sound = understood and all(spec.settings.get(name) is not None for name in needed)
+    settings = spec.settings if sound else ALL_ASKED
+    return variables_of(spec.kind, model, case.options, settings, case.varying)
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:
@@ -85,9 +79,10 @@ def _known(
 ) -> dict[str, Variable | None]:
     """Everything that stands in the dataset of the case, or of one of its analyses.
 
-    A figure may also be drawn of a motion that ``fiv history`` computes (`with_motions`).
+    Nothing where there is no such analysis. A figure may also be drawn of a motion that
+    ``fiv history`` computes (`with_motions`).
     """
-    chosen = [variables for name, variables in held.items() if not analysis or name == analysis]
+    chosen = [held.get(name) for name in ([analysis] if analysis else held)]
     found: dict[str, Variable | None] = dict.fromkeys(
         [*(axis.dim for axis in case.axes), COMPUTED.name]
     )
@@ -95,6 +90,8 @@ def _known(
         own = variables_of("history", get_model(case.model), case.options, {})
         found |= {variable.name: variable for variable in own}
     for variables in chosen:
+        if variables is None:
+            return {}
         found |= {f"{v.ragged}_row_size": None for v in variables if v.ragged}
         found |= {variable.name: variable for variable in variables}
     return found

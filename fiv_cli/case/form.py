@@ -16,6 +16,7 @@ from pydantic import BaseModel
 from fiv_cli.analyses import all_analyses
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import (
+    SCHEMA_VERSION,
     AnalysisTable,
     CaseTable,
     ClaimTable,
@@ -30,6 +31,7 @@ from fiv_cli.case.structure import (
     SweepTable,
 )
 from fiv_cli.case.tables import keys_of, read_table, read_tables
+from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
 from fiv_cli.notation.names import axis_name, nearest
 from fiv_cli.notation.values import describe
@@ -87,7 +89,8 @@ class Form:
 def read_form(document: Mapping[str, Any], report: Report) -> Form:
     """The tables of `document`; CaseError with all that is wrong with their form."""
     _refuse_unknown_tables(document, report)
-    header = {key: document[key] for key in keys_of(HeaderTable) if key in document}
+    header = {"schema": SCHEMA_VERSION}
+    header |= {key: document[key] for key in keys_of(HeaderTable) if key in document}
     form = Form(
         header=_one(HeaderTable, header, (), report),
         model=_one(ModelTable, document.get("model", {"name": ""}), ("model",), report),
@@ -95,10 +98,10 @@ def read_form(document: Mapping[str, Any], report: Report) -> Form:
         grid=tuple(_axes(document, report)),
         schedule=tuple(_curves(document, report)),
         sweep=_one(SweepTable, document.get("sweep", {}), ("sweep",), report),
-        initial=_all(InitialTable, document, "initial", report),
-        analysis=_all(AnalysisTable, document, "analysis", report),
-        figure=_all(FigureTable, document, "figure", report),
-        claim=_all(ClaimTable, document, "claim", report),
+        initial=read_tables(InitialTable, document.get("initial", []), "initial", report),
+        analysis=read_tables(AnalysisTable, document.get("analysis", []), "analysis", report),
+        figure=read_tables(FigureTable, document.get("figure", []), "figure", report),
+        claim=read_tables(ClaimTable, document.get("claim", []), "claim", report),
         solver=_one(SolverTable, document.get("solver", {}), ("solver",), report),
     )
     _refuse_unknown_words(document, report)
@@ -111,9 +114,13 @@ def _refuse_unknown_tables(document: Mapping[str, Any], report: Report) -> None:
     unknown = [key for key in document if key not in known]
     for key in unknown:
         report.unknown((key,), f"unknown table or key {key!r}", key, known)
-    needed = {"model": "the table [model] with its name", "analysis": "one [[analysis]] at least"}
+    needed = {
+        "schema": f"schema = {SCHEMA_VERSION}",
+        "model": "the table [model] with its name",
+        "analysis": "one [[analysis]] at least",
+    }
     for key, what in needed.items():
-        if key not in document and nearest(key, unknown) is None:
+        if document.get(key) in (None, []) and nearest(key, unknown) is None:
             report.add((key,), "is missing", what)
 
 
@@ -121,10 +128,19 @@ def _refuse_unknown_words(document: Mapping[str, Any], report: Report) -> None:
     """Note a model and kinds of analyses that there are not: without them no name means a thing."""
     models = {name: model.title for name, model in all_models().items()}
     _check_word(document.get("model"), "name", ("model",), models, report)
+    _refuse_misplaced_laws(document.get("friction"), report)
     kinds = {name: analysis.title for name, analysis in all_analyses().items()}
     analyses = document.get("analysis")
     for index, table in enumerate(analyses if isinstance(analyses, list) else []):
         _check_word(table, "kind", ("analysis", index), kinds, report)
+
+
+def _refuse_misplaced_laws(friction: object, report: Report) -> None:
+    """Note a key of ``[friction]`` that holds the name of a law, but is none that may."""
+    laws = {*all_laws(), "tanh"}
+    for key, value in friction.items() if isinstance(friction, dict) else ():
+        if key not in ("law", "of") and isinstance(value, str) and value in laws:
+            report.unknown(("friction", key), f"unknown key {key!r}", key, ("law", "of"))
 
 
 def _check_word(
@@ -138,10 +154,6 @@ def _check_word(
 def _one(form: type[T], raw: object, path: Path, report: Report) -> T:
     """`raw` as a `form`; an unfilled one, and a note, where it is none."""
     return read_table(form, raw, path, report) or form.model_construct()
-
-
-def _all(form: type[T], document: Mapping[str, Any], key: str, report: Report) -> tuple[T, ...]:
-    return tuple(table for _, _, table in read_tables(form, document.get(key, []), (key,), report))
 
 
 def _axes(document: Mapping[str, Any], report: Report) -> Iterator[Entry[list[Any] | RangeTable]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import prod
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from fiv_cli.case.physics import (
     note_nothing_to_vary,
     resolve_law,
 )
-from fiv_cli.case.refinement import Values, halved, read_refinement
+from fiv_cli.case.refinement import halved, read_refinement
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import RangeTable, SweepTable
 from fiv_cli.notation.names import axis_name, listed, suggest
@@ -32,7 +32,15 @@ MOST_POINTS = 10**9
 
 @dataclass(frozen=True)
 class Candidate:
-    """An axis by name, before its values are read: `read` turns one value into what is kept."""
+    """An axis by name, before its values are read.
+
+    Attributes
+    ----------
+    read : one value, in SI -> what is kept; ValueError when it is not allowed
+    unit : None for names
+    allowed, choices : what a value may be, in words, and by name
+    written : the axis as a span, or as the list that the case has; empty where it is neither
+    """
 
     name: str
     kind: str
@@ -41,6 +49,12 @@ class Candidate:
     unit: str | None = None
     allowed: str = ""
     choices: Collection[str] = ()
+    written: Span | list[Any] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        """How many values there are; they are counted before they are built."""
+        return self.written.count if isinstance(self.written, Span) else len(self.written)
 
 
 class Grid(NamedTuple):
@@ -54,28 +68,27 @@ class Grid(NamedTuple):
 def read_grid(form: Form, physics: Physics, report: Report) -> Grid:
     """The grid; axes that are refined hold their finest lattice."""
     counted = _candidates(form, physics, report)
-    zips = _zips(form.sweep, [candidate.name for candidate, _ in counted], physics, report)
+    zips = _zips(form.sweep, [candidate.name for candidate in counted], physics, report)
     refinement = read_refinement(form.sweep, counted, zips, physics, report)
     if refinement is not None:
         counted = halved(counted, refinement, report)
     _check_zip_lengths(counted, zips, report)
     if not _few_enough(counted, zips, report):
-        return Grid(tuple(Axis(c.name, c.kind, ()) for c, _ in counted), zips)
+        return Grid(tuple(Axis(one.name, one.kind, ()) for one in counted), zips)
     zipped = {axis_name(name) for group in form.sweep.zip for name in group}
-    axes = tuple(_axis(c, values, c.name in zipped, report) for c, values in counted)
-    return Grid(axes, zips, refinement)
+    return Grid(tuple(_axis(one, one.name in zipped, report) for one in counted), zips, refinement)
 
 
-def _candidates(form: Form, physics: Physics, report: Report) -> list[tuple[Candidate, Values]]:
-    """Every axis that has a known name; one that cannot be built is noted and becomes empty."""
-    found: dict[str, tuple[Candidate, Values]] = {}
+def _candidates(form: Form, physics: Physics, report: Report) -> list[Candidate]:
+    """Every axis that has a known name."""
+    found: dict[str, Candidate] = {}
     for name, place, value in form.grid:
         candidate = _candidate(name, place, physics, report)
         if candidate is None:
             continue
         if name in found:
             report.add(place, f"the axis {name!r} is given twice")
-        found.setdefault(name, (candidate, _values(candidate, value, report)))
+        found.setdefault(name, replace(candidate, written=_written(candidate, value, report)))
     return list(found.values())
 
 
@@ -85,50 +98,44 @@ def _candidate(name: str, place: Path, physics: Physics, report: Report) -> Cand
     options = {option.name: option for option in physics.model.options}
     units, parameters = physics.units_of_states(), physics.table()
     if state != name and state in units:
-        return Candidate(name, "start", place, _finite, units[state], f"numbers in {units[state]}")
+        return Candidate(name, "start", place, float, units[state], f"numbers in {units[state]}")
     if state != name:
         note_no_state(state, place, physics, report)
     elif name == "friction":
         names = law_names(physics.model)
-        read = partial(resolve_law, physics.model)
-        return Candidate(name, "law", place, read, allowed=listed(names), choices=names)
+        named = partial(resolve_law, physics.model)
+        return Candidate(name, "law", place, named, None, listed(names), names)
     elif name in options:
-        option = options[name]
-        allowed, choices = option.allowed, option.choices
-        return Candidate(name, "option", place, option.text, allowed=allowed, choices=choices)
+        own = options[name]
+        return Candidate(name, "option", place, own.text, None, own.allowed, own.choices)
     elif name in parameters:
-        own = parameters[name]
-        return Candidate(name, "parameter", place, own.checked, own.unit, own.allowed)
+        parameter = parameters[name]
+        read, unit = parameter.checked, parameter.unit
+        return Candidate(name, "parameter", place, read, unit, parameter.allowed)
     else:
         note_nothing_to_vary(name, place, physics, report)
     return None
 
 
-def _finite(value: float) -> float:
-    return value
-
-
-def _values(candidate: Candidate, value: list[Any] | RangeTable, report: Report) -> Values:
-    """The axis as a span or a list, not yet built; an empty list, and a note, where it is none."""
-    if isinstance(value, RangeTable):
-        return _span(candidate, value, report) or []
-    if not value:
-        report.add(candidate.place, "the axis is empty", candidate.allowed)
-    return value
-
-
-def _span(candidate: Candidate, table: RangeTable, report: Report) -> Span | None:
+def _written(
+    candidate: Candidate, value: list[Any] | RangeTable, report: Report
+) -> Span | list[Any]:
+    """The axis, not yet built; an empty list, and a note, where it is none."""
+    if isinstance(value, list):
+        if not value:
+            report.add(candidate.place, "the axis is empty", candidate.allowed)
+        return value
     if candidate.unit is None:
         report.add(candidate.place, "names are listed, not given as a range", candidate.allowed)
-        return None
+        return []
     try:
-        return _exact_span(table, candidate.unit)
+        return _exact_span(value, candidate.unit)
     except AxisError as error:
-        given = error.key in table.model_fields_set
+        given = error.key in value.model_fields_set
         report.add((*candidate.place, error.key) if given else candidate.place, str(error))
     except ValueError as error:
         report.add(candidate.place, str(error), candidate.allowed)
-    return None
+    return []
 
 
 def _exact_span(table: RangeTable, unit: str) -> Span:
@@ -144,22 +151,14 @@ def _exact_span(table: RangeTable, unit: str) -> Span:
     return span_by_count(start, stop, int(table.num or 0), table.scale)
 
 
-def _length(form: Values) -> int:
-    return form.count if isinstance(form, Span) else len(form)
-
-
 def _few_enough(
-    counted: Sequence[tuple[Candidate, Values]],
-    zips: Sequence[Sequence[str]],
-    report: Report,
+    counted: Sequence[Candidate], zips: Sequence[Sequence[str]], report: Report
 ) -> bool:
-    """Whether the grid can be held at all; counted, not built."""
-    lengths = {candidate.name: _length(form) for candidate, form in counted}
-    too_long = [c for c, form in counted if _length(form) > LONGEST_AXIS]
-    for candidate in too_long:
-        count = lengths[candidate.name]
-        report.add(candidate.place, f"the axis has {count:,} values", f"at most {LONGEST_AXIS:,}")
-    points = count_points(lengths, zips)
+    """Whether the grid can be held at all."""
+    too_long = [one for one in counted if one.count > LONGEST_AXIS]
+    for one in too_long:
+        report.add(one.place, f"the axis has {one.count:,} values", f"at most {LONGEST_AXIS:,}")
+    points = count_points({one.name: one.count for one in counted}, zips)
     if points > MOST_POINTS:
         report.add(("grid",), f"the grid has {points:,} points", f"at most {MOST_POINTS:,}")
     return not too_long and points <= MOST_POINTS
@@ -171,24 +170,17 @@ def count_points(lengths: Mapping[str, int], zips: Sequence[Sequence[str]]) -> i
     return prod(length for name, length in lengths.items() if name not in followers)
 
 
-def _axis(candidate: Candidate, form: Values, zipped: bool, report: Report) -> Axis:
-    if isinstance(form, Span):
-        values = _of_span(candidate, form, report)
+def _axis(candidate: Candidate, zipped: bool, report: Report) -> Axis:
+    values: list[Any] = []
+    if isinstance(candidate.written, Span):
+        with report.noting(candidate.place, candidate.allowed):
+            values = [candidate.read(value) for value in candidate.written.values()]
     else:
-        elements = (_element(candidate, index, value, report) for index, value in enumerate(form))
+        elements = (_element(candidate, *one, report) for one in enumerate(candidate.written))
         values = [value for value in elements if value is not None]
     if not zipped:
         _refuse_repeats(candidate, values, report)
     return Axis(candidate.name, candidate.kind, tuple(values))
-
-
-def _of_span(candidate: Candidate, span: Span, report: Report) -> list[Any]:
-    """The values of a regular axis; the first that is not allowed is noted."""
-    try:
-        return [candidate.read(value) for value in span.values()]
-    except ValueError as error:
-        report.add(candidate.place, str(error), candidate.allowed)
-        return []
 
 
 def _element(candidate: Candidate, index: int, value: Any, report: Report) -> Any:
@@ -232,9 +224,9 @@ def _zips(
 
 
 def _check_zip_lengths(
-    counted: Sequence[tuple[Candidate, Values]], zips: Sequence[Sequence[str]], report: Report
+    counted: Sequence[Candidate], zips: Sequence[Sequence[str]], report: Report
 ) -> None:
-    lengths = {candidate.name: _length(values) for candidate, values in counted}
+    lengths = {one.name: one.count for one in counted}
     for index, group in enumerate(zips):
         sizes = {name: lengths[name] for name in group if lengths[name]}
         if len(set(sizes.values())) > 1:

@@ -28,6 +28,7 @@ class Physics:
     laws : the laws in use: one, or those of the axis ``friction``
     fixed : parameter -> SI value, given by the case; ``LAW.NAME`` when given for one law only
     unread : parameters whose value was given and is not sound
+    laws_known : False where a law is none that the model knows; `laws` are then all it can have
     """
 
     model: Model
@@ -35,6 +36,7 @@ class Physics:
     laws: tuple[Law, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
     unread: frozenset[str] = frozenset()
+    laws_known: bool = True
 
     @property
     def given(self) -> set[str]:
@@ -57,7 +59,8 @@ class Physics:
         Whole numbers and what is written into the generated code cannot.
         """
         own = {parameter.name for parameter in self.model.parameters}
-        shared = set.intersection(*({p.name for p in law.parameters} for law in self.laws))
+        tables = [{parameter.name for parameter in law.parameters} for law in self.laws]
+        shared = set.intersection(*tables) if self.laws_known else set.union(*tables)
         structural = {name for law in self.laws for name in law.structural}
         return {
             name: parameter
@@ -98,9 +101,9 @@ def read_physics(form: Form, report: Report) -> Physics:
     reader = _Reader(report)
     options = {**model.default_options(), **reader.options(model, form.model)}
     options |= _options_of_axes(model, options, axes)
-    laws = reader.laws(model, form.friction, axes.get("friction"))
+    laws, known = reader.laws(model, form.friction, axes.get("friction"))
     fixed = reader.of_model(model, laws, form.model) | reader.of_laws(model, laws, form.friction)
-    return Physics(model, options, laws, fixed, frozenset(reader.unread))
+    return Physics(model, options, laws, fixed, frozenset(reader.unread), known)
 
 
 def note_no_axis(
@@ -195,13 +198,17 @@ class _Reader:
                 self.report.add(place, str(error), option.allowed, hint, of_name=True)
         return chosen
 
-    def laws(self, model: Model, table: FrictionTable, axis: object) -> tuple[Law, ...]:
-        """The laws in use; where one of them is not known, all that the model can have."""
+    def laws(
+        self, model: Model, table: FrictionTable, axis: object
+    ) -> tuple[tuple[Law, ...], bool]:
+        """The laws in use, and whether all are known; where not, all that the model can have."""
         written = axis if isinstance(axis, list) else []
         names = [_known_law(model, name) for name in written] + self.law_of_table(model, table)
         chosen = [name for name in names if name is not None] or [model.laws[0]]
-        known = model.laws if None in names else dict.fromkeys(chosen)
-        return tuple(get_law(name) for name in known)
+        known = None not in names
+        return tuple(
+            get_law(name) for name in dict.fromkeys(chosen if known else model.laws)
+        ), known
 
     def law_of_table(self, model: Model, table: FrictionTable) -> list[str | None]:
         if table.law is None and table.of is not None:
@@ -289,8 +296,7 @@ class _Reader:
     def parameter(
         self, parameter: Parameter, value: object, place: Path, found: dict[str, float]
     ) -> None:
-        try:
+        with self.report.noting(place, parameter.allowed):
             found[parameter.name] = parameter.read(value)
-        except ValueError as error:
-            self.report.add(place, str(error), parameter.allowed)
+        if parameter.name not in found:
             self.unread.add(parameter.name)

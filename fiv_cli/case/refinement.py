@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from fiv_cli.case.axes import AxisError, Span, span_of_list
 from fiv_cli.case.case import Refinement, StartSpec
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import RefineTable, SweepTable
+from fiv_cli.case.structure import SweepTable
 from fiv_cli.notation.names import ascii_name, axis_name
 from fiv_cli.notation.units import exact
 from fiv_cli.notation.values import check_quantity
@@ -18,17 +18,12 @@ from fiv_cli.notation.values import check_quantity
 if TYPE_CHECKING:
     from fiv_cli.case.grid import Candidate
 
-Values = Span | list[Any]
-
 PLACE: Path = ("sweep", "refine")
-
-MOST_LEVELS = 12
-"""A lattice halved more often than this has more points than can be held."""
 
 
 def read_refinement(
     table: SweepTable,
-    counted: Sequence[tuple[Candidate, Values]],
+    counted: Sequence[Candidate],
     zips: Sequence[Sequence[str]],
     physics: Physics,
     report: Report,
@@ -37,24 +32,12 @@ def read_refinement(
     refine = table.refine
     if refine is None:
         return None
-    numeric = [candidate.name for candidate, _ in counted if candidate.unit is not None]
+    numeric = [one.name for one in counted if one.unit is not None]
     alone = [name for name in numeric if not any(name in group for group in zips)]
     axes = alone if refine.along is None else list(map(axis_name, refine.along))
-    sound = _sound(refine, report)
-    if not _known(axes, alone, physics, report) or not sound:
+    if not _known(axes, alone, physics, report):
         return None
     return Refinement(refine.levels, ascii_name(refine.of), tuple(axes), refine.sample, refine.seed)
-
-
-def _sound(refine: RefineTable, report: Report) -> bool:
-    """Whether the numbers are in their ranges; notes those that are not."""
-    ranges = {"levels": (1, MOST_LEVELS), "sample": (0, inf), "seed": (0, inf)}
-    given = {key: getattr(refine, key) or 0 for key in ranges}
-    wrong = [key for key, (low, high) in ranges.items() if not low <= given[key] <= high]
-    for key in wrong:
-        allowed = f"1 to {MOST_LEVELS}" if key == "levels" else "0 or more"
-        report.add((*PLACE, key), f"{given[key]} is out of range", allowed)
-    return not wrong
 
 
 def _known(names: Sequence[str], alone: Sequence[str], physics: Physics, report: Report) -> bool:
@@ -68,37 +51,31 @@ def _known(names: Sequence[str], alone: Sequence[str], physics: Physics, report:
     return bool(names) and not unknown
 
 
-def halved(
-    counted: Sequence[tuple[Candidate, Values]], refinement: Refinement, report: Report
-) -> list[tuple[Candidate, Values]]:
+def halved(counted: Sequence[Candidate], refinement: Refinement, report: Report) -> list[Candidate]:
     """The axes with those that are refined on their finest lattice."""
     return [
-        (one, _halved(one, form, refinement, report) if one.name in refinement.axes else form)
-        for one, form in counted
+        _halved(one, refinement.levels, report) if one.name in refinement.axes else one
+        for one in counted
     ]
 
 
-def _halved(candidate: Candidate, form: Values, refinement: Refinement, report: Report) -> Values:
+def _halved(axis: Candidate, levels: int, report: Report) -> Candidate:
+    written, unit = axis.written, axis.unit or "1"
     try:
-        span = form if isinstance(form, Span) else _span(form, candidate)
+        if isinstance(written, list) and written:
+            written = span_of_list([exact(check_quantity(value), unit) for value in written])
+        if isinstance(written, Span):
+            return replace(axis, written=written.halved(levels))
     except AxisError as error:
         report.add(
-            candidate.place,
+            axis.place,
             f"cannot be halved: {error}",
             "{ start, stop, num } or an evenly spaced list",
             'or name the axes to halve: refine = { ..., along = ["..."] }',
         )
-        return form
     except ValueError:
-        return form  # a value that is no number is noted where the values are read
-    return span.halved(refinement.levels)
-
-
-def _span(values: list[Any], candidate: Candidate) -> Span:
-    unit = candidate.unit or "1"
-    if not values:
-        raise ValueError("an empty axis")
-    return span_of_list([exact(check_quantity(value), unit) for value in values])
+        pass  # a value that is no number is noted where the values are read
+    return axis
 
 
 def refuse_chains(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.notation.names import listed, suggest
@@ -77,9 +78,21 @@ class Report:
         if len(self._names) <= MOST_PROBLEMS:
             self.add(path, message, listed(known), suggestion or suggest(name, known), True)
 
+    @contextmanager
+    def noting(self, path: Path, allowed: str) -> Iterator[None]:
+        """A block whose ValueError is noted as what is wrong with the value at `path`."""
+        try:
+            yield
+        except ValueError as error:
+            self.add(path, str(error), allowed)
+
     def add_problems(self, problems: Sequence[Problem]) -> None:
         """Note problems that know their place already."""
         self._values.extend(problems)
+
+    def understands(self, path: Path) -> bool:
+        """Whether all names in the table at `path` are known."""
+        return not any(problem.path.startswith(f"{dotted(path)}.") for problem in self._names)
 
     def raise_if_any(self) -> None:
         """CaseError with every problem, of names or values."""

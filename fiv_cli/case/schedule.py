@@ -147,19 +147,15 @@ def _listed(
 
 
 def _value(parameter: Parameter, value: object, place: Path, report: Report) -> float | None:
-    try:
+    with report.noting(place, parameter.allowed):
         return parameter.read(value)
-    except ValueError as error:
-        report.add(place, str(error), parameter.allowed)
-        return None
+    return None
 
 
 def _time(value: object, place: Path, report: Report) -> float | None:
-    try:
+    with report.noting(place, "a time in s"):
         return convert(check_quantity(value), "s")
-    except ValueError as error:
-        report.add(place, str(error), "a time in s")
-        return None
+    return None
 
 
 def _following(

@@ -47,8 +47,8 @@ def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -
         kind=table.kind,
         offset=_numbers(table.offset, physics, (*place, "offset"), report),
         state=_state(table.state, physics, (*place, "state"), report),
-        count=_at_least(1, table.count, (*place, "count"), report),
-        seed=_at_least(0, table.seed, (*place, "seed"), report),
+        count=table.count,
+        seed=table.seed,
         box=_box(table, physics, place, report),
         along=axis_name(table.along or ""),
         direction=table.direction,
@@ -82,10 +82,8 @@ def _numbers(
 ) -> dict[str, float]:
     found = {}
     for name, unit, key_place, value in _known_states(values, physics, place, report):
-        try:
+        with report.noting(key_place, f"a number in {unit}"):
             found[name] = convert(value, unit)
-        except ValueError as error:
-            report.add(key_place, str(error), f"a number in {unit}")
     return found
 
 
@@ -105,12 +103,6 @@ def _state(
     return found
 
 
-def _at_least(least: int, value: int, place: Path, report: Report) -> int:
-    if value < least:
-        report.add(place, f"{value} is out of range", f"a whole number >= {least}")
-    return value
-
-
 def _box(
     table: InitialTable, physics: Physics, place: Path, report: Report
 ) -> dict[str, tuple[float, float]]:
@@ -118,14 +110,10 @@ def _box(
         report.add(place, "a random start needs its box", "box = { STATE = [low, high], ... }")
     found = {}
     for name, unit, key_place, bounds in _known_states(table.box, physics, (*place, "box"), report):
-        try:
-            low, high = (convert(bound, unit) for bound in bounds)
-        except ValueError as error:
-            report.add(key_place, str(error), f"two numbers in {unit}")
-            continue
-        if low > high:
-            report.add(key_place, f"the low end {low!r} is above the high end {high!r}")
-        found[name] = (low, high)
+        with report.noting(key_place, f"two numbers in {unit}"):
+            found[name] = low, high = convert(bounds[0], unit), convert(bounds[1], unit)
+            if low > high:
+                raise ValueError(f"the low end {low!r} is above the high end {high!r}")
     return found
 
 
@@ -160,5 +148,5 @@ def _check_continued(
     if not start.from_label:
         report.add((*place, "from"), "is missing", f"the label of a start: {listed(beginnings)}")
     elif start.from_label not in beginnings:
-        message = f"no start of kind equilibrium or state is labelled {start.from_label!r}"
+        message = f"there is no start {start.from_label!r} of kind equilibrium or state"
         report.unknown((*place, "from"), message, start.from_label, beginnings)

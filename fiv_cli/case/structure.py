@@ -65,7 +65,7 @@ SchemaVersion = Annotated[
     int, PlainValidator(_check_version), WithJsonSchema({"const": SCHEMA_VERSION})
 ]
 Quantity = Annotated[Any, PlainValidator(check_quantity), WithJsonSchema(QUANTITY_SCHEMA)]
-Number = Annotated[float, PlainValidator(check_number), WithJsonSchema({"type": "number"})]
+Number = Annotated[float, BeforeValidator(check_number)]
 Interval = Annotated[
     Any,
     PlainValidator(check_interval),
@@ -74,6 +74,10 @@ Interval = Annotated[
 
 
 Levels = Annotated[Any, PlainValidator(check_levels), WithJsonSchema(LEVELS_SCHEMA)]
+
+
+MOST_LEVELS = 12
+"""A lattice halved more often than this has more points than can be held."""
 
 
 class Table(BaseModel):
@@ -130,16 +134,19 @@ class CurveTable(Table):
 class RefineTable(Table):
     """How a grid is halved along the borders of a class."""
 
-    levels: int = Field(description="how often the spacing of the grid is halved")
+    levels: int = Field(
+        ge=1, le=MOST_LEVELS, description="how often the spacing of the grid is halved"
+    )
     of: str = Field(default="attractor", description="class whose borders are followed")
     along: list[str] | None = Field(
         default=None, description="axes that are halved; default: all numeric ones, zips left out"
     )
     sample: int | None = Field(
         default=None,
+        ge=0,
         description="filled points of each map that are run as well; default: a tenth, at most 100",
     )
-    seed: int = Field(default=0, description="seed of the sample")
+    seed: int = Field(default=0, ge=0, description="seed of the sample")
 
 
 class SweepTable(Table):
@@ -162,8 +169,8 @@ class InitialTable(Table):
     state: dict[str, Quantity] = Field(
         default={}, description="values of states; a string may name a parameter; the rest is 0"
     )
-    count: int = Field(default=1, description="number of random starts")
-    seed: int = Field(default=0, description="seed of random starts")
+    count: int = Field(default=1, ge=1, description="number of random starts")
+    seed: int = Field(default=0, ge=0, description="seed of random starts")
     box: dict[str, Interval] = Field(default={}, description="state -> [low, high]")
     along: str | None = Field(default=None, description="axis along which a start is continued")
     direction: Literal["up", "down"] = Field(default="up", description="sense along the axis")
@@ -303,10 +310,12 @@ class SolverTable(Table):
     """How motions are integrated."""
 
     method: Literal["taylor", "rk4"] = Field(default="taylor", description="integrator")
-    rtol: Number = Field(default=1e-9, description="relative tolerance of a Taylor step")
+    rtol: Number = Field(
+        default=1e-9, ge=1e-15, le=1e-3, description="relative tolerance of a Taylor step"
+    )
     step: Quantity = Field(default=1e-3, description="step of rk4, s")
-    max_events: int = Field(default=1_000_000, description="events after which a run ends")
-    max_steps: int = Field(default=50_000_000, description="steps after which a run ends")
+    max_events: int = Field(default=1_000_000, ge=1, description="events after which a run ends")
+    max_steps: int = Field(default=50_000_000, ge=1, description="steps after which a run ends")
 
 
 class HeaderTable(Table):

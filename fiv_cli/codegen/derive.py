@@ -286,7 +286,6 @@ class _Deriver:
                 unknowns.append(self.symbols.tangential_force(i))
                 conditions.append(self._slip_acceleration(contact))
             if kind != SEPARATION and self._is_rigid(contact):
-                assert contact.gap_coordinate is not None
                 unknowns.append(self.symbols.normal_force(i))
                 conditions.append(self._gap_acceleration(contact))
         slipping = {

@@ -6,7 +6,8 @@ import errno
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,12 @@ from fiv_cli.files import replacing
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
+
+MUCH = 128 * 2**20
+"""Bytes of a dataset that the library must not keep a second time when it writes or reads them."""
+
+CACHE = 2**20
+"""Bytes that it then keeps of each variable."""
 
 
 def write_datasets(
@@ -45,7 +52,8 @@ def write_datasets(
     attributes = {**attributes, "variables_json": form}
     try:
         _check_space(path, datasets)
-        with replacing(path) as temporary, ending.last_act(temporary.unlink):
+        much = any(dataset.nbytes > MUCH for dataset in datasets.values())
+        with replacing(path) as temporary, ending.last_act(temporary.unlink), _caches(much):
             _write(temporary, datasets, attributes)
             _check(temporary, datasets)
     except (OSError, RuntimeError) as error:
@@ -134,6 +142,20 @@ def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[s
             for name, dataset in datasets.items():
                 _define(file.createGroup(name), dataset, later)
         later.write()
+
+
+@contextmanager
+def _caches(small: bool) -> Iterator[None]:
+    """What the library keeps of files that are opened meanwhile; `small`: little."""
+    import netCDF4
+
+    usual = netCDF4.get_chunk_cache()
+    if small:
+        netCDF4.set_chunk_cache(CACHE)
+    try:
+        yield
+    finally:
+        netCDF4.set_chunk_cache(*usual)
 
 
 def _define(group: Any, dataset: xr.Dataset, later: _Later) -> None:

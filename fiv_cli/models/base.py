@@ -20,6 +20,7 @@ from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from fiv_cli.errors import UsageError
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
@@ -229,6 +230,13 @@ class Contact:
     sliding_only: bool = False
     static_friction: bool = True
 
+    def __post_init__(self) -> None:
+        if self.normal_force is None and (self.gap is None or self.gap_coordinate is None):
+            raise UsageError(
+                "a rigid contact (normal_force = None) has no gap or no gap_coordinate\n"
+                "next: name the state that the closed gap determines"
+            )
+
 
 @dataclass(frozen=True)
 class Zone:
@@ -267,6 +275,11 @@ class Equations:
     potential_energy: Expr
     law_parameters: Mapping[str, Expr] = field(default_factory=dict)
     zone: Zone | None = None
+
+
+def _regular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
+    """The equations of most models mean something under all parameters."""
+    return "", ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,10 +329,7 @@ class Model:
     )
     vibration: tuple[str, ...] = ()
     requirements: tuple[Requirement, ...] = ()
-    singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = lambda known, options: (
-        "",
-        "",
-    )
+    singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

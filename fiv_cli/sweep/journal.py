@@ -38,7 +38,7 @@ PENDING = STATUS.codes["pending"]
 _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
 
 
-KEPT = 128 * 2**20
+KEPT = 64 * 2**20
 """Bytes of results that stay in memory until the dataset is made; the rest is read again."""
 
 

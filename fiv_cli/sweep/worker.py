@@ -186,7 +186,7 @@ def _run_segment(
         ending.heed()
         pulse.beat()
         key = point_key(template, values, entry, previous)
-        outcome = _guarded(template, values, entry, state, execute)
+        outcome = _outcome_of(template, values, entry, state, execute)
         if entry is None or entry.spec.kind != "continue":
             yield outcome, key, None
             continue
@@ -194,7 +194,7 @@ def _run_segment(
         yield outcome, key, state
 
 
-def _guarded(
+def _outcome_of(
     template: Template,
     values: Values,
     entry: StartEntry | None,
@@ -202,42 +202,38 @@ def _guarded(
     execute: Callable[[Request], Outcome],
 ) -> Outcome:
     """The outcome of a point; an exception is a failed point, never a lost task."""
+    barrier = _barrier(entry, state)
+    if barrier:
+        return Outcome("not_reached", barrier)
     try:
-        if entry is None:
-            return _executed(template, values, None, execute)
-        return _run_chain_point(template, values, entry, state, execute)
+        request = request_at(template, values, _start_of(template, values, entry, state))
+        unmet = exclusion(request, template.linear)
+        if unmet is not None:
+            return Outcome("not_computed", unmet.reason)
+        return _placed(execute(request), request, template)
     except Exception as error:
         message = f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
         return Outcome("failed", "internal_error", message=message)
 
 
-def _run_chain_point(
-    template: Template,
-    values: Values,
-    entry: StartEntry,
-    state: ChainState | None,
-    execute: Callable[[Request], Outcome],
-) -> Outcome:
-    if state is not None and state.blocked:
-        return Outcome("not_reached", state.blocked)
-    if state is None or (state.lost and entry.spec.on_loss == "restart"):
-        return _executed(template, values, resolve_start(template, values, entry), execute)
-    if state.carry is None or state.lost:
-        return Outcome("not_reached", "class_changed")
-    return _executed(template, values, continued_start(entry, state.carry), execute)
+def _barrier(entry: StartEntry | None, state: ChainState | None) -> str:
+    """Why a point cannot be reached along its chain; empty where it can, or is on no chain."""
+    if entry is None or state is None:
+        return ""
+    restarted = state.lost and entry.spec.on_loss == "restart"
+    ended = "class_changed" if state.lost or state.carry is None else ""
+    return state.blocked or ("" if restarted else ended)
 
 
-def _executed(
-    template: Template,
-    values: Values,
-    start: Start | None,
-    execute: Callable[[Request], Outcome],
-) -> Outcome:
-    request = request_at(template, values, start)
-    unmet = exclusion(request, template.linear)
-    if unmet is not None:
-        return Outcome("not_computed", unmet.reason)
-    return _placed(execute(request), request, template)
+def _start_of(
+    template: Template, values: Values, entry: StartEntry | None, state: ChainState | None
+) -> Start | None:
+    """Where a point starts: where the one before it ended, if it follows one."""
+    if entry is None:
+        return None
+    if state is None or state.lost or state.carry is None:
+        return resolve_start(template, values, entry)
+    return continued_start(entry, state.carry)
 
 
 def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
