@@ -419,6 +419,10 @@ class TestBadInput:
         paths = {problem.path for problem in problems("")}
         assert {"schema", "model", "analysis"} <= paths
 
+    def test_no_analysis(self) -> None:
+        text = BELT.split("[[analysis]]")[0]
+        assert only_problem(text).path == only_problem("analysis = []\n" + text).path == "analysis"
+
     @pytest.mark.parametrize(
         ("lines", "path", "fragment"),
         [

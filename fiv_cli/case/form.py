@@ -98,10 +98,10 @@ def read_form(document: Mapping[str, Any], report: Report) -> Form:
         grid=tuple(_axes(document, report)),
         schedule=tuple(_curves(document, report)),
         sweep=_one(SweepTable, document.get("sweep", {}), ("sweep",), report),
-        initial=_all(InitialTable, document, "initial", report),
-        analysis=_all(AnalysisTable, document, "analysis", report),
-        figure=_all(FigureTable, document, "figure", report),
-        claim=_all(ClaimTable, document, "claim", report),
+        initial=read_tables(InitialTable, document.get("initial", []), "initial", report),
+        analysis=read_tables(AnalysisTable, document.get("analysis", []), "analysis", report),
+        figure=read_tables(FigureTable, document.get("figure", []), "figure", report),
+        claim=read_tables(ClaimTable, document.get("claim", []), "claim", report),
         solver=_one(SolverTable, document.get("solver", {}), ("solver",), report),
     )
     _refuse_unknown_words(document, report)
@@ -120,7 +120,7 @@ def _refuse_unknown_tables(document: Mapping[str, Any], report: Report) -> None:
         "analysis": "one [[analysis]] at least",
     }
     for key, what in needed.items():
-        if key not in document and nearest(key, unknown) is None:
+        if document.get(key) in (None, []) and nearest(key, unknown) is None:
             report.add((key,), "is missing", what)
 
 
@@ -154,10 +154,6 @@ def _check_word(
 def _one(form: type[T], raw: object, path: Path, report: Report) -> T:
     """`raw` as a `form`; an unfilled one, and a note, where it is none."""
     return read_table(form, raw, path, report) or form.model_construct()
-
-
-def _all(form: type[T], document: Mapping[str, Any], key: str, report: Report) -> tuple[T, ...]:
-    return tuple(table for _, _, table in read_tables(form, document.get(key, []), (key,), report))
 
 
 def _axes(document: Mapping[str, Any], report: Report) -> Iterator[Entry[list[Any] | RangeTable]]:

@@ -40,22 +40,16 @@ def _form_at(form: type[BaseModel], place: Path) -> type[BaseModel]:
     return next(tables, form)
 
 
-def read_tables(
-    form: type[T], raw: object, path: Path, report: Report
-) -> list[tuple[Path, dict[str, Any], T]]:
-    """Each readable element of an array of tables, with its path and its raw keys."""
+def read_tables(form: type[T], raw: object, key: str, report: Report) -> tuple[T, ...]:
+    """The elements of an array of tables that are sound, and a note of every other."""
     if not isinstance(raw, list):
-        report.add(path, f"must be an array of tables [[{path[-1]}]], not {describe(raw)}")
-        return []
+        report.add((key,), f"must be an array of tables [[{key}]], not {describe(raw)}")
+        return ()
     if len(raw) > MOST_TABLES:
-        report.add(path, f"{len(raw):,} tables are too many", f"at most {MOST_TABLES:,}")
-        return []
-    places = [(*path, index) for index in range(len(raw))]
-    tables = [
-        (place, element, read_table(form, element, place, report))
-        for place, element in zip(places, raw, strict=True)
-    ]
-    return [(place, element, table) for place, element, table in tables if table is not None]
+        report.add((key,), f"{len(raw):,} tables are too many", f"at most {MOST_TABLES:,}")
+        return ()
+    tables = [read_table(form, one, (key, index), report) for index, one in enumerate(raw)]
+    return tuple(table for table in tables if table is not None)
 
 
 def keys_of(form: type[BaseModel]) -> dict[str, str]:

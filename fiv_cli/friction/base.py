@@ -48,7 +48,8 @@ class Law:
     parameters : its parameter table
     force : ``(Slip, parameters) -> F_T`` in N, positive along v
     capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
-    states : internal states, name -> unit
+    states : internal states, name -> unit (no shipped law has any: see the test of one in
+        ``tests/test_law_with_states.py``)
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)
     average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
