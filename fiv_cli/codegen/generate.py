@@ -20,6 +20,8 @@ from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
+    from llvmlite.binding import ExecutionEngine
+
     from fiv_cli.codegen.derive import ContactState, Derivation
     from fiv_cli.codegen.emit import Coefficients, TaylorStep
     from fiv_cli.codegen.graph import Graph, Node
@@ -85,7 +87,7 @@ class Generated:
     smooth: tuple[bool, ...]
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
-    _engines: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    _engines: dict[str, ExecutionEngine] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def tangent_order(self) -> int:
@@ -117,7 +119,7 @@ def generate(setup: Setup, announce: Callable[[str], None] = lambda message: Non
         announce(f"generating code for {setup.title} (once per user)")
         stored = _make(setup)
         cache.write(f"{key}.json", stored)
-    return _from_json(key, json.loads(stored))
+    return _from_json(key, cache.frozen(json.loads(stored)))
 
 
 def text_key(setup: Setup) -> str:
@@ -204,7 +206,7 @@ def _make(setup: Setup) -> bytes:
     return json.dumps(content).encode()
 
 
-def _table(state: ContactState) -> dict[str, Any]:
+def _table(state: ContactState) -> dict[str, object]:
     return {
         "kinds": state.kinds,
         "name": state.name,
@@ -215,7 +217,7 @@ def _table(state: ContactState) -> dict[str, Any]:
     }
 
 
-def _saturating(state: ContactState) -> list[tuple[str, Any]]:
+def _saturating(state: ContactState) -> list[tuple[str, Node]]:
     """Functions, with their arguments, whose series says nothing of what lies off their plateau."""
     from fiv_cli.codegen.emit import reachable
 
@@ -304,29 +306,8 @@ def _step_with_tangents(
 
 
 def _from_json(key: str, content: dict[str, Any]) -> Generated:
-    zone = content["zone"]
-    return Generated(
-        key=key,
-        order=content["order"],
-        state_names=tuple(content["state_names"]),
-        parameter_names=tuple(content["parameter_names"]),
-        n_coefficients=content["n_coefficients"],
-        states={int(i): _state_table(table) for i, table in content["states"].items()},
-        smooth=tuple(content["smooth"]),
-        zone=None if zone is None else (zone[0], zone[1], zone[2]),
-        texts=content["texts"],
-    )
-
-
-def _state_table(table: dict[str, Any]) -> StateTable:
-    return StateTable(
-        kinds=tuple(table["kinds"]),
-        name=table["name"],
-        guards=tuple((kind, contact) for kind, contact in table["guards"]),
-        has_angle=table["has_angle"],
-        n_arguments=table["n_arguments"],
-        impacts=tuple(table["impacts"]),
-    )
+    states = {int(i): StateTable(**table) for i, table in content.pop("states").items()}
+    return Generated(key=key, states=states, **content)
 
 
 def _object_name(text: str) -> str:
@@ -336,7 +317,7 @@ def _object_name(text: str) -> str:
     return cache.content_key([text, source, lower.machine_description()]) + ".o"
 
 
-def load_text(text: str) -> Any:
+def load_text(text: str) -> ExecutionEngine:
     """Execution engine with the functions of `text`, compiled unless the cache has the object."""
     from fiv_cli.codegen import lower
 

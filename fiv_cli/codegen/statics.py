@@ -14,13 +14,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.codegen import cache
 from fiv_cli.codegen.generate import load_text, text_key
 from fiv_cli.codegen.reduction import ELIMINATED, FUNCTION, Reduction, Statics
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.schedule import STEADY
+
+if TYPE_CHECKING:
+    from llvmlite.binding import ExecutionEngine
 
 ORDER = 0  # no Taylor series: what stands for the order in the key
 
@@ -34,14 +37,16 @@ def generate_statics(setup: Setup) -> Statics:
 
         stored = json.dumps(asdict(derive_statics(setup))).encode()
         cache.write(name, stored)
-    return _from_json(json.loads(stored))
+    content = cache.frozen(json.loads(stored))
+    reductions = tuple(Reduction(**reduction) for reduction in content.pop("reductions"))
+    return Statics(**content, reductions=reductions)
 
 
 @dataclass(frozen=True)
 class Loaded:
     """Addresses of the functions of a reduction (0: none); `engine` keeps their code alive."""
 
-    engine: Any
+    engine: ExecutionEngine
     statics: int
     eliminated: int
 
@@ -52,25 +57,3 @@ def load_reduction(reduction: Reduction) -> Loaded:
     names = (FUNCTION, ELIMINATED if reduction.eliminated else "")
     addresses = (int(engine.get_function_address(name)) if name else 0 for name in names)
     return Loaded(engine, *addresses)
-
-
-def _from_json(content: dict[str, Any]) -> Statics:
-    return Statics(
-        bilateral=tuple(content["bilateral"]),
-        determined=tuple(content["determined"]),
-        reductions=tuple(map(_reduction, content["reductions"])),
-    )
-
-
-def _reduction(found: dict[str, Any]) -> Reduction:
-    return Reduction(
-        parameters=tuple(found["parameters"]),
-        scalar=found["scalar"],
-        unknowns=tuple(found["unknowns"]),
-        numerators=tuple(tuple(slots) for slots in found["numerators"]),
-        denominator=tuple(found["denominator"]),
-        closure=tuple(found["closure"]),
-        n_slots=found["n_slots"],
-        eliminated=tuple(found["eliminated"]),
-        text=found["text"],
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from fiv_cli.reading import select
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 DEFAULT = "section_value"
@@ -24,7 +23,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return DEFAULT in dataset and bool(points.varying_axes(dataset))
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Dots of every layer; one colour per start, branch or further axis."""
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     name = points.one_variable(settings, DEFAULT)
@@ -35,25 +34,13 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     entries = points.entries([label for label, _, _ in clouds])
     for (_, x, y), entry in zip(clouds, entries, strict=True):
         ax.plot(x, y, ".", mew=0, ls="none", color=entry.colour, label=entry.label, **looks)
-    _dress(ax, layers, name, settings)
+    ax.set_ylabel(labels.axis_label(layers[0].dataset[name]))
+    points.dress(ax, layers, settings)
     return figure
 
 
-def _dress(
-    ax: Axes, layers: Sequence[points.Layer], name: str, settings: Mapping[str, Any]
-) -> None:
-    first = layers[0].dataset
-    axis = points.abscissa(first, settings)
-    points.dress_axis(ax, axis, "x")
-    ax.set_ylabel(labels.axis_label(first[name]))
-    for layer in layers:
-        points.mark_gaps(ax, layer.dataset, points.abscissa(layer.dataset, settings))
-    points.scale(ax, settings)
-    points.legend(ax)
-
-
 def _clouds(
-    layer: points.Layer, name: str, settings: Mapping[str, Any]
+    layer: points.Layer, name: str, settings: points.Settings
 ) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """(label, x, y) of each line of points of one dataset."""
     dataset = layer.dataset

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,11 +25,7 @@ CLASS_SHIFT = 0.06
 # The pairs of classes that tell crossings apart, and how they are put into words. To a question
 # about a number motions of one class may give two answers; then these tell.
 CLASSES, ANSWERS = ("class_below", "class_above"), ("answer_below", "answer_above")
-SORTS = {
-    ("crossing_kind", "crossing_direction"): "{} {}",
-    CLASSES: "{} to {}",
-    ANSWERS: "{} to {}",
-}
+SORTS = {("crossing_kind", "crossing_direction"): "{} {}", CLASSES: "{} to {}", ANSWERS: "{} to {}"}
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -37,7 +33,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return bool(_headlines(dataset)) and bool(points.varying_axes(dataset))
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Lines of every layer; points without an answer are marked along the lower edge."""
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     names = variables_of(layers[0].dataset, settings)
@@ -53,7 +49,8 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
         ax.plot(curve.x, y, mark, ms=3, color=entry.colour, label=entry.label)
         if curve.width is not None:
             ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
-    _dress(ax, layers, names, settings)
+    _name_values(ax, [layers[0].dataset[name] for name in names])
+    points.dress(ax, layers, settings)
     return figure
 
 
@@ -62,19 +59,15 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
     return sorted(headlines(dataset), key=lambda name: bool(flag_names(dataset[name].attrs)))
 
 
-def variables_of(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
+def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
     """The variables that the figure names (``variable``, or ``y``), else the preferred one.
 
     Raises
     ------
     UsageError : the dataset has no such variable
     """
-    default = next(iter(_headlines(dataset)), "variable")
-    named = settings.get("variable", settings.get("y", default))
-    return [
-        points.known_variable(dataset, str(name))
-        for name in (named if isinstance(named, list) else [named])
-    ]
+    default = settings.get("y", next(iter(_headlines(dataset)), "variable"))
+    return [points.known_variable(dataset, name) for name in points.variables(settings, default)]
 
 
 @dataclass(frozen=True)
@@ -88,7 +81,7 @@ class _Curve:
     width: np.ndarray | None = None
 
 
-def _curves(layer: points.Layer, name: str, settings: Mapping[str, Any]) -> list[_Curve]:
+def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_Curve]:
     """The lines of one variable of one dataset."""
     dataset = layer.dataset
     axis = points.abscissa(dataset, settings)
@@ -191,17 +184,10 @@ def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return found
 
 
-def _dress(
-    ax: Axes, layers: Sequence[points.Layer], names: Sequence[str], settings: Mapping[str, Any]
-) -> None:
-    first = layers[0].dataset
-    points.dress_axis(ax, points.abscissa(first, settings), "x")
-    if len(names) == 1:
-        ax.set_ylabel(labels.axis_label(first[names[0]]))
-    classes = {c: n for c, n in flag_names(first[names[0]].attrs).items() if n != NOT_COMPUTED}
+def _name_values(ax: Axes, variables: Sequence[xr.DataArray]) -> None:
+    """What stands beside the values: the name of one variable, the names of classes."""
+    if len(variables) == 1:
+        ax.set_ylabel(labels.axis_label(variables[0]))
+    classes = {c: n for c, n in flag_names(variables[0].attrs).items() if n != NOT_COMPUTED}
     if classes:
         ax.set_yticks(list(classes), labels=[word.replace("_", " ") for word in classes.values()])
-    for layer in layers:
-        points.mark_gaps(ax, layer.dataset, points.abscissa(layer.dataset, settings))
-    points.scale(ax, settings)
-    points.legend(ax)

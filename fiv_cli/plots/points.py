@@ -6,7 +6,7 @@ import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -14,10 +14,11 @@ from fiv_cli.errors import UsageError
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import flag_names, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 
@@ -27,6 +28,27 @@ MOST_ENTRIES = 2 * MOST_ENTRIES_IN_COLUMN
 
 # The number that a random start's label ends with.
 RANDOM_MEMBER = re.compile(r"-\d{3,}(?=,|$)")
+
+
+class Settings(TypedDict, total=False):
+    """What a figure is asked for: the keys of a ``[[figure]]`` table, checked where it is read."""
+
+    title: str
+    analysis: str
+    x: str
+    y: str
+    variable: str | list[str]
+    select: Mapping[str, object]
+    take: Mapping[str, Any]
+    level: float | list[float]
+    contact: int
+    window: tuple[float | str, float | str]
+    overlay: bool
+    log: bool | str
+    xlim: tuple[float | str, float | str]
+    ylim: tuple[float | str, float | str]
+    unit: str
+    resolution: float | str
 
 
 @dataclass(frozen=True)
@@ -68,7 +90,7 @@ def _axes_along(dataset: xr.Dataset, dim: str) -> list[xr.DataArray]:
     return [select.axis_of(dataset, name) for name in names]
 
 
-def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.DataArray:
+def abscissa(dataset: xr.Dataset, settings: Settings) -> xr.DataArray:
     """The axis that ``x`` names, else the numeric one with the most values, the first of these.
 
     Raises
@@ -95,12 +117,18 @@ def known_variable(dataset: xr.Dataset, name: str) -> str:
     return name
 
 
-def one_variable(settings: Mapping[str, Any], default: str) -> str:
-    """The variable of a figure that shows just one; UsageError when several are named."""
+def variables(settings: Settings, default: str | list[str]) -> list[str]:
+    """The variables that a figure names, or those that it shows by default."""
     named = settings.get("variable", default)
-    if isinstance(named, list) and len(named) != 1:
+    return [named] if isinstance(named, str) else list(named)
+
+
+def one_variable(settings: Settings, default: str) -> str:
+    """The variable of a figure that shows just one; UsageError when several are named."""
+    named = variables(settings, default)
+    if len(named) != 1:
         raise UsageError("this kind of figure shows one variable\nmake it a [[figure]] for each")
-    return str(named[0] if isinstance(named, list) else named)
+    return named[0]
 
 
 def positions(axis: xr.DataArray) -> np.ndarray:
@@ -116,14 +144,14 @@ def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
         spine.set_ticks(np.arange(axis.size), labels=[str(value) for value in axis.values])
 
 
-def scale(ax: Axes, settings: Mapping[str, Any]) -> None:
+def scale(ax: Axes, settings: Settings) -> None:
     """Logarithmic axes and limits, as the figure asks."""
-    logarithmic = {True: "xy", False: ""}.get(settings.get("log", False), settings.get("log"))
-    for which in ("x", "y"):
-        if which in str(logarithmic):
+    log = settings.get("log", "")
+    for which, limits in (("x", settings.get("xlim")), ("y", settings.get("ylim"))):
+        if log is True or which in str(log):
             ax.set(**{f"{which}scale": "log"})
-        if f"{which}lim" in settings:
-            ax.set(**{f"{which}lim": [in_si(bound) for bound in settings[f"{which}lim"]]})
+        if limits is not None:
+            ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})
 
 
 def in_si(value: float | str) -> float:
@@ -209,13 +237,6 @@ def _once(label: str, before: Sequence[str]) -> str | None:
     return None if label in before else label
 
 
-def is_class(dataset: xr.Dataset, variable: str, *names: str) -> xr.DataArray:
-    """Where the flag `variable` has one of the classes, over its dims."""
-    array = dataset[variable]
-    codes = [code for code, name in flag_names(array.attrs).items() if name in names]
-    return array.isin(codes)
-
-
 def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """Kind of gap -> the points that have it: failed, not reached, ... and undecided."""
     status = dataset["status"]
@@ -225,12 +246,20 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
         if name != "ok"
     }
     if "computed" in dataset:  # what is filled in has an answer, the only one that was asked for
-        found["not computed"] &= ~is_class(dataset, "computed", "filled_in")
+        found["not computed"] &= ~is_class(dataset["computed"], ("filled_in",))
     if "attractor" in dataset:
-        found["undecided"] = is_class(dataset, "attractor", "undecided") & is_class(
-            dataset, "status", "ok", "budget"
-        )
+        undecided = is_class(dataset["attractor"], ("undecided",))
+        found["undecided"] = undecided & is_class(status, ("ok", "budget"))
     return {name: mask for name, mask in found.items() if bool(mask.any())}
+
+
+def dress(ax: Axes, layers: Sequence[Layer], settings: Settings) -> None:
+    """The axis that the layers are drawn against, their gaps, and a legend."""
+    dress_axis(ax, abscissa(layers[0].dataset, settings), "x")
+    for layer in layers:
+        mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings))
+    scale(ax, settings)
+    legend(ax)
 
 
 GAP_MARKS = {"undecided": ("x", "#777777"), "failed": ("X", style.BLACK)}
@@ -260,7 +289,7 @@ def legend(ax: Axes) -> None:
         ax.legend(handles, names, markerscale=2.0)
 
 
-def _thinned(handles: Sequence[Any], names: Sequence[str]) -> tuple[list[Any], list[str]]:
+def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:
     """Of too many entries some, evenly spread: the colours of many lines are a ramp."""
     kept = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_ENTRIES)).astype(int))
     return [handles[place] for place in kept], [names[place] for place in kept]

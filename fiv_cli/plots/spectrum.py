@@ -7,8 +7,8 @@ transform of its samples.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -17,10 +17,11 @@ from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, motion, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import numbers
+from fiv_cli.reading.datasets import is_class, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -38,7 +39,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return STEADY in dataset or motion.suits(dataset)
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Colours along a parameter, lines where none varies."""
     dataset = layers[0].dataset
     if STEADY not in dataset:
@@ -49,27 +50,25 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
 
 
 # --- steady states along a parameter --------------------------------------------------------------
-def _draw_along(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+def _draw_along(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     """A panel for each start and each value of the other axes."""
     axis = points.abscissa(dataset, settings)
     array = numbers(dataset[STEADY])
     spread = [str(axis.dims[0]), "frequency"]
     panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
     map_.refuse_many(panels, array, spread)
-    columns = min(len(panels), map_.MOST_COLUMNS)
-    rows = -(-len(panels) // columns)
-    figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
+    figure, axes, columns = style.grid_of_panels(
+        len(panels), map_.MOST_COLUMNS, points.title(dataset), sharex=True, sharey=True
+    )
     norm = norm_of(array.values)
-    for number, ax in enumerate(axes):
-        if number >= len(panels):
-            ax.set_axis_off()
-            continue
-        _paint(ax, dataset, panels[number], axis, norm, settings)
+    for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
+        _paint(ax, dataset, panel, axis, norm, settings)
         points.dress_axis(ax, axis, "x")
         ax.set_ylabel(frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
-    image = next(ax.collections[0] for ax in axes if ax.collections)
-    figure.colorbar(image, ax=axes, label=labels.axis_label(dataset[STEADY]), extend="min")
+    figure.colorbar(
+        axes[0].collections[0], ax=axes, label=labels.axis_label(dataset[STEADY]), extend="min"
+    )
     _explain(figure, dataset)
     return figure
 
@@ -87,7 +86,7 @@ def _paint(
     panel: points.Line,
     axis: xr.DataArray,
     norm: LogNorm,
-    settings: Mapping[str, Any],
+    settings: points.Settings,
 ) -> None:
     """Colours, and dots where an eigenvalue grows."""
     part = dataset.isel(panel.index)
@@ -109,7 +108,7 @@ def _paint(
 
 def _explain(figure: Figure, dataset: xr.Dataset) -> None:
     """What dots and hatching mean."""
-    handles: list[Any] = []
+    handles: list[Artist] = []
     if GROWING in dataset and bool(dataset[GROWING].notnull().any()):
         (dot,) = figure.axes[0].plot([], [], "o", ms=3.5, mew=0, color=style.BLACK)
         dot.set_label("unstable eigenfrequency")
@@ -122,12 +121,12 @@ def _explain(figure: Figure, dataset: xr.Dataset) -> None:
 
 def _unbounded(dataset: xr.Dataset) -> str:
     """The classes of motion without a spectrum that the dataset holds."""
-    names = [n for n in NO_SPECTRUM if bool(points.is_class(dataset, "attractor", n).any())]
+    names = [n for n in NO_SPECTRUM if bool(is_class(dataset["attractor"], (n,)).any())]
     return points.joined(*(name.replace("_", " ") for name in names))
 
 
 # --- one steady state -----------------------------------------------------------------------------
-def _draw_steady(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     """A line for each start; unstable eigenfrequencies upright."""
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     array = numbers(dataset[STEADY])
@@ -147,18 +146,18 @@ def _draw_steady(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def factor_of(settings: Mapping[str, Any]) -> float:
+def factor_of(settings: points.Settings) -> float:
     """From Hz to the unit of the figure."""
     return 2.0 * np.pi if settings.get("unit") == "rad/s" else 1.0
 
 
-def frequency_label(settings: Mapping[str, Any]) -> str:
+def frequency_label(settings: points.Settings) -> str:
     """What stands at an axis of frequencies."""
     return r"$\omega$ (rad/s)" if settings.get("unit") == "rad/s" else "$f$ (Hz)"
 
 
 # --- a motion in time -----------------------------------------------------------------------------
-def _draw_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     """A line for each variable of each motion; the mean is taken off before."""
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     names = motion.variables(dataset, settings)

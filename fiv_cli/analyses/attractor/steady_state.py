@@ -37,7 +37,7 @@ from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, s
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
-from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Section, Settings, SolverSettings, Start
 from fiv_cli.analyses.common import (
     Sliding,
     balance,
@@ -49,8 +49,10 @@ from fiv_cli.analyses.common import (
 )
 from fiv_cli.analyses.cycles.periodic import (
     Problem,
+    aim_phase,
     begin,
     extents,
+    floquet,
     is_nontrivial,
     repeats,
     tightened,
@@ -73,7 +75,7 @@ def steady_state(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """The steady state that `start` leads to."""
@@ -146,7 +148,7 @@ class _Response:
     def __init__(
         self,
         problem: Problem,
-        settings: Mapping[str, Any],
+        settings: Settings,
         solver: SolverSettings,
         rests: Rests,
         motion: Motion,
@@ -257,12 +259,10 @@ class _Response:
         """Run on, keeping section points."""
         if self.count + CHUNK > KEPT:
             self._forget_oldest()
-        room = (
-            self.times[self.count : self.count + CHUNK],
-            self.points[self.count : self.count + CHUNK],
-        )
+        ahead = slice(self.count, self.count + CHUNK)
+        room = (self.times[ahead], self.points[ahead])
         events = self.motion.n_events
-        self._aim_phase(section)
+        aim_phase(self.motion, section, self._strobe_period())
         self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
         if self.motion.n_events != events:
@@ -291,15 +291,6 @@ class _Response:
         self.times[:kept] = self.times[half : self.count]
         self.points[:kept] = self.points[half : self.count]
         self.count = kept
-
-    def _aim_phase(self, section: Section) -> None:
-        """Set the next instant of a stroboscopic section."""
-        if section.kind != "phase":
-            return
-        period = self._strobe_period()
-        offset = section.phase / (2 * np.pi) * period
-        turns = np.floor((self.motion.time - offset) / period + 1e-9) + 1
-        self.motion.frame.next_phase = offset + turns * period
 
     def _strobe_period(self) -> float:
         return self.excitation if self.excitation is not None else self.patience
@@ -344,7 +335,7 @@ class _Response:
         return outcome
 
     def _resting_values(self, state: Vector, sticking: bool) -> Outcome:
-        values: dict[str, Any] = {
+        values: dict[str, object] = {
             "attractor": "equilibrium",
             "stick_fraction": self._per_contact(float(sticking)),
             "slip_fraction": self._per_contact(float(not sticking)),
@@ -433,15 +424,15 @@ class _Response:
                 return None
             return self._measured_cycle(shorter, multiplicity // share, section)
         self.spent = {"n_steps": before.n_steps, "n_events": before.n_events}
-        values = {"multiplicity": multiplicity, "transient_used": before.time}
+        values: dict[str, object] = {"multiplicity": multiplicity, "transient_used": before.time}
         values |= self._measured(energy) | self._described(cycle, period)
         shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
         carry = self._carry("periodic")
         return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
 
-    def _described(self, cycle: Confirmed, period: float) -> dict[str, Any]:
+    def _described(self, cycle: Confirmed, period: float) -> dict[str, object]:
         """What is known of a cycle beside its measures; `period` is that at the section, s."""
-        values: dict[str, Any] = {
+        values: dict[str, object] = {
             "attractor": "periodic",
             "period": period,
             "response_frequency": 1.0 / period,
@@ -455,7 +446,7 @@ class _Response:
         self, count: int, section: Section, measuring: bool = False
     ) -> NDArray[np.float64]:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
-        self._aim_phase(section)
+        aim_phase(self.motion, section, self._strobe_period())
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
             until, section, (times, points), None, measuring, self._strobe_period()
@@ -471,17 +462,16 @@ class _Response:
         self.motion.start_measuring(reference)
         return self.motion.time
 
-    def _measured(self, energy_before: float) -> dict[str, Any]:
+    def _measured(self, energy_before: float) -> dict[str, object]:
         """Everything that was integrated along the measured stretch."""
         measures, motion = self.motion.measures, self.motion
         time = measures.measured_time
         shares = measures.shares / time
-        per_contact = shares if len(shares) > 1 else shares[0][None, :]
         fractions = [
-            per_contact[:, kind] if len(shares) > 1 else float(per_contact[0, kind])
+            shares[:, kind] if len(shares) > 1 else float(shares[0, kind])
             for kind in (STICK, SLIP, SEPARATION)
         ]
-        values: dict[str, Any] = {
+        values: dict[str, object] = {
             "L_s": measures.spread / time,
             "L_s_window": time,
             "stick_fraction": fractions[0],
@@ -497,18 +487,16 @@ class _Response:
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))
         return values
 
-    def _floquet(self, cycle: Confirmed) -> dict[str, Any]:
+    def _floquet(self, cycle: Confirmed) -> dict[str, object]:
         """Multipliers, and the exponent of the largest nontrivial one where there is one."""
         if self.settings["lyapunov"] == "never":
             return {}
         kept = is_nontrivial(cycle.multipliers, autonomous=self.excitation is None)
         largest = float(np.max(np.abs(cycle.multipliers[kept]), initial=0.0))
-        exponent = {"lyapunov": float(np.log(largest) / cycle.period)} if largest > 0.0 else {}
-        return exponent | {
-            "floquet_multiplier": np.abs(cycle.multipliers),
-            "floquet_multiplier_real": cycle.multipliers.real,
-            "floquet_multiplier_imag": cycle.multipliers.imag,
-        }
+        values: dict[str, object] = {**floquet(cycle.multipliers)}
+        if largest > 0.0:
+            values["lyapunov"] = float(np.log(largest) / cycle.period)
+        return values
 
     # --- not periodic -----------------------------------------------------------------------------
     def _window(self, t_max: float) -> Outcome:
@@ -598,7 +586,7 @@ class _Response:
         return "quasiperiodic", ""
 
     # --- what is handed on ------------------------------------------------------------------------
-    def _carry(self, attractor: str) -> dict[str, Any]:
+    def _carry(self, attractor: str) -> dict[str, object]:
         """State for a continuing neighbour: at phase 0 of an excitation, else where it is."""
         motion = self.motion
         if self.excitation is not None and attractor != "equilibrium":

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
 from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.cycles.end_error import end_error
 from fiv_cli.analyses.cycles.first_guess import Guess, guesses, returns
-from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, tightened
+from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, floquet, tightened
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System
 
@@ -27,15 +27,15 @@ def find_cycle(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """The cycle near what `start` leads to, and its branch where a parameter is given."""
     problem = Problem(system, parameters, tightened(solver), settings["section"])
     if start.kind == "continue" and start.carried is not None:
-        carried = start.carried
+        neighbour = _carried_guess(start.carried)
         found: Cycle | Outcome | None = _bridged(
-            problem, _carried_guess(carried), carried["parameters"], BRIDGES
+            problem, neighbour, start.carried["parameters"], BRIDGES
         )
     else:
         found = _reached(problem, start, settings)
@@ -51,7 +51,7 @@ def find_cycle(
 
 
 # --- the cycle -----------------------------------------------------------------------------------
-def _reached(problem: Problem, start: Start, settings: Mapping[str, Any]) -> Cycle | Outcome | None:
+def _reached(problem: Problem, start: Start, settings: Settings) -> Cycle | Outcome | None:
     """The cycle that the motion from `start` comes near; the outcome where it never returns."""
     solutions = equilibria(sliding(problem.system, problem.parameters))
     equilibrium = solutions[0] if solutions else None
@@ -110,7 +110,7 @@ def _carried_guess(carried: Mapping[str, Any]) -> Guess:
     return Guess(anchor, float(carried["period"]), np.array(carried["scales"], dtype=float))
 
 
-def _carry(problem: Problem, cycle: Cycle) -> dict[str, Any]:
+def _carry(problem: Problem, cycle: Cycle) -> dict[str, object]:
     """What a continuing neighbour starts from."""
     return {
         "attractor": "periodic",
@@ -126,15 +126,13 @@ def _carry(problem: Problem, cycle: Cycle) -> dict[str, Any]:
 
 def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
     names = problem.system.state_names
-    values: dict[str, Any] = {
+    values: dict[str, object] = {
         "cycle_period": cycle.period,
         "multiplicity": len(cycle.points),
         "stable": _stability(cycle),
         "residual": cycle.residual,
         "n_events": len(cycle.times),
-        "floquet_multiplier": np.abs(cycle.multipliers),
-        "floquet_multiplier_real": cycle.multipliers.real,
-        "floquet_multiplier_imag": cycle.multipliers.imag,
+        **floquet(cycle.multipliers),
     }
     for name, least, greatest in zip(names, *cycle.extremes, strict=True):
         values |= {f"{name}_min": float(least), f"{name}_max": float(greatest)}
@@ -158,7 +156,7 @@ def _stability(cycle: Cycle) -> str:
 
 # --- its branch ----------------------------------------------------------------------------------
 def _add_branch(
-    outcome: Outcome, problem: Problem, cycle: Cycle, settings: Mapping[str, Any], observed: int
+    outcome: Outcome, problem: Problem, cycle: Cycle, settings: Settings, observed: int
 ) -> None:
     """Follow the branch both ways and store its points and its ends."""
     varied, bracket = settings["parameter"], settings["bracket"]
@@ -196,7 +194,7 @@ def _both_ways(line: Continuation, cycle: Cycle, value: float) -> tuple[list[Poi
     return [*reversed(below), up, *above], [*reversed(ends_below), *ends_above]
 
 
-def _branch_arrays(points: list[Point], observed: int) -> dict[str, Any]:
+def _branch_arrays(points: list[Point], observed: int) -> dict[str, object]:
     cycles = [point.cycle for point in points]
     return {
         "branch_value": np.array([point.value for point in points]),
@@ -210,7 +208,7 @@ def _branch_arrays(points: list[Point], observed: int) -> dict[str, Any]:
     }
 
 
-def _end_arrays(ends: list[End], errors: list[float]) -> dict[str, Any]:
+def _end_arrays(ends: list[End], errors: list[float]) -> dict[str, object]:
     return {
         "cycle_end": np.array([end.value for end in ends]),
         "cycle_end_width": np.array([end.width for end in ends]),
