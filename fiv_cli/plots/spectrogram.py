@@ -20,8 +20,6 @@ from fiv_cli.reading.datasets import numbers
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure
 
 VARIABLE = "spectrogram"
@@ -54,25 +52,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     )
     norm = spectrum.norm_of(np.concatenate([panel.amplitude.ravel() for panel in panels]))
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
-        _paint(ax, panel, norm, settings)
+        spectrum.paint(ax, panel.time, panel.frequency, panel.amplitude.T, norm, settings)
+        ax.set_title(panel.label)
         ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
         ax.set_ylabel(spectrum.frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
     figure.colorbar(axes[0].collections[0], ax=axes, label=what, extend="min")
     return figure
-
-
-def _paint(ax: Axes, panel: Panel, norm: LogNorm, settings: points.Settings) -> None:
-    lowest = float(norm.vmin or 0.0)
-    known = np.isfinite(panel.amplitude)
-    shown = np.where(known, np.maximum(panel.amplitude, lowest), np.nan).T
-    height = panel.frequency * spectrum.factor_of(settings)
-    ax.pcolormesh(
-        panel.time, height, shown, shading="nearest", cmap="YlOrRd", norm=norm, rasterized=True
-    )
-    map_.hatch(ax, ~known)
-    ax.grid(False)
-    ax.set_title(panel.label)
 
 
 def _stored(dataset: xr.Dataset) -> tuple[list[Panel], str]:

@@ -60,9 +60,15 @@ def _draw_along(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(panels), map_.MOST_COLUMNS, points.title(dataset), sharex=True, sharey=True
     )
-    norm = norm_of(array.values)
+    norm, x, frequency = norm_of(array.values), points.positions(axis), dataset["frequency"].values
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
-        _paint(ax, dataset, panel, axis, norm, settings)
+        part = dataset.isel(panel.index)
+        plane = part[STEADY].transpose("frequency", spread[0]).values
+        paint(ax, x, frequency, plane, norm, settings)
+        if GROWING in part:
+            _mark_growing(ax, part[GROWING].transpose(spread[0], "mode"), x, settings)
+            ax.set_ylim(0.0, frequency[-1] * factor_of(settings))
+        ax.set_title(panel.label)
         points.dress_axis(ax, axis, "x")
         ax.set_ylabel(frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
@@ -80,30 +86,27 @@ def norm_of(values: np.ndarray) -> LogNorm:
     return LogNorm(top / 10.0**DECADES, top, clip=True)
 
 
-def _paint(
+def paint(
     ax: Axes,
-    dataset: xr.Dataset,
-    panel: points.Line,
-    axis: xr.DataArray,
+    x: np.ndarray,
+    frequency: np.ndarray,
+    amplitudes: np.ndarray,
     norm: LogNorm,
     settings: points.Settings,
 ) -> None:
-    """Colours, and dots where an eigenvalue grows."""
-    part = dataset.isel(panel.index)
-    dim = str(axis.dims[0])
-    plane = part[STEADY].transpose("frequency", dim).values
-    lowest = float(norm.vmin or 0.0)
-    shown = np.where(np.isfinite(plane), np.maximum(plane, lowest), np.nan)
-    x, height = points.positions(axis), dataset["frequency"].values * factor_of(settings)
+    """Amplitudes in colours, shape (frequency, x); hatched where there are none."""
+    shown = np.where(np.isfinite(amplitudes), np.maximum(amplitudes, norm.vmin or 0.0), np.nan)
+    height = frequency * factor_of(settings)
     ax.pcolormesh(x, height, shown, shading="nearest", cmap="YlOrRd", norm=norm, rasterized=True)
     map_.hatch(ax, np.isnan(shown))
     ax.grid(False)
-    ax.set_title(panel.label)
-    if GROWING in part:
-        modes = part[GROWING].transpose(dim, "mode").values * factor_of(settings)
-        size = style.dot_size(x.size)
-        ax.plot(x, modes, "o", ms=size, mew=0, color=style.BLACK, zorder=4)
-        ax.set_ylim(0.0, height[-1])
+
+
+def _mark_growing(ax: Axes, modes: xr.DataArray, x: np.ndarray, settings: points.Settings) -> None:
+    """Dots where an eigenvalue grows; `modes` over x and the modes."""
+    size = style.dot_size(x.size)
+    height = modes.values * factor_of(settings)
+    ax.plot(x, height, "o", ms=size, mew=0, color=style.BLACK, zorder=4)
 
 
 def _explain(figure: Figure, dataset: xr.Dataset) -> None:
