@@ -8,17 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from motions import TIGHT, defaults
+from motions import TIGHT, defaults, system
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome, Request, SolverSettings, Start
 from fiv_cli.analyses.execute import answer
 from fiv_cli.cli.main import run
-from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 from fiv_cli.fourier import HANN_BANDWIDTH, short_time
 from fiv_cli.plots import drawing
-from fiv_cli.schedule import make_schedule
 
 
 # --- the transform --------------------------------------------------------------------------------
@@ -59,8 +57,7 @@ def belt(
 ) -> Outcome:
     """Spectrogram of a belt that always slips, with scheduled parameters."""
     parameters = defaults("belt-1dof", "coulomb", v=1e6, **changes)
-    schedule = make_schedule(curves)
-    setup = Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule)
+    setup = system("belt-1dof", curves=curves).setup
     filled = get_analysis("spectrogram").default_settings | settings
     begin = Start("a", "state", start)
     return answer(Request(setup, parameters, "spectrogram", filled, solver, begin))
