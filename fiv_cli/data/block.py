@@ -115,10 +115,8 @@ def _faults_of_values(block: Block, table: Mapping[str, Variable], count: int) -
             yield f"{name} is no variable of the analysis"
         elif array.shape[:1] != (count,) or array.ndim != 1 + len(variable.dims):
             yield f"{name} has the shape {array.shape}"
-        elif array.dtype != dtype_of(variable):
-            yield f"{name} is of type {array.dtype}"
-        elif variable.kind == "flag" and not _holds_classes(array, variable):
-            yield f"{name} holds what is no class"
+        else:
+            yield from _faults_of_array(array, variable)
 
 
 def _faults_of_rows(block: Block, table: Mapping[str, Variable], count: int) -> Iterator[str]:
@@ -134,14 +132,18 @@ def _faults_of_rows(block: Block, table: Mapping[str, Variable], count: int) -> 
             yield f"{name} is no variable of the analysis"
             continue
         total = int(block.row_sizes[variable.ragged].sum(dtype=np.int64))
-        if array.shape != (total,) or array.dtype != dtype_of(variable):
-            yield f"{name} has the shape {array.shape} and the type {array.dtype}"
-        elif variable.kind == "flag" and not _holds_classes(array, variable):
-            yield f"{name} holds what is no class"
+        if array.shape != (total,):
+            yield f"{name} has the shape {array.shape}"
+        else:
+            yield from _faults_of_array(array, variable)
 
 
-def _holds_classes(array: Array, variable: Variable) -> bool:
-    return bool(np.isin(array, list(TABLES[variable.flags].codes.values())).all())
+def _faults_of_array(array: Array, variable: Variable) -> Iterator[str]:
+    codes = list(TABLES[variable.flags].codes.values()) if variable.flags else []
+    if array.dtype != dtype_of(variable):
+        yield f"{variable.name} is of type {array.dtype}"
+    elif codes and not np.isin(array, codes).all():
+        yield f"{variable.name} holds what is no class"
 
 
 def fill_value(variable: Variable) -> float | int:
@@ -182,7 +184,7 @@ class _Column:
         ndim = 1 if variable.ragged else len(variable.dims)
         return cls(variable, dtype_of(variable), codes, ndim)
 
-    def converted(self, value: Any) -> Array | float | int:
+    def converted(self, value: object) -> Array | float | int:
         """A value of one point: an array of the column's type, or a plain number.
 
         Most values are plain already; an array for each would cost more than a cheap model.

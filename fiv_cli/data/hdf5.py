@@ -69,7 +69,7 @@ def refuse_what_fiv_does_not_write(file: h5py.File) -> None:
     file.visititems(check)
 
 
-def _is_known(dtype: Any) -> bool:
+def _is_known(dtype: np.dtype) -> bool:
     """Whether it is one of numbers, of single characters, or of texts of any length."""
     text = h5py.check_string_dtype(dtype)
     if text is not None:
@@ -77,20 +77,20 @@ def _is_known(dtype: Any) -> bool:
     return bool(dtype.kind in "iu" or (dtype.kind == "f" and dtype.itemsize in (4, 8)))
 
 
-def _claimed(node: Any) -> int:
+def _claimed(node: h5py.Dataset) -> int:
     """Bytes that reading an array takes, at the least a chunk of it."""
     entries = max(math.prod(node.shape or ()), math.prod(node.chunks or ()))
     return int(entries * node.dtype.itemsize)
 
 
-def _is_bare_dim(node: Any) -> bool:
+def _is_bare_dim(node: h5py.Dataset) -> bool:
     """Whether this stands for a dim that no array carries the name of: it holds nothing."""
     name = node.attrs.get("NAME", b"")
     return isinstance(name, bytes) and name.startswith(BARE_DIM)
 
 
 # --- what NetCDF adds -----------------------------------------------------------------------------
-def _members(group: h5py.Group) -> Iterator[tuple[str, Any]]:
+def _members(group: h5py.Group) -> Iterator[tuple[str, h5py.Dataset | h5py.Group]]:
     """Name and node of what stands in a group, in the order in which it was made."""
     names: list[bytes] = []
     order = h5py.h5.INDEX_CRT_ORDER
@@ -114,13 +114,13 @@ def _dataset(group: h5py.Group) -> xr.Dataset:
     return xr.decode_cf(raw, decode_times=False).load()  # what cannot be decoded fails here
 
 
-def _content(node: Any) -> Any:
+def _content(node: h5py.Dataset) -> np.ndarray:
     """The array; texts of any length as such."""
     text = h5py.check_string_dtype(node.dtype)
     return node.asstr()[()] if text is not None and text.length is None else node[()]
 
 
-def _dims(name: str, node: Any, numbered: Mapping[int, str]) -> tuple[str, ...]:
+def _dims(name: str, node: h5py.Dataset, numbered: Mapping[int, str]) -> tuple[str, ...]:
     """Names of the dims of an array."""
     if "_Netcdf4Coordinates" in node.attrs:
         return tuple(numbered[int(number)] for number in node.attrs["_Netcdf4Coordinates"])
@@ -129,12 +129,12 @@ def _dims(name: str, node: Any, numbered: Mapping[int, str]) -> tuple[str, ...]:
     return tuple(str(axis[0].name).rpartition("/")[2] for axis in node.dims)
 
 
-def _attributes(stored: Any) -> dict[str, Any]:
+def _attributes(stored: h5py.AttributeManager) -> dict[str, Any]:
     """Attributes as NetCDF means them: texts, numbers, arrays of several numbers."""
     return {name: _plain(stored[name]) for name in stored if name not in OWN_ATTRIBUTES}
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     if isinstance(value, h5py.Empty):
         return ""
     if isinstance(value, bytes):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
-from typing import Any
 
+from fiv_cli.analyses.base import Settings
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.case.case import Axis
@@ -51,7 +51,7 @@ class Layout:
     kind: str
     model: str
     options: Mapping[str, str]
-    settings: Mapping[str, Any]
+    settings: Settings
     dims: tuple[Dim, ...]
     labels: tuple[str, ...] | None
     varying: tuple[Parameter, ...] = ()

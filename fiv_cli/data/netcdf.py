@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -21,6 +21,9 @@ from fiv_cli.data.hdf5 import read_attributes, read_groups
 from fiv_cli.data.sound import form_of
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.files import replacing
+
+if TYPE_CHECKING:
+    import netCDF4
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
@@ -96,7 +99,7 @@ def global_attributes(path: Path) -> dict[str, Any] | None:
         return None
 
 
-def to_attribute(value: Any) -> Any:
+def to_attribute(value: object) -> object:
     """A value as NetCDF can hold it: tables as JSON, lists of names as lines; None is left out."""
     if isinstance(value, bool | np.bool_):
         return np.int8(value)
@@ -158,21 +161,21 @@ def _caches(small: bool) -> Iterator[None]:
         netCDF4.set_chunk_cache(*usual)
 
 
-def _define(group: Any, dataset: xr.Dataset, later: _Later) -> None:
+def _define(group: netCDF4.Dataset, dataset: xr.Dataset, later: _Later) -> None:
     encoding = {str(name): _encoding(variable) for name, variable in dataset.variables.items()}
     dataset.dump_to_store(NetCDF4DataStore(group), encoding=encoding, writer=later)
 
 
-def _encoding(variable: xr.Variable) -> dict[str, Any]:
+def _encoding(variable: xr.Variable) -> dict[str, object]:
     if variable.dtype.kind == "U":
         return {"dtype": "S1"}  # fixed-width characters: readable everywhere
-    encoding: dict[str, Any] = {"_FillValue": _fill(variable)}
+    encoding: dict[str, object] = {"_FillValue": _fill(variable)}
     if variable.nbytes > LARGE:
         encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
     return encoding
 
 
-def _fill(variable: xr.Variable) -> Any:
+def _fill(variable: xr.Variable) -> float | np.int32 | None:
     """NaN for numbers; counts carry a missing value; flags, sizes and coordinates none."""
     if variable.dtype.kind == "f" and "ancillary_variables" in variable.attrs:
         return np.nan

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, is_dataclass
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
 
 import fiv_cli
 from fiv_cli.analyses import get_analysis
@@ -17,7 +16,7 @@ from fiv_cli.models import get_model
 PACKAGES = ("numpy", "scipy", "llvmlite", "sympy", "xarray", "netCDF4")
 
 
-def provenance(case: Case, fingerprint: str) -> dict[str, Any]:
+def provenance(case: Case, fingerprint: str) -> dict[str, object]:
     """Global attributes of the dataset of `case`."""
     model = get_model(case.model)
     laws = next((axis.values for axis in case.axes if axis.kind == "law"), (case.law,))
@@ -51,8 +50,8 @@ def provenance(case: Case, fingerprint: str) -> dict[str, Any]:
     }
 
 
-def _plain(value: Any) -> Any:
-    return asdict(value) if hasattr(value, "__dataclass_fields__") else value
+def _plain(value: object) -> object:
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
 
 
 def _version(package: str) -> str:

@@ -47,7 +47,7 @@ def fill_in(
 
 def refinement_attributes(
     of: str, levels: int, coarse: Mapping[str, int], origins: NDArray[np.int8]
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """What a reader must know of a refined dataset.
 
     Parameters

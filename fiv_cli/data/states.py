@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -43,9 +42,7 @@ def on_all_states(
     return replace(outcome, values={**outcome.values, **spread})
 
 
-def _spread(
-    array: np.ndarray[Any, Any], axis: int, own: Sequence[str], every: Sequence[str]
-) -> np.ndarray[Any, Any]:
+def _spread(array: np.ndarray, axis: int, own: Sequence[str], every: Sequence[str]) -> np.ndarray:
     """`array` over `own` names along `axis`, displacements or all, as one over `every`."""
     size = len(every) * array.shape[axis] // len(own)
     places: Mapping[str, int] = {name: place for place, name in enumerate(every)}

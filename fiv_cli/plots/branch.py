@@ -10,7 +10,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import class_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: poin
     """One branch: both extremes, in pieces of one stability, and its marks."""
     row = _rows(dataset, ALONG, index)
     value = dataset[ALONG].values[row]
-    stability = _words(dataset["branch_stable"])[row]
+    stability = class_names(dataset["branch_stable"])[row]
     for number, name in enumerate(EXTREMES):
         height = dataset[name].values[row]
         for piece in _pieces(stability):
@@ -102,12 +102,6 @@ def _rows(dataset: xr.Dataset, name: str, index: Mapping[str, int]) -> slice:
     return slice(int(ends[place] - sizes.values.ravel()[place]), int(ends[place]))
 
 
-def _words(flags: xr.DataArray) -> np.ndarray:
-    """A flag variable as names."""
-    names = flag_names(flags.attrs)
-    return np.array([names[int(code)] for code in flags.values], dtype=object)
-
-
 def _pieces(words: np.ndarray) -> Iterator[slice]:
     """Runs of equal words, each with the first of the next run: a line without gaps."""
     changes = np.flatnonzero(words[1:] != words[:-1]) + 1
@@ -123,7 +117,7 @@ def _marks(
     """Nearest point of the branch, value of the parameter and mark of every change and end."""
     row = _rows(dataset, "cycle_end", index)
     for at, kind in zip(
-        dataset["cycle_end"].values[row], _words(dataset["cycle_end_kind"])[row], strict=True
+        dataset["cycle_end"].values[row], class_names(dataset["cycle_end_kind"])[row], strict=True
     ):
         if kind not in UNMARKED:
             yield int(np.argmin(np.abs(value - at))), float(at), MARKS[kind]
@@ -131,11 +125,11 @@ def _marks(
 
 def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
     """Legend entries of the dashes and marks that are there."""
-    stabilities = {str(word) for d in datasets for word in _words(d["branch_stable"])}
+    stabilities = {str(word) for d in datasets for word in class_names(d["branch_stable"])}
     for word, dash in DASHES.items():
         if word in stabilities:
             ax.plot([], [], dash, color=style.BLACK, label=word)
-    kinds = {str(word) for d in datasets for word in _words(d["cycle_end_kind"])}
+    kinds = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
     for word, mark in MARKS.items():
         if word in kinds:
             label = word.replace("_", " ")

@@ -203,7 +203,7 @@ def _holds(dataset: xr.Dataset, figure: FigureSpec) -> bool:
     return all(name in dataset for name in ([named] if isinstance(named, str) else named))
 
 
-def _analyses(source: Any) -> dict[str, xr.Dataset]:
+def _analyses(source: Source) -> dict[str, xr.Dataset]:
     if isinstance(source, str | Path):
         return read_analyses(source)
     return dict(source) if isinstance(source, dict) else {"": source}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -103,7 +103,7 @@ def _power(base: str, power: int) -> str:
     return base if power == 1 else f"{base}$^{{{power}}}$"
 
 
-def value_label(axis: xr.DataArray, value: Any) -> str:
+def value_label(axis: xr.DataArray, value: float | str) -> str:
     r"""One value of an axis: ``$N_0$ = 30 N``, ``$\beta$ = 15 deg``, or the label itself."""
     if axis.dtype.kind not in "fiu":
         return str(value)
@@ -119,7 +119,7 @@ def _whole_degrees(angles: np.ndarray) -> bool:
     return bool(np.any(degrees != 0.0) and np.all(np.abs(degrees - np.round(degrees)) < 1e-9))
 
 
-def title_of(attributes: Mapping[str, Any]) -> str:
+def title_of(attributes: Mapping[str, object]) -> str:
     """Title and reference of the case, wrapped to the width of a figure."""
     title, reference = str(attributes.get("title", "")), str(attributes.get("reference", ""))
     text = f"{title} ({reference})" if title and reference else title or reference

@@ -15,6 +15,7 @@ from fiv_cli.plots import labels, style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import ColorType
 
 FASTEST = 2.0  # m/s
 SAMPLES = 801
@@ -81,7 +82,7 @@ def _scales_with_load(law: Law) -> bool:
     return bool(sympy.sympify(expression).has(load))
 
 
-def _curve(ax: Axes, law: Law, colour: str) -> None:
+def _curve(ax: Axes, law: Law, colour: ColorType) -> None:
     """Both branches, and between them what the contact can hold in stick."""
     speed = np.linspace(FASTEST / SAMPLES, FASTEST, SAMPLES) - FASTEST / SAMPLES * (1 - 1e-9)
     parameters = law.defaults

@@ -8,7 +8,7 @@ interval has a line for each end: the border is known where the two are one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -20,6 +20,7 @@ from fiv_cli.reading.datasets import ends_of, flag_names
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.typing import ColorType
 
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
@@ -51,18 +52,16 @@ def draw(
     places: tuple[np.ndarray, np.ndarray],
     planes: Sequence[np.ndarray],
     levels: Sequence[float],
-    colour: str,
+    colour: ColorType,
 ) -> None:
     """Lines of a plane, shape (points along y, points along x), where its ends reach the levels."""
     for level, dashes in zip(levels, STYLES, strict=False):
         for plane in planes:
             if not _beside(plane, level):
-                looks: dict[str, Any] = {
-                    "colors": [colour],
-                    "linestyles": dashes,
-                    "linewidths": 1.5,
-                }
-                ax.contour(*places, plane, levels=[level], **looks)
+                ax.contour(
+                    *places, plane, levels=[level], colors=[colour], linestyles=dashes,
+                    linewidths=1.5,
+                )  # fmt: skip
 
 
 def _beside(plane: np.ndarray, level: float) -> str:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.typing import ColorType
 
 
 MOST_ENTRIES_INSIDE = 6
@@ -215,7 +216,7 @@ class Entry:
     scattered : its points have starts of their own, so a line between them means nothing
     """
 
-    colour: Any
+    colour: ColorType
     label: str | None
     number: int
     scattered: bool

@@ -25,6 +25,7 @@ from fiv_cli.files import refuse_special, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.typing import ColorType
 
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
     "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
@@ -129,7 +130,7 @@ def grid_of_panels(
     return figure, axes, columns
 
 
-def _given_panel(axis: Axes, count: int, title: str, form: Any) -> tuple[Figure, list[Axes]]:
+def _given_panel(axis: Axes, count: int, title: str, form: object) -> tuple[Figure, list[Axes]]:
     """A panel that is there already.
 
     Raises
@@ -161,7 +162,7 @@ def dot_size(columns: int) -> float:
     return 2.2 if columns < 400 else 1.2
 
 
-def line_colours(count: int) -> list[Any]:
+def line_colours(count: int) -> list[ColorType]:
     """A colour for each of `count` lines; many lines get a ramp from dark to light."""
     if count <= len(LINES):
         return list(LINES[:count])

@@ -370,7 +370,7 @@ def point_name(points: xr.DataArray, row: int) -> str:
     )
 
 
-def _shown(value: Any) -> str:
+def _shown(value: object) -> str:
     return f"{value:g}" if isinstance(value, float | np.floating) else str(value)
 
 

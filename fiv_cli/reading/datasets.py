@@ -109,6 +109,12 @@ def flag_names(attributes: Mapping[str, object]) -> dict[int, str]:
     return dict(zip(values.tolist(), str(attributes["flag_meanings"]).split(), strict=True))
 
 
+def class_names(flags: xr.DataArray) -> np.ndarray:
+    """The class at each point of a flag variable, flat (C order); "" where there is none."""
+    names = flag_names(flags.attrs)
+    return np.array([names.get(code, "") for code in flags.values.ravel().tolist()], dtype=object)
+
+
 def numbers(array: xr.DataArray) -> xr.DataArray:
     """`array` as floats, NaN where an integer or a flag says that it was not computed."""
     fill = {code for code, name in flag_names(array.attrs).items() if name == NOT_COMPUTED}

@@ -22,7 +22,7 @@ from fiv_cli.notation.units import convert
 # Two doubles nearest to the same decimal differ by less.
 SAME = 1e-9
 
-_COMPARE: dict[str, Callable[[Any, Any], Any]] = {
+_COMPARE: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "<": operator.lt,
     "<=": operator.le,
     ">": operator.gt,
@@ -107,7 +107,7 @@ def matching(axis: xr.DataArray, wanted: Any, *, nearest: bool) -> np.ndarray:
     return mask
 
 
-def _matching_number(axis: xr.DataArray, wanted: Any, nearest: bool) -> np.ndarray:
+def _matching_number(axis: xr.DataArray, wanted: float | str, nearest: bool) -> np.ndarray:
     test = condition(wanted) if isinstance(wanted, str) else None
     if test is not None:
         return np.asarray(test(axis.values))

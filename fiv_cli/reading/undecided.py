@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import class_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +32,7 @@ class Undecided:
         """Count the points of analyses that tell a class."""
         for dataset in analyses:
             if "attractor" in dataset and "reason" in dataset:
-                names, reasons = _words(dataset, "attractor"), _words(dataset, "reason")
+                names, reasons = map(class_names, (dataset["attractor"], dataset["reason"]))
                 self.points += int(np.sum(names != "not_computed"))
                 self.reasons.update(reasons[names == "undecided"].tolist())
 
@@ -51,8 +51,3 @@ class Undecided:
         listed = ", ".join(f"{name} {count}" for name, count in self.reasons.most_common())
         text = f"undecided: {self.total:,} of {self.points:,} points ({share:.2g} %)"
         return f"{text}: {listed}" if listed else text
-
-
-def _words(dataset: xr.Dataset, name: str) -> np.ndarray:
-    names = flag_names(dataset[name].attrs)
-    return np.array([names.get(code, "") for code in dataset[name].values.ravel().tolist()])
