@@ -15,6 +15,7 @@ from typing import Any
 import click
 import pytest
 from disturbed import by_default
+from small_cases import BELT as CASE
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import DiscPoints
@@ -26,16 +27,6 @@ from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.errors import LockedError
 from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
-
-CASE = """\
-schema = 1
-[model]
-name = "belt-1dof"
-[grid]
-v = [1.0, 2.0]
-[[analysis]]
-kind = "response"
-"""
 
 # What `fiv --help` must not wait for.
 HEAVY = ("numba", "xarray", "matplotlib", "sympy", "scipy", "pydantic", "numpy", "rich", "joblib")
