@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.rest.equilibria import statics_of
 from fiv_cli.codegen.codes import CODE_SEPARATION, SEPARATION, STICK
-from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics.motion import Ledger, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
@@ -200,15 +199,8 @@ def _tangents_at(
     system: System, index: int, coefficients: Vector, time: float, state: Vector
 ) -> Matrix:
     """What a contact state leaves of tangents along each entry of the state, as columns."""
-    n, address = len(state), system.jacobians[index]
-    series, matrix, joined = np.zeros(4 * n), np.zeros((n, n)), np.zeros(2 * n)
-    joined[:n] = state
-    for column in range(n):
-        joined[n:] = 0.0
-        joined[n + column] = 1.0
-        call_generated(address, coefficients, time, joined, series)
-        matrix[:, column] = series[2 * n :: 2]
-    return matrix
+    found = system.linearised(index, coefficients, time, state, range(len(state)))
+    return np.ascontiguousarray(found[:, :, 0].T)
 
 
 def _events(ledger: Ledger) -> list[Event]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, SolverSettings
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
-from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, sliding
+from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, free_coordinates, sliding
 from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]
@@ -74,7 +75,7 @@ def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
     follows in the vectors.
     """
     values, free_vectors = spectrum(free_jacobian(state, y))
-    free = free_states(state)
+    free = free_states(state.system)
     if len(free) == len(y):
         return values, free_vectors
     m = len(state.system.coordinates)
@@ -89,14 +90,17 @@ def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
 
 def free_jacobian(state: Sliding, y: Vector) -> Real:
     """Derivative of the rates of `free_states` by these; shape (free states, free states)."""
-    free = free_states(state)
+    free = free_states(state.system)
+    if len(free) == len(y):
+        return np.ascontiguousarray(state.jacobian(y))
     return state.jacobian(y)[np.ix_(free, free)]
 
 
-def free_states(state: Sliding) -> NDArray[np.intp]:
+@cache
+def free_states(system: System) -> NDArray[np.intp]:
     """Places of the states that no rigid contact determines: coordinates, then velocities, ..."""
-    m, n = len(state.system.coordinates), len(state.system.state_names)
-    coordinates = np.array(state.free, dtype=np.intp)
+    m, n = len(system.coordinates), len(system.state_names)
+    coordinates = np.array(free_coordinates(system), dtype=np.intp)
     return np.concatenate([coordinates, m + coordinates, np.arange(2 * m, n)])
 
 
@@ -107,7 +111,9 @@ def spectrum(jacobian: Real) -> tuple[Complex, Complex]:
     are exact zeros where there is no damping, and have few digits less than the frequencies
     where damping is weak.
     """
-    values, vectors = _undamped(jacobian) if _is_undamped(jacobian) else _damped(jacobian)
+    mechanical = _is_mechanical(jacobian)
+    undamped = mechanical and not jacobian[len(jacobian) // 2 :, len(jacobian) // 2 :].any()
+    values, vectors = _undamped(jacobian) if undamped else _damped(jacobian, mechanical)
     order = np.lexsort((-values.imag, values.real, np.round(np.abs(values.imag), 12)))
     return values[order], _normalised(vectors[:, order])
 
@@ -122,13 +128,13 @@ def _normalised(vectors: Complex) -> Complex:
 def _is_mechanical(jacobian: Real) -> bool:
     """Whether the state is coordinates and their velocities, and nothing else."""
     m = len(jacobian) // 2
-    above = np.hstack([np.zeros((m, m)), np.eye(m)])
-    return 2 * m == len(jacobian) and bool(np.all(jacobian[:m] == above))
+    return 2 * m == len(jacobian) and bool((jacobian[:m] == _velocities(m)).all())
 
 
-def _is_undamped(jacobian: Real) -> bool:
-    m = len(jacobian) // 2
-    return _is_mechanical(jacobian) and not np.any(jacobian[m:, m:])
+@cache
+def _velocities(m: int) -> Real:
+    """Derivative of the rates of m coordinates, which are their velocities, by both."""
+    return np.hstack([np.zeros((m, m)), np.eye(m)])
 
 
 def _undamped(jacobian: Real) -> tuple[Complex, Complex]:
@@ -142,10 +148,10 @@ def _undamped(jacobian: Real) -> tuple[Complex, Complex]:
     return values, np.vstack([vectors, values * vectors])
 
 
-def _damped(jacobian: Real) -> tuple[Complex, Complex]:
+def _damped(jacobian: Real, mechanical: bool) -> tuple[Complex, Complex]:
     values, vectors = np.linalg.eig(jacobian)
     values, vectors = values.astype(complex), vectors.astype(complex)
-    if _is_mechanical(jacobian):
+    if mechanical:
         values = _corrected(values, _correction(jacobian, values, vectors))
     return values, vectors
 
