@@ -3,7 +3,7 @@
 FivError                         1  internal error
 ├── UsageError                   2  the command line cannot be carried out
 ├── InputError                   3  an input file (case, dataset, shard) is invalid
-│   └── CaseError                3  ... with the list of everything wrong in a case
+│   └── CaseError                3  ... with all that is wrong in its form, names or values
 ├── DifferenceError              5  two things that should agree differ
 ├── StoreMismatchError           6  the stored run belongs to another case
 ├── LockedError                  7  a live run holds the run directory

@@ -31,13 +31,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from lumped_reference import Guard, Rate, Vector, terminal
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar, root
-
-Vector = NDArray[np.float64]
-Rate = Callable[[float, Vector], Vector]
-Guard = Callable[[float, Vector], float]
 
 EQUILIBRIUM, PERIODIC, LOST = "equilibrium", "periodic", "contact_lost"
 RTOL = 1e-11
@@ -69,14 +66,7 @@ def until(
 ) -> Path:
     """To the first guard that passes through zero in its direction."""
 
-    def event(guard: Guard, direction: float) -> Guard:
-        def value(t: float, y: Vector) -> float:
-            return guard(t, y)
-
-        value.terminal, value.direction = True, direction  # type: ignore[attr-defined]
-        return value
-
-    events = [event(*guard) for guard in guards]
+    events = [terminal(*guard) for guard in guards]
     found = solve_ivp(
         rate, (0.0, 1e6), y, "DOP853", events=events, rtol=RTOL, atol=atol, max_step=max_step
     )

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from lumped_reference import Crossing, Guard, Mode, Parameters, Vector, first_event
+from lumped_reference import Guard, Mode, Parameters, Program, Vector
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
@@ -77,10 +77,10 @@ class Turn:
         return 0.0
 
 
-class SliderOnDisc:
+class SliderOnDisc(Program):
     """State (phi, z or u, q...) and rates; subclasses say what the slider is held by."""
 
-    rigid = True
+    rigid, atol = True, 1e-18
 
     def __init__(
         self,
@@ -227,7 +227,7 @@ class SliderOnDisc:
             guards["normal"] = lambda t, y: self.solve(t, y, False, sign)[1]
         return Mode("slip+" if sign > 0 else "slip-", self.moving(False, sign), guards)
 
-    def stick(self) -> Mode:
+    def stick(self, t: float, y: Vector) -> Mode:
         """phi' = Omega."""
 
         def margin(sign: float) -> Guard:
@@ -278,7 +278,7 @@ class SliderOnDisc:
             return self.slip(1.0 if self.turn.speed(t) > 0.0 else -1.0)
         return self.slip(1.0 if self.slip_velocity(t, y) > 0.0 else -1.0)
 
-    def closed(self, t: float, y: Vector) -> Mode:
+    def landed(self, t: float, y: Vector) -> Mode:
         """What follows a landing: contact that pulls is none, and one that opens neither."""
         sliding = self.slides(t, y)
         if self.rigid:
@@ -290,18 +290,10 @@ class SliderOnDisc:
             rate = float(self.gradient(y) @ free) + self.curvature(y)
         return sliding if rate < 0.0 else self.separation()
 
-    def next_mode(self, hit: str, t: float, y: Vector) -> Mode:
-        """The contact state that follows an event at (t, y)."""
-        if hit == "normal":
-            return self.separation()
-        if hit == "gap":
-            return self.closed(t, y)
-        if hit in ("up", "down"):
-            return self.slip(1.0 if hit == "up" else -1.0)
+    def holding(self, t: float, y: Vector) -> tuple[float, float]:
+        """Friction force that sticking needs, and the largest there is."""
         _, normal, friction = self.solve(t, y, True, 0.0)
-        if abs(friction) <= self.static_friction() * normal:
-            return self.stick()
-        return self.slip(float(np.sign(friction)))
+        return friction, self.static_friction() * normal
 
     def begin(self, y: Vector) -> Mode:
         """The contact state of a start that is not at zero slip velocity."""
@@ -309,24 +301,8 @@ class SliderOnDisc:
             return self.slides(0.0, y)
         gap = self.gap(y)
         if self.rigid and abs(gap) < 1e-15:
-            return self.closed(0.0, y)
+            return self.landed(0.0, y)
         return self.separation() if gap > 0.0 else self.slides(0.0, y)
-
-    def follow(
-        self, y: Vector, t_end: float, most: int, atol: float = 1e-18
-    ) -> tuple[list[Crossing], Vector]:
-        """Up to `most` events and the state at the last of them, or at `t_end`."""
-        t, mode, events = 0.0, self.begin(y), list[Crossing]()
-        while len(events) < most:
-            hit, t, y = first_event(mode, t, y, t_end, self.max_step(mode, t, y), atol)
-            if hit is None:
-                break
-            before = mode.name
-            if hit == "gap":
-                y = self.struck(y)
-            mode = self.next_mode(hit, t, y)
-            events.append(Crossing(t, before, mode.name, y.copy()))
-        return events, y
 
     def max_step(self, mode: Mode, t: float, y: Vector) -> float:
         """Short enough that no flight begins and ends within a step."""

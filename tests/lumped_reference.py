@@ -28,11 +28,16 @@ SLOPE_STEP = 1e-7  # s, for the slope of a switching function in a Newton step
 
 @dataclass(frozen=True)
 class Mode:
-    """One contact state: its name, its motion and what ends it (each guard falls to zero)."""
+    """One contact state: its name, its motion and what ends it (each guard falls to zero).
+
+    It may be written in fewer states: where those begin, and the full state they stand for.
+    """
 
     name: str
     rate: Rate
     guards: Mapping[str, Guard]
+    begins: Vector | None = None
+    full: Callable[[float, Vector], Vector] = lambda t, y: y
 
 
 @dataclass(frozen=True)
@@ -52,23 +57,24 @@ def integrate(rate: Rate, t: float, y: Vector, t_end: float, atol: float) -> Vec
     return solve_ivp(rate, (t, t_end), y, method="DOP853", rtol=RTOL, atol=atol).y[:, -1]
 
 
+def terminal(guard: Guard, direction: float) -> Guard:
+    """An event that ends an integration where `guard` passes through zero in this direction."""
+
+    def event(t: float, y: Vector) -> float:
+        return guard(t, y)
+
+    event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+    return event
+
+
 def first_event(
     mode: Mode, t: float, y: Vector, t_end: float, max_step: float, atol: float
 ) -> tuple[str | None, float, Vector]:
     """The guard that falls to zero first (None: none before `t_end`), when, and the state then."""
-    functions = []
-    for guard in mode.guards.values():
-
-        def event(t: float, y: Vector, guard: Guard = guard) -> float:
-            return guard(t, y)
-
-        event.terminal = True  # type: ignore[attr-defined]
-        event.direction = -1.0  # type: ignore[attr-defined]
-        functions.append(event)
+    events = [terminal(guard, -1.0) for guard in mode.guards.values()]
     found = solve_ivp(
-        mode.rate, (t, t_end), y, method="DOP853", events=functions, rtol=RTOL, atol=atol,
-        max_step=max_step,
-    )  # fmt: skip
+        mode.rate, (t, t_end), y, "DOP853", events=events, rtol=RTOL, atol=atol, max_step=max_step
+    )
     if found.status != 1:
         return None, t_end, found.y[:, -1]
     hit = min(
@@ -93,6 +99,42 @@ def polished(mode: Mode, hit: str, found: Any, atol: float) -> tuple[float, Vect
     return time, integrate(mode.rate, t, y, time, atol)
 
 
+class Program:
+    """A motion event by event, integrated with the absolute tolerance `atol`.
+
+    Subclasses have the contact states `slip(sign)`, `stick(t, y)` and `separation()`, know which
+    one a motion has at its `begin(y)` and where it `landed(t, y)`, how an impact `struck(y)`, and
+    the friction force that is `holding(t, y)` beside the largest there is.
+    """
+
+    def follow(self, y: Vector, t_end: float, most: int) -> tuple[list[Crossing], Vector]:
+        """Up to `most` events and the state at the last of them, or at `t_end`."""
+        t, mode, events = 0.0, self.begin(y), list[Crossing]()
+        while len(events) < most:
+            start = y if mode.begins is None else mode.begins
+            step = self.max_step(mode, t, y)
+            hit, t, end = first_event(mode, t, start, t_end, step, self.atol)
+            y = mode.full(t, end)
+            if hit is None:
+                break
+            y = self.struck(y) if hit == "gap" else y
+            before, mode = mode.name, self.next_mode(hit, t, y)
+            events.append(Crossing(t, before, mode.name, y.copy()))
+        return events, y
+
+    def next_mode(self, hit: str, t: float, y: Vector) -> Mode:
+        """The contact state that follows an event at (t, y)."""
+        if hit == "normal":
+            return self.separation()
+        if hit == "gap":
+            return self.landed(t, y)
+        if hit in ("up", "down"):
+            return self.slip(1.0 if hit == "up" else -1.0)
+        friction, capacity = self.holding(t, y)
+        held = abs(friction) <= capacity
+        return self.stick(t, y) if held else self.slip(float(np.sign(friction)))
+
+
 # --- five degrees of freedom (thesis 6.1-6.17) ---------------------------------------------------
 X1, Y1, X2, Y2, PHI = range(5)
 REDUCED = (X1, Y1, Y2, PHI)  # what is integrated in stick (6.7)
@@ -100,8 +142,10 @@ MAX_STEP_5DOF = 1.5e-3  # s: a thirtieth of the fastest oscillation of Table 6.1
 STANDSTILL = 1e-11  # m/s: a gap rate this small after an impact is rounding
 
 
-class FiveDof:
+class FiveDof(Program):
     """The slider on an oscillating belt; state (x1, y1, x2, y2, phi) and their rates."""
+
+    atol = 1e-15
 
     def __init__(self, parameters: Parameters, options: Mapping[str, str] | None = None) -> None:
         self.p = dict(parameters)
@@ -205,9 +249,7 @@ class FiveDof:
             "down": capacity(-1.0),
             "normal": lambda t, z: self.compression(full(t, z)),
         }
-        mode = Mode("stick", rate, guards)
-        self.full, self.reduced = full, [y_s[i] for i in order]
-        return mode
+        return Mode("stick", rate, guards, y_s[order], full)
 
     def separation(self) -> Mode:
         """Out of contact (6.9)."""
@@ -242,7 +284,7 @@ class FiveDof:
         """Sliding in the direction of the slip velocity."""
         return self.slip(1.0 if self.slip_velocity(y) > 0.0 else -1.0)
 
-    def after_landing(self, y: Vector) -> Mode:
+    def landed(self, t: float, y: Vector) -> Mode:
         """At zero compression the rate decides, and at zero rate the acceleration."""
         rate = self.compression_rate(y)
         decides = rate if abs(rate) > STANDSTILL else self.free_acceleration(y)
@@ -255,25 +297,17 @@ class FiveDof:
         turning = lever * a[PHI] + (a[X1] - a[X2]) * y[PHI] + 2 * sliding * y[5 + PHI]
         return a[Y2] - a[Y1] - turning
 
-    def max_step(self, mode: Mode, y: Vector) -> float:
+    def max_step(self, mode: Mode, t: float, y: Vector) -> float:
         """Short enough that no flight begins and ends within a step."""
         if mode.name != "separation":
             return MAX_STEP_5DOF
         hop = 2 * abs(self.compression_rate(y) / self.free_acceleration(y))
         return min(MAX_STEP_5DOF, hop / 4) if hop > 0.0 else MAX_STEP_5DOF
 
-    def next_mode(self, hit: str, t: float, y: Vector) -> Mode:
-        """The contact state that follows an event at (t, y)."""
-        if hit == "normal":
-            return self.separation()
-        if hit == "gap":
-            return self.after_landing(y)
-        if hit in ("up", "down"):
-            return self.slip(1.0 if hit == "up" else -1.0)
-        friction = self.sticking(y)[1]
-        if abs(friction) <= self.p["mu_s"] * self.normal(y):
-            return self.stick(t, y)
-        return self.slip(float(np.sign(friction)))
+    def holding(self, t: float, y: Vector) -> tuple[float, float]:
+        """Friction force that sticking needs, and the largest there is."""
+        y[5 + X1] = self.p["v"] + y[5 + X2]
+        return self.sticking(y)[1], self.p["mu_s"] * self.normal(y)
 
     def begin(self, y: Vector) -> Mode:
         """The contact state of a start with slip velocity."""
@@ -281,40 +315,24 @@ class FiveDof:
         if self.bilateral:
             return self.slip(float(np.sign(self.p["v"])))
         if d == 0.0:
-            return self.after_landing(y)
+            return self.landed(0.0, y)
         return self.slips(y) if d > 0.0 else self.separation()
-
-    def follow(
-        self, y: Vector, t_end: float, most: int, atol: float = 1e-15
-    ) -> tuple[list[Crossing], Vector]:
-        """Up to `most` events and the state at the last of them, or at `t_end`."""
-        t, mode = 0.0, self.begin(y)
-        events: list[Crossing] = []
-        while len(events) < most:
-            sticks = mode.name == "stick"
-            start = np.array(self.reduced) if sticks else y
-            hit, t, end = first_event(mode, t, start, t_end, self.max_step(mode, y), atol)
-            y = self.full(t, end) if sticks else end
-            if hit is None:
-                break
-            if hit == "gap":
-                y = self.struck(y)
-            if hit == "velocity":
-                y[5 + X1] = self.p["v"] + y[5 + X2]
-            before, mode = mode.name, self.next_mode(hit, t, y)
-            events.append(Crossing(t, before, mode.name, y.copy()))
-        return events, y
 
 
 # --- two masses on one belt (thesis 3.13-3.21) ---------------------------------------------------
 MAX_STEP_2MASS = 0.15  # s
 
 
-class TwoMasses:
-    """Two masses on one belt with Stribeck friction; state (x1, x2, x1', x2')."""
+class TwoMasses(Program):
+    """Two masses on one belt with Stribeck friction; state (x1, x2, x1', x2').
 
-    def __init__(self, parameters: Parameters) -> None:
-        self.p = dict(parameters)
+    They begin in the states `kinds`: +1 or -1 for slip of that sign, 0 for stick.
+    """
+
+    atol = 1e-13
+
+    def __init__(self, parameters: Parameters, kinds: Sequence[float]) -> None:
+        self.p, self.kinds = dict(parameters), list(kinds)
         self.c2 = 2.0 * self.p["D"] * np.sqrt(self.p["m2"] * self.p["k2"])
         self.c1 = self.p["c1_over_c2"] * self.c2
 
@@ -330,9 +348,9 @@ class TwoMasses:
         p = self.p
         return sign * (p["mu_k"] + (p["mu_s"] - p["mu_k"]) * np.exp(-sign * slip)) * p["N"]
 
-    def mode(self, kinds: Sequence[float]) -> Mode:
-        """A combination: +1 or -1 for slip of that sign, 0 for stick, per contact."""
-        p, masses = self.p, (self.p["m1"], self.p["m2"])
+    def begin(self, y: Vector) -> Mode:
+        """The combination of states that both contacts are in."""
+        p, masses, kinds = self.p, (self.p["m1"], self.p["m2"]), tuple(self.kinds)
 
         def rate(t: float, y: Vector) -> Vector:
             pulls = self.pulls(y)
@@ -352,29 +370,20 @@ class TwoMasses:
                 guards[f"{i} down"] = lambda t, y, i=i: capacity + self.pulls(y)[i]
         return Mode(" ".join(_WORDS[kind] for kind in kinds), rate, guards)
 
-    def next_kind(self, hit: str, y: Vector) -> float:
-        """What the contact that an event is on does next."""
-        contact, what = hit.split()
-        if what != "velocity":
-            return 1.0 if what == "up" else -1.0
-        y[2 + int(contact)] = self.p["v"]
-        demand = self.pulls(y)[int(contact)]
-        return 0.0 if abs(demand) <= self.p["mu_s"] * self.p["N"] else float(np.sign(demand))
+    def next_mode(self, hit: str, t: float, y: Vector) -> Mode:
+        """The contact that an event is on slips the way it is pulled, or sticks."""
+        contact, what = int(hit[0]), hit[2:]
+        self.kinds[contact] = {"up": 1.0, "down": -1.0}.get(what, 0.0)
+        if what == "velocity":
+            y[2 + contact] = self.p["v"]
+            demand = self.pulls(y)[contact]
+            held = abs(demand) <= self.p["mu_s"] * self.p["N"]
+            self.kinds[contact] = 0.0 if held else float(np.sign(demand))
+        return self.begin(y)
 
-    def follow(
-        self, y: Vector, kinds: Sequence[float], t_end: float, most: int, atol: float = 1e-13
-    ) -> tuple[list[Crossing], Vector]:
-        """Up to `most` events from a start in the states `kinds`."""
-        t, now = 0.0, list(kinds)
-        events: list[Crossing] = []
-        while len(events) < most:
-            mode = self.mode(now)
-            hit, t, y = first_event(mode, t, y, t_end, MAX_STEP_2MASS, atol)
-            if hit is None:
-                break
-            now[int(hit.split()[0])] = self.next_kind(hit, y)
-            events.append(Crossing(t, mode.name, self.mode(now).name, y.copy()))
-        return events, y
+    def max_step(self, mode: Mode, t: float, y: Vector) -> float:
+        """Short enough that no pair of zeros is missed."""
+        return MAX_STEP_2MASS
 
 
 _WORDS = {1.0: "slip+", -1.0: "slip-", 0.0: "stick"}

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.analyses.common import Balance, balance
 from fiv_cli.codegen.codes import CODE_NAMES
 from fiv_cli.codegen.setup import Setup, default_parameters
-from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, build_system
 from fiv_cli.models.base import Model
 
@@ -59,6 +60,14 @@ def ledger(moved: Motion) -> NDArray[np.float64]:
 def times(moved: Motion) -> NDArray[np.float64]:
     """Event times so far, s."""
     return ledger(moved)[:, 0]
+
+
+def booked(begun: Motion, t_end: float) -> Balance:
+    """The energy balance of a motion taken to `t_end`."""
+    begun.start_measuring(np.zeros(len(begun.system.coordinates)))
+    before = begun.energy()
+    assert begun.run(t_end, measuring=True) == Stop.REACHED
+    return balance(begun, before)
 
 
 def transitions(moved: Motion) -> list[str]:

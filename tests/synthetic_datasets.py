@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
-import tomllib
+from dataclasses import asdict
 
 import numpy as np
 import xarray as xr
+
+from fiv_cli.case.case import ClaimSpec
+from fiv_cli.case.grammar import parse_expect
+from fiv_cli.reading.claims import evaluate
 
 STATUS = ("ok", "pending", "failed", "budget", "not_reached", "not_computed")
 ATTRACTORS = (
@@ -14,25 +18,33 @@ ATTRACTORS = (
     "contact_lost",
 )
 CONTACT_STATES = ("slip+", "slip-", "stick", "separation")
+# Symbol, unit and meaning of the axes.
+AXES = {
+    "Omega": (r"\Omega", "rad s-1", "disc speed"),
+    "N0": ("N_0", "N", "normal preload"),
+    "psi_a": (r"\psi_a", "rad", "start of the sector"),
+    "mu_k": (r"\mu_k", "1", "coefficient of kinetic friction"),
+    "R": ("R", "1", "frequency ratio"),
+}
 
 
-def flag(names, units="1"):
-    """Attributes of a flag variable that is -1 where nothing was computed."""
-    return {
-        "units": units,
-        "flag_values": np.arange(-1, len(names), dtype=np.int8),
-        "flag_meanings": " ".join(["not_computed", *names]),
-    }
+def claim(variable, expect, at=None, holds="all", analysis="", take=None):
+    """What a case claims of a variable."""
+    expected = parse_expect(expect)
+    take = take or {}
+    return ClaimSpec("7.3", "as printed", variable, expected, at or {}, holds, "", analysis, take)
 
 
-def status_flag():
-    """Attributes of ``status``, which always says something."""
-    return {
-        "units": "1",
-        "long_name": "whether the point was computed",
-        "flag_values": np.arange(len(STATUS), dtype=np.int8),
-        "flag_meanings": " ".join(STATUS),
-    }
+def tried(dataset, *arguments, other=lambda case: None, **keywords):
+    """What becomes of a claim about a dataset; `other` gives those of other cases."""
+    return evaluate(claim(*arguments, **keywords), {"": dataset}, other)
+
+
+def axes(**values):
+    """Coordinates of a grid, the labels of its starts called ``initial``."""
+    words = ("symbol", "units", "long_name")
+    known = {name: dict(zip(words, told, strict=True)) for name, told in AXES.items()}
+    return {n: (n, np.asarray(points), known.get(n, {})) for n, points in values.items()}
 
 
 def codes(table, names):
@@ -41,72 +53,57 @@ def codes(table, names):
     return np.vectorize(lookup.__getitem__, otypes=[np.int8])(np.asarray(names))
 
 
-def read_figures(text):
-    """The figures of a case as a dataset holds them: named, their settings apart."""
-    tables = tomllib.loads(text).get("figure", [])
-    kinds = [table["kind"] for table in tables]
-    return [
-        {
-            "name": table.get(
-                "name", kind + (f"-{1 + kinds[:i].count(kind)}" if i and kind in kinds[:i] else "")
-            ),
-            "kind": kind,
-            "settings": {k: v for k, v in table.items() if k not in ("kind", "name")},
-        }
-        for i, (table, kind) in enumerate(zip(tables, kinds, strict=True))
-    ]
+def flags(dims, names, table, **attributes):
+    """A flag variable that is -1 where nothing was computed."""
+    named = {
+        "units": "1",
+        "flag_values": np.arange(-1, len(table), dtype=np.int8),
+        "flag_meanings": " ".join(["not_computed", *table]),
+    }
+    return dims, codes(table, names), named | attributes
 
 
-def attributes(figures="", title="A sweep", reference="Figure 7.6"):
+def statuses(dims, names):
+    """``status``, which always says something."""
+    named = {
+        "units": "1",
+        "long_name": "whether the point was computed",
+        "flag_values": np.arange(len(STATUS), dtype=np.int8),
+        "flag_meanings": " ".join(STATUS),
+    }
+    return dims, codes(STATUS, names), named
+
+
+def attributes(*figures, title="A sweep", reference="Figure 7.6"):
     """Global attributes of a dataset."""
     return {
         "title": title,
         "reference": reference,
         "model": "pin-on-disc",
         "law": "coulomb",
-        "case": f'schema = 1\ntitle = "{title}"\n{figures}',
-        "figures_json": json.dumps(read_figures(figures)),
+        "case": f'schema = 1\ntitle = "{title}"\n',
+        "figures_json": json.dumps([asdict(figure) for figure in figures]),
     }
 
 
-def axis(name, values, symbol, units, long_name):
-    """A numeric axis of the grid."""
-    return (
-        name,
-        np.asarray(values, float),
-        {"symbol": symbol, "units": units, "long_name": long_name},
-    )
+def response(attractor, L_s, coords, status="ok", rows=None, **given):
+    """A response dataset over all of its coordinates.
 
-
-def response(attractor, L_s, coords, dims, status=None, rows=None, **given):
-    """A response dataset.
-
-    attractor: names over the dims; rows: section values of each point in C order, a list of lists.
+    attractor: names; rows: section values of each point in C order, a list of lists.
     """
-    attractor = np.asarray(attractor)
-    status = np.full(attractor.shape, "ok") if status is None else np.asarray(status)
+    attractor, dims = np.asarray(attractor), tuple(coords)
     variables = {
-        "status": (dims, codes(STATUS, status), status_flag()),
-        "attractor": (
-            dims,
-            codes(ATTRACTORS, attractor),
-            flag(ATTRACTORS) | {"long_name": "class of the steady state"},
-        ),
+        "status": statuses(dims, np.broadcast_to(status, attractor.shape)),
+        "attractor": flags(dims, attractor, ATTRACTORS, long_name="class of the steady state"),
         "L_s": (dims, np.asarray(L_s, float), {"units": "rad2", "symbol": "L_s"}),
     }
     if rows is not None:
         sizes = np.array([len(row) for row in rows], np.int32).reshape(attractor.shape)
         values = np.array([value for row in rows for value in row], float)
-        variables["section_row_size"] = (
-            dims,
-            sizes,
-            {"sample_dimension": "section_obs", "units": "1"},
-        )
-        variables["section_value"] = (
-            ("section_obs",),
-            values,
-            {"units": "rad", "long_name": "phi at the section"},
-        )
+        of_rows = {"sample_dimension": "section_obs", "units": "1"}
+        of_values = {"units": "rad", "long_name": "phi at the section"}
+        variables["section_row_size"] = (dims, sizes, of_rows)
+        variables["section_value"] = (("section_obs",), values, of_values)
     return xr.Dataset(variables | given, coords, attributes())
 
 
@@ -126,17 +123,7 @@ def bifurcation():
         for o, pair in zip(omega, attractor, strict=True)
         for k, c in enumerate(pair)
     ]
-    return response(
-        attractor,
-        L_s,
-        {
-            "Omega": axis("Omega", omega, r"\Omega", "rad s-1", "disc speed"),
-            "initial": ("initial", np.array(["near", "far"])),
-        },
-        ("Omega", "initial"),
-        status,
-        rows,
-    )
+    return response(attractor, L_s, axes(Omega=omega, initial=["near", "far"]), status, rows)
 
 
 def _section_points(omega, start, attractor):
@@ -158,17 +145,7 @@ def stability_map(initial=("reached", "exists"), nx=21, ny=17):
     attractor[-3:, -2:] = "not_computed"
     L_s = np.where(periodic, (x * y)[..., None] * 1e-5, 0.0)
     L_s[-3:, -2:] = np.nan
-    return response(
-        attractor,
-        L_s,
-        {
-            "Omega": axis("Omega", omega, r"\Omega", "rad s-1", "disc speed"),
-            "N0": axis("N0", preload, "N_0", "N", "normal preload"),
-            "initial": ("initial", np.array(initial)),
-        },
-        ("Omega", "N0", "initial"),
-        status,
-    )
+    return response(attractor, L_s, axes(Omega=omega, N0=preload, initial=initial), status)
 
 
 def history(labels=("far", "near"), omega=9.0, t_end=8.0, sample=0.01):
@@ -178,22 +155,21 @@ def history(labels=("far", "near"), omega=9.0, t_end=8.0, sample=0.01):
     phi = 0.02 + 0.01 * amplitude * np.cos(omega * time)
     phi_dot = -0.01 * omega * amplitude * np.sin(omega * time)
     sticking = phi_dot > 0.05 * amplitude
-    states = np.where(sticking, 2, np.where(phi_dot < -0.08, 1, 0)).astype(np.int8)
+    states = np.where(sticking, "stick", np.where(phi_dot < -0.08, "slip-", "slip+"))
     dims = ("initial", "time")
-    ok = np.zeros(len(labels), np.int8)
     return xr.Dataset(
         {
-            "status": (("initial",), ok, status_flag()),
+            "status": statuses(("initial",), ["ok"] * len(labels)),
             "phi": (dims, phi, {"units": "rad", "symbol": r"\varphi", "long_name": "rotation"}),
             "phi_dot": (dims, phi_dot, {"units": "rad s-1", "symbol": r"\dot{\varphi}"}),
             "theta": (dims, -0.5 * phi, {"units": "rad", "symbol": r"\theta"}),
             "theta_dot": (dims, -0.5 * phi_dot, {"units": "rad s-1", "symbol": r"\dot{\theta}"}),
             "F_T": (dims, 6.0 + 0 * phi, {"units": "N", "symbol": "F_T"}),
-            "contact_state": (dims, states, flag(CONTACT_STATES)),
+            "contact_state": flags(dims, states, CONTACT_STATES),
         },
         {
             "time": ("time", time, {"units": "s", "symbol": "t", "long_name": "time"}),
-            "initial": ("initial", np.array(labels)),
+            **axes(initial=labels),
         },
         attributes(title="Two motions", reference="Figure 7.2"),
     )
@@ -208,24 +184,19 @@ def spectra(labels=("near", "far"), points=12):
     amplitude[:, :, 50] = 1e-3 * mu[:, None]
     amplitude[:, :, 10] = 1e-5
     attractor = np.full((points, len(labels)), "periodic", dtype=object)
-    if points > 1:
-        amplitude[-1, 0], attractor[-1, 0] = np.nan, "diverged"
+    amplitude[-1, 0], attractor[-1, 0] = np.nan, "diverged"
     growing = np.stack([np.where(mu > 0.5, 20.0 + mu, np.nan), np.full(points, np.nan)], axis=-1)
     growing = np.repeat(growing[:, None], len(labels), axis=1)
+    of_x = {"units": "m", "long_name": "amplitude of x"}
     return xr.Dataset(
         {
-            "status": (dims, np.zeros((points, len(labels)), np.int8), status_flag()),
-            "attractor": (dims, codes(ATTRACTORS, attractor), flag(ATTRACTORS)),
-            "amplitude": (
-                (*dims, "frequency"),
-                amplitude,
-                {"units": "m", "long_name": "amplitude of x"},
-            ),
+            "status": statuses(dims, np.full(attractor.shape, "ok")),
+            "attractor": flags(dims, attractor, ATTRACTORS),
+            "amplitude": ((*dims, "frequency"), amplitude, of_x),
             "unstable_frequency": ((*dims, "mode"), growing, {"units": "Hz"}),
         },
         {
-            "mu_k": axis("mu_k", mu, r"\mu_k", "1", "coefficient of kinetic friction"),
-            "initial": ("initial", np.array(labels)),
+            **axes(mu_k=mu, initial=labels),
             "frequency": ("frequency", frequency, {"units": "Hz", "long_name": "frequency"}),
         },
         attributes(title="Spectra", reference="Figure 6.18"),
@@ -239,37 +210,34 @@ def crossings():
     kind = np.array([["jump", "root", "root"]] * 3, dtype=object)
     direction = np.array([["to_stable", "to_unstable", "to_stable"]] * 3, dtype=object)
     value[2, 1:], kind[2, 1:], direction[2, 1:] = np.nan, "not_computed", "not_computed"
-    dims, kinds, ways = ("R", "crossing"), ("root", "jump", "end"), ("to_stable", "to_unstable")
-    named = {"units": "N", "long_name": "critical value of A_b"}
+    dims, named = ("R", "crossing"), {"units": "N", "long_name": "critical value of A_b"}
     return xr.Dataset(
         {
-            "status": (("R",), codes(STATUS, ["ok"] * 3), status_flag()),
+            "status": statuses(("R",), ["ok"] * 3),
             "critical_value": (dims, value, named),
-            "crossing_kind": (dims, codes(kinds, kind), flag(kinds)),
-            "crossing_direction": (dims, codes(ways, direction), flag(ways)),
+            "crossing_kind": flags(dims, kind, ("root", "jump", "end")),
+            "crossing_direction": flags(dims, direction, ("to_stable", "to_unstable")),
             "crossing_mode": (dims, np.full((3, 3), 2, np.int32)),
         },
-        {"R": axis("R", ratio, "R", "1", "frequency ratio")},
+        axes(R=ratio),
         attributes(title="Suppression", reference="Figure 5.6"),
     )
 
 
 def boundaries():
     """Stick-slip ends in an equilibrium; at the last point in something undecided."""
-    preload = np.array([20.0, 30.0, 40.0])
-    dims, below = ("N0", "crossing"), np.full((3, 1), "periodic", dtype=object)
-    above = np.array([["equilibrium"], ["equilibrium"], ["undecided"]], dtype=object)
-    named = {"units": "rad s-1", "long_name": "Omega at which the answer changes"}
-    width = np.array([[0.5], [0.5], [2.0]])
+    dims, rate = ("N0", "crossing"), {"units": "rad s-1"}
+    above = [["equilibrium"], ["equilibrium"], ["undecided"]]
+    place = rate | {"long_name": "Omega at which the answer changes"}
     return xr.Dataset(
         {
-            "status": (("N0",), codes(STATUS, ["ok"] * 3), status_flag()),
-            "boundary": (dims, np.array([[4.0], [7.0], [10.0]]), named),
-            "boundary_width": (dims, width, {"units": "rad s-1", "long_name": "width"}),
-            "class_below": (dims, codes(ATTRACTORS, below), flag(ATTRACTORS)),
-            "class_above": (dims, codes(ATTRACTORS, above), flag(ATTRACTORS)),
+            "status": statuses(("N0",), ["ok"] * 3),
+            "boundary": (dims, np.array([[4.0], [7.0], [10.0]]), place),
+            "boundary_width": (dims, [[0.5], [0.5], [2.0]], rate | {"long_name": "width"}),
+            "class_below": flags(dims, [["periodic"]] * 3, ATTRACTORS),
+            "class_above": flags(dims, above, ATTRACTORS),
         },
-        {"N0": axis("N0", preload, "N_0", "N", "normal preload")},
+        axes(N0=[20.0, 30.0, 40.0]),
         attributes(title="Existence of stick-slip"),
     )
 
@@ -284,23 +252,16 @@ def eigenvalues():
     real[7] = imag[7] = np.nan
     status = np.full(mu.shape, "ok", dtype=object)
     status[7] = "failed"
-    dims = ("mu_k", "mode")
+    dims, rate = ("mu_k", "mode"), {"units": "rad s-1"}
+    hertz = {"units": "Hz", "long_name": "frequency of the mode"}
     return xr.Dataset(
         {
-            "status": (("mu_k",), codes(STATUS, status), status_flag()),
-            "eigenvalue_real": (
-                dims,
-                real,
-                {"units": "rad s-1", "long_name": "real part of the eigenvalue"},
-            ),
-            "eigenvalue_imag": (dims, imag, {"units": "rad s-1"}),
-            "mode_frequency": (
-                dims,
-                np.abs(imag) / (2 * np.pi),
-                {"units": "Hz", "long_name": "frequency of the mode"},
-            ),
-            "growth_rate": (("mu_k",), real.max(axis=-1), {"units": "rad s-1"}),
+            "status": statuses(("mu_k",), status),
+            "eigenvalue_real": (dims, real, rate | {"long_name": "real part of the eigenvalue"}),
+            "eigenvalue_imag": (dims, imag, rate),
+            "mode_frequency": (dims, np.abs(imag) / (2 * np.pi), hertz),
+            "growth_rate": (("mu_k",), real.max(axis=-1), rate),
         },
-        {"mu_k": axis("mu_k", mu, r"\mu_k", "1", "coefficient of kinetic friction")},
+        axes(mu_k=mu),
         attributes(title="Flutter", reference="Figure 5.3"),
     )

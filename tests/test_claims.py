@@ -10,36 +10,21 @@ import xarray as xr
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
+from synthetic_datasets import claim, tried
 
-from fiv_cli.case.case import ClaimSpec
-from fiv_cli.case.grammar import parse_expect
 from fiv_cli.cli.claims import Entry, case_files, command, lines
 from fiv_cli.errors import UsageError
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate, tally
 
 MU_K = np.arange(1, 11) / 10
-NONE = {}
 
 
-def friction_axis(values=MU_K):
-    return {"mu_k": data.axis("mu_k", values, r"\mu_k", "1", "kinetic friction")}
-
-
-def sweep(classes, L_s=None, status=None, rows=None, **given):
+def sweep(classes, L_s=None, status="ok", rows=None, **given):
     """A response along mu_k = 0.1, 0.2, ..."""
     L_s = np.arange(len(classes), dtype=float) if L_s is None else L_s
-    coords = friction_axis(MU_K[: len(classes)])
-    return data.response(classes, L_s, coords, ("mu_k",), status, rows, **given)
-
-
-def claim(variable, expect, at=None, holds="all", analysis="", take=NONE):
-    expected = parse_expect(expect)
-    return ClaimSpec("7.3", "as printed", variable, expected, at or {}, holds, "", analysis, take)
-
-
-def tried(dataset, *arguments, other=lambda case: None, **keywords):
-    return evaluate(claim(*arguments, **keywords), {"": dataset}, other)
+    along = data.axes(mu_k=MU_K[: len(classes)])
+    return data.response(classes, L_s, along, status, rows, **given)
 
 
 THREE = ["periodic", "periodic", "equilibrium"]
@@ -76,18 +61,16 @@ def test_many_misses_are_counted_not_listed():
 
 
 @pytest.mark.parametrize(
-    ("classes", "status"),
+    ("kind", "status"),
     [
-        (["periodic", "undecided"], ["ok", "ok"]),
-        (["periodic", "undecided"], ["ok", "budget"]),
-        (["periodic", "not_computed"], ["ok", "failed"]),
-        (["periodic", "not_computed"], ["ok", "not_reached"]),
-        (["periodic", "not_computed"], ["ok", "pending"]),
-        (["periodic", "not_computed"], ["ok", "not_computed"]),
+        *[("undecided", status) for status in ("ok", "budget")],
+        *[("not_computed", status) for status in ("failed", "not_reached", "pending")],
+        ("not_computed", "not_computed"),
     ],
 )
-def test_a_point_without_answer_leaves_the_claim_undetermined(classes, status):
-    verdict = tried(sweep(classes, status=status), "attractor", "periodic")
+def test_a_point_without_answer_leaves_the_claim_undetermined(kind, status):
+    dataset = sweep(["periodic", kind], status=["ok", status])
+    verdict = tried(dataset, "attractor", "periodic")
     assert verdict.verdict == UNDETERMINED
     assert verdict.open == 1
     assert "1 not decided or not computed" in verdict.found
@@ -196,10 +179,9 @@ def test_unknown_variables_classes_and_analyses_are_undetermined():
 
 
 def test_starts_are_selected_by_label_and_random_ones_by_their_stem():
-    labels = np.array(["near", "far-000", "far-001"])
+    labels = ["near", "far-000", "far-001"]
     classes = np.array([["equilibrium", "periodic", "periodic"]])
-    coords = friction_axis([0.3]) | {"initial": ("initial", labels)}
-    dataset = data.response(classes, np.zeros((1, 3)), coords, ("mu_k", "initial"))
+    dataset = data.response(classes, np.zeros((1, 3)), data.axes(mu_k=[0.3], initial=labels))
     assert tried(dataset, "attractor", "periodic", {"initial": "far"}).points == 2
     assert tried(dataset, "attractor", "periodic", {"initial": "far"}).verdict == CONFIRMED
     assert tried(dataset, "attractor", "equilibrium", {"initial": "near"}).verdict == CONFIRMED
@@ -368,8 +350,8 @@ def test_less_than_leaves_points_that_the_other_case_lacks_open():
 
 def test_less_than_matches_axes_by_value_and_single_starts_by_default():
     this = sweep(["periodic"] * 3, L_s=[1, 2, 3])
-    coords = friction_axis(MU_K[2::-1] * (1 + 1e-15)) | {"initial": ("initial", ["rest"])}
-    other = data.response([["periodic"]] * 3, [[4], [3], [2]], coords, ("mu_k", "initial"))
+    grid = data.axes(mu_k=MU_K[2::-1] * (1 + 1e-15), initial=["rest"])
+    other = data.response([["periodic"]] * 3, [[4], [3], [2]], grid)
     verdict = tried(this, "L_s", {"less_than": "b:L_s"}, other=lambda case: {"": other})
     assert verdict.verdict == CONFIRMED
 

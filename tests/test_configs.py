@@ -73,30 +73,30 @@ def test_names_are_unique_for_they_name_datasets():
     assert len({path.stem for path in CASES}) == len(CASES)
 
 
+# Small cases, whole: which of their claims the program contradicts.
 QUICK = {
-    "ch3/fig_3_03": {},
-    "ch3/fig_3_13": {3: CONTRADICTED},
-    "ch4/plate": {},
-    "ch4/sliding_speeds": {},
-    "ch5/fig_5_04": {},
-    "ch6/equilibria": {5: CONTRADICTED},
-    "ch7/fig_7_02": {},
-    "ch7/fig_7_03": {},
-    "ch7/fig_7_04": {},
-    "ch7/fig_7_05": {},
-    "ch7/fig_7_12": {3: CONTRADICTED},
-    "ch7/fig_7_14": {},
-    "ch7/equilibrium": {},
+    "ch3/fig_3_03": (),
+    "ch3/fig_3_13": (3,),
+    "ch4/plate": (),
+    "ch4/sliding_speeds": (),
+    "ch5/fig_5_04": (),
+    "ch6/equilibria": (5,),
+    "ch7/fig_7_02": (),
+    "ch7/fig_7_03": (),
+    "ch7/fig_7_04": (),
+    "ch7/fig_7_05": (),
+    "ch7/fig_7_12": (3,),
+    "ch7/fig_7_14": (),
+    "ch7/equilibrium": (),
 }
 
 
 @pytest.mark.parametrize("name", QUICK)
 def test_a_quick_case_runs_and_its_claims_and_figures_come_out(name, tmp_path):
     path = ROOT / "configs" / f"{name}.toml"
-    analyses = runs(path, (), tmp_path)
-    for number, claim in enumerate(load_case(path).claims):
-        verdict = evaluate(claim, analyses, lambda case: None)
-        assert verdict.verdict == QUICK[name].get(number, CONFIRMED), (claim.text, verdict.found)
+    analyses, contradicted = runs(path, (), tmp_path), QUICK[name]
+    every = range(len(load_case(path).claims))
+    hold_claims(path, analyses, set(every) - set(contradicted), contradicted)
     for figure in figures_of(analyses):
         assert can_draw(analyses, figure)
         assert draw(analyses, figure).axes
@@ -107,44 +107,36 @@ ONE_PLACE = ("grid.N0=[30.0]", 'grid.psi_a=["0 deg"]', *BRIEFLY)
 COARSE = ("analysis.0.scan=5", "analysis.0.width=0.02", "analysis.0.t_max=40.0")
 COARSE_DAMPING = ("grid.c1=[0.0, 0.1, 0.2]", "grid.c2=[0.0, 0.1, 0.2]")
 
-# Cases of many points on a few of them: those that the named claims speak of.
+# Cases of many points on a few of them: those that the numbered claims, confirmed and
+# contradicted, speak of.
 REDUCED = [
-    (
-        "ch7/fig_7_06_reached",
-        ("grid.Omega=[2.0, 8.0]", "grid.N0=[8.0, 30.0]"),
-        {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED},
-    ),
+    ("ch7/fig_7_06_reached", ("grid.Omega=[2.0, 8.0]", "grid.N0=[8.0, 30.0]"), range(3), ()),
     (
         "ch7/fig_7_06_exists",
         ("grid.Omega={start=6.0, stop=8.0, step=0.1}", "grid.N0=[30.0]"),
-        {1: CONTRADICTED},
+        (),
+        (1,),
     ),
     (
         "ch7/basins",
         ('grid."initial.phi"=[-0.1, 0.035]', 'grid."initial.phi_dot"=[-10.0, 0.0]'),
-        {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED, 3: CONTRADICTED},
+        (0, 1),
+        (2, 3),
     ),
-    ("ch7/fig_7_07", ("grid.Omega=[1.0, 2.5, 8.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch7/fig_7_08", ("grid.N0=[8.0, 15.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch7/fig_7_09a", ("grid.Omega=[1.0, 5.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch7/fig_7_09b", ("grid.N0=[15.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch7/fig_7_10a", ("grid.Omega=[0.5, 1.5]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch7/fig_7_10b", ("grid.N0=[25.0, 50.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    (
-        "ch7/fig_7_13",
-        ("grid.Omega=[2.0, 4.0]", *ONE_PLACE),
-        {5: CONTRADICTED, 7: CONTRADICTED},
-    ),
+    ("ch7/fig_7_07", ("grid.Omega=[1.0, 2.5, 8.0]",), (0, 1), ()),
+    ("ch7/fig_7_08", ("grid.N0=[8.0, 15.0, 50.0]",), (0, 1), ()),
+    ("ch7/fig_7_09a", ("grid.Omega=[1.0, 5.0]",), (0, 1), ()),
+    ("ch7/fig_7_09b", ("grid.N0=[15.0, 50.0]",), (0, 1), ()),
+    ("ch7/fig_7_10a", ("grid.Omega=[0.5, 1.5]",), (0, 1), ()),
+    ("ch7/fig_7_10b", ("grid.N0=[25.0, 50.0]",), (0, 1), ()),
+    ("ch7/fig_7_13", ("grid.Omega=[2.0, 4.0]", *ONE_PLACE), (), (5, 7)),
     (
         "ch7/fig_7_15",
         ('grid.beta=["0 deg", "15 deg"]', "grid.Omega=[2.0, 4.0, 8.0]", *ONE_PLACE),
-        {2: CONFIRMED, 5: CONFIRMED},
+        (2, 5),
+        (),
     ),
-    (
-        "ch7/fig_7_16",
-        ("grid.Omega=[1.5, 2.5]", *ONE_PLACE),
-        {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED},
-    ),
+    ("ch7/fig_7_16", ("grid.Omega=[1.5, 2.5]", *ONE_PLACE), range(3), ()),
     (
         "ch7/fig_7_17",
         (
@@ -153,245 +145,177 @@ REDUCED = [
             "grid.Omega=[1.0, 2.0, 4.0, 8.0]",
             "grid.N0=[30.0]",
         ),
-        {0: CONFIRMED, 1: CONFIRMED, 4: CONFIRMED},
+        (0, 1, 4),
+        (),
     ),
-    (
-        "ch7/sector_equal",
-        ("grid.Omega=[4.0]", *ONE_PLACE),
-        {0: CONTRADICTED},
-    ),
+    ("ch7/sector_equal", ("grid.Omega=[4.0]", *ONE_PLACE), (), (0,)),
     (
         "ch7/sector_survival",
         ("grid.Omega=[1.0, 2.0, 4.0]", 'grid.psi_a=["300 deg"]', "initial.3.count=1", *BRIEFLY),
-        {0: CONTRADICTED, 1: CONTRADICTED, 2: CONTRADICTED, 3: CONFIRMED, 4: CONFIRMED},
+        (3, 4),
+        range(3),
     ),
-    ("ch7/normal_force", ("grid.Omega=[0.2, 0.6]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED}),
-    ("ch7/equal_coefficients", ("grid.N0=[30.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch3/fig_3_05", (), dict.fromkeys(range(7), CONFIRMED)),
-    ("ch3/fig_3_06", ("grid.omega=[0.5, 0.85]",), dict.fromkeys(range(4), CONFIRMED)),
-    ("ch3/fig_3_07", ("grid.omega=[0.5, 0.85]",), {0: CONFIRMED, 1: CONFIRMED}),
+    ("ch7/normal_force", ("grid.Omega=[0.2, 0.6]",), (0, 1), (2,)),
+    ("ch7/equal_coefficients", ("grid.N0=[30.0]",), (0, 1), ()),
+    ("ch3/fig_3_05", (), range(7), ()),
+    ("ch3/fig_3_06", ("grid.omega=[0.5, 0.85]",), range(4), ()),
+    ("ch3/fig_3_07", ("grid.omega=[0.5, 0.85]",), (0, 1), ()),
     (
         "ch3/negative_slope",
         ("grid.c=[0.0, 0.1, 0.2]", "grid.alpha_0=[-0.4, -0.2, 0.0, 0.2]"),
-        dict.fromkeys(range(9), CONFIRMED),
+        range(9),
+        (),
     ),
-    ("ch3/fig_3_09", ("grid.D=[0.3]", "analysis.0.t_end=200.0"), {0: CONFIRMED, 3: CONFIRMED}),
-    (
-        "ch3/fig_3_10",
-        ("grid.D=[0.1, 0.3]", "analysis.0.t_max=10000.0"),
-        dict.fromkeys(range(3), CONFIRMED),
-    ),
-    ("ch3/fig_3_12", ("grid.mu_k=[4.1, 4.24, 6.0]",), dict.fromkeys(range(4), CONFIRMED)),
-    (
-        "ch3/fig_3_14",
-        ("grid.mu_k=[4.1, 4.24, 4.84, 7.98, 12.0]",),
-        dict.fromkeys(range(5), CONFIRMED),
-    ),
-    ("ch3/fig_3_15", COARSE_DAMPING, {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED}),
-    (
-        "ch3/fig_3_16",
-        ("grid.mu_k=[4.1, 4.24, 4.82, 10.3, 12.0]",),
-        dict.fromkeys(range(4), CONFIRMED),
-    ),
+    ("ch3/fig_3_09", ("grid.D=[0.3]", "analysis.0.t_end=200.0"), (0, 3), ()),
+    ("ch3/fig_3_10", ("grid.D=[0.1, 0.3]", "analysis.0.t_max=10000.0"), range(3), ()),
+    ("ch3/fig_3_12", ("grid.mu_k=[4.1, 4.24, 6.0]",), range(4), ()),
+    ("ch3/fig_3_14", ("grid.mu_k=[4.1, 4.24, 4.84, 7.98, 12.0]",), range(5), ()),
+    ("ch3/fig_3_15", COARSE_DAMPING, range(3), ()),
+    ("ch3/fig_3_16", ("grid.mu_k=[4.1, 4.24, 4.82, 10.3, 12.0]",), range(4), ()),
     (
         "ch3/fig_3_17",
         ("grid.c1=[0.0, 1e-6, 0.05, 0.1]", "grid.c2=[0.0, 2e-6, 0.1, 0.2]"),
-        dict.fromkeys(range(6), CONFIRMED) | {1: CONTRADICTED},
+        (0, 2, 3, 4, 5),
+        (1,),
     ),
     (
         "ch3/neutral_circle",
         ('grid."initial.x"=[1.0, 2.3, 3.6]', 'grid."initial.x_dot"=[-0.5, 0.5, 2.0]'),
-        dict.fromkeys(range(3), CONFIRMED),
+        range(3),
+        (),
     ),
-    ("ch5/critical_friction", ("grid.v=[0.3]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch5/critical_speed", ("grid.F=[100.0]",), {0: CONFIRMED}),
-    ("ch5/fig_5_03", ("grid.mu_k=[0.2, 0.365, 0.37, 0.6]",), dict.fromkeys(range(4), CONFIRMED)),
+    ("ch5/critical_friction", ("grid.v=[0.3]",), (0, 1), ()),
+    ("ch5/critical_speed", ("grid.F=[100.0]",), (0,), ()),
+    ("ch5/fig_5_03", ("grid.mu_k=[0.2, 0.365, 0.37, 0.6]",), range(4), ()),
     (
         "ch5/fig_5_05",
         ('grid.friction=["coulomb"]', "grid.mu_k=[0.7]", "analysis.history.t_end=1.0"),
-        dict.fromkeys(range(3), CONFIRMED),
+        range(3),
+        (),
     ),
-    ("ch5/fig_5_06", ("grid.mu_k=[0.7]", "grid.R=[20.0]"), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch5/fig_5_07", ("grid.R=[20.0]",), {0: CONFIRMED}),
-    (
-        "ch5/fig_5_06_simulated",
-        ("grid.mu_k=[0.7]", "grid.R=[20.0]", *COARSE),
-        {3: CONFIRMED},
-    ),
-    ("ch5/fig_5_07_simulated", ("grid.R=[20.0]", *COARSE), {1: CONFIRMED}),
-    ("ch6/critical_stiff", ("grid.F=[800.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/fig_6_02", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/fig_6_03", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/fig_6_04", ("grid.k_nl=[1e4]", "grid.F=[200.0, 400.0]"), {1: CONFIRMED}),
-    ("ch6/fig_6_05", ("grid.F=[200.0]",), {0: CONFIRMED}),
-    ("ch6/fig_6_06", ("grid.mu_k=[1.8, 1.9]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/fig_6_06_critical", ("grid.F=[1000.0]",), dict.fromkeys(range(4), CONFIRMED)),
-    ("ch6/fig_6_07", ("analysis.history.t_end=1.0",), dict.fromkeys(range(4), CONFIRMED)),
-    (
-        "ch6/fig_6_07_thesis",
-        ("grid.mu_k=[0.3]", "analysis.history.t_end=1.0"),
-        {0: CONFIRMED},
-    ),
-    (
-        "ch6/fig_6_08",
-        ("analysis.history.t_end=1.0",),
-        {0: CONFIRMED, 1: CONTRADICTED, 2: CONTRADICTED},
-    ),
-    ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=40.0"), {4: CONFIRMED}),
-    (
-        "ch6/fig_6_11",
-        ("grid.mu_k=[0.55, 1.3]",),
-        dict.fromkeys((4, 7, 8, 9, 10, 13), CONFIRMED) | {2: CONTRADICTED, 14: CONTRADICTED},
-    ),
-    (
-        "ch6/fig_6_13",
-        ("grid.mu_k=[0.1, 0.38, 2.0]",),
-        dict.fromkeys((0, 1, 2, 4, 5, 6, 7), CONFIRMED) | {8: CONTRADICTED},
-    ),
-    (
-        "ch6/fig_6_13_phase",
-        ("analysis.history.t_end=1.0",),
-        dict.fromkeys(range(3), CONFIRMED),
-    ),
-    ("ch6/fig_6_18c", ("grid.mu_k=[1.8, 2.7]",), {1: CONTRADICTED}),
-    ("ch6/fig_6_20", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED}),
-    ("ch6/fig_6_20_damped", ("grid.mu_k=[0.0, 3.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    (
-        "ch6/fig_6_20_modes",
-        ("grid.k_nl=[0.0]", "grid.F=[1e4]"),
-        {0: CONTRADICTED, 1: CONFIRMED, 2: CONFIRMED, 3: CONTRADICTED, 5: CONFIRMED, 6: CONFIRMED},
-    ),
-    ("ch6/fig_6_22", ("grid.mu_k=[1.01, 1.02]",), dict.fromkeys(range(4), CONFIRMED)),
-    ("ch6/fig_6_23", ("grid.k_nl=[1e8]", "grid.F=[1e3, 2e3]"), {3: CONFIRMED, 4: CONFIRMED}),
-    (
-        "ch6/fig_6_23_rigid",
-        ("grid.F=[1e3, 2e3, 3e3, 1e4]",),
-        dict.fromkeys(range(5), CONFIRMED),
-    ),
-    ("ch6/disc_modes", ('grid.modes=["0,0 0,1 0,2 0,3"]',), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/disc_slip", ("grid.mu_k=[2.9]",), {0: CONFIRMED, 2: CONFIRMED}),
+    ("ch5/fig_5_06", ("grid.mu_k=[0.7]", "grid.R=[20.0]"), (0, 1), ()),
+    ("ch5/fig_5_07", ("grid.R=[20.0]",), (0,), ()),
+    ("ch5/fig_5_06_simulated", ("grid.mu_k=[0.7]", "grid.R=[20.0]", *COARSE), (3,), ()),
+    ("ch5/fig_5_07_simulated", ("grid.R=[20.0]", *COARSE), (1,), ()),
+    ("ch6/critical_stiff", ("grid.F=[800.0]",), (0, 1), ()),
+    ("ch6/fig_6_02", ("grid.mu_k=[0.0, 3.0]",), (0, 1), ()),
+    ("ch6/fig_6_03", ("grid.mu_k=[0.0, 3.0]",), (0, 1), ()),
+    ("ch6/fig_6_04", ("grid.k_nl=[1e4]", "grid.F=[200.0, 400.0]"), (1,), ()),
+    ("ch6/fig_6_05", ("grid.F=[200.0]",), (0,), ()),
+    ("ch6/fig_6_06", ("grid.mu_k=[1.8, 1.9]",), (0, 1), ()),
+    ("ch6/fig_6_06_critical", ("grid.F=[1000.0]",), range(4), ()),
+    ("ch6/fig_6_07", ("analysis.history.t_end=1.0",), range(4), ()),
+    ("ch6/fig_6_07_thesis", ("grid.mu_k=[0.3]", "analysis.history.t_end=1.0"), (0,), ()),
+    ("ch6/fig_6_08", ("analysis.history.t_end=1.0",), (0,), (1, 2)),
+    ("ch6/fig_6_09", ("grid.mu_k=[1.4]", "analysis.0.t_max=40.0"), (4,), ()),
+    ("ch6/fig_6_11", ("grid.mu_k=[0.55, 1.3]",), (4, 7, 8, 9, 10, 13), (2, 14)),
+    ("ch6/fig_6_13", ("grid.mu_k=[0.1, 0.38, 2.0]",), (0, 1, 2, 4, 5, 6, 7), (8,)),
+    ("ch6/fig_6_13_phase", ("analysis.history.t_end=1.0",), range(3), ()),
+    ("ch6/fig_6_18c", ("grid.mu_k=[1.8, 2.7]",), (), (1,)),
+    ("ch6/fig_6_20", ("grid.mu_k=[0.0, 3.0]",), (0, 1), (2,)),
+    ("ch6/fig_6_20_damped", ("grid.mu_k=[0.0, 3.0]",), (0, 1), ()),
+    ("ch6/fig_6_20_modes", ("grid.k_nl=[0.0]", "grid.F=[1e4]"), (1, 2, 5, 6), (0, 3)),
+    ("ch6/fig_6_22", ("grid.mu_k=[1.01, 1.02]",), range(4), ()),
+    ("ch6/fig_6_23", ("grid.k_nl=[1e8]", "grid.F=[1e3, 2e3]"), (3, 4), ()),
+    ("ch6/fig_6_23_rigid", ("grid.F=[1e3, 2e3, 3e3, 1e4]",), range(5), ()),
+    ("ch6/disc_modes", ('grid.modes=["0,0 0,1 0,2 0,3"]',), (0, 1), ()),
+    ("ch6/disc_slip", ("grid.mu_k=[2.9]",), (0, 2), ()),
     (
         "ch6/fig_6_24",
         ("grid.mu_k=[0.3]", "analysis.history.t_end=0.1", "analysis.response.t_max=20.0"),
-        {0: CONFIRMED},
+        (0,),
+        (),
     ),
-    ("ch6/fig_6_26", ("grid.xi=[2e-4]", "grid.mu_k=[0.6]"), {8: CONFIRMED}),
-    ("ch6/fig_6_30", ("grid.k_nl=[1e8]", "grid.mu_k=[0.9, 1.2]"), {2: CONTRADICTED}),
-    (
-        "ch5/fig_5_08a",
-        ("grid.F=[100.0, 1000.0]",),
-        {0: CONFIRMED, 1: CONTRADICTED, 2: CONFIRMED, 3: CONFIRMED, 4: CONTRADICTED},
-    ),
-    ("ch5/fig_5_08b", ("grid.F=[20.0]",), dict.fromkeys(range(3), CONFIRMED)),
-    ("ch5/fig_5_08c", ("grid.Omega=[0.25, 20.25]",), {0: CONFIRMED}),
-    ("ch6/fig_6_32", ("grid.mu_k=[0.3]",), {1: CONFIRMED}),
-    ("ch6/fig_6_34", ("grid.mu_k=[0.3]",), {1: CONFIRMED}),
-    ("ch5/fig_5_09a", (), {0: CONFIRMED}),
-    ("ch5/fig_5_09b", (), {0: CONFIRMED}),
-    ("ch5/fig_5_11a", ("grid.R=[22.0]",), dict.fromkeys(range(3), CONFIRMED)),
-    ("ch5/fig_5_11b", ("grid.R=[22.0]",), dict.fromkeys(range(3), CONFIRMED)),
-    ("ch5/fig_5_12a", ("grid.Omega=[5.25, 20.25]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch5/fig_5_12b", ("grid.Omega=[5.25, 10.25]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch5/fig_5_12c", ("grid.Omega=[5.25, 10.25]",), {1: CONFIRMED}),
-    (
-        "ch6/fig_6_28",
-        ("grid.k_nl=[1e8]", "grid.mu_k=[0.4]"),
-        {3: CONFIRMED},
-    ),
+    ("ch6/fig_6_26", ("grid.xi=[2e-4]", "grid.mu_k=[0.6]"), (8,), ()),
+    ("ch6/fig_6_30", ("grid.k_nl=[1e8]", "grid.mu_k=[0.9, 1.2]"), (), (2,)),
+    ("ch5/fig_5_08a", ("grid.F=[100.0, 1000.0]",), (0, 2, 3), (1, 4)),
+    ("ch5/fig_5_08b", ("grid.F=[20.0]",), range(3), ()),
+    ("ch5/fig_5_08c", ("grid.Omega=[0.25, 20.25]",), (0,), ()),
+    ("ch6/fig_6_32", ("grid.mu_k=[0.3]",), (1,), ()),
+    ("ch6/fig_6_34", ("grid.mu_k=[0.3]",), (1,), ()),
+    ("ch5/fig_5_09a", (), (0,), ()),
+    ("ch5/fig_5_09b", (), (0,), ()),
+    ("ch5/fig_5_11a", ("grid.R=[22.0]",), range(3), ()),
+    ("ch5/fig_5_11b", ("grid.R=[22.0]",), range(3), ()),
+    ("ch5/fig_5_12a", ("grid.Omega=[5.25, 20.25]",), (0, 1), ()),
+    ("ch5/fig_5_12b", ("grid.Omega=[5.25, 10.25]",), (0, 1), ()),
+    ("ch5/fig_5_12c", ("grid.Omega=[5.25, 10.25]",), (1,), ()),
+    ("ch6/fig_6_28", ("grid.k_nl=[1e8]", "grid.mu_k=[0.4]"), (3,), ()),
 ]
-
-
-@pytest.mark.parametrize(
-    ("name", "overrides", "verdicts"), REDUCED, ids=[row[0] for row in REDUCED]
-)
-def test_claims_on_a_few_points_of_a_large_case(name, overrides, verdicts, tmp_path):
-    hold_claims(name, overrides, verdicts, tmp_path)
-
-
-def hold_claims(name, overrides, verdicts, folder):
-    """Run a case with overrides and compare the verdicts of the named claims."""
-    path = ROOT / "configs" / f"{name}.toml"
-    analyses = runs(path, overrides, folder)
-    claims = load_case(path).claims
-    for number, expected in verdicts.items():
-        verdict = evaluate(claims[number], analyses, lambda case: None)
-        assert verdict.verdict == expected, (claims[number].text, verdict.found)
 
 
 # Cases whose points take long: a claim on a few of them.
 LONG = [
-    ("ch5/fig_5_10a", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch5/fig_5_10b", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch5/fig_5_11a_simulated", ("grid.R=[4.0]",), dict.fromkeys((0, 4, 5), CONFIRMED)),
-    ("ch5/fig_5_11b_simulated", ("grid.R=[4.0]",), dict.fromkeys((0, 4, 5), CONFIRMED)),
-    (
-        "ch4/fig_4_03",
-        ("grid.Omega=[10.0]", "grid.alpha=[10.0]", "grid.c_z=[10.0, 11.0]"),
-        {0: CONFIRMED},
-    ),
+    ("ch5/fig_5_10a", (), (0, 1), ()),
+    ("ch5/fig_5_10b", (), (0, 1), ()),
+    ("ch5/fig_5_11a_simulated", ("grid.R=[4.0]",), (0, 4, 5), ()),
+    ("ch5/fig_5_11b_simulated", ("grid.R=[4.0]",), (0, 4, 5), ()),
+    ("ch4/fig_4_03", ("grid.Omega=[10.0]", "grid.alpha=[10.0]", "grid.c_z=[10.0, 11.0]"), (0,), ()),
     (
         "ch4/modes",
         ('grid.modes=["0,0 0,1 0,2 0,3", "0,0 0,1 0,2 0,3 0,4 0,5 0,6"]',),
-        {0: CONFIRMED, 1: CONTRADICTED, 3: CONTRADICTED, 4: CONTRADICTED, 5: CONTRADICTED},
+        (0,),
+        (1, 3, 4, 5),
     ),
-    ("ch4/fig_4_04", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch4/fig_4_05", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch4/fig_4_06", (), {0: CONFIRMED}),
-    ("ch4/fig_4_07", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch4/fig_4_08", (), dict.fromkeys(range(6), CONFIRMED)),
-    ("ch4/fig_4_10", (), dict.fromkeys(range(5), CONFIRMED)),
-    ("ch4/fig_4_13", (), {0: CONTRADICTED, 1: CONFIRMED, 2: CONFIRMED, 3: CONFIRMED}),
-    (
-        "ch4/fig_4_15",
-        (),
-        dict.fromkeys(range(12), CONFIRMED) | dict.fromkeys((8, 9, 10), CONTRADICTED),
-    ),
-    ("ch4/fig_4_15_ringing", (), dict.fromkeys(range(7), CONFIRMED)),
-    ("ch4/fig_4_18", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch4/fig_4_20", (), dict.fromkeys(range(5), CONFIRMED)),
-    ("ch4/fig_4_22a", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch4/fig_4_22b", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch4/fig_4_25", (), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch7/fig_7_06_cycles", (), {0: CONFIRMED}),
-    ("ch5/fig_5_06_smoothed", ("grid.mu_k=[0.4]", "grid.R=[20.0]"), {0: CONFIRMED}),
-    ("ch6/fig_6_09_cycles", (), {0: CONFIRMED, 1: CONTRADICTED}),
-    ("ch6/fig_6_08_thesis", ("grid.mu_k=[1.4]",), {0: CONFIRMED, 1: CONTRADICTED}),
-    ("ch6/fig_6_09_thesis", ("grid.mu_k=[1.4, 2.4]",), {0: CONFIRMED, 3: CONFIRMED, 4: CONFIRMED}),
-    ("ch6/fig_6_09", ("grid.mu_k=[0.3, 1.4, 2.0]",), dict.fromkeys((0, 3, 4, 7), CONFIRMED)),
-    ("ch6/fig_6_10", ("grid.k_nl=[1e4]",), {3: CONFIRMED, 4: CONFIRMED, 5: CONTRADICTED}),
-    ("ch6/fig_6_10_thesis", ("grid.k_nl=[0.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    (
-        "ch6/fig_6_11_thesis",
-        ("grid.k_nl=[0.0]", "grid.mu_k=[0.95, 1.3, 1.45]"),
-        {0: CONFIRMED, 1: CONFIRMED, 2: CONTRADICTED},
-    ),
-    ("ch6/fig_6_15", ("grid.F=[200.0, 400.0]",), dict.fromkeys((0, 3, 4), CONFIRMED)),
-    ("ch6/fig_6_15_thesis", ("grid.F=[200.0, 600.0]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/fig_6_16", (), {0: CONFIRMED, 1: CONFIRMED}),
-    (
-        "ch6/fig_6_16_thesis",
-        ("analysis.history.t_end=1.0",),
-        {0: CONFIRMED, 1: CONTRADICTED},
-    ),
-    ("ch6/fig_6_17", ("grid.mu_k=[0.1, 0.15]",), {1: CONFIRMED, 2: CONFIRMED}),
-    ("ch6/fig_6_17_thesis", ("grid.mu_k=[0.1, 2.9]",), {0: CONFIRMED, 1: CONFIRMED, 2: CONFIRMED}),
-    ("ch6/fig_6_17_slip", ("grid.mu_k={start=1.1, stop=1.8, step=0.1}",), {0: CONFIRMED}),
-    ("ch6/fig_6_18a", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
-    ("ch6/fig_6_18a_thesis", ("grid.mu_k=[2.5]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/fig_6_18b", ("grid.mu_k=[2.7]",), {0: CONFIRMED, 1: CONFIRMED}),
-    ("ch6/fig_6_18d", ("grid.mu_k=[2.0]",), {1: CONFIRMED}),
-    ("ch6/fig_6_18c_cycle", (), dict.fromkeys(range(4), CONFIRMED)),
+    ("ch4/fig_4_04", (), (0, 1), ()),
+    ("ch4/fig_4_05", (), (0, 1), ()),
+    ("ch4/fig_4_06", (), (0,), ()),
+    ("ch4/fig_4_07", (), (0, 1), ()),
+    ("ch4/fig_4_08", (), range(6), ()),
+    ("ch4/fig_4_10", (), range(5), ()),
+    ("ch4/fig_4_13", (), (1, 2, 3), (0,)),
+    ("ch4/fig_4_15", (), (0, 1, 2, 3, 4, 5, 6, 7, 11), (8, 9, 10)),
+    ("ch4/fig_4_15_ringing", (), range(7), ()),
+    ("ch4/fig_4_18", (), (0, 1), ()),
+    ("ch4/fig_4_20", (), range(5), ()),
+    ("ch4/fig_4_22a", (), (0, 1), ()),
+    ("ch4/fig_4_22b", (), (0, 1), ()),
+    ("ch4/fig_4_25", (), (0, 1), ()),
+    ("ch7/fig_7_06_cycles", (), (0,), ()),
+    ("ch5/fig_5_06_smoothed", ("grid.mu_k=[0.4]", "grid.R=[20.0]"), (0,), ()),
+    ("ch6/fig_6_09_cycles", (), (0,), (1,)),
+    ("ch6/fig_6_08_thesis", ("grid.mu_k=[1.4]",), (0,), (1,)),
+    ("ch6/fig_6_09_thesis", ("grid.mu_k=[1.4, 2.4]",), (0, 3, 4), ()),
+    ("ch6/fig_6_09", ("grid.mu_k=[0.3, 1.4, 2.0]",), (0, 3, 4, 7), ()),
+    ("ch6/fig_6_10", ("grid.k_nl=[1e4]",), (3, 4), (5,)),
+    ("ch6/fig_6_10_thesis", ("grid.k_nl=[0.0]",), (0, 1), ()),
+    ("ch6/fig_6_11_thesis", ("grid.k_nl=[0.0]", "grid.mu_k=[0.95, 1.3, 1.45]"), (0, 1), (2,)),
+    ("ch6/fig_6_15", ("grid.F=[200.0, 400.0]",), (0, 3, 4), ()),
+    ("ch6/fig_6_15_thesis", ("grid.F=[200.0, 600.0]",), (0, 1), ()),
+    ("ch6/fig_6_16", (), (0, 1), ()),
+    ("ch6/fig_6_16_thesis", ("analysis.history.t_end=1.0",), (0,), (1,)),
+    ("ch6/fig_6_17", ("grid.mu_k=[0.1, 0.15]",), (1, 2), ()),
+    ("ch6/fig_6_17_thesis", ("grid.mu_k=[0.1, 2.9]",), range(3), ()),
+    ("ch6/fig_6_17_slip", ("grid.mu_k={start=1.1, stop=1.8, step=0.1}",), (0,), ()),
+    ("ch6/fig_6_18a", ("grid.mu_k=[2.0]",), (1,), ()),
+    ("ch6/fig_6_18a_thesis", ("grid.mu_k=[2.5]",), (0, 1), ()),
+    ("ch6/fig_6_18b", ("grid.mu_k=[2.7]",), (0, 1), ()),
+    ("ch6/fig_6_18d", ("grid.mu_k=[2.0]",), (1,), ()),
+    ("ch6/fig_6_18c_cycle", (), range(4), ()),
 ]
 
 
-@pytest.mark.campaign
-@pytest.mark.parametrize(("name", "overrides", "verdicts"), LONG, ids=[row[0] for row in LONG])
-def test_claims_on_a_few_points_of_a_case_that_takes_long(name, overrides, verdicts, tmp_path):
-    hold_claims(name, overrides, verdicts, tmp_path)
+@pytest.mark.parametrize(
+    ("name", "overrides", "confirmed", "contradicted"),
+    [*REDUCED, *(pytest.param(*row, marks=pytest.mark.campaign) for row in LONG)],
+    ids=[row[0] for row in [*REDUCED, *LONG]],
+)
+def test_claims_on_a_few_points_of_a_large_case(name, overrides, confirmed, contradicted, tmp_path):
+    path = ROOT / "configs" / f"{name}.toml"
+    hold_claims(path, runs(path, overrides, tmp_path), confirmed, contradicted)
+
+
+def hold_claims(path, analyses, confirmed, contradicted):
+    """What becomes of claims of a case, by their numbers."""
+    claims = load_case(path).claims
+    for numbers, expected in ((confirmed, CONFIRMED), (contradicted, CONTRADICTED)):
+        for claim in (claims[number] for number in numbers):
+            verdict = evaluate(claim, analyses, lambda case: None)
+            assert verdict.verdict == expected, (claim.text, verdict.found)
 
 
 def test_every_case_is_run_by_one_of_these_tests():
-    run = {*QUICK, *(name for name, _, _ in [*REDUCED, *LONG])}
+    run = {*QUICK, *(row[0] for row in [*REDUCED, *LONG])}
     assert run == {str(path.relative_to(ROOT / "configs").with_suffix("")) for path in CASES}
 
 

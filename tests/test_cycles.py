@@ -525,13 +525,13 @@ def test_a_cycle_is_followed_from_neighbour_to_neighbour() -> None:
 def test_newton_finds_a_root_or_says_so() -> None:
     def circle_and_line(u: Any) -> Any:
         values = np.array([u @ u - 2.0, u[0] - u[1]])
-        return values, np.array([2 * u, [1.0, -1.0]])
+        return values, lambda: np.array([2 * u, [1.0, -1.0]])
 
     root = newton(circle_and_line, np.array([3.0, 0.5]))
     np.testing.assert_allclose(root, [1.0, 1.0], atol=1e-9)
 
     def nothing(u: Any) -> Any:
-        return np.array([u @ u + 1.0]), 2 * u[None, :]
+        return np.array([u @ u + 1.0]), lambda: 2 * u[None, :]
 
     assert newton(nothing, np.array([3.0])) is None
 

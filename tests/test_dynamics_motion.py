@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions import TIGHT, defaults, ledger, motion, system, times, transitions
+from motions import TIGHT, booked, defaults, ledger, motion, system, times, transitions
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.analyses.common import balance
 from fiv_cli.codegen.codes import CODE_STICK
 from fiv_cli.dynamics import motion as dynamics_motion
 from fiv_cli.dynamics.motion import Motion, Stop, next_stride, samples_at
@@ -137,26 +136,18 @@ def test_order_of_taylor_survives_events(name: str) -> None:
 def test_energy_is_accounted_for(name: str, rtol: float) -> None:
     model, law, start, changes, t_end, _ = MOTIONS[name]
     begun = motion(model, law, start, SolverSettings(rtol=rtol), **changes)
-    begun.start_measuring(np.zeros(len(begun.system.coordinates)))
     before = begun.energy()
-    begun.run(t_end, measuring=True)
-    booked = balance(begun, before)
-    assert booked.residual < 10 * rtol
-    assert abs(booked.friction) > 0.01 * before
-    expected = booked.friction if changes.get("v") == 0.0 else booked.drive
-    assert abs(expected) > 0.0
-    if changes.get("v") == 0.0:
-        assert booked.drive == 0.0
+    found = booked(begun, t_end)
+    assert found.residual < 10 * rtol
+    assert abs(found.friction) > 0.01 * before
+    assert (found.drive == 0.0) == (changes.get("v") == 0.0)
 
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12])
 def test_a_step_does_not_jump_over_the_layer_of_a_regularised_law(rtol: float) -> None:
     """Far from zero slip tanh is constant to rounding: its series knows nothing of the layer."""
     begun = motion("belt-1dof", "tanh of stribeck", {}, SolverSettings(rtol=rtol), c=0.3)
-    begun.start_measuring(np.zeros(1))
-    before = begun.energy()
-    begun.run(100.0, measuring=True)
-    assert balance(begun, before).residual < rtol
+    assert booked(begun, 100.0).residual < rtol
     assert begun.measures.extremes[1, 0] == pytest.approx(4.40845490399, rel=10 * rtol)
 
 
@@ -168,11 +159,8 @@ def test_a_step_does_not_jump_over_the_layer_of_an_exponential_law() -> None:
     }  # fmt: skip
     start = {"x": -1.063, "x_dot": 1.544}
     begun = motion("belt-1dof", "stribeck", start, SolverSettings(rtol=1e-12), **changes)
-    begun.start_measuring(np.zeros(1))
-    before = begun.energy()
-    begun.run(60.0, measuring=True)
+    assert booked(begun, 60.0).residual < 1e-10
     assert begun.measures.extremes[1, 1] > 25.0
-    assert balance(begun, before).residual < 1e-10
 
 
 # --- invariances ---------------------------------------------------------------------------------

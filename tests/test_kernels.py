@@ -133,6 +133,28 @@ def test_machine_code_does_what_python_does(factor: float, length: int) -> None:
     assert left_by(REARRANGED.function, factor, length) == plain
 
 
+@native
+def overwritten(board: Board) -> None:
+    """Writes what is fixed: a compiled kernel may have read it long before."""
+    board.factor = 1.0
+
+
+def overwritten_at(address: int) -> None:
+    """`overwritten` of the board at an address."""
+    overwritten(board_at(address))
+
+
+def test_kernels_write_no_fixed_number() -> None:
+    from numba import cfunc
+
+    from fiv_cli.codegen.kernels import register, register_frame
+
+    register_frame(Board, board_at)
+    register(sys.modules[__name__])
+    with pytest.raises(TypeError, match="kernels do not write factor"):
+        cfunc("void(int64)")(overwritten_at)
+
+
 def test_a_frame_shows_no_array_that_kernels_would_misread() -> None:
     for name, array in (("flat", np.zeros(2, int)), ("flat", np.zeros((2, 2))),
                         ("square", np.zeros((4, 4))[:, ::2])):  # fmt: skip

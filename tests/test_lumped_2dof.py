@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from lumped_reference import excited_matrices, flutter_matrices, sliding_motion
-from motions import TIGHT, defaults, motion, times, transitions
+from motions import TIGHT, booked, defaults, motion, times, transitions
 from scipy.optimize import brentq
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.analyses.common import balance
 from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS
-from fiv_cli.dynamics.motion import Motion, Stop, samples_at
+from fiv_cli.dynamics.motion import Stop, samples_at
 
 MATRICES = {"flutter-2dof": flutter_matrices, "excited-2dof": excited_matrices}
 STATES = ("x", "y", "x_dot", "y_dot")
@@ -33,14 +32,6 @@ SLIDING: list[tuple[str, dict[str, float], dict[str, float]]] = [
 def vector(start: Mapping[str, float]) -> np.ndarray[Any, Any]:
     """Start as (x, y, x', y')."""
     return np.array([start.get(name, 0.0) for name in STATES])
-
-
-def booked(begun: Motion, t_end: float, stop: Stop = Stop.REACHED) -> Any:
-    """The energy balance of a motion taken to `t_end`."""
-    begun.start_measuring(np.zeros(2))
-    before = begun.energy()
-    assert begun.run(t_end, measuring=True) == stop
-    return balance(begun, before)
 
 
 # --- sliding -------------------------------------------------------------------------------------

@@ -14,10 +14,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lumped_reference import PHI, X1, FiveDof
-from motions import TIGHT, defaults, motion, times, transitions
+from motions import TIGHT, booked, defaults, motion, times, transitions
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.analyses.common import Balance, balance
+from fiv_cli.analyses.common import Balance
 from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS
 from fiv_cli.dynamics.motion import Motion, Stop
 
@@ -63,14 +63,6 @@ def reference(options: Options | None = None, **changes: float) -> FiveDof:
 def name_of(options: Options) -> str:
     """Name of a test by what it chooses."""
     return "-".join(f"{key}={value}" for key, value in options.items()) or "default"
-
-
-def booked(begun: Motion, t_end: float, stop: Stop = Stop.REACHED) -> Balance:
-    """The energy balance of a motion taken to `t_end`."""
-    begun.start_measuring(np.zeros(len(begun.system.coordinates)))
-    before = begun.energy()
-    assert begun.run(t_end, measuring=True) == stop
-    return balance(begun, before)
 
 
 def agrees(begun: Motion, options: Options, t_end: float, **changes: float) -> list[str]:

@@ -149,8 +149,8 @@ def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
     """To a question about a number; elsewhere by their classes."""
     answers, dims = ("no", "yes"), ("N0", "crossing")
     dataset = data.boundaries()
-    dataset["answer_below"] = (dims, data.codes(answers, [["no"]] * 3), data.flag(answers))
-    dataset["answer_above"] = (dims, data.codes(answers, [["yes"]] * 3), data.flag(answers))
+    dataset["answer_below"] = data.flags(dims, [["no"]] * 3, answers)
+    dataset["answer_above"] = data.flags(dims, [["yes"]] * 3, answers)
     (ax,) = draw(dataset, figure("curve", variable="boundary")).axes
     assert legend_texts(ax) == ["periodic to equilibrium", "periodic to undecided"]
     dataset["class_above"][:] = dataset["class_below"].values
@@ -372,15 +372,12 @@ def test_a_history_has_every_sample_and_shades_every_contact_state():
 
 def test_shades_follow_the_event_ledger_where_there_is_one():
     dataset = data.history()
-    states = data.flag(data.CONTACT_STATES)
     dataset["event_row_size"] = ("initial", [3, 1], {"sample_dimension": "event_obs"})
-    for name, values, attributes in [
-        ("event_time", [1.0, 1.001, 2.5, 3.0], {"units": "s"}),
-        ("event_from", [0, 2, 0, 1], states),
-        ("event_to", [2, 0, 2, 0], states),
-        ("event_contact", [1, 1, 1, 1], {"units": "1"}),
-    ]:
-        dataset[name] = ("event_obs", values, attributes)
+    dataset["event_time"] = ("event_obs", [1.0, 1.001, 2.5, 3.0], {"units": "s"})
+    dataset["event_contact"] = ("event_obs", [1, 1, 1, 1], {"units": "1"})
+    before, after = ["slip+", "stick", "slip+", "slip-"], ["stick", "slip+", "stick", "slip+"]
+    for name, states in (("event_from", before), ("event_to", after)):
+        dataset[name] = data.flags("event_obs", states, data.CONTACT_STATES)
     drawn = draw(dataset, figure("history"))
     far, near = (
         [(p.get_x(), p.get_x() + p.get_width()) for p in ax.patches] for ax in drawn.axes[:2]
@@ -632,18 +629,9 @@ def test_a_dataset_without_figures_gets_those_that_suit_it(dataset, kinds):
 
 
 def test_the_case_says_which_figures_there_are():
-    tables = (
-        '[[figure]]\nkind = "map"\n[[figure]]\nkind = "map"\nvariable = "L_s"\n'
-        '[[figure]]\nkind = "curve"\nname = "cut"\nselect = { N0 = 30 }'
-    )
-    dataset = data.stability_map().assign_attrs(data.attributes(tables))
-    figures = figures_of(dataset)
-    assert [(spec.name, spec.kind) for spec in figures] == [
-        ("map", "map"),
-        ("map-2", "map"),
-        ("cut", "curve"),
-    ]
-    assert figures[2].settings == {"select": {"N0": 30}}
+    figures = [figure("map"), figure("map", variable="L_s"), figure("curve", select={"N0": 30})]
+    dataset = data.stability_map().assign_attrs(data.attributes(*figures))
+    assert figures_of(dataset) == figures
 
 
 def test_a_figure_takes_the_analysis_that_suits_it_or_the_one_it_names():
@@ -854,12 +842,12 @@ def test_plot_draws_every_analysis_of_a_file_with_several(stored):
 
 
 def test_plot_leaves_out_figures_of_the_sweep_that_a_history_cannot_show(stored):
-    sweep = '[[figure]]\nkind = "bifurcation"\n'
-    for tables, drawn in (
-        (sweep, ["one-history.png", "one-phase.png"]),
-        (sweep + '[[figure]]\nkind = "phase"', ["one-phase.png"]),
+    sweep = figure("bifurcation")
+    for figures, drawn in (
+        ([sweep], ["one-history.png", "one-phase.png"]),
+        ([sweep, figure("phase")], ["one-phase.png"]),
     ):
-        data.history().assign_attrs(data.attributes(tables)).to_netcdf(stored / "one.nc")
+        data.history().assign_attrs(data.attributes(*figures)).to_netcdf(stored / "one.nc")
         result = run(plot_command, "one.nc")
         assert result.stdout.split() == drawn
         assert "figure bifurcation is left out" in result.stderr

@@ -1,22 +1,20 @@
 """What is taken of a variable along some axes, for figures and for claims."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import synthetic_datasets as data
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from synthetic_datasets import tried
 
-from fiv_cli.case.case import ClaimSpec, FigureSpec
-from fiv_cli.case.grammar import parse_expect
+from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.structure import COUNTED
 from fiv_cli.errors import CaseError
 from fiv_cli.plots import draw
 from fiv_cli.reading import select
-from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate
+from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
 from fiv_cli.reading.take import taken
 
 SPEEDS = np.array([1.0, 2.0, 3.0])
@@ -32,30 +30,31 @@ CLASSES = np.array(
 STICKS = np.array([[0.5, 0.5, 0.4, 0.6], [0.3, 0.0, 0.0, 0.3], [0.0, 0.0, 0.0, 0.2]])
 
 
-def plane(classes=CLASSES, status=None):
-    coords = {
-        "Omega": data.axis("Omega", SPEEDS, r"\Omega", "rad s-1", "disc speed"),
-        "psi_a": data.axis("psi_a", PHASES, r"\psi_a", "rad", "start of the sector"),
-    }
-    status = np.full(classes.shape, "ok") if status is None else status
-    found = data.response(classes, STICKS, coords, ("Omega", "psi_a"), status)
+def plane(classes=CLASSES, status="ok"):
+    found = data.response(classes, STICKS, data.axes(Omega=SPEEDS, psi_a=PHASES), status)
     return found.assign(stick_fraction=(found["L_s"].dims, STICKS, {"units": "1"}))
 
 
-SURVIVES = {"what": "share", "of": ". > 0", "over": ["psi_a"]}
+def failed_at(*place):
+    status = np.full(CLASSES.shape, "ok", object)
+    status[place] = "failed"
+    return status
+
+
+def share_of(condition, over=("psi_a",)):
+    return {"what": "share", "of": condition, "over": list(over)}
+
+
+SURVIVES = share_of(". > 0")
 
 
 @pytest.mark.parametrize(
     ("variable", "share", "expected"),
     [
         ("stick_fraction", SURVIVES, [1.0, 0.5, 0.25]),
-        (
-            "attractor",
-            {"what": "share", "of": "not equilibrium", "over": ["psi_a"]},
-            [1.0, 0.5, 0.25],
-        ),
-        ("attractor", {"what": "share", "of": "chaotic", "over": ["psi_a"]}, [0.25, 0.0, 0.0]),
-        ("stick_fraction", {"what": "share", "of": ". >= 0.3", "over": ["psi_a"]}, [1.0, 0.5, 0.0]),
+        ("attractor", share_of("not equilibrium"), [1.0, 0.5, 0.25]),
+        ("attractor", share_of("chaotic"), [0.25, 0.0, 0.0]),
+        ("stick_fraction", share_of(". >= 0.3"), [1.0, 0.5, 0.0]),
         ("stick_fraction", SURVIVES | {"relative_to": {"Omega": 2.0}}, [2.0, 1.0, 0.5]),
         ("stick_fraction", SURVIVES | {"relative_to": {}}, [1.0, 0.5, 0.25]),
     ],
@@ -65,9 +64,7 @@ def test_a_share_counts_the_points_along_an_axis(variable, share, expected):
 
 
 def test_a_share_over_every_axis_is_one_number():
-    share = taken(
-        plane(), "stick_fraction", {"what": "share", "of": ". > 0", "over": ["Omega", "psi_a"]}
-    )
+    share = taken(plane(), "stick_fraction", share_of(". > 0", over=("Omega", "psi_a")))
     assert share["share"].item() == pytest.approx(7 / 12)
 
 
@@ -76,21 +73,16 @@ def ends(found):
 
 
 def test_a_share_with_a_point_missing_is_an_interval():
-    status = np.full(CLASSES.shape, "ok", object)
-    status[1, 2] = "failed"
-    found = taken(plane(status=status), "stick_fraction", SURVIVES)
+    partly = plane(status=failed_at(1, 2))
+    found = taken(partly, "stick_fraction", SURVIVES)
     assert ends(found) == ([1.0, 0.5, 0.25], [1.0, 0.75, 0.25])
     assert found["share"].values.tolist() == [1.0, 0.625, 0.25]
-    ratio = taken(
-        plane(status=status), "stick_fraction", SURVIVES | {"relative_to": {"Omega": 2.0}}
-    )
+    ratio = taken(partly, "stick_fraction", SURVIVES | {"relative_to": {"Omega": 2.0}})
     assert ends(ratio) == ([1.0 / 0.75, 0.5 / 0.75, 0.25 / 0.75], [2.0, 1.5, 0.5])
 
 
 def test_a_share_without_any_answer_is_not_known():
-    status = np.full(CLASSES.shape, "ok", object)
-    status[1] = "failed"
-    found = taken(plane(status=status), "stick_fraction", SURVIVES)
+    found = taken(plane(status=failed_at(1)), "stick_fraction", SURVIVES)
     assert np.isnan(found["share"].values).tolist() == [False, True, False]
     names = found["status"].attrs["flag_meanings"].split()
     assert names[int(found["status"][1])] == "failed"
@@ -100,15 +92,13 @@ def test_an_undecided_class_hides_the_class_but_not_how_much_it_sticks():
     classes = CLASSES.astype(object)
     classes[1, 0] = "undecided"
     sticking = taken(plane(classes), "stick_fraction", SURVIVES)
-    moving = taken(
-        plane(classes), "attractor", {"what": "share", "of": "not equilibrium", "over": ["psi_a"]}
-    )
+    moving = taken(plane(classes), "attractor", share_of("not equilibrium"))
     assert sticking["share"].values.tolist() == [1.0, 0.5, 0.25]
     assert ends(moving) == ([1.0, 0.25, 0.25], [1.0, 0.5, 0.25])
 
 
 def test_a_reference_without_hits_makes_no_ratio():
-    share = {"what": "share", "of": ". > 0.5", "over": ["psi_a"], "relative_to": {"Omega": 3.0}}
+    share = share_of(". > 0.5") | {"relative_to": {"Omega": 3.0}}
     assert np.isnan(taken(plane(), "stick_fraction", share)["share"].values).all()
 
 
@@ -122,13 +112,7 @@ def test_a_reference_without_hits_makes_no_ratio():
 )
 def test_what_cannot_be_counted_is_refused(variable, of, word):
     with pytest.raises(select.SelectionError, match=word):
-        taken(plane(), variable, {"what": "share", "of": of, "over": ["psi_a"]})
-
-
-def claim(expect, at=None, share=SURVIVES):
-    return ClaimSpec(
-        "7.4", "as printed", "stick_fraction", parse_expect(expect), at or {}, take=share
-    )
+        taken(plane(), variable, share_of(of))
 
 
 @pytest.mark.parametrize(
@@ -142,7 +126,7 @@ def claim(expect, at=None, share=SURVIVES):
     ],
 )
 def test_claims_about_shares(expect, at, verdict):
-    assert evaluate(claim(expect, at), {"": plane()}, lambda case: None).verdict == verdict
+    assert tried(plane(), "stick_fraction", expect, at, take=SURVIVES).verdict == verdict
 
 
 @pytest.mark.parametrize(
@@ -157,18 +141,16 @@ def test_claims_about_shares(expect, at, verdict):
     ],
 )
 def test_a_claim_about_an_interval_is_decided_where_its_ends_agree(expect, verdict):
-    status = np.full(CLASSES.shape, "ok", object)
-    status[1, 2] = "failed"  # the share at 2 rad/s is 0.5 to 0.75
-    found = evaluate(claim(expect, {"Omega": 2.0}), {"": plane(status=status)}, lambda case: None)
+    partly = plane(status=failed_at(1, 2))  # the share at 2 rad/s is 0.5 to 0.75
+    found = tried(partly, "stick_fraction", expect, {"Omega": 2.0}, take=SURVIVES)
     assert found.verdict == verdict
 
 
 @pytest.mark.parametrize(("failed", "verdict"), [(1, CONFIRMED), (3, UNDETERMINED)])
 def test_intervals_that_overlap_leave_a_trend_open(failed, verdict):
-    status = np.full(CLASSES.shape, "ok", object)
-    status[2, :failed] = "failed"  # 0.25 to 0.5 and to 1, after 0.5
+    status = failed_at(2, slice(failed))  # 0.25 to 0.5 and to 1, after 0.5
     shares = plane(status=status).isel(Omega=[0, 2])
-    assert evaluate(claim("decreasing"), {"": shares}, lambda case: None).verdict == verdict
+    assert tried(shares, "stick_fraction", "decreasing", take=SURVIVES).verdict == verdict
 
 
 @pytest.mark.parametrize(
@@ -179,22 +161,16 @@ def test_a_handful_of_undecided_points_leaves_a_claim_to_the_rest(undecided, wro
     classes = np.full((1, 1000), "periodic", object)
     classes[0, :undecided] = "undecided"
     classes[0, 900 : 900 + wrong] = "equilibrium"
-    coords = {
-        "Omega": data.axis("Omega", SPEEDS[:1], r"\Omega", "rad s-1", "disc speed"),
-        "psi_a": data.axis("psi_a", np.arange(1000.0), r"\psi_a", "rad", "start of the sector"),
-    }
-    status = np.full(classes.shape, "ok")
-    many = data.response(classes, np.ones(classes.shape), coords, ("Omega", "psi_a"), status)
-    said = ClaimSpec("7.4", "as printed", "attractor", parse_expect("periodic"), {})
-    assert evaluate(said, {"": many}, lambda case: None).verdict == verdict
+    grid = data.axes(Omega=SPEEDS[:1], psi_a=np.arange(1000.0))
+    many = data.response(classes, np.ones(classes.shape), grid)
+    assert tried(many, "attractor", "periodic").verdict == verdict
 
 
 def test_a_claim_may_select_points_beside_the_reference_of_its_share():
-    share = SURVIVES | {"relative_to": {"Omega": 1.0}}
-    said = claim({"value": 0.25, "tolerance": 1e-12}, {"Omega": 3.0}, share)
-    assert evaluate(said, {"": plane()}, lambda case: None).verdict == CONFIRMED
-    other = replace(said, take=SURVIVES | {"relative_to": {"Omega": 9.0}})
-    assert evaluate(other, {"": plane()}, lambda case: None).verdict == UNDETERMINED
+    said = ("stick_fraction", {"value": 0.25, "tolerance": 1e-12}, {"Omega": 3.0})
+    for speed, verdict in ((1.0, CONFIRMED), (9.0, UNDETERMINED)):
+        share = SURVIVES | {"relative_to": {"Omega": speed}}
+        assert tried(plane(), *said, take=share).verdict == verdict
 
 
 def test_a_curve_of_shares():
@@ -206,25 +182,15 @@ def test_a_curve_of_shares():
 
 
 def test_a_map_of_a_share_draws_its_level():
-    coords = {
-        "Omega": data.axis("Omega", SPEEDS, r"\Omega", "rad s-1", "disc speed"),
-        "N0": data.axis("N0", SPEEDS, "N_0", "N", "preload"),
-        "psi_a": data.axis("psi_a", PHASES, r"\psi_a", "rad", "start of the sector"),
-    }
-    L_s = np.stack([STICKS, STICKS / 2, STICKS / 4])
-    cube = data.response(
-        np.stack([CLASSES] * 3), L_s, coords, ("Omega", "N0", "psi_a"), np.full(L_s.shape, "ok")
-    )
-    settings = {
-        "variable": "L_s",
-        "take": {"what": "share", "of": ". > 0.1", "over": ["psi_a"]},
-        "level": 0.6,
-    }
+    grid = data.axes(Omega=SPEEDS, N0=SPEEDS, psi_a=PHASES)
+    classes, L_s = np.stack([CLASSES] * 3), np.stack([STICKS, STICKS / 2, STICKS / 4])
+    cube = data.response(classes, L_s, grid)
+    settings = {"variable": "L_s", "take": share_of(". > 0.1"), "level": 0.6}
     axes = draw(cube, FigureSpec("survival", "map", settings)).axes[0]
     assert len(axes.collections) == 2  # the mesh and the line
     status = np.full(L_s.shape, "ok", object)
     status[0, 0, 0] = "failed"
-    partly = data.response(np.stack([CLASSES] * 3), L_s, coords, ("Omega", "N0", "psi_a"), status)
+    partly = data.response(classes, L_s, grid, status)
     axes = draw(partly, FigureSpec("survival", "map", settings)).axes[0]
     assert len(axes.collections) == 3  # a line at each end of what is known
 
@@ -238,12 +204,11 @@ AMPLITUDES = np.array([[[0.0, 3.0, 1.0], [0.0, 1.0, 2.0], [np.nan] * 3]])
 
 def history(status=("ok", "ok")):
     """Two motions over six instants."""
-    codes = data.codes(data.CONTACT_STATES, STATES)
     return xr.Dataset(
         {
-            "status": ("initial", data.codes(data.STATUS, status), data.status_flag()),
+            "status": data.statuses("initial", status),
             "x": (("initial", "time"), DISPLACEMENT, {"units": "m"}),
-            "contact_state": (("initial", "time"), codes, data.flag(data.CONTACT_STATES)),
+            "contact_state": data.flags(("initial", "time"), STATES, data.CONTACT_STATES),
         },
         coords={"initial": ["a", "b"], "time": ("time", TIMES, {"units": "s"})},
     )
@@ -253,7 +218,7 @@ def spectrogram():
     """One motion over three instants and three frequencies."""
     return xr.Dataset(
         {
-            "status": ("initial", data.codes(data.STATUS, ["ok"]), data.status_flag()),
+            "status": data.statuses("initial", ["ok"]),
             "amplitude": (("initial", "time", "frequency"), AMPLITUDES, {"units": "rad"}),
         },
         coords={
@@ -317,25 +282,23 @@ SEPARATIONS = {"over": ["time"], "what": "entries", "of": "separation"}
     ],
 )
 def test_how_often_contact_is_lost_between_two_instants(at, count, verdict):
-    expect = parse_expect({"value": count, "tolerance": 0.0})
-    said = ClaimSpec("4.3", "as printed", "contact_state", expect, at, take=SEPARATIONS)
-    assert evaluate(said, {"": history()}, lambda case: None).verdict == verdict
+    expect = {"value": count, "tolerance": 0.0}
+    assert tried(history(), "contact_state", expect, at, take=SEPARATIONS).verdict == verdict
 
 
 def test_the_peak_of_a_spectrum_stays_in_a_band():
     peak = {"over": ["frequency"], "what": "peak"}
-    expect = parse_expect({"between": [8.0, 16.0]})
-    said = ClaimSpec("4.3", "as printed", "amplitude", expect, take=peak)
-    found = evaluate(said, {"": spectrogram()}, lambda case: None)
-    assert (found.verdict, found.found) == (CONFIRMED, "2 of 2 points, found 8 to 16 Hz")
-    narrow = replace(said, expect=parse_expect({"between": [8.0, 15.0]}))
-    assert evaluate(narrow, {"": spectrogram()}, lambda case: None).verdict == CONTRADICTED
+    wide, narrow = (
+        tried(spectrogram(), "amplitude", {"between": [8.0, high]}, take=peak)
+        for high in (16.0, 15.0)
+    )
+    assert (wide.verdict, wide.found) == (CONFIRMED, "2 of 2 points, found 8 to 16 Hz")
+    assert narrow.verdict == CONTRADICTED
 
 
 def test_a_motion_that_was_not_computed_leaves_its_number_open():
-    few = parse_expect({"less_than": 9.0})
-    said = ClaimSpec("4.3", "as printed", "contact_state", few, {}, take=SEPARATIONS)
-    found = evaluate(said, {"": history(("ok", "failed"))}, lambda case: None)
+    partly = history(("ok", "failed"))
+    found = tried(partly, "contact_state", {"less_than": 9.0}, take=SEPARATIONS)
     assert (found.verdict, found.hits, found.open) == (UNDETERMINED, 1, 1)
 
 
@@ -349,8 +312,8 @@ def test_what_is_taken_lies_between_its_ends_whatever_the_missing_points_hold(po
     take = {"what": what, "over": ["Omega"]} | ({"of": ". > 0"} if what in COUNTED else {})
 
     def found(L_s, status):
-        coords = {"Omega": data.axis("Omega", SPEEDS, r"\Omega", "rad s-1", "disc speed")}
-        return taken(data.response(["periodic"] * 3, L_s, coords, ("Omega",), status), "L_s", take)
+        along = data.axes(Omega=SPEEDS)
+        return taken(data.response(["periodic"] * 3, L_s, along, status), "L_s", take)
 
     asked = found(values, np.where(failed, "failed", "ok"))
     low, high = (float(asked[f"{what}_{end}"]) for end in ("low", "high"))
@@ -416,10 +379,7 @@ def test_a_take_that_says_nothing_is_a_mistake(take, word):
             'share = { of = ". > 0", over = ["v"], relative_to = { v = 1 } }',
             'take = { what = "share", of = ". > 0", over = ["v"], relative_to = { v = 1 } }',
         ),
-        (
-            'reduce = { over = "time", take = "range" }',
-            'take = { what = "spread", over = "time" }',
-        ),
+        ('reduce = { over = "time", take = "range" }', 'take = { what = "spread", over = "time" }'),
     ],
 )
 def test_what_a_case_of_before_says_is_told_in_the_words_of_now(old, new):

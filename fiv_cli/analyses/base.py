@@ -39,11 +39,16 @@ __all__ = [
     "Question",
     "Schedule",
     "Section",
+    "Settings",
     "Setup",
     "SolverSettings",
     "Start",
     "Varied",
 ]
+
+
+Settings = Mapping[str, Any]
+"""What an analysis is asked, defaults filled in: each value is what its `Setting` makes of it."""
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any
 
 from fiv_cli.analyses import all_analyses, get_analysis
-from fiv_cli.analyses.base import Analysis, Varied
+from fiv_cli.analyses.base import Analysis, Settings, Varied
 from fiv_cli.analyses.variables import COMPUTED, REASON, STATUS, Subject, Variable
 from fiv_cli.models.base import Model, Options, Parameter, State
 
@@ -16,7 +15,7 @@ def variables_of(
     kind: str,
     model: Model,
     options: Options,
-    settings: Mapping[str, Any],
+    settings: Settings,
     varying: tuple[Parameter, ...] = (),
 ) -> tuple[Variable, ...]:
     """Every variable of an analysis of `kind` on `model`, ``status`` and ``reason`` first.
@@ -35,7 +34,7 @@ def variables_of(
     return (STATUS, REASON, *own, *over_time)
 
 
-ALL_ASKED: Mapping[str, Any] = {
+ALL_ASKED: Settings = {
     "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
     "system": "averaged",
 }  # fmt: skip

@@ -6,12 +6,11 @@ comparison, summaries, figures and what a case may ask for read them through ``c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum, auto
-from typing import Any, TypedDict, Unpack
+from typing import TypedDict, Unpack
 
-from fiv_cli.analyses.base import Varied
+from fiv_cli.analyses.base import Settings, Varied
 from fiv_cli.models.base import State
 
 INT_FILL = -2147483647
@@ -180,7 +179,7 @@ class Subject:
     states: tuple[State, ...]
     contact: str
     surface: bool
-    settings: Mapping[str, Any]
+    settings: Settings
 
     @property
     def varied(self) -> Varied:

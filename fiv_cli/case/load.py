@@ -1,4 +1,8 @@
-"""From a TOML text to a `Case`, or to one error that lists everything wrong in it."""
+"""From a TOML text to a `Case`, or to one error with all that is wrong in it.
+
+What is wrong is told in three looks, each whole (`Report`): the form of the tables (``form.py``),
+then names that nothing has, then values and what does not fit together (``fit.py``).
+"""
 
 from __future__ import annotations
 
@@ -38,7 +42,8 @@ def load_case(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
     UsageError
         There is no readable file at `path`, or an override is malformed.
     CaseError
-        The file, or an override, is invalid; holds every problem found.
+        The file, or an override, is invalid; holds every problem of the first of its form, its
+        names and its values in which there are any.
     """
     source = str(path)
     return parse_case(_read(source), source, overrides)

@@ -32,8 +32,9 @@ class Verdict:
 def command(cases: tuple[str, ...], overrides: tuple[str, ...], as_json: bool) -> int:
     """Check case files and print what `fiv run` would do with them.
 
-    Everything wrong is listed at once, each with its line, what is allowed and what may have
-    been meant. Nothing is computed. The exit code is 3 when a case is invalid.
+    Mistakes are listed in three looks at most, first all of the form, then all unknown names, then
+    all wrong values, each with its line, what is allowed and what may have been meant. Nothing is
+    computed. The exit code is 3 when a case is invalid.
 
     \b
     Examples:

@@ -99,7 +99,7 @@ def command(
 
 
 def load_all(sources: Sequence[str], overrides: Sequence[str]) -> list[Case]:
-    """Every case, or one error with everything that is wrong in any of them."""
+    """Every case, or one error with what is wrong in any of them."""
     from fiv_cli import api
 
     cases, wrong = [], []

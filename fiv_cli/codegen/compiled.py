@@ -14,12 +14,12 @@ from functools import cached_property
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
-from typing import Any
 from zipfile import ZipFile, ZipInfo
 
 from fiv_cli.codegen import cache as store
 from fiv_cli.codegen.lower import machine_description
 
+Entry = Callable[..., int]
 OWN = tuple(Path(__file__).with_name(name) for name in ("compiled.py", "kernels.py", "memory.py"))
 
 
@@ -33,9 +33,7 @@ class Compiled:
     declare : hands the entry to numba, with these options, and returns what it makes of it
     """
 
-    def __init__(
-        self, name: str, files: tuple[Path, ...], declare: Callable[..., Callable[..., Any]]
-    ) -> None:
+    def __init__(self, name: str, files: tuple[Path, ...], declare: Callable[..., Entry]) -> None:
         self.name, self.files, self._declare = name, files, declare
         self._sources = self._read_sources()  # as they are imported
 
@@ -56,13 +54,13 @@ class Compiled:
         _ = self.function
 
     @cached_property
-    def function(self) -> Callable[..., Any]:
+    def function(self) -> Entry:
         """The compiled entry."""
         with suppress(OSError), store.scratch_folder() as folder:
             return self._made_in(folder)
         return self._declare(cache=False)  # there is nowhere to put a file
 
-    def _made_in(self, folder: Path) -> Callable[..., Any]:
+    def _made_in(self, folder: Path) -> Entry:
         """The entry, loaded from what was kept, or compiled and kept."""
         kept = store.read(self._file())
         if kept is not None:
@@ -73,7 +71,7 @@ class Compiled:
             store.write(self._file(), made)
         return entry
 
-    def _declared(self, folder: Path) -> Callable[..., Any]:
+    def _declared(self, folder: Path) -> Entry:
         """The entry, with numba's files in this folder."""
         import numba
 

@@ -20,6 +20,8 @@ from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
+    from llvmlite.binding import ExecutionEngine
+
     from fiv_cli.codegen.derive import ContactState, Derivation
     from fiv_cli.codegen.emit import Coefficients, TaylorStep
     from fiv_cli.codegen.graph import Graph, Node
@@ -85,7 +87,7 @@ class Generated:
     smooth: tuple[bool, ...]
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
-    _engines: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    _engines: dict[str, ExecutionEngine] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def tangent_order(self) -> int:
@@ -204,7 +206,7 @@ def _make(setup: Setup) -> bytes:
     return json.dumps(content).encode()
 
 
-def _table(state: ContactState) -> dict[str, Any]:
+def _table(state: ContactState) -> dict[str, object]:
     return {
         "kinds": state.kinds,
         "name": state.name,
@@ -215,7 +217,7 @@ def _table(state: ContactState) -> dict[str, Any]:
     }
 
 
-def _saturating(state: ContactState) -> list[tuple[str, Any]]:
+def _saturating(state: ContactState) -> list[tuple[str, Node]]:
     """Functions, with their arguments, whose series says nothing of what lies off their plateau."""
     from fiv_cli.codegen.emit import reachable
 
@@ -336,7 +338,7 @@ def _object_name(text: str) -> str:
     return cache.content_key([text, source, lower.machine_description()]) + ".o"
 
 
-def load_text(text: str) -> Any:
+def load_text(text: str) -> ExecutionEngine:
     """Execution engine with the functions of `text`, compiled unless the cache has the object."""
     from fiv_cli.codegen import lower
 

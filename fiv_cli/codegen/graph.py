@@ -50,7 +50,7 @@ class Graph:
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
-        self._known: dict[tuple[Any, ...], Node] = {}
+        self._known: dict[tuple[object, ...], Node] = {}
         self._tangents: dict[int, Node] = {}
         self._names: dict[int, str] = {}
         self.zero = self.number(0.0)
@@ -318,7 +318,7 @@ def _is(node: Node, value: float) -> bool:
     return node.op == "number" and node.value == value
 
 
-def _hashable(value: Any) -> Any:
+def _hashable(value: object) -> object:
     if isinstance(value, tuple):
         return tuple(item.index for item in value)
     return value

@@ -11,10 +11,10 @@ Indices are never counted from the end and nothing checks them.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from functools import cache
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from llvmlite import ir
@@ -33,6 +33,12 @@ from numba.extending import (
 
 from fiv_cli.codegen.memory import WORD, Field, Frame, Kind, bits_of, call_generated, float_of
 
+if TYPE_CHECKING:
+    from llvmlite.ir import Instruction, IRBuilder, Value
+
+    Kernel = Callable[..., object]
+    Values = Sequence[Value]
+
 OPTIONS = {"error_model": "numpy"}
 SCALARS = {"float": types.float64, "int": types.int64, "bool": types.boolean}
 ELEMENTS = {float: types.float64, int: types.int64}
@@ -40,6 +46,27 @@ DOUBLE, INTEGER = ir.DoubleType(), ir.IntType(64)
 GENERATED = ir.FunctionType(
     ir.VoidType(), (DOUBLE.as_pointer(), DOUBLE, DOUBLE.as_pointer(), DOUBLE.as_pointer())
 )
+
+
+class Signature(Protocol):
+    """The types of a call, as numba gives them to those who lower it."""
+
+    args: Sequence[types.Type]
+    return_type: types.Type
+
+
+class Context(Protocol):
+    """What numba lends to those who lower a call, as far as they use it here."""
+
+    def cast(self, builder: IRBuilder, value: Value, kind: types.Type, to: types.Type) -> Value: ...
+
+    def get_value_type(self, kind: types.Type) -> ir.Type: ...
+
+    def get_dummy_value(self) -> Value: ...
+
+    def make_tuple(self, builder: IRBuilder, kind: types.Type, values: Values) -> Value: ...
+
+    def make_helper(self, builder: IRBuilder, kind: types.Type, value: Value) -> Any: ...
 
 
 @cache
@@ -50,7 +77,7 @@ def register(module: ModuleType) -> None:
             _register_kernel(function)
 
 
-def _register_kernel(kernel: Callable[..., Any]) -> None:
+def _register_kernel(kernel: Kernel) -> None:
     """Let kernels call this one, with what its annotations say and nothing else.
 
     numba would compile it once more for a call with an integer where it says float.
@@ -58,7 +85,7 @@ def _register_kernel(kernel: Callable[..., Any]) -> None:
     parameters = list(kernel.__annotations__.values())[: kernel.__code__.co_argcount]
     scalars = [SCALARS.get(annotation) for annotation in parameters]
 
-    def chosen(*given: Any) -> Any:
+    def chosen(*given: types.Type) -> Kernel | None:
         pairs = zip(given, scalars, strict=True)
         return kernel if all(scalar in (None, kind) for kind, scalar in pairs) else None
 
@@ -69,7 +96,7 @@ def _register_kernel(kernel: Callable[..., Any]) -> None:
 class View(types.Type):
     """An array in a kernel: its first word is where the data begin, its lengths follow."""
 
-    def __init__(self, element: Any, depth: int) -> None:
+    def __init__(self, element: types.Type, depth: int) -> None:
         self.element, self.depth = element, depth
         super().__init__(name=f"View({element}, {depth})")
 
@@ -88,7 +115,7 @@ class FrameType(types.Record):
         super().__init__(fields, WORD * frame.length, True)
 
 
-def _type_of_field(kind: Kind) -> Any:
+def _type_of_field(kind: Kind) -> types.Type:
     element = ELEMENTS[kind.element]
     return View(element, kind.depth) if kind.depth else element
 
@@ -98,15 +125,15 @@ register_model(FrameType)(models.OpaqueModel)
 
 @register_model(View)
 class _ViewModel(models.StructModel):
-    def __init__(self, manager: Any, view: View) -> None:
+    def __init__(self, manager: object, view: View) -> None:
         lengths = [(f"length{level}", types.int64) for level in range(view.depth)]
         super().__init__(manager, view, [("data", types.CPointer(view.element)), *lengths])
 
 
 # --- elements, rows, what follows an index --------------------------------------------------------
 @type_callable(operator.getitem)
-def _type_of_item(context: Any) -> Callable[..., Any]:
-    def typed(view: Any, index: Any) -> Any:
+def _type_of_item(context: Context) -> Callable[..., types.Type | None]:
+    def typed(view: types.Type, index: types.Type) -> types.Type | None:
         if not isinstance(view, View):
             return None
         if isinstance(index, types.SliceType):
@@ -118,16 +145,18 @@ def _type_of_item(context: Any) -> Callable[..., Any]:
 
 
 @type_callable(operator.setitem)
-def _type_of_setting(context: Any) -> Callable[..., Any]:
-    def typed(view: Any, index: Any, value: Any) -> Any:
+def _type_of_setting(context: Context) -> Callable[..., types.Type | None]:
+    def typed(view: types.Type, index: types.Type, value: types.Type) -> types.Type | None:
         return types.none if isinstance(view, View) else None
 
     return typed
 
 
-def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> tuple[Any, list[Any]]:
+def _place(
+    context: Context, builder: IRBuilder, signature: Signature, given: Values
+) -> tuple[Value, list[Value]]:
     """Where an element or a row is, and the lengths that are left of it."""
-    (view, index_type), (value, index) = signature.args[:2], arguments[:2]
+    (view, index_type), (value, index) = signature.args[:2], given[:2]
     indices, kinds = [index], [index_type]
     if isinstance(index_type, types.BaseTuple):
         kinds = list(index_type)
@@ -143,14 +172,14 @@ def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> tuple[
     return builder.gep(data, [offset], inbounds=True), lengths[len(indices) :]
 
 
-def _view(context: Any, builder: Any, kind: View, data: Any, lengths: Iterable[Any]) -> Any:
+def _view(context: Context, builder: IRBuilder, kind: View, data: Value, lengths: Values) -> Value:
     value = ir.Constant(context.get_value_type(kind), ir.Undefined)
     for place, part in enumerate((data, *lengths)):
         value = builder.insert_value(value, part, place)
     return value
 
 
-def _tag(builder: Any, access: Any, what: Any) -> Any:
+def _tag(builder: IRBuilder, access: Instruction, what: object) -> Instruction:
     """Floats, integers and each scalar of a frame never share memory."""
     module = builder.module
     kind = module.add_metadata([str(what), module.add_metadata(["fiv"])])
@@ -160,17 +189,17 @@ def _tag(builder: Any, access: Any, what: Any) -> Any:
 
 @lower_builtin(operator.getitem, View, types.Integer)
 @lower_builtin(operator.getitem, View, types.BaseTuple)
-def _item(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    place, lengths = _place(context, builder, signature, arguments)
+def _item(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
+    place, lengths = _place(context, builder, signature, given)
     if lengths:
         return _view(context, builder, signature.return_type, place, lengths)
     return _tag(builder, builder.load(place), signature.return_type)
 
 
 @lower_builtin(operator.getitem, View, types.SliceType)
-def _rest(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    view, given = arguments
-    start = context.make_helper(builder, signature.args[1], given).start
+def _rest(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
+    view, index = given
+    start = context.make_helper(builder, signature.args[1], index).start
     data = builder.gep(builder.extract_value(view, 0), [start], inbounds=True)
     length = builder.sub(builder.extract_value(view, 1), start)
     return _view(context, builder, signature.return_type, data, [length])
@@ -178,36 +207,36 @@ def _rest(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 @lower_builtin(operator.setitem, View, types.Integer, types.Number)
 @lower_builtin(operator.setitem, View, types.BaseTuple, types.Number)
-def _set_item(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    place, _ = _place(context, builder, signature, arguments)
+def _set_item(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
+    place, _ = _place(context, builder, signature, given)
     element = signature.args[0].element
-    value = context.cast(builder, arguments[2], signature.args[2], element)
+    value = context.cast(builder, given[2], signature.args[2], element)
     _tag(builder, builder.store(value, place), element)
     return context.get_dummy_value()
 
 
 # --- lengths --------------------------------------------------------------------------------------
 @intrinsic
-def _lengths(context: Any, view: Any) -> Any:
-    def lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        lengths = [builder.extract_value(arguments[0], 1 + level) for level in range(view.depth)]
+def _lengths(context: Context, view: types.Type) -> tuple[Signature, Kernel]:
+    def lower(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
+        lengths = [builder.extract_value(given[0], 1 + level) for level in range(view.depth)]
         return context.make_tuple(builder, signature.return_type, lengths)
 
     return types.UniTuple(types.int64, view.depth)(view), lower
 
 
 @overload_attribute(View, "shape", jit_options=OPTIONS, strict=False)
-def _shape(view: Any) -> Any:
+def _shape(view: types.Type) -> Kernel | None:
     return lambda view: _lengths(view)
 
 
 @overload(len, jit_options=OPTIONS, strict=False)
-def _len(view: Any) -> Any:
+def _len(view: types.Type) -> Kernel | None:
     return (lambda view: _lengths(view)[0]) if isinstance(view, View) else None
 
 
 # --- frames ---------------------------------------------------------------------------------------
-def _word(builder: Any, words: Any, place: int) -> Any:
+def _word(builder: IRBuilder, words: Value, place: int) -> Value:
     """A word of a frame: it does not change while kernels run."""
     loaded = builder.load(builder.gep(words, [ir.Constant(INTEGER, place)]))
     loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
@@ -215,12 +244,14 @@ def _word(builder: Any, words: Any, place: int) -> Any:
 
 
 @lower_getattr_generic(FrameType)
-def _read_field(context: Any, builder: Any, kind: FrameType, frame: Any, name: str) -> Any:
+def _read_field(
+    context: Context, builder: IRBuilder, kind: FrameType, frame: Value, name: str
+) -> Value:
     field = kind.frame.fields[name]
     return (_array if field.kind.depth else _scalar)(context, builder, frame, field)
 
 
-def _array(context: Any, builder: Any, frame: Any, field: Field) -> Any:
+def _array(context: Context, builder: IRBuilder, frame: Value, field: Field) -> Value:
     view = _type_of_field(field.kind)
     words = builder.bitcast(frame, INTEGER.as_pointer())
     data, *lengths = (_word(builder, words, field.place + i) for i in range(field.kind.words))
@@ -230,7 +261,7 @@ def _array(context: Any, builder: Any, frame: Any, field: Field) -> Any:
     return _view(context, builder, view, builder.inttoptr(data, pointer), lengths)
 
 
-def _scalar(context: Any, builder: Any, frame: Any, field: Field) -> Any:
+def _scalar(context: Context, builder: IRBuilder, frame: Value, field: Field) -> Value:
     loaded = builder.load(_place_of_scalar(builder, frame, field))
     if field.kind.is_fixed:
         loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
@@ -238,15 +269,17 @@ def _scalar(context: Any, builder: Any, frame: Any, field: Field) -> Any:
 
 
 @lower_setattr_generic(FrameType)
-def _write_scalar(context: Any, builder: Any, signature: Any, arguments: Any, name: str) -> None:
+def _write_scalar(
+    context: Context, builder: IRBuilder, signature: Signature, given: Values, name: str
+) -> None:
     field = signature.args[0].frame.fields[name]
     if field.kind.depth or field.kind.is_fixed:
         raise TypeError(f"kernels do not write {name}")
-    frame, value = arguments
+    frame, value = given
     _tag(builder, builder.store(value, _place_of_scalar(builder, frame, field)), name)
 
 
-def _place_of_scalar(builder: Any, frame: Any, field: Field) -> Any:
+def _place_of_scalar(builder: IRBuilder, frame: Value, field: Field) -> Value:
     words = builder.bitcast(
         frame, (DOUBLE if field.kind.element is float else INTEGER).as_pointer()
     )
@@ -254,26 +287,28 @@ def _place_of_scalar(builder: Any, frame: Any, field: Field) -> Any:
 
 
 @cache
-def register_frame(frame: type[Frame], frame_at: Callable[[int], Any]) -> None:
+def register_frame(frame: type[Frame], frame_at: Callable[[int], object]) -> None:
     """Let kernels take a frame from its address, by `frame_at`."""
     kind = FrameType(frame)
     type_callable(frame_at)(lambda context: lambda address: kind)
     lower_builtin(frame_at, types.Integer)(_frame_at)
 
 
-def _frame_at(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
+def _frame_at(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
+    return builder.inttoptr(given[0], context.get_value_type(signature.return_type))
 
 
 # --- generated code, bits -------------------------------------------------------------------------
 @type_callable(call_generated)
-def _type_of_call(context: Any) -> Callable[..., Any]:
+def _type_of_call(context: Context) -> Callable[..., types.Type | None]:
     return lambda address, coefficients, time, state, out: types.none
 
 
 @lower_builtin(call_generated, types.Integer, View, types.Float, View, View)
-def _call_generated(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    address, coefficients, time, state, out = arguments
+def _call_generated(
+    context: Context, builder: IRBuilder, signature: Signature, given: Values
+) -> Value:
+    address, coefficients, time, state, out = given
     c, y, found = (builder.extract_value(view, 0) for view in (coefficients, state, out))
     function = builder.inttoptr(address, GENERATED.as_pointer())
     builder.call(function, [c, time, y, found], attrs=("nounwind",))
@@ -281,16 +316,16 @@ def _call_generated(context: Any, builder: Any, signature: Any, arguments: Any) 
 
 
 @type_callable(bits_of)
-def _type_of_bits(context: Any) -> Callable[..., Any]:
+def _type_of_bits(context: Context) -> Callable[..., types.Type | None]:
     return lambda value: types.int64
 
 
 @type_callable(float_of)
-def _type_of_float(context: Any) -> Callable[..., Any]:
+def _type_of_float(context: Context) -> Callable[..., types.Type | None]:
     return lambda bits: types.float64
 
 
 @lower_builtin(bits_of, types.Float)
 @lower_builtin(float_of, types.Integer)
-def _bitcast(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    return builder.bitcast(arguments[0], context.get_value_type(signature.return_type))
+def _bitcast(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
+    return builder.bitcast(given[0], context.get_value_type(signature.return_type))

@@ -7,7 +7,6 @@ functions only: in the pieces of long ones there is nothing to find for it.
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import llvmlite.binding as llvm
 
@@ -24,7 +23,7 @@ def _initialise() -> None:
     llvm.initialize_native_asmprinter()
 
 
-def target_machine(effort: int = 2) -> Any:
+def target_machine(effort: int = 2) -> llvm.TargetMachine:
     """LLVM's description of this processor; an execution engine takes its own."""
     _initialise()
     return llvm.Target.from_default_triple().create_target_machine(
@@ -60,7 +59,7 @@ def compile_text(text: str) -> bytes:
     return bytes(machine.emit_object(module))
 
 
-def load_object(code: bytes) -> Any:
+def load_object(code: bytes) -> llvm.ExecutionEngine:
     """Execution engine holding `code`; keep it alive as long as its addresses are used."""
     machine = target_machine()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
@@ -69,7 +68,7 @@ def load_object(code: bytes) -> Any:
     return engine
 
 
-def _optimise(module: Any, machine: Any) -> None:
+def _optimise(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
     """Simplify every function that is not a piece."""
     options = llvm.create_pipeline_tuning_options(speed_level=1)
     builder = llvm.create_pass_builder(machine, options)

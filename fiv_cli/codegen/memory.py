@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ Floats2 = NDArray[np.float64]
 Ints = NDArray[np.int64]
 OwnInts = NDArray[np.int64]
 Ints2 = NDArray[np.int64]
+Array = NDArray[Any]  # of floats or of integers: its field says
 FixedInt = int
 FixedFloat = float
 
@@ -67,14 +68,16 @@ KINDS = {
 DTYPES = {float: np.dtype(np.float64), int: np.dtype(np.int64)}
 NOTHING = ctypes.c_char * 0
 
+Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
-def native(function: Callable[..., Any]) -> Callable[..., Any]:
+
+def native(function: Kernel) -> Kernel:
     """Mark a kernel; under Python it stays what it is."""
     function.__native__ = True  # type: ignore[attr-defined]
     return function
 
 
-def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+def inlined(function: Kernel) -> Kernel:
     """Mark a kernel that becomes part of its callers: root search so gains up to 8 % of a run."""
     function.__inlined__ = True  # type: ignore[attr-defined]
     return native(function)
@@ -99,7 +102,7 @@ def call_generated(
 
 
 @cache
-def generated_function(address: int) -> Any:
+def generated_function(address: int) -> Callable[[int, float, int, int], None]:
     """A generated function as Python calls it."""
     pointer = ctypes.c_void_p
     return ctypes.CFUNCTYPE(None, pointer, ctypes.c_double, pointer, pointer)(int(address))
@@ -132,19 +135,19 @@ class Number(Field):
         frame.floats[self.place] = value
 
 
-class Array(Field):
+class ArrayField(Field):
     """An array, looked up once (most are never needed in Python)."""
 
-    def __get__(self, frame: Frame, owner: type) -> NDArray[Any]:
+    def __get__(self, frame: Frame, owner: type) -> Array:
         if self.kind.is_own:
             block = frame.floats if self.kind.element is float else frame.words
-            array: NDArray[Any] = block[frame.parts[self.name]]
+            array: Array = block[frame.parts[self.name]]
         else:
             array = frame.shown[self.name]
         frame.__dict__[self.name] = array
         return array
 
-    def elsewhere(self, words: Ints) -> NDArray[Any]:
+    def elsewhere(self, words: Ints) -> Array:
         """The array that the words of a frame tell of."""
         start, *shape = words[self.place : self.place + self.kind.words].tolist()
         found = words_at(start, math.prod(shape)).view(DTYPES[self.kind.element])
@@ -174,20 +177,18 @@ class Frame:
         for name, annotation in cls.__annotations__.items():
             kind = KINDS[annotation]
             scalar = Number if kind.element is float else Integer
-            cls.fields[name] = (Array if kind.depth else scalar)(name, cls.length, kind)
+            cls.fields[name] = (ArrayField if kind.depth else scalar)(name, cls.length, kind)
             setattr(cls, name, cls.fields[name])
             cls.length += kind.words
 
-    def __init__(
-        self, words: Ints, parts: dict[str, slice], shown: Mapping[str, NDArray[Any]]
-    ) -> None:
+    def __init__(self, words: Ints, parts: dict[str, slice], shown: Mapping[str, Array]) -> None:
         self.words: Ints = words
         self.floats: Floats = words.view(np.float64)
         self.address = address_of(words)
         self.parts, self.shown = parts, shown
 
     @classmethod
-    def holding(cls, shown: Mapping[str, NDArray[Any]], own: Mapping[str, int]) -> Self:
+    def holding(cls, shown: Mapping[str, Array], own: Mapping[str, int]) -> Self:
         """A frame of these arrays, and of its own ones of these lengths, zero like its scalars."""
         frame = cls(np.zeros(cls.length + sum(own.values()), np.int64), {}, {})
         end = cls.length
@@ -212,7 +213,7 @@ class Frame:
         self.words[place : place + 2] = part.start * WORD, part.stop - part.start
         self.parts[name] = part
 
-    def show(self, name: str, array: NDArray[Any]) -> None:
+    def show(self, name: str, array: Array) -> None:
         """Show kernels another array as the field `name`, and keep it alive meanwhile."""
         if array is self.__dict__.get(name, self.shown.get(name)):
             return
@@ -231,7 +232,7 @@ class Frame:
             if field.kind.is_own:
                 first = words.item(field.place) // WORD
                 parts[name] = slice(first, first + words.item(field.place + 1))
-            elif isinstance(field, Array):
+            elif isinstance(field, ArrayField):
                 shown[name] = field.elsewhere(words)
         end = max([cls.length, *(part.stop for part in parts.values())])
         return cls(words_at(address, end), parts, shown)
@@ -242,6 +243,6 @@ def words_at(address: int, count: int) -> Ints:
     return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(address))
 
 
-def address_of(array: NDArray[Any]) -> int:
+def address_of(array: Array) -> int:
     """Where the data of a contiguous array begin (numpy's own ways take four times as long)."""
     return ctypes.addressof(NOTHING.from_buffer(array))  # type: ignore[arg-type]

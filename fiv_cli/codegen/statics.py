@@ -14,13 +14,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fiv_cli.codegen import cache
 from fiv_cli.codegen.generate import load_text, text_key
 from fiv_cli.codegen.reduction import ELIMINATED, FUNCTION, Reduction, Statics
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.schedule import STEADY
+
+if TYPE_CHECKING:
+    from llvmlite.binding import ExecutionEngine
 
 ORDER = 0  # no Taylor series: what stands for the order in the key
 
@@ -41,7 +44,7 @@ def generate_statics(setup: Setup) -> Statics:
 class Loaded:
     """Addresses of the functions of a reduction (0: none); `engine` keeps their code alive."""
 
-    engine: Any
+    engine: ExecutionEngine
     statics: int
     eliminated: int
 

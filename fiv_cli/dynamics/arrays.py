@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT
+from fiv_cli.codegen.memory import Array
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.kernel import Run
 from fiv_cli.dynamics.settings import SolverSettings
@@ -58,14 +57,14 @@ def _own_lengths(system: System) -> dict[str, int]:
     }
 
 
-def _tables(system: System, solver: SolverSettings) -> dict[str, NDArray[Any]]:
+def _tables(system: System, solver: SolverSettings) -> dict[str, Array]:
     return {
         **system.tables.arrays(),
         "quadrature": quadratures(system.generated.order, solver.rtol),
     }
 
 
-def _scratch(system: System) -> dict[str, NDArray[Any]]:
+def _scratch(system: System) -> dict[str, Array]:
     n, contacts, order = len(system.state_names), system.n_contacts, system.generated.order
     guards = system.tables.guard_kinds.shape[1]
     rows = 2 * n + 2 * guards + 2
@@ -90,7 +89,7 @@ def _scratch(system: System) -> dict[str, NDArray[Any]]:
     }
 
 
-def _not_asked_for(system: System) -> dict[str, NDArray[Any]]:
+def _not_asked_for(system: System) -> dict[str, Array]:
     """What stands for arrays that a motion may not need."""
     n, contacts = len(system.state_names), system.n_contacts
     return {
@@ -108,7 +107,7 @@ def _not_asked_for(system: System) -> dict[str, NDArray[Any]]:
     }
 
 
-def ledger_of(rows: int) -> dict[str, NDArray[Any]]:
+def ledger_of(rows: int) -> dict[str, Array]:
     """Room for so many events."""
     numbers = ("before", "after", "contacts")
     return {

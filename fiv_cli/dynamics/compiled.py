@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from fiv_cli.codegen import codes
 from fiv_cli.codegen.compiled import Compiled
@@ -14,7 +13,7 @@ FOLDER = Path(__file__).parent
 SIGNATURE = "int64(int64, float64, float64, boolean)"
 
 
-def run_at(address: int) -> Any:
+def run_at(address: int) -> kernel.Run:
     """The run whose frame is at an address."""
     return kernel.Run.at(address)
 
@@ -27,7 +26,7 @@ def advance_at(address: int, t_stop: float, phase_interval: float, measuring: bo
 kernel_advance = kernel.advance  # numba reads no functions off modules
 
 
-def _declare(**options: bool) -> Callable[..., Any]:
+def _declare(**options: bool) -> Callable[..., int]:
     from numba import cfunc
 
     from fiv_cli.codegen.kernels import OPTIONS, register, register_frame

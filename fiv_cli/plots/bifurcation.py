@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return DEFAULT in dataset and bool(points.varying_axes(dataset))
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Dots of every layer; one colour per start, branch or further axis."""
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     name = points.one_variable(settings, DEFAULT)
@@ -39,9 +39,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _dress(
-    ax: Axes, layers: Sequence[points.Layer], name: str, settings: Mapping[str, Any]
-) -> None:
+def _dress(ax: Axes, layers: Sequence[points.Layer], name: str, settings: points.Settings) -> None:
     first = layers[0].dataset
     axis = points.abscissa(first, settings)
     points.dress_axis(ax, axis, "x")
@@ -53,7 +51,7 @@ def _dress(
 
 
 def _clouds(
-    layer: points.Layer, name: str, settings: Mapping[str, Any]
+    layer: points.Layer, name: str, settings: points.Settings
 ) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """(label, x, y) of each line of points of one dataset."""
     dataset = layer.dataset

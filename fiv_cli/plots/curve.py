@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return bool(_headlines(dataset)) and bool(points.varying_axes(dataset))
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Lines of every layer; points without an answer are marked along the lower edge."""
     figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     names = variables_of(layers[0].dataset, settings)
@@ -62,7 +62,7 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
     return sorted(headlines(dataset), key=lambda name: bool(flag_names(dataset[name].attrs)))
 
 
-def variables_of(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
+def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
     """The variables that the figure names (``variable``, or ``y``), else the preferred one.
 
     Raises
@@ -88,7 +88,7 @@ class _Curve:
     width: np.ndarray | None = None
 
 
-def _curves(layer: points.Layer, name: str, settings: Mapping[str, Any]) -> list[_Curve]:
+def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_Curve]:
     """The lines of one variable of one dataset."""
     dataset = layer.dataset
     axis = points.abscissa(dataset, settings)
@@ -192,7 +192,7 @@ def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def _dress(
-    ax: Axes, layers: Sequence[points.Layer], names: Sequence[str], settings: Mapping[str, Any]
+    ax: Axes, layers: Sequence[points.Layer], names: Sequence[str], settings: points.Settings
 ) -> None:
     first = layers[0].dataset
     points.dress_axis(ax, points.abscissa(first, settings), "x")

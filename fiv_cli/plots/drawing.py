@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ from fiv_cli.plots import (
     style,
 )
 from fiv_cli.plots import map as map_
-from fiv_cli.plots.points import Layer
+from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, take
 from fiv_cli.reading.datasets import figures_in, read_analyses
 
@@ -47,7 +47,7 @@ class Kind:
     """
 
     suits: Callable[[xr.Dataset], bool]
-    draw: Callable[[Sequence[Layer], Mapping[str, Any]], Figure]
+    draw: Callable[[Sequence[Layer], Settings], Figure]
     overlays: bool = False
 
 
@@ -155,7 +155,7 @@ def draw(
     layers = [_layer(label, one, figure, kind) for label, one in named]
     if len(layers) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
-    settings = figure.settings
+    settings = _checked(figure)
     if "take" in settings:
         layers = [Layer(layer.label, _taken(layer.dataset, settings)) for layer in layers]
         settings = {**settings, "variable": settings["take"]["what"]}
@@ -165,7 +165,13 @@ def draw(
         return kind.draw(layers, settings)
 
 
-def _taken(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
+def _checked(figure: FigureSpec) -> Settings:
+    checked: Any = figure.settings  # by `FigureTable`, where the case or the dataset was read
+    settings: Settings = checked
+    return settings
+
+
+def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:
     """The dataset as what the figure takes of its variable."""
     return take.taken(dataset, points.one_variable(settings, "attractor"), settings["take"])
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return PARTS[0] in dataset and bool(points.varying_axes(dataset))
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A colour for each mode, a dash for each value of the other axes; unstable points marked.
 
     Where two modes merge a dotted line stands.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from matplotlib.patches import Patch
 
@@ -17,7 +17,7 @@ suits = motion.suits
 SHADE = 0.35
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A row for each variable, a column for each motion."""
     dataset = layers[0].dataset
     motions = motion.motions(dataset, settings)
@@ -36,7 +36,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _panel(ax: Axes, one: motion.Motion, name: str, settings: Mapping[str, Any]) -> None:
+def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -> None:
     many = one.time.size > style.MANY_MARKS
     for state, begin, end in motion.contact_spans(one, settings):
         ax.axvspan(begin, end, color=style.CLASSES[state], alpha=SHADE, lw=0)

@@ -7,7 +7,7 @@ interval has a line for each end: the border is known where the two are one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
 
-def levels_of(array: xr.DataArray, settings: Mapping[str, Any]) -> list[float]:
+def levels_of(array: xr.DataArray, settings: points.Settings) -> list[float]:
     """The levels that a figure asks for, from low to high; none where it asks for none.
 
     Raises

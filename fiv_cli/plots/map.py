@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,7 +31,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return len(numeric) >= 2 and bool(_headlines(dataset))
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each start and each value of the other axes, or the lines of all in one."""
     dataset = layers[0].dataset
     x, y = _axes(dataset, settings)
@@ -59,7 +59,7 @@ def _overlaid(
     array: xr.DataArray,
     plane_axes: tuple[xr.DataArray, xr.DataArray],
     panels: Sequence[points.Line],
-    settings: Mapping[str, Any],
+    settings: points.Settings,
 ) -> Figure:
     """The lines at the levels, of every start and each value of the other axes, in one panel."""
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
@@ -99,7 +99,7 @@ def _how_run(dataset: xr.Dataset) -> str:
     return f"{share}, {wrong} of {tested} sampled mislabelled" if tested else share
 
 
-def _variable(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
+def _variable(dataset: xr.Dataset, settings: points.Settings) -> str:
     default = next(iter(_headlines(dataset)), "variable")
     return points.known_variable(dataset, points.one_variable(settings, default))
 
@@ -111,14 +111,15 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
     return sorted(names, key=lambda name: not flag_names(dataset[name].attrs))
 
 
-def _axes(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:
+def _axes(dataset: xr.Dataset, settings: points.Settings) -> tuple[xr.DataArray, xr.DataArray]:
     """The two axes: as the figure says, else the first two that vary, numeric ones before others.
 
     Raises
     ------
     UsageError : fewer than two axes vary
     """
-    named = {key: select.axis_of(dataset, str(settings[key])) for key in "xy" if key in settings}
+    asked = {"x": settings.get("x"), "y": settings.get("y")}
+    named = {key: select.axis_of(dataset, name) for key, name in asked.items() if name}
     taken = [axis.dims for axis in named.values()]
     free = [axis for axis in points.varying_axes(dataset) if axis.dims not in taken]
     free.sort(key=lambda axis: not select.is_numeric(axis))
@@ -157,7 +158,7 @@ def _dress(
     columns: int,
     panels: Sequence[points.Line],
     axes: tuple[xr.DataArray, xr.DataArray],
-    settings: Mapping[str, Any],
+    settings: points.Settings,
 ) -> None:
     ax.grid(False)
     if number >= len(panels):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,7 +27,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return "shape" in dataset and "plate_frequency" in dataset
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A round panel for each mode, each in its own scale, with its frequency."""
     dataset = layers[0].dataset
     modes = _modes(dataset)
@@ -67,7 +67,7 @@ def _modes(dataset: xr.Dataset) -> list[xr.Dataset]:
     return sorted(modes, key=lambda mode: float(mode["plate_frequency"]))
 
 
-def _paint(ax: Axes, mode: xr.Dataset, settings: Mapping[str, Any]) -> None:
+def _paint(ax: Axes, mode: xr.Dataset, settings: points.Settings) -> None:
     diameters, radius = int(mode["l"]), mode["radius"].values
     angle = np.linspace(0.0, 2.0 * np.pi, ANGLES)
     height = np.outer(mode["shape"].values, np.cos(diameters * angle))

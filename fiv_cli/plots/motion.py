@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def refuse_without(dataset: xr.Dataset) -> None:
         )
 
 
-def motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[Motion]:
+def motions(dataset: xr.Dataset, settings: points.Settings) -> list[Motion]:
     """Every motion of the dataset, over the figure's ``window`` of time.
 
     Raises
@@ -103,7 +103,7 @@ def displacements(dataset: xr.Dataset) -> list[str]:
     return [str(name) for name in dataset.data_vars if f"{name}_dot" in dataset]
 
 
-def variables(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
+def variables(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
     """The variables that the figure names, else every displacement.
 
     Raises
@@ -125,7 +125,7 @@ def known_variable(dataset: xr.Dataset, name: str) -> str:
     return name
 
 
-def of_contact(array: xr.DataArray, settings: Mapping[str, Any]) -> np.ndarray:
+def of_contact(array: xr.DataArray, settings: points.Settings) -> np.ndarray:
     """Values over time; of the figure's ``contact`` (from 1) where there are several."""
     if "contact" not in array.dims:
         return array.values
@@ -141,7 +141,7 @@ def places(motion: Motion) -> list[str]:
     return [rf"$r$ = {r:g} m, $\theta$ = {a:.4g} rad" for r, a in zip(radii, angles, strict=True)]
 
 
-def contact_runs(motion: Motion, settings: Mapping[str, Any]) -> Iterator[tuple[str, int, int]]:
+def contact_runs(motion: Motion, settings: points.Settings) -> Iterator[tuple[str, int, int]]:
     """(contact state, first sample, last sample + 1) of each stretch without a transition."""
     states = motion.data["contact_state"]
     names = flag_names(states.attrs)
@@ -153,9 +153,7 @@ def contact_runs(motion: Motion, settings: Mapping[str, Any]) -> Iterator[tuple[
         yield names.get(int(codes[first]), "unknown"), first, last
 
 
-def contact_spans(
-    motion: Motion, settings: Mapping[str, Any]
-) -> Iterator[tuple[str, float, float]]:
+def contact_spans(motion: Motion, settings: points.Settings) -> Iterator[tuple[str, float, float]]:
     """(contact state, begin, end in s): from the event ledger, else between samples."""
     contact = int(settings.get("contact", 1))
     events = [event for event in motion.events if event.contact == contact]
@@ -170,7 +168,7 @@ def contact_spans(
     yield from zip(states, borders[:-1], borders[1:], strict=True)
 
 
-def states_present(every: Sequence[Motion], settings: Mapping[str, Any]) -> list[str]:
+def states_present(every: Sequence[Motion], settings: points.Settings) -> list[str]:
     """The contact states that occur, in their fixed order."""
     seen = {name for motion in every for name, _, _ in contact_spans(motion, settings)}
     return [name for name in CONTACT_STATES if name in seen]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 suits = motion.suits
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each motion, or one for all (``overlay``); a circle marks each start."""
     dataset = layers[0].dataset
     motions = motion.motions(dataset, settings)
@@ -37,21 +37,19 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _shows_starts(settings: Mapping[str, Any]) -> bool:
+def _shows_starts(settings: points.Settings) -> bool:
     """A window of time may begin anywhere: its first sample is no start."""
     return "window" not in settings
 
 
-def _states(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[str, str]:
+def _states(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, str]:
     """x and y: as the figure says, else the first displacement and its velocity."""
     x = str(settings.get("x", motion.variables(dataset, settings)[0]))
     y = str(settings.get("y", f"{x}_dot"))
     return motion.known_variable(dataset, x), motion.known_variable(dataset, y)
 
 
-def _panel(
-    ax: Axes, one: motion.Motion, names: tuple[str, str], settings: Mapping[str, Any]
-) -> None:
+def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: points.Settings) -> None:
     x, y = (motion.of_contact(one.data[name], settings) for name in names)
     path = np.column_stack([x, y])
     stretches: dict[str, list[np.ndarray]] = {}

@@ -6,7 +6,7 @@ import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -27,6 +27,27 @@ MOST_ENTRIES = 2 * MOST_ENTRIES_IN_COLUMN
 
 # The number that a random start's label ends with.
 RANDOM_MEMBER = re.compile(r"-\d{3,}(?=,|$)")
+
+
+class Settings(TypedDict, total=False):
+    """What a figure is asked for: the keys of a ``[[figure]]`` table, checked where it is read."""
+
+    title: str
+    analysis: str
+    x: str
+    y: str
+    variable: str | list[str]
+    select: Mapping[str, object]
+    take: Mapping[str, Any]
+    level: float | list[float]
+    contact: int
+    window: tuple[float | str, float | str]
+    overlay: bool
+    log: bool | str
+    xlim: tuple[float | str, float | str]
+    ylim: tuple[float | str, float | str]
+    unit: str
+    resolution: float | str
 
 
 @dataclass(frozen=True)
@@ -68,7 +89,7 @@ def _axes_along(dataset: xr.Dataset, dim: str) -> list[xr.DataArray]:
     return [select.axis_of(dataset, name) for name in names]
 
 
-def abscissa(dataset: xr.Dataset, settings: Mapping[str, Any]) -> xr.DataArray:
+def abscissa(dataset: xr.Dataset, settings: Settings) -> xr.DataArray:
     """The axis that ``x`` names, else the numeric one with the most values, the first of these.
 
     Raises
@@ -95,7 +116,7 @@ def known_variable(dataset: xr.Dataset, name: str) -> str:
     return name
 
 
-def one_variable(settings: Mapping[str, Any], default: str) -> str:
+def one_variable(settings: Settings, default: str) -> str:
     """The variable of a figure that shows just one; UsageError when several are named."""
     named = settings.get("variable", default)
     if isinstance(named, list) and len(named) != 1:
@@ -116,14 +137,14 @@ def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
         spine.set_ticks(np.arange(axis.size), labels=[str(value) for value in axis.values])
 
 
-def scale(ax: Axes, settings: Mapping[str, Any]) -> None:
+def scale(ax: Axes, settings: Settings) -> None:
     """Logarithmic axes and limits, as the figure asks."""
-    logarithmic = {True: "xy", False: ""}.get(settings.get("log", False), settings.get("log"))
-    for which in ("x", "y"):
-        if which in str(logarithmic):
+    log = settings.get("log", "")
+    for which, limits in (("x", settings.get("xlim")), ("y", settings.get("ylim"))):
+        if log is True or which in str(log):
             ax.set(**{f"{which}scale": "log"})
-        if f"{which}lim" in settings:
-            ax.set(**{f"{which}lim": [in_si(bound) for bound in settings[f"{which}lim"]]})
+        if limits is not None:
+            ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})
 
 
 def in_si(value: float | str) -> float:

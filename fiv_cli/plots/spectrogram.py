@@ -6,7 +6,7 @@ figure sets their length, 2 / resolution.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -44,7 +44,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return VARIABLE in dataset or motion.suits(dataset)
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each start and each point, or for each variable of each motion."""
     dataset = layers[0].dataset
     panels, what = _stored(dataset) if VARIABLE in dataset else _of_motions(dataset, settings)
@@ -65,7 +65,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _paint(ax: Axes, panel: Panel, norm: Any, settings: Mapping[str, Any]) -> None:
+def _paint(ax: Axes, panel: Panel, norm: Any, settings: points.Settings) -> None:
     lowest = float(norm.vmin or 0.0)
     known = np.isfinite(panel.amplitude)
     shown = np.where(known, np.maximum(panel.amplitude, lowest), np.nan).T
@@ -92,7 +92,7 @@ def _stored(dataset: xr.Dataset) -> tuple[list[Panel], str]:
     return panels, labels.axis_label(dataset[VARIABLE])
 
 
-def _of_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[list[Panel], str]:
+def _of_motions(dataset: xr.Dataset, settings: points.Settings) -> tuple[list[Panel], str]:
     """Spectrograms of the samples of histories."""
     motion.refuse_without(dataset)
     name = points.one_variable(settings, motion.displacements(dataset)[0])
@@ -111,7 +111,7 @@ def _of_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> tuple[list[
 
 
 def _curves(
-    one: motion.Motion, name: str, settings: Mapping[str, Any]
+    one: motion.Motion, name: str, settings: points.Settings
 ) -> list[tuple[str, np.ndarray]]:
     """The curves of a variable: one, or one for each point of the disc."""
     values = motion.of_contact(one.data[name], settings)
@@ -121,7 +121,7 @@ def _curves(
 
 
 def _transformed(
-    one: motion.Motion, name: str, curve: np.ndarray, label: str, settings: Mapping[str, Any]
+    one: motion.Motion, name: str, curve: np.ndarray, label: str, settings: points.Settings
 ) -> Panel:
     time, values = spectrum.uniform(one.time, curve)
     length = time[-1] - time[0]

@@ -7,7 +7,7 @@ transform of its samples.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +38,7 @@ def suits(dataset: xr.Dataset) -> bool:
     return STEADY in dataset or motion.suits(dataset)
 
 
-def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Colours along a parameter, lines where none varies."""
     dataset = layers[0].dataset
     if STEADY not in dataset:
@@ -49,7 +49,7 @@ def draw(layers: Sequence[points.Layer], settings: Mapping[str, Any]) -> Figure:
 
 
 # --- steady states along a parameter --------------------------------------------------------------
-def _draw_along(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+def _draw_along(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     """A panel for each start and each value of the other axes."""
     axis = points.abscissa(dataset, settings)
     array = numbers(dataset[STEADY])
@@ -87,7 +87,7 @@ def _paint(
     panel: points.Line,
     axis: xr.DataArray,
     norm: LogNorm,
-    settings: Mapping[str, Any],
+    settings: points.Settings,
 ) -> None:
     """Colours, and dots where an eigenvalue grows."""
     part = dataset.isel(panel.index)
@@ -127,7 +127,7 @@ def _unbounded(dataset: xr.Dataset) -> str:
 
 
 # --- one steady state -----------------------------------------------------------------------------
-def _draw_steady(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     """A line for each start; unstable eigenfrequencies upright."""
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     array = numbers(dataset[STEADY])
@@ -147,18 +147,18 @@ def _draw_steady(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def factor_of(settings: Mapping[str, Any]) -> float:
+def factor_of(settings: points.Settings) -> float:
     """From Hz to the unit of the figure."""
     return 2.0 * np.pi if settings.get("unit") == "rad/s" else 1.0
 
 
-def frequency_label(settings: Mapping[str, Any]) -> str:
+def frequency_label(settings: points.Settings) -> str:
     """What stands at an axis of frequencies."""
     return r"$\omega$ (rad/s)" if settings.get("unit") == "rad/s" else "$f$ (Hz)"
 
 
 # --- a motion in time -----------------------------------------------------------------------------
-def _draw_motions(dataset: xr.Dataset, settings: Mapping[str, Any]) -> Figure:
+def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     """A line for each variable of each motion; the mean is taken off before."""
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     names = motion.variables(dataset, settings)

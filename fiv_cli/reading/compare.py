@@ -9,8 +9,9 @@ cost) is left out unless a tolerance is given.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +24,11 @@ from fiv_cli.analyses.variables import Role
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
+from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.select import row_sizes
 
 Mask = NDArray[np.bool_]
+Array = NDArray[Any]  # of any kind: numbers, classes, texts
 
 EXACT_CLASSES = ("equilibrium", "periodic", "contact_lost")
 SAMPLED_CLASSES = ("quasiperiodic", "chaotic")
@@ -101,176 +105,168 @@ def read_tolerances(path: Path) -> Tolerances:
         ) from error
 
 
-def compare(
-    left: Mapping[str, xr.Dataset], right: Mapping[str, xr.Dataset], tolerances: Tolerances
-) -> list[Difference]:
-    """Every difference between two sets of datasets, by name of the analysis."""
-    found = []
-    for name in sorted(left.keys() | right.keys()):
-        prefix = f"{name}/" if name else ""
-        if name not in left or name not in right:
-            side = "first" if name in left else "second"
-            found.append(Difference(name, f"only in the {side} dataset"))
-        else:
-            found.extend(_compare_datasets(left[name], right[name], tolerances, prefix))
-    return found
-
-
 def _tolerances(table: Mapping[str, Any]) -> Tolerances:
     unknown = set(table) - {"default", "sampled", "variables", "ignore"}
     if unknown:
         raise ValueError(f"unknown key {sorted(unknown)[0]!r}")
-    plain = Tolerances()
     own = {name: Tolerance(**entry) for name, entry in table.get("variables", {}).items()}
-    return Tolerances(
-        default=Tolerance(**table["default"]) if "default" in table else plain.default,
-        sampled=Tolerance(**table["sampled"]) if "sampled" in table else plain.sampled,
-        variables=own,
-        ignore=tuple(table.get("ignore", ())),
-    )
+    general = {name: Tolerance(**table[name]) for name in ("default", "sampled") if name in table}
+    return Tolerances(**general, variables=own, ignore=tuple(table.get("ignore", ())))
 
 
-def _compare_datasets(
-    left: xr.Dataset, right: xr.Dataset, tolerances: Tolerances, prefix: str
-) -> Iterator[Difference]:
-    yield from _compare_names(left, right, tolerances, prefix)
-    shape = list(_compare_coordinates(left, right, prefix))
-    yield from shape
-    if shape:
-        return  # values at different places cannot be compared
-    classes = _Classes(left, right)
-    for name in left.data_vars:
-        if name in right.data_vars and str(name) not in tolerances.ignore:
-            yield from _compare_variable(left, right, str(name), classes, tolerances, prefix)
+def compare(
+    left: Mapping[str, xr.Dataset], right: Mapping[str, xr.Dataset], tolerances: Tolerances
+) -> list[Difference]:
+    """Every difference between two sets of datasets, by name of the analysis."""
+    differences = []
+    for name in sorted(left.keys() | right.keys()):
+        if name not in left or name not in right:
+            side = "first" if name in left else "second"
+            differences.append(Difference(name, f"only in the {side} dataset"))
+        else:
+            pair = _Pair(left[name], right[name], tolerances, f"{name}/" if name else "")
+            differences.extend(pair.differences())
+    return differences
 
 
-def _compare_names(
-    left: xr.Dataset, right: xr.Dataset, tolerances: Tolerances, prefix: str
-) -> Iterator[Difference]:
-    for name in sorted(map(str, left.variables.keys() ^ right.variables.keys())):
-        if name not in tolerances.ignore:
-            side = "first" if name in left.variables else "second"
-            yield Difference(prefix + name, f"only in the {side} dataset")
+@dataclass(frozen=True)
+class _Pair:
+    """Two datasets of one analysis, which `prefix` names in front of what differs."""
 
+    left: xr.Dataset
+    right: xr.Dataset
+    tolerances: Tolerances
+    prefix: str
 
-def _compare_coordinates(left: xr.Dataset, right: xr.Dataset, prefix: str) -> Iterator[Difference]:
-    for name in left.coords:
-        if name not in right.coords:
-            continue
-        a, b = left[name].values, right[name].values
+    def differences(self) -> Iterator[Difference]:
+        yield from self._of_names()
+        shapes = list(self._of_coordinates())
+        yield from shapes
+        if shapes:
+            return  # values at different places cannot be compared
+        for name in map(str, self.left.data_vars):
+            if name in self.right.data_vars and name not in self.tolerances.ignore:
+                yield from self._of_variable(name)
+
+    def _told(self, name: str, text: str, count: int = 1) -> Difference:
+        return Difference(self.prefix + name, text, count)
+
+    def _of_names(self) -> Iterator[Difference]:
+        for name in sorted(map(str, self.left.variables.keys() ^ self.right.variables.keys())):
+            if name not in self.tolerances.ignore:
+                side = "first" if name in self.left.variables else "second"
+                yield self._told(name, f"only in the {side} dataset")
+
+    def _of_coordinates(self) -> Iterator[Difference]:
+        for name in map(str, self.left.coords):
+            if name not in self.right.coords:
+                continue
+            a, b = self.left[name].values, self.right[name].values
+            if a.shape != b.shape:
+                yield self._told(name, f"{a.size} against {b.size} values")
+            elif not np.array_equal(a, b):
+                index = int(np.flatnonzero(a != b)[0])
+                text = f"value {index}: {a.ravel()[index]!r} against {b.ravel()[index]!r}"
+                yield self._told(name, text, int(np.count_nonzero(a != b)))
+
+    def _of_variable(self, name: str) -> Iterator[Difference]:
+        a, b = self.left[name], self.right[name]
+        form = _difference_of_form(a, b)
+        if form:
+            yield self._told(name, form)
+            return
+        if named(name).tells_trust and name not in self.tolerances.variables:
+            return
+        sizes, others = row_sizes(self.left, name), row_sizes(self.right, name)
+        if sizes is not None and others is not None and sizes.name == others.name:
+            yield from self._of_rows(name, sizes, others)
+        elif sizes is not None or others is not None:
+            counted = [rows if rows is None else rows.name for rows in (sizes, others)]
+            yield self._told(name, f"rows counted by {counted[0]} against {counted[1]}")
+        elif not (name.endswith("_row_size") and "attractor" in self.left):
+            yield from self._of_values(name, a, b)
+
+    def _of_values(self, name: str, a: xr.DataArray, b: xr.DataArray) -> Iterator[Difference]:
         if a.shape != b.shape:
-            yield Difference(f"{prefix}{name}", f"{a.size} against {b.size} values")
-        elif not np.array_equal(a, b):
-            index = int(np.flatnonzero(a != b)[0])
-            text = f"value {index}: {a.ravel()[index]!r} against {b.ravel()[index]!r}"
-            yield Difference(f"{prefix}{name}", text, int(np.count_nonzero(a != b)))
+            yield self._told(name, f"shape {a.shape} against {b.shape}")
+            return
+        x, y = a.values, b.values
+        exact, sampled = self._compared(name)
+        bad = a.copy(data=_differs(x, y, self.tolerances.of(name))) & exact
+        bad = bad | (a.copy(data=_differs(x, y, self.tolerances.sampled)) & sampled)
+        mask = bad.transpose(*a.dims).values
+        yield from self._of_worst(name, x.ravel(), y.ravel(), mask.ravel(), partial(_place, a))
 
+    def _of_rows(
+        self, name: str, sizes: xr.DataArray, others: xr.DataArray
+    ) -> Iterator[Difference]:
+        """Row by row: the numbers of rows must agree, then the values."""
+        exact, _ = self._compared(name)
+        wanted = np.broadcast_to(np.asarray(exact), sizes.shape).ravel()
+        counts = [rows.values.ravel().astype(int) for rows in (sizes, others)]
+        unequal = (counts[0] != counts[1]) & wanted
+        if unequal.any():
+            row = int(np.argmax(unequal))
+            text = f"{counts[0][row]} against {counts[1][row]} values at {_place(sizes, row)}"
+            yield self._told(name, text, int(np.count_nonzero(unequal)))
+            return
+        x, y = (
+            dataset[name].values[np.repeat(wanted, count)]
+            for dataset, count in zip((self.left, self.right), counts, strict=True)
+        )
+        points = np.repeat(np.flatnonzero(wanted), counts[0][wanted])
+        bad = _differs(x, y, self.tolerances.of(name))
+        yield from self._of_worst(name, x, y, bad, lambda row: _place(sizes, int(points[row])))
 
-class _Classes:
-    """Where values can be compared: by the attractor of both sides."""
+    def _of_worst(
+        self, name: str, x: Array, y: Array, bad: Mask, place: Callable[[int], str]
+    ) -> Iterator[Difference]:
+        """What differs as one difference: how many values, and the one that does so most."""
+        if bad.any():
+            worst = int(np.argmax(np.where(bad, _gap(x, y), -1.0)))
+            left, right = (_named(self.left[name], side[worst]) for side in (x, y))
+            text = f"{left} against {right} at {place(worst)}"
+            yield self._told(name, text, int(np.count_nonzero(bad)))
 
-    def __init__(self, left: xr.Dataset, right: xr.Dataset) -> None:
-        self._left, self._right = left, right
+    def _compared(self, name: str) -> tuple[xr.DataArray | bool, xr.DataArray | bool]:
+        """Where a variable is compared with its own tolerance, and where with that of sampling.
 
-    def mask(self, name: str) -> tuple[xr.DataArray | bool, xr.DataArray | bool]:
-        """Where `name` is compared with its own tolerance, and where with that of sampling."""
-        if "attractor" not in self._left or "attractor" not in self._right:
+        By the attractor of both sides.
+        """
+        if "attractor" not in self.left or "attractor" not in self.right:
             return True, False
         if named(name).role is Role.STATUS or name == "attractor":
             return True, False
-        exact = self._both(EXACT_CLASSES)
-        sampled = self._both(SAMPLED_CLASSES) if named(name).statistic else False
-        return exact, sampled
+        return self._both(EXACT_CLASSES), (
+            self._both(SAMPLED_CLASSES) if named(name).statistic else False
+        )
 
     def _both(self, classes: Iterable[str]) -> xr.DataArray:
         codes = [ATTRACTOR.codes[name] for name in classes]
-        left, right = self._left["attractor"], self._right["attractor"]
-        return left.isin(codes) & right.isin(codes)
+        return self.left["attractor"].isin(codes) & self.right["attractor"].isin(codes)
 
 
-def _compare_variable(
-    left: xr.Dataset,
-    right: xr.Dataset,
-    name: str,
-    classes: _Classes,
-    tolerances: Tolerances,
-    prefix: str,
-) -> Iterator[Difference]:
-    a, b = left[name], right[name]
+def _difference_of_form(a: xr.DataArray, b: xr.DataArray) -> str:
+    """In what two variables cannot be compared; empty where they can."""
     if a.attrs.get("units") != b.attrs.get("units"):
-        text = f"units {a.attrs.get('units')!r} against {b.attrs.get('units')!r}"
-        yield Difference(prefix + name, text)
-        return
+        return f"units {a.attrs.get('units')!r} against {b.attrs.get('units')!r}"
     if a.dims != b.dims or a.dtype.kind != b.dtype.kind:
-        text = f"{a.dtype} over {a.dims} against {b.dtype} over {b.dims}"
-        yield Difference(prefix + name, text)
-        return
-    if named(name).tells_trust and name not in tolerances.variables:
-        return
-    owner, other = _ragged_owner(left, a), _ragged_owner(right, b)
-    if owner != other:
-        yield Difference(prefix + name, f"rows counted by {owner} against {other}")
-    elif owner is not None:
-        yield from _compare_ragged(left, right, name, owner, classes, tolerances, prefix)
-    elif not (name.endswith("_row_size") and "attractor" in left):
-        yield from _compare_values(a, b, name, classes, tolerances, prefix)
+        return f"{a.dtype} over {a.dims} against {b.dtype} over {b.dims}"
+    return ""
 
 
-def _ragged_owner(dataset: xr.Dataset, variable: xr.DataArray) -> str | None:
-    """Name of the variable that counts the rows of `variable`, where it is ragged."""
-    for name, candidate in dataset.data_vars.items():
-        if candidate.attrs.get("sample_dimension") in variable.dims:
-            return str(name)
-    return None
-
-
-def _compare_values(
-    a: xr.DataArray,
-    b: xr.DataArray,
-    name: str,
-    classes: _Classes,
-    tolerances: Tolerances,
-    prefix: str,
-) -> Iterator[Difference]:
-    if a.shape != b.shape:
-        yield Difference(prefix + name, f"shape {a.shape} against {b.shape}")
-        return
-    exact, sampled = classes.mask(name)
-    bad = _differs(a, b, tolerances.of(name) if _is_number(a) else Tolerance(0.0, 0.0)) & exact
-    if sampled is not False:
-        bad = bad | (_differs(a, b, tolerances.sampled) & sampled)
-    bad = bad.transpose(*a.dims)
-    count = int(np.count_nonzero(bad.values))
-    if count:
-        yield Difference(prefix + name, _worst(a, b, bad.values), count)
-
-
-def _is_number(variable: xr.DataArray) -> bool:
-    return variable.dtype.kind == "f"
-
-
-def _differs(a: xr.DataArray, b: xr.DataArray, tolerance: Tolerance) -> xr.DataArray:
+def _differs(x: Array, y: Array, tolerance: Tolerance) -> Mask:
     """Where two arrays differ; two NaN agree, a NaN and a number do not."""
-    x, y = a.values, b.values
-    if not _is_number(a):
-        return a.copy(data=x != y)
+    if x.dtype.kind != "f":
+        return np.asarray(x != y)
     finite = np.isfinite(x) & np.isfinite(y)
     u, w = np.where(finite, x, 0.0), np.where(finite, y, 0.0)
     allowed = tolerance.atol + tolerance.rtol * np.maximum(np.abs(u), np.abs(w))
     same = np.where(finite, np.abs(u - w) <= allowed, (x == y) | (np.isnan(x) & np.isnan(y)))
-    return a.copy(data=~same.astype(bool))
+    return np.asarray(~same.astype(bool))
 
 
-def _worst(a: xr.DataArray, b: xr.DataArray, bad: Mask) -> str:
-    """The value that differs most, with its coordinates."""
-    x, y = a.values, b.values
-    gap = np.where(bad, _gap(x, y), -1.0)
-    index = np.unravel_index(int(np.argmax(gap)), gap.shape)
-    left, right = _named(a, x[index]), _named(a, y[index])
-    return f"{left} against {right} at {_place(a, index)}"
-
-
-def _gap(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float64]:
+def _gap(x: Array, y: Array) -> NDArray[np.float64]:
     """Relative distance; infinite where a side is not a number."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     finite = np.isfinite(x) & np.isfinite(y)
@@ -279,70 +275,17 @@ def _gap(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float64]:
     return np.where(finite, np.abs(u - w) / np.where(scale > 0.0, scale, 1.0), np.inf)
 
 
-def _named(variable: xr.DataArray, value: Any) -> str:
+def _named(variable: xr.DataArray, value: float) -> str:
     """A value, by its name where it is a flag."""
-    if "flag_meanings" not in variable.attrs:
-        return f"{value:.12g}"
-    values = [int(code) for code in np.atleast_1d(variable.attrs["flag_values"])]
-    names = str(variable.attrs["flag_meanings"]).split()
-    return dict(zip(values, names, strict=True)).get(int(value), str(value))
+    names = flag_names(variable.attrs)
+    return names.get(int(value), str(value)) if names else f"{value:.12g}"
 
 
-def _place(variable: xr.DataArray, index: tuple[Any, ...]) -> str:
-    """Coordinates of an element: ``mu_k=0.4, initial=far``."""
+def _place(variable: xr.DataArray, index: int) -> str:
+    """Coordinates of the element at a flat (C order) index: ``mu_k=0.4, initial=far``."""
     parts = []
-    for dim, i in zip(variable.dims, index, strict=True):
+    place = np.unravel_index(index, variable.shape)
+    for dim, i in zip(variable.dims, place, strict=True):
         coordinates = [n for n, c in variable.coords.items() if c.dims == (dim,)]
         parts += [f"{n}={variable[n].values[int(i)]}" for n in coordinates] or [f"{dim}={int(i)}"]
     return ", ".join(parts) or "the only point"
-
-
-def _compare_ragged(
-    left: xr.Dataset,
-    right: xr.Dataset,
-    name: str,
-    owner: str,
-    classes: _Classes,
-    tolerances: Tolerances,
-    prefix: str,
-) -> Iterator[Difference]:
-    """Row by row: the numbers of rows must agree, then the values."""
-    exact, _ = classes.mask(name)
-    wanted = np.broadcast_to(np.asarray(exact), left[owner].shape).ravel()
-    sizes = left[owner].values.ravel(), right[owner].values.ravel()
-    unequal = (sizes[0] != sizes[1]) & wanted
-    if unequal.any():
-        flat = int(np.argmax(unequal))
-        where = _place(left[owner], np.unravel_index(flat, left[owner].shape))
-        text = f"{sizes[0][flat]} against {sizes[1][flat]} values at {where}"
-        yield Difference(prefix + name, text, int(np.count_nonzero(unequal)))
-        return
-    a, b = (_rows(d[name].values, s, wanted) for d, s in zip((left, right), sizes, strict=True))
-    yield from _compare_rows(left, name, owner, a, b, wanted, sizes[0], tolerances, prefix)
-
-
-def _compare_rows(
-    left: xr.Dataset,
-    name: str,
-    owner: str,
-    a: NDArray[Any],
-    b: NDArray[Any],
-    wanted: Mask,
-    sizes: NDArray[Any],
-    tolerances: Tolerances,
-    prefix: str,
-) -> Iterator[Difference]:
-    x, y = xr.DataArray(a, dims="row"), xr.DataArray(b, dims="row")
-    bad = _differs(x, y, tolerances.of(name)).values
-    if not bad.any():
-        return
-    worst = int(np.argmax(np.where(bad, _gap(a, b), -1.0)))
-    points = np.repeat(np.flatnonzero(wanted), sizes[wanted].astype(int))
-    where = _place(left[owner], np.unravel_index(int(points[worst]), left[owner].shape))
-    text = f"{_named(left[name], a[worst])} against {_named(left[name], b[worst])} at {where}"
-    yield Difference(prefix + name, text, int(np.count_nonzero(bad)))
-
-
-def _rows(values: NDArray[Any], sizes: NDArray[Any], wanted: Mask) -> NDArray[Any]:
-    """The values of the wanted rows of a contiguous ragged array."""
-    return values[np.repeat(wanted, sizes.astype(int))]

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +35,7 @@ from fiv_cli.analyses.attractor.bisection import (
     scanned,
 )
 from fiv_cli.analyses.attractor.steady_state import steady_state
-from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, broken
+from fiv_cli.analyses.base import Outcome, Question, Settings, SolverSettings, Start, broken
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.dynamics.system import System
@@ -54,7 +53,7 @@ class _Runs:
     system: System
     parameters: Mapping[str, float]
     start: Start
-    settings: Mapping[str, Any]
+    settings: Settings
     solver: SolverSettings
     count: int = 0
     undecided: int = 0
@@ -96,7 +95,7 @@ class _Runs:
         for variable in OF_MOTION:
             self.totals[variable.name] = self._total(variable, outcome.values)
 
-    def _total(self, variable: Variable, values: Mapping[str, Any]) -> float:
+    def _total(self, variable: Variable, values: Mapping[str, float]) -> float:
         """Work adds up; of what tells how far to trust it the worst counts."""
         name = variable.name
         if variable.role is Role.WORK:
@@ -126,7 +125,7 @@ def _is_open(label: str, question: Question, status: str) -> bool:
     return label == NOTHING or (label == "undecided" and not counts)
 
 
-def going_on(start: Start, carry: Mapping[str, Any]) -> Start:
+def going_on(start: Start, carry: Mapping[str, object]) -> Start:
     """The start of a run that goes on from what another one left.
 
     An equilibrium is perturbed again by the offset of the start. A start that has none goes on from
@@ -141,7 +140,7 @@ def boundaries(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """Every change of the answer in the bracket, by rising value, and its two sides."""
@@ -173,7 +172,7 @@ def _passes(runs: _Runs) -> dict[str, Found]:
     return {"up": up, "down": followed(values[::-1], runs.look, width, last)}
 
 
-def _crossings(listed: Sequence[tuple[Change, str]]) -> dict[str, Any]:
+def _crossings(listed: Sequence[tuple[Change, str]]) -> dict[str, object]:
     """The variables along the dim ``crossing``."""
     found = [change for change, _ in listed]
     return {
@@ -213,7 +212,7 @@ def _word(look: Look) -> str:
     return {True: "yes", False: "no", None: "open"}[look.answer]
 
 
-def _scans(passes: Mapping[str, Found], settings: Mapping[str, Any]) -> dict[str, Any]:
+def _scans(passes: Mapping[str, Found], settings: Settings) -> dict[str, np.ndarray]:
     """The variables along the dim ``scan``: what each pass found, by rising value."""
     low, high = settings["bracket"]
     values = np.linspace(low, high, settings["scan"])
@@ -228,7 +227,7 @@ def _label_at(value: float, looks: Sequence[Look]) -> str:
     return next((look.label for look in looks if look.value == value), NOTHING)
 
 
-def _bistable(passes: Mapping[str, Found], settings: Mapping[str, Any]) -> dict[str, Any]:
+def _bistable(passes: Mapping[str, Found], settings: Settings) -> dict[str, object]:
     """The variables along the dim ``range``: where the two ways differ."""
     if settings["follow"] != "both":
         return {}
@@ -250,7 +249,7 @@ def _is_decided(one: Found, size: int) -> bool:
 
 
 def _concluded(
-    runs: _Runs, passes: Mapping[str, Found], values: dict[str, Any], found: Sequence[Change]
+    runs: _Runs, passes: Mapping[str, Found], values: dict[str, object], found: Sequence[Change]
 ) -> Outcome:
     """The outcome, with the reason why there may be more, or less, than was found."""
     looks = [look for one in passes.values() for look in one.looks]

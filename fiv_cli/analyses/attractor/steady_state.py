@@ -37,7 +37,7 @@ from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, s
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
-from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Section, Settings, SolverSettings, Start
 from fiv_cli.analyses.common import (
     Sliding,
     balance,
@@ -73,7 +73,7 @@ def steady_state(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """The steady state that `start` leads to."""
@@ -146,7 +146,7 @@ class _Response:
     def __init__(
         self,
         problem: Problem,
-        settings: Mapping[str, Any],
+        settings: Settings,
         solver: SolverSettings,
         rests: Rests,
         motion: Motion,
@@ -344,7 +344,7 @@ class _Response:
         return outcome
 
     def _resting_values(self, state: Vector, sticking: bool) -> Outcome:
-        values: dict[str, Any] = {
+        values: dict[str, object] = {
             "attractor": "equilibrium",
             "stick_fraction": self._per_contact(float(sticking)),
             "slip_fraction": self._per_contact(float(not sticking)),
@@ -433,15 +433,15 @@ class _Response:
                 return None
             return self._measured_cycle(shorter, multiplicity // share, section)
         self.spent = {"n_steps": before.n_steps, "n_events": before.n_events}
-        values = {"multiplicity": multiplicity, "transient_used": before.time}
+        values: dict[str, object] = {"multiplicity": multiplicity, "transient_used": before.time}
         values |= self._measured(energy) | self._described(cycle, period)
         shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
         carry = self._carry("periodic")
         return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
 
-    def _described(self, cycle: Confirmed, period: float) -> dict[str, Any]:
+    def _described(self, cycle: Confirmed, period: float) -> dict[str, object]:
         """What is known of a cycle beside its measures; `period` is that at the section, s."""
-        values: dict[str, Any] = {
+        values: dict[str, object] = {
             "attractor": "periodic",
             "period": period,
             "response_frequency": 1.0 / period,
@@ -471,7 +471,7 @@ class _Response:
         self.motion.start_measuring(reference)
         return self.motion.time
 
-    def _measured(self, energy_before: float) -> dict[str, Any]:
+    def _measured(self, energy_before: float) -> dict[str, object]:
         """Everything that was integrated along the measured stretch."""
         measures, motion = self.motion.measures, self.motion
         time = measures.measured_time
@@ -481,7 +481,7 @@ class _Response:
             per_contact[:, kind] if len(shares) > 1 else float(per_contact[0, kind])
             for kind in (STICK, SLIP, SEPARATION)
         ]
-        values: dict[str, Any] = {
+        values: dict[str, object] = {
             "L_s": measures.spread / time,
             "L_s_window": time,
             "stick_fraction": fractions[0],
@@ -497,7 +497,7 @@ class _Response:
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))
         return values
 
-    def _floquet(self, cycle: Confirmed) -> dict[str, Any]:
+    def _floquet(self, cycle: Confirmed) -> dict[str, object]:
         """Multipliers, and the exponent of the largest nontrivial one where there is one."""
         if self.settings["lyapunov"] == "never":
             return {}
@@ -598,7 +598,7 @@ class _Response:
         return "quasiperiodic", ""
 
     # --- what is handed on ------------------------------------------------------------------------
-    def _carry(self, attractor: str) -> dict[str, Any]:
+    def _carry(self, attractor: str) -> dict[str, object]:
         """State for a continuing neighbour: at phase 0 of an excitation, else where it is."""
         motion = self.motion
         if self.excitation is not None and attractor != "equilibrium":

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
 from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.cycles.end_error import end_error
@@ -27,7 +27,7 @@ def find_cycle(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """The cycle near what `start` leads to, and its branch where a parameter is given."""
@@ -51,7 +51,7 @@ def find_cycle(
 
 
 # --- the cycle -----------------------------------------------------------------------------------
-def _reached(problem: Problem, start: Start, settings: Mapping[str, Any]) -> Cycle | Outcome | None:
+def _reached(problem: Problem, start: Start, settings: Settings) -> Cycle | Outcome | None:
     """The cycle that the motion from `start` comes near; the outcome where it never returns."""
     solutions = equilibria(sliding(problem.system, problem.parameters))
     equilibrium = solutions[0] if solutions else None
@@ -110,7 +110,7 @@ def _carried_guess(carried: Mapping[str, Any]) -> Guess:
     return Guess(anchor, float(carried["period"]), np.array(carried["scales"], dtype=float))
 
 
-def _carry(problem: Problem, cycle: Cycle) -> dict[str, Any]:
+def _carry(problem: Problem, cycle: Cycle) -> dict[str, object]:
     """What a continuing neighbour starts from."""
     return {
         "attractor": "periodic",
@@ -126,7 +126,7 @@ def _carry(problem: Problem, cycle: Cycle) -> dict[str, Any]:
 
 def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
     names = problem.system.state_names
-    values: dict[str, Any] = {
+    values: dict[str, object] = {
         "cycle_period": cycle.period,
         "multiplicity": len(cycle.points),
         "stable": _stability(cycle),
@@ -158,7 +158,7 @@ def _stability(cycle: Cycle) -> str:
 
 # --- its branch ----------------------------------------------------------------------------------
 def _add_branch(
-    outcome: Outcome, problem: Problem, cycle: Cycle, settings: Mapping[str, Any], observed: int
+    outcome: Outcome, problem: Problem, cycle: Cycle, settings: Settings, observed: int
 ) -> None:
     """Follow the branch both ways and store its points and its ends."""
     varied, bracket = settings["parameter"], settings["bracket"]
@@ -196,7 +196,7 @@ def _both_ways(line: Continuation, cycle: Cycle, value: float) -> tuple[list[Poi
     return [*reversed(below), up, *above], [*reversed(ends_below), *ends_above]
 
 
-def _branch_arrays(points: list[Point], observed: int) -> dict[str, Any]:
+def _branch_arrays(points: list[Point], observed: int) -> dict[str, object]:
     cycles = [point.cycle for point in points]
     return {
         "branch_value": np.array([point.value for point in points]),
@@ -210,7 +210,7 @@ def _branch_arrays(points: list[Point], observed: int) -> dict[str, Any]:
     }
 
 
-def _end_arrays(ends: list[End], errors: list[float]) -> dict[str, Any]:
+def _end_arrays(ends: list[End], errors: list[float]) -> dict[str, object]:
     return {
         "cycle_end": np.array([end.value for end in ends]),
         "cycle_end_width": np.array([end.width for end in ends]),

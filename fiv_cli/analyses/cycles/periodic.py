@@ -69,7 +69,8 @@ class Problem:
 
     def changed(self, varied: Varied, value: float) -> Problem:
         """The same with one parameter, and what follows it, at another value (SI)."""
-        return replace(self, parameters=varied.at(self.parameters, value))
+        parameters = varied.at(self.parameters, value)
+        return Problem(self.system, parameters, self.solver, self.section)
 
 
 def tightened(solver: SolverSettings) -> SolverSettings:
@@ -136,7 +137,7 @@ class Passage:
     begun : state at the beginning, as contact lets it be: a sticking contact has no slip velocity
     projection : derivative of `begun` by the state that was asked for
     state : at the end
-    rates : of the state at the beginning and at the end; shape (2, n_states)
+    rates : of the state at the end; NaN without tangents
     monodromy : derivative of the end by the beginning; shape (n_states, n_states), or (n_states,
         0) without tangents
     times : of the events, s from the beginning
@@ -148,7 +149,7 @@ class Passage:
     begun: Vector
     projection: Matrix
     state: Vector
-    rates: Matrix
+    rates: Vector
     monodromy: Matrix
     times: Vector
     events: tuple[Event, ...]
@@ -160,17 +161,17 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
     motion = begin(problem, anchor)
     n = len(motion.y)
     started, before = motion.time, motion.y.copy()
-    rates = motion.rates().copy() if motion.started else np.zeros(n)
     projection = _projection(motion) if tangents and motion.started else np.eye(n)
     motion.keep_ledger(MOST_EVENTS)
-    motion.carry_tangents(np.eye(n) if tangents else np.zeros((0, n)))
+    if tangents:
+        motion.carry_tangents(np.eye(n))
     stop = motion.run(started + span)
     ledger = motion.ledger
     return Passage(
         begun=before,
         projection=projection,
         state=motion.y.copy(),
-        rates=np.array([rates, motion.rates() if motion.started else rates]),
+        rates=motion.rates() if tangents else np.full(n, np.nan),
         monodromy=motion.tangents.T.copy(),
         times=ledger.times - started,
         events=tuple(event for event in _events(ledger) if not _bounces(event)),
@@ -214,6 +215,12 @@ def _bounces(event: Event) -> bool:
 
 
 # --- the closing conditions ----------------------------------------------------------------------
+# What must vanish, and its Jacobian, computed where a step of Newton's method is taken from there:
+# None where it has none.
+Equations = tuple[Vector, Callable[[], Matrix | None]]
+Conditions = Callable[[Vector], Equations | None]
+
+
 @dataclass(frozen=True)
 class Shooting:
     """The conditions that close a motion, in unknowns of order one.
@@ -244,7 +251,8 @@ class Shooting:
 
     def anchor_of(self, unknowns: Vector) -> Anchor:
         """The point that `unknowns` stand for."""
-        return replace(self.anchor, state=unknowns[: len(self.scales)] * self.scales)
+        state, reference = unknowns[: len(self.scales)] * self.scales, self.anchor
+        return Anchor(state, reference.sticking, reference.phase, reference.closed)
 
     def period_of(self, problem: Problem, unknowns: Vector) -> float:
         """The period that `unknowns` stand for, s."""
@@ -278,17 +286,17 @@ class Shooting:
         closing = np.vstack([monodromy - projection, projection - np.eye(len(self.scales))])
         if self.normal is None:
             return closing
-        stretch = found.rates[1] / self.scales * self.period
+        stretch = found.rates / self.scales * self.period
         last = np.concatenate([stretch, np.zeros_like(stretch)])
         across = np.append(self.normal @ projection, 0.0)
         return np.vstack([np.column_stack([closing, last]), across])
 
-    def conditions(self, problem: Problem, unknowns: Vector) -> tuple[Vector, Matrix] | None:
+    def conditions(self, problem: Problem, unknowns: Vector) -> Equations | None:
         """`values` and their Jacobian; None where the motion does not last a period."""
         found = self.around(problem, unknowns)
         if found is None:
             return None
-        return self.values(found, unknowns), self.jacobian(found)
+        return self.values(found, unknowns), lambda: self.jacobian(found)
 
 
 def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Shooting:
@@ -302,17 +310,15 @@ def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) ->
     return Shooting(replace(anchor, state=motion.y.copy()), period, scales, normal, 0)
 
 
-Conditions = Callable[[Vector], tuple[Vector, Matrix] | None]
-
-
 def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
     """Root of `conditions` near `unknowns`; None when Newton's method does not settle."""
     found = conditions(unknowns)
+    matrix = None if found is None else found[1]()
+    if found is None or matrix is None:
+        return None
+    values, jacobian = found[0], matrix
     for _ in range(NEWTON_STEPS):
-        if found is None:
-            return None
-        values, jacobian = found
-        if not np.all(np.isfinite(jacobian)):
+        if not np.isfinite(jacobian).all():
             return None
         step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
         if np.max(np.abs(step)) <= CONVERGED:
@@ -321,19 +327,22 @@ def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
         moved = _shortened(conditions, unknowns, step, float(np.linalg.norm(values)))
         if moved is None:
             return None
-        unknowns, found = moved
+        unknowns, values, jacobian = moved
     return None
 
 
 def _shortened(
     conditions: Conditions, unknowns: Vector, step: Vector, before: float
-) -> tuple[Vector, tuple[Vector, Matrix]] | None:
-    """The longest share of a step that improves the conditions."""
+) -> tuple[Vector, Vector, Matrix] | None:
+    """The longest share of a step that improves the conditions, their values, their Jacobian."""
     for share in SHORTENED:
         trial = unknowns + share * step
         found = conditions(trial)
-        if found is not None and float(np.linalg.norm(found[0])) < before:
-            return trial, found
+        if found is None or float(np.linalg.norm(found[0])) >= before:
+            continue
+        jacobian = found[1]()
+        if jacobian is not None:
+            return trial, found[0], jacobian
     return None
 
 

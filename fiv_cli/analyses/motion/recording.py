@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
 from fiv_cli.analyses.common import (
     Balance,
     balance,
@@ -31,7 +31,7 @@ def record(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """States, contact forces and energies at the sample times, and every event.
@@ -61,7 +61,7 @@ def record(
     return outcome
 
 
-def sample_times(settings: Mapping[str, Any]) -> Vector:
+def sample_times(settings: Settings) -> Vector:
     """Times of the samples, s: from 0, t_end always included."""
     t_end = float(settings["t_end"])
     interval = settings["sample"]
@@ -97,7 +97,7 @@ def _run_with_ledger(
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
 
 
-def _curves(system: System, samples: Samples) -> dict[str, Any]:
+def _curves(system: System, samples: Samples) -> dict[str, object]:
     """Everything over time; NaN after the end of a motion that stopped early."""
     taken = np.arange(len(samples.times)) < samples.count
     curves = dict(zip(system.state_names, samples.states.T, strict=True))
@@ -112,7 +112,7 @@ def _curves(system: System, samples: Samples) -> dict[str, Any]:
 def _surface(
     system: System,
     parameters: Mapping[str, float],
-    curves: Mapping[str, Any],
+    curves: Mapping[str, object],
     places: Sequence[Place],
 ) -> dict[str, NDArray[np.float64]]:
     """w over (place, time), and where the places are."""

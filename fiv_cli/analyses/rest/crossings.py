@@ -13,12 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, SolverSettings
+from fiv_cli.analyses.base import Outcome, Settings, SolverSettings
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, frequency_ratio
 from fiv_cli.analyses.rest.equilibria import equilibria, why_none
 from fiv_cli.analyses.rest.linearisation import NEUTRAL, free_jacobian, modes_at, sliding_system
@@ -129,7 +128,7 @@ def critical_values(
     system: System,
     parameters: Mapping[str, float],
     start: None,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """Every crossing inside the bracket by rising value, with its kind, direction and mode."""
@@ -155,7 +154,7 @@ def critical_values(
     return Outcome(reason=_reason(crossings, judged), values=values)
 
 
-def _described(crossings: Sequence[Crossing], ends: Sequence[Sample]) -> dict[str, Any]:
+def _described(crossings: Sequence[Crossing], ends: Sequence[Sample]) -> dict[str, object]:
     """The variables that hold the crossings."""
     growth = [float(end.values.real.max()) if end.exists else float("nan") for end in ends]
     return {

@@ -6,11 +6,12 @@ How they are found, and when the set is certified to be complete, is told in ``e
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Analysis, Outcome, SolverSettings
+from fiv_cli.analyses.base import Analysis, Outcome, Settings, SolverSettings
 from fiv_cli.analyses.rest.system_choice import SYSTEM
 from fiv_cli.analyses.variables import Subject, Variable, classes, count, trust
 
@@ -22,7 +23,7 @@ def run(
     system: System,
     parameters: Mapping[str, float],
     start: None,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """Equilibria, contact forces there and what is left of the equations (residual)."""
@@ -33,7 +34,7 @@ def run(
     state = sliding_system(system, parameters, settings["system"])
     found = all_equilibria(state)
     solutions = found.states
-    counts: dict[str, Any] = {
+    counts: dict[str, object] = {
         "n_solutions": len(solutions),
         "n_pulling": found.pulling,
         "complete": "certified" if found.certified else "not_certified",
@@ -56,7 +57,7 @@ def run(
     )
 
 
-def _per_contact(values: Any) -> Any:
+def _per_contact(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """(solution, contact), or (solution,) on models with one contact."""
     return values[:, 0] if values.shape[1] == 1 else values
 

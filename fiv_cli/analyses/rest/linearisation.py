@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, SolverSettings
+from fiv_cli.analyses.base import Outcome, Settings, SolverSettings
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
 from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, free_coordinates, sliding
 from fiv_cli.dynamics.system import System, Vector
@@ -33,7 +32,7 @@ def eigenvalues_at(
     system: System,
     parameters: Mapping[str, float],
     start: None,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """Eigenvalues (rad/s) and vectors at the equilibrium asked for, by rising frequency."""
@@ -51,7 +50,7 @@ def eigenvalues_at(
     return Outcome(reason=reason, values={**values, "averaging_ratio": ratio})
 
 
-def _described(values: Complex, vectors: Complex) -> dict[str, Any]:
+def _described(values: Complex, vectors: Complex) -> dict[str, object]:
     """The variables that describe a spectrum."""
     magnitude = np.abs(values)
     ratio = np.where(magnitude > 0.0, -values.real / np.where(magnitude > 0.0, magnitude, 1.0), 0.0)

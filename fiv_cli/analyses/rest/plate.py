@@ -7,11 +7,11 @@ diameters l and radius r; how they are computed is told in ``fiv_cli/plate.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fiv_cli.analyses.base import Analysis, Outcome, Setup, SolverSettings
+from fiv_cli.analyses.base import Analysis, Outcome, Settings, Setup, SolverSettings
 from fiv_cli.analyses.settings import Integer
 from fiv_cli.models import disc
 from fiv_cli.plate import mode
@@ -27,7 +27,7 @@ def plate_modes(
     setup: Setup,
     parameters: Mapping[str, float],
     start: None,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """Frequencies (rad/s), R(r0)^2/M (1/kg) and R(r)/R(r0) at radii from a to b.

@@ -19,13 +19,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.steady_state import steady_state
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
 from fiv_cli.analyses.common import start_motion, stopped
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import spectrum
@@ -62,7 +61,7 @@ def steady_spectrum(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """The steady state, its spectrum, and the eigenfrequencies of the sliding equilibrium."""
@@ -79,11 +78,11 @@ def steady_spectrum(
     return _with_lines(outcome, system, parameters, settings, solver)
 
 
-def _observed(system: System, settings: Mapping[str, Any]) -> str:
+def _observed(system: System, settings: Settings) -> str:
     return str(settings["observe"] or system.state_names[0])
 
 
-def _at_rest(mean: float, settings: Mapping[str, Any]) -> dict[str, Any]:
+def _at_rest(mean: float, settings: Settings) -> dict[str, object]:
     """Nothing moves: no amplitude anywhere."""
     return {"amplitude": np.zeros(len(frequencies(settings))), "mean": mean, "variance_shown": 1.0}
 
@@ -92,7 +91,7 @@ def _with_lines(
     outcome: Outcome,
     system: System,
     parameters: Mapping[str, float],
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """Go on from where the steady state was accepted, and transform."""
@@ -160,7 +159,7 @@ def _peak(square: Vector, length: float) -> float:
     return float((top + 1 + (second - top) * (2.0 * ratio - 1.0) / (1.0 + ratio)) / length)
 
 
-def on_bins(lines: Lines, settings: Mapping[str, Any]) -> dict[str, Any]:
+def on_bins(lines: Lines, settings: Settings) -> dict[str, object]:
     """Amplitudes on the common grid, and how much of the motion they show."""
     grid, width = frequencies(settings), bin_width(settings)
     place = np.floor(lines.frequency / width + 0.5).astype(int)

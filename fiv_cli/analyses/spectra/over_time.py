@@ -8,12 +8,11 @@ those of a spectrum: a bin shows the root of the sum of the squares of what fall
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, SolverSettings, Start
+from fiv_cli.analyses.base import Outcome, Settings, SolverSettings, Start
 from fiv_cli.analyses.common import balance, stopped, trust
 from fiv_cli.analyses.motion.recording import begun, varying_at
 from fiv_cli.analyses.spectra.resolution import bin_width, frequencies, hop, slice_length
@@ -29,7 +28,7 @@ def spectrogram(
     system: System,
     parameters: Mapping[str, float],
     start: Start,
-    settings: Mapping[str, Any],
+    settings: Settings,
     solver: SolverSettings,
 ) -> Outcome:
     """The observed state over time and frequency, from the start to the end of the run."""
@@ -51,7 +50,7 @@ def spectrogram(
     return outcome
 
 
-def end_of(system: System, settings: Mapping[str, Any]) -> float:
+def end_of(system: System, settings: Settings) -> float:
     """End of the run, s: as the case says, else the last kink of what varies."""
     given = settings["t_end"]
     return float(given) if given is not None else system.setup.schedule.kinks[-1]
@@ -73,7 +72,7 @@ def _sampled(
     return values, None
 
 
-def _on_bins(found: TimeFrequency, settings: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+def _on_bins(found: TimeFrequency, settings: Settings) -> dict[str, NDArray[np.float64]]:
     grid = frequencies(settings)
     place = np.floor(found.frequency / bin_width(settings) + 0.5).astype(int)
     inside = place < len(grid)
