@@ -97,14 +97,14 @@ class Anchor:
     closed: tuple[bool, ...] = ()
 
 
-def begin(problem: Problem, anchor: Anchor) -> Motion:
-    """The motion through `anchor`."""
+def begin(problem: Problem, anchor: Anchor, events: int = 0) -> Motion:
+    """The motion through `anchor`, with room for so many events in a ledger."""
     time = anchor.phase / (2 * np.pi) * (problem.excitation or 0.0)
     motion = Motion(
         problem.system, problem.parameters, problem.solver, anchor.state.copy(), time,
-        anchor.sticking,
+        anchor.sticking, events,
     )  # fmt: skip
-    return _closed(problem, anchor, motion) if _parted(anchor, motion) else motion
+    return _closed(problem, anchor, motion, events) if _parted(anchor, motion) else motion
 
 
 def _parted(anchor: Anchor, motion: Motion) -> int:
@@ -113,7 +113,7 @@ def _parted(anchor: Anchor, motion: Motion) -> int:
     return sum(closed and kind == SEPARATION for closed, kind in pairs)
 
 
-def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
+def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int) -> Motion:
     """`motion` with the contacts closed that rounding has opened.
 
     Begun an instant before it lands, a motion would be right, but not its derivatives. A closed
@@ -123,7 +123,9 @@ def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
     names = problem.system.state_names
     for name in statics_of(problem.system).determined:
         pressed = motion.y - PRESSED * np.array([state == name for state in names])
-        trial = Motion(problem.system, problem.parameters, problem.solver, pressed, motion.time)
+        trial = Motion(
+            problem.system, problem.parameters, problem.solver, pressed, motion.time, (), events
+        )
         motion = trial if _parted(anchor, trial) < _parted(anchor, motion) else motion
     return motion
 
@@ -158,11 +160,11 @@ class Passage:
 
 def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True) -> Passage:
     """Follow the motion through `anchor` for `span` seconds, with its tangents or without."""
-    motion = begin(problem, anchor)
+    motion = begin(problem, anchor, MOST_EVENTS)
+    motion.frame.n_ledger = 0
     n = len(motion.y)
     started, before = motion.time, motion.y.copy()
     projection = _projection(motion) if tangents and motion.started else np.eye(n)
-    motion.keep_ledger(MOST_EVENTS)
     if tangents:
         motion.carry_tangents(np.eye(n))
     stop = motion.run(started + span)

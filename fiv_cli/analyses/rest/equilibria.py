@@ -123,10 +123,12 @@ def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
     vector = system.parameter_vector(system.setup.model.unexcited(parameters))
     state = Sliding(system, vector, system.coefficients(vector), 0, True)
     velocities = state.contact_forces(np.zeros(len(system.state_names)))[:, 2]
+    moving = bool(((velocities != 0.0) | np.array(system.generated.smooth)).all())
+    backwards = velocities < 0.0
+    if not backwards.any():
+        return Sliding(system, vector, state.coefficients, 0, moving)
     first = len(vector) - 1 - system.n_contacts
-    vector[first : first + system.n_contacts] = np.where(velocities < 0.0, -1.0, 1.0)
-    smooth = np.array(system.generated.smooth)
-    moving = bool(np.all((velocities != 0.0) | smooth))
+    vector[first : first + system.n_contacts] = np.where(backwards, -1.0, 1.0)
     return Sliding(system, vector, system.coefficients(vector), 0, moving)
 
 

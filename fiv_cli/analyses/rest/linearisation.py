@@ -192,19 +192,13 @@ def stability(values: Complex) -> str:
 
 
 def coupled_modes(values: Complex) -> NDArray[np.int64]:
-    """For each mode, the one it has merged with, else -1.
+    """For each mode, the one it has merged with (the last of several), else -1.
 
     Two modes have merged when they differ in growth and not, or less, in frequency.
     """
-    partner = np.full(len(values), -1, np.int64)
-    for i, first in enumerate(values):
-        for j, second in enumerate(values):
-            if i != j and _is_coupled(first, second):
-                partner[i] = j
+    frequency, growth = values.imag[:, None], values.real[:, None]
+    split = np.abs(frequency - values.imag)
+    same = (split <= COUPLED * np.abs(frequency)) & (frequency != 0.0)
+    merged = same & (split < np.abs(growth - values.real))
+    partner: NDArray[np.int64] = np.where(merged, np.arange(len(values)), -1).max(axis=1)
     return partner
-
-
-def _is_coupled(first: complex, second: complex) -> bool:
-    split = abs(first.imag - second.imag)
-    same = split <= COUPLED * abs(first.imag) and first.imag != 0.0
-    return bool(same and split < abs(first.real - second.real))

@@ -29,15 +29,26 @@ def matched(
     -------
     (modes,): place of the new mode; conjugate pairs go to conjugate pairs
     """
-    from scipy.optimize import linear_sum_assignment
-
     scale = max(float(np.abs(old_values).max()), np.finfo(float).tiny)
     cost = np.abs(old_values[:, None] - new_values[None, :]) / scale
     cost += SHAPE * (1.0 - np.abs(_unit_rows(old_vectors).conj() @ _unit_rows(new_vectors).T))
     cost += TURNED * (old_values.imag[:, None] * new_values.imag[None, :] < 0.0)
     cost += TIE * np.linspace(0.0, 1.0, len(cost))[:, None] * new_values.real[None, :] / scale
+    return _paired(_cheapest(cost), old_values, new_values)
+
+
+def _cheapest(cost: NDArray[np.float64]) -> Order:
+    """The column of each row in the assignment of least cost.
+
+    Mostly every row has its cheapest column to itself, and nothing is to be weighed.
+    """
+    cheapest = cost <= cost.min(axis=1, keepdims=True)
+    if (cheapest.sum(axis=0) == 1).all():
+        return cheapest.argmax(axis=1)
+    from scipy.optimize import linear_sum_assignment
+
     order: Order = linear_sum_assignment(cost)[1]
-    return _paired(order, old_values, new_values)
+    return order
 
 
 def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
