@@ -87,10 +87,11 @@ class SliderOnDisc(Program):
         parameters: Parameters,
         options: Mapping[str, str] | None = None,
         turn: Sequence[tuple[float, float]] = (),
+        modes: Sequence[Shape] = (),
     ) -> None:
         self.p = dict(parameters)
         self.options = dict(options or {})
-        self.modes = shapes(parameters)
+        self.modes = list(modes) or shapes(parameters)
         self.turn = Turn(turn or [(0.0, self.p["Omega"])])
         order = np.array([s.diameters for s in self.modes])
         self.order, self.sine = order, np.array([s.sine for s in self.modes])
@@ -109,7 +110,7 @@ class SliderOnDisc(Program):
 
     def gap(self, y: Vector) -> float:
         """z - w(r0, phi)."""
-        return float(y[NORMAL] - self.shape(y[PHI]) @ y[2 : self.size])
+        return y[NORMAL] - self.shape(y[PHI]) @ y[2 : self.size]
 
     def gradient(self, y: Vector) -> Vector:
         """d gap / d (phi, z, q)."""
@@ -118,13 +119,13 @@ class SliderOnDisc(Program):
 
     def gap_rate(self, y: Vector) -> float:
         """Gap rate (4.16)."""
-        return float(self.gradient(y) @ y[self.size :])
+        return self.gradient(y) @ y[self.size :]
 
     def curvature(self, y: Vector) -> float:
         """Second derivative of the gap without that of the coordinates (4.17)."""
         q, q_dot, turn = y[2 : self.size], y[self.size + 2 :], y[self.size + PHI]
         coriolis = 2 * turn * self.shape(y[PHI], 1) @ q_dot
-        return float(-coriolis - turn**2 * self.shape(y[PHI], 2) @ q)
+        return -coriolis - turn**2 * self.shape(y[PHI], 2) @ q
 
     def slip_velocity(self, t: float, y: Vector) -> float:
         """r0 (Omega - phi')."""
@@ -207,7 +208,7 @@ class SliderOnDisc(Program):
         if self.rigid:
             normal = reactions.pop(0)
         friction = reactions[0] if sticks else mu * normal
-        return found[: self.size], float(normal), float(friction)
+        return found[: self.size], normal, friction
 
     # --- contact states ---------------------------------------------------------------------------
     def moving(self, sticks: bool, sign: float, touches: bool = True) -> Callable[..., Vector]:
@@ -343,13 +344,10 @@ def _saddle(
     if not columns:
         found: Vector = right / np.diag(masses)
         return found
-    size, extra = len(right), len(columns)
-    matrix = np.zeros((size + extra, size + extra))
-    matrix[:size, :size] = masses
-    matrix[:size, size:] = -np.array(columns).T
-    matrix[size:, :size] = [row for row, _ in rows]
-    solution: Vector = np.linalg.solve(matrix, np.array([*right, *(value for _, value in rows)]))
-    return solution
+    conditions, values = (np.array(part) for part in zip(*rows, strict=True))
+    nothing = np.zeros((len(columns), len(columns)))
+    matrix = np.block([[masses, -np.array(columns).T], [conditions, nothing]])
+    return np.linalg.solve(matrix, np.concatenate([right, values]))
 
 
 class RigidContact(SliderOnDisc):
@@ -364,7 +362,7 @@ class RigidContact(SliderOnDisc):
     def kinetic_friction(self, v: float, sign: float) -> float:
         """4.5."""
         p = self.p
-        return float(p["mu_k"] + (p["mu_0"] - p["mu_k"]) * np.exp(-p["alpha"] * sign * v))
+        return p["mu_k"] + (p["mu_0"] - p["mu_k"]) * np.exp(-p["alpha"] * sign * v)
 
 
 class Sprung(SliderOnDisc):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,11 @@ from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, build_system
 from fiv_cli.models.base import Model
+from fiv_cli.schedule import make_schedule
 
 TIGHT = SolverSettings(rtol=1e-13)
+Curves = Mapping[str, Sequence[tuple[float, float]]]
+NO_CURVES: Curves = {}
 
 
 def defaults(model: str | Model, law: str, **changes: float) -> dict[str, float]:
@@ -30,9 +33,10 @@ def system(
     options: Mapping[str, str] | None = None,
     rtol: float = TIGHT.rtol,
     parameters: Mapping[str, float] | None = None,
+    curves: Curves = NO_CURVES,
 ) -> System:
-    """A compiled system; `parameters` gives the law's structural values."""
-    return build_system(Setup.of(model, law, options, parameters, rtol))
+    """A compiled system; `parameters` gives the law's structural values, `curves` what varies."""
+    return build_system(Setup.of(model, law, options, parameters, rtol, make_schedule(curves)))
 
 
 def motion(
@@ -42,11 +46,12 @@ def motion(
     solver: SolverSettings = TIGHT,
     options: Mapping[str, str] | None = None,
     time: float = 0.0,
+    curves: Curves = NO_CURVES,
     **changes: float,
 ) -> Motion:
     """A motion from `start` with a ledger of 20,000 rows; `changes` differ from the defaults."""
     parameters = defaults(model, law, **changes)
-    built = system(model, law, options, solver.rtol, parameters)
+    built = system(model, law, options, solver.rtol, parameters, curves)
     begun = Motion(built, parameters, solver, start or {}, time)
     begun.keep_ledger(20_000)
     return begun

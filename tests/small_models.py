@@ -25,6 +25,20 @@ def _coordinates(*names: str) -> tuple[State, ...]:
     return tuple(State(name, name, "m", name) for name in names)
 
 
+# What all of them have in common.
+SMALL = Model(
+    name="",
+    title="",
+    reference="test suite",
+    numerics_version=1,
+    parameters=(),
+    states=lambda options: (),
+    equations=lambda symbols, options: Equations({}, (), 0, 0),
+    laws=("coulomb",),
+    law_defaults={},
+)
+
+
 # --- a mass that slides on a belt and can leave it -------------------------------------------
 def _bouncer(symbols: Any, options: Options) -> Equations:
     """m x'' = F_T - k x,  m z'' = F_N - m g - k_z (z - z0) + A cos(omega t); closed at z = 0."""
@@ -60,16 +74,13 @@ def _bouncer(symbols: Any, options: Options) -> Equations:
     )
 
 
-BOUNCER = Model(
+BOUNCER = replace(
+    SMALL,
     name="bouncer",
     title="mass on a belt with a unilateral contact",
-    reference="test suite",
-    numerics_version=1,
     parameters=_parameters(m=1.0, k=1.0, g=10.0, k_z=0.0, z0=0.0, k_c=1e4, A=0.0, omega=3.0, v=1.0),
     states=lambda options: _coordinates("x", "z"),
     equations=_bouncer,
-    laws=("coulomb",),
-    law_defaults={},
     options=(
         Option("contact", ("rigid", "compliant", "elastic"), "rigid", "how the contact gives way"),
     ),
@@ -126,16 +137,13 @@ def _two_masses(symbols: Any, options: Options) -> Equations:
     )
 
 
-TWO_MASSES = Model(
+TWO_MASSES = replace(
+    SMALL,
     name="two-masses",
     title="two masses on one belt, coupled by a spring",
-    reference="test suite",
-    numerics_version=1,
     parameters=_parameters(m=1.0, k1=1.0, k2=1.0, k_c=0.5, N1=10.0, N2=10.0, v=1.0),
     states=lambda options: _coordinates("x1", "x2"),
     equations=_two_masses,
-    laws=("coulomb",),
-    law_defaults={},
     contacts=2,
 )
 
@@ -179,16 +187,13 @@ def _two_bouncers(symbols: Any, options: Options) -> Equations:
     )
 
 
-TWO_BOUNCERS = Model(
+TWO_BOUNCERS = replace(
+    SMALL,
     name="two-bouncers",
     title="two masses over one belt, both contacts unilateral",
-    reference="test suite",
-    numerics_version=1,
     parameters=_parameters(m1=1.0, m2=1.0, k=1.0, g=10.0, A=0.0, omega=3.0, v=1.0),
     states=lambda options: _coordinates("x1", "x2", "z1", "z2"),
     equations=_two_bouncers,
-    laws=("coulomb",),
-    law_defaults={},
     contacts=2,
 )
 
@@ -223,17 +228,15 @@ def _ball(symbols: Any, options: Options) -> Equations:
     )
 
 
-BALL = Model(
+BALL = replace(
+    SMALL,
     name="ball",
     title="ball on a shaking table, with a coefficient of restitution",
-    reference="test suite",
-    numerics_version=1,
     parameters=_parameters(
         k=1.0, c=0.2, g=10.0, k_c=1e4, e=0.8, A=0.1, omega=6.283185307179586, v=5.0
     ),
     states=lambda options: _coordinates("x", "z"),
     equations=_ball,
-    laws=("coulomb",),
     law_defaults={"mu_k": 0.0, "mu_s": 0.0},
     forcings=(Forcing("A", lambda p: p["omega"], "shaking of the table"),),
 )
@@ -253,14 +256,12 @@ def _double_well(symbols: Any, options: Options) -> Equations:
     )
 
 
-DOUBLE_WELL = Model(
+DOUBLE_WELL = replace(
+    SMALL,
     name="double-well",
     title="mass on a belt between two wells",
-    reference="test suite",
-    numerics_version=1,
     parameters=_parameters(m=1.0, k=1.0, c=0.2, N=0.5, v=2.0),
     states=lambda options: _coordinates("x"),
     equations=_double_well,
-    laws=("coulomb",),
     law_defaults={"mu_s": 0.2, "mu_k": 0.1},
 )

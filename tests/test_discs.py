@@ -12,11 +12,8 @@ from lumped_reference import integrate
 from motions import TIGHT, defaults, motion, times, transitions
 
 from fiv_cli.api import analyse
-from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.motion import Motion, Stop
-from fiv_cli.dynamics.system import build_system
 from fiv_cli.models import get_model
-from fiv_cli.schedule import make_schedule
 
 FIRST = 30  # events compared one by one
 FEWER = 10  # the same for options that change little
@@ -57,14 +54,10 @@ class Setting:
 
     def motion(self) -> Motion:
         """The program's motion from the start."""
-        if not self.turn:
-            return motion(self.model, self.law, self.start, TIGHT, self.options, **self.changes)
-        schedule, parameters = make_schedule({"Omega": self.turn}), self.parameters()
-        setup = Setup.of(self.model, self.law, self.options, parameters, TIGHT.rtol, schedule)
-        built = build_system(setup)
-        begun = Motion(built, parameters, TIGHT, self.start)
-        begun.keep_ledger(20_000)
-        return begun
+        return motion(
+            self.model, self.law, self.start, TIGHT, self.options,
+            curves={"Omega": self.turn} if self.turn else {}, **self.changes,
+        )  # fmt: skip
 
     def other(self) -> SliderOnDisc:
         """The independent program."""

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from disc_reference import RigidContact
+from disc_reference import RigidContact, shapes
 from motions import defaults, motion, system
 
 from fiv_cli.analyses.base import SolverSettings, Varied
@@ -76,13 +76,9 @@ def test_a_critical_speed_inside_a_bracket_ends_the_equilibrium(model: str) -> N
 @pytest.mark.parametrize("scale", [-250.0, 1e-3, 1.0])
 def test_the_scale_of_mode_shapes_does_not_matter(scale: float) -> None:
     """Shapes and modal masses in another scale give the same accelerations, phi, z and w."""
-    from disc_reference import shapes
-
     start = {"phi": 0.3, "phi_dot": 2.0, "C_0_1": 1e-4, "D_0_2": 2e-4, "C_0_0_dot": 0.3}
-    other = RigidContact(defaults(RIGID, "exponential"))
-    other.modes = shapes(other.p, scale)
-    other.radius = np.array([one.radius for one in other.modes])
-    other.modal_masses = np.array([one.mass for one in other.modes])
+    parameters = defaults(RIGID, "exponential")
+    other = RigidContact(parameters, modes=shapes(parameters, scale))
     y = other.state({**start, "z": -1.0})
     expected = other.values(other.slip(1.0).rate(0.0, y))
     begun = motion(RIGID, "exponential", start)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import asin, cos, pi, sin
 from typing import Any
 
 import numpy as np
 import pytest
 from motions import defaults, system
+from small_models import DOUBLE_WELL
 
 from fiv_cli.analyses.rest.equilibria import (
     all_equilibria,
@@ -20,7 +22,7 @@ from fiv_cli.codegen.reduce import derive_statics
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.flags import reason_code
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter, State
+from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter
 
 # Thesis 6.4.2.1: mu_k, then x1, y1, x2, y2, phi. At 1.4 the thesis prints x1 with a minus sign,
 # which no root of 6.18 has.
@@ -267,17 +269,12 @@ def _pendulum(symbols: Any, options: Options) -> Equations:
     )
 
 
-PENDULUM = Model(
+PENDULUM = replace(
+    DOUBLE_WELL,
     name="belt-pendulum",
     title="pendulum on a belt",
-    reference="test suite",
-    numerics_version=1,
-    parameters=tuple(
-        Parameter(n, n, "1", v, n) for n, v in {"m": 1.0, "k": 1.0, "N": 1.0, "v": 1.0}.items()
-    ),
-    states=lambda options: (State("x", "x", "rad", "x"),),
+    parameters=tuple(Parameter(n, n, "1", 1.0, n) for n in ("m", "k", "N", "v")),
     equations=_pendulum,
-    laws=("coulomb",),
     law_defaults={},
 )
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from disturbed import by_default
+from disturbed import Run, wait_for
 
 CASE = """
 schema = 1
@@ -31,47 +28,28 @@ t_max = 4000.0
 """
 
 PATIENCE = 60.0
+COMMAND = ("run", "case.toml", "-o", "a.nc", "--time-limit", "600")  # starts workers at once
+
+
+def begun(folder: Path) -> Run:
+    """`fiv run` of the case in a process of its own."""
+    (folder / "case.toml").write_text(CASE)
+    return Run(COMMAND, folder)
 
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """The dataset of a run that nobody disturbs."""
     folder = tmp_path_factory.mktemp("undisturbed")
-    (folder / "case.toml").write_text(CASE)
-    subprocess.run(command(), cwd=folder, check=True, capture_output=True)
+    with begun(folder) as run:
+        assert run.code(2 * PATIENCE) == 0
     return (folder / "a.nc").read_bytes()
 
 
-def command() -> list[str]:
-    """`fiv run` in a process of its own; a limit per point makes it start workers at once."""
-    return [
-        sys.executable,
-        *("-c", "from fiv_cli.cli.main import main; main()"),
-        *("run", "case.toml", "-o", "a.nc", "--time-limit", "600"),
-    ]
-
-
-def descendants(pid: int) -> set[int]:
-    """Processes below `pid`."""
-    try:
-        threads = list(Path(f"/proc/{pid}/task").iterdir())
-        children = {int(c) for t in threads for c in (t / "children").read_text().split()}
-    except OSError:
-        return set()
-    return children.union(*(descendants(child) for child in children))
-
-
-def alive(pid: int) -> bool:
-    """Whether a process runs (and is not merely waiting to be buried)."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def workers_of(pid: int) -> list[int]:
+def workers_of(run: Run) -> list[int]:
     """The worker processes, which are those that compute."""
-    return [child for child in descendants(pid) if b"resource_tracker" not in command_line(child)]
+    others = [pid for pid in run.processes() if pid != run.process.pid]
+    return [pid for pid in others if b"resource_tracker" not in command_line(pid)]
 
 
 def command_line(pid: int) -> bytes:
@@ -82,33 +60,12 @@ def command_line(pid: int) -> bytes:
         return b"resource_tracker"
 
 
-def wait_for(condition: Callable[[], object], what: str) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, what
-        time.sleep(0.02)
-
-
 @pytest.fixture
-def running(tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]:
+def running(tmp_path: Path) -> Iterator[Run]:
     """A run in mid-flight, its workers at work."""
-    (tmp_path / "case.toml").write_text(CASE)
-    process = subprocess.Popen(
-        command(),
-        cwd=tmp_path,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-        preexec_fn=by_default,
-    )
-    try:
-        wait_for(lambda: stored(tmp_path) >= 2 and workers_of(process.pid), "no progress")
-        yield process
-    finally:
-        for pid in [process.pid, *descendants(process.pid)]:
-            if alive(pid):
-                os.kill(pid, signal.SIGKILL)
-        process.wait()
+    with begun(tmp_path) as run:
+        wait_for(lambda: stored(tmp_path) >= 2 and workers_of(run), "no progress", PATIENCE)
+        yield run
 
 
 def stored(folder: Path) -> int:
@@ -119,54 +76,40 @@ def stored(folder: Path) -> int:
 def assert_resumes_to(folder: Path, expected: bytes) -> None:
     """The same command goes on from what is stored and ends with the same dataset."""
     assert stored(folder) > 0
-    done = subprocess.run(command(), cwd=folder, check=True, capture_output=True, text=True)
-    assert ", 0 already stored" not in done.stderr
+    assert not (folder / "a.nc").exists()
+    with begun(folder) as again:
+        assert again.code(PATIENCE) == 0
+        assert ", 0 already stored" not in again.said
     assert (folder / "a.nc").read_bytes() == expected
     assert not list((folder / "a.run").glob(".beat-*"))
 
 
 @pytest.mark.parametrize(
-    ("number", "code"),
-    [(signal.SIGKILL, -9), (signal.SIGTERM, 143), (signal.SIGINT, 130)],
+    ("number", "to_all", "code"),
+    [
+        (signal.SIGKILL, False, -9),
+        (signal.SIGTERM, False, 143),
+        (signal.SIGINT, False, 130),
+        (signal.SIGINT, True, 130),  # Ctrl-C in a terminal
+    ],
 )
 def test_the_parent_ends(
-    tmp_path: Path,
-    undisturbed: bytes,
-    running: subprocess.Popen[bytes],
-    number: signal.Signals,
-    code: int,
+    tmp_path: Path, undisturbed: bytes, running: Run, number: int, to_all: bool, code: int
 ) -> None:
-    family = descendants(running.pid)
-    os.kill(running.pid, number)
-    assert running.wait(PATIENCE) == code
-    wait_for(lambda: not any(map(alive, family)), "a process stayed behind")
-    assert not (tmp_path / "a.nc").exists()
+    running.send(number, to_all)
+    assert running.code(PATIENCE) == code
     assert_resumes_to(tmp_path, undisturbed)
 
 
-def test_ctrl_c_in_a_terminal_reaches_all_at_once(
-    tmp_path: Path, undisturbed: bytes, running: subprocess.Popen[bytes]
-) -> None:
-    family = descendants(running.pid)
-    os.killpg(running.pid, signal.SIGINT)
-    assert running.wait(PATIENCE) == 130
-    wait_for(lambda: not any(map(alive, family)), "a process stayed behind")
-    assert_resumes_to(tmp_path, undisturbed)
-
-
-def test_a_killed_worker_is_replaced(
-    tmp_path: Path, undisturbed: bytes, running: subprocess.Popen[bytes]
-) -> None:
-    os.kill(workers_of(running.pid)[0], signal.SIGKILL)
-    assert running.wait(PATIENCE) == 0
+def test_a_killed_worker_is_replaced(tmp_path: Path, undisturbed: bytes, running: Run) -> None:
+    os.kill(workers_of(running)[0], signal.SIGKILL)
+    assert running.code(PATIENCE) == 0
     assert (tmp_path / "a.nc").read_bytes() == undisturbed
     assert "a worker died" in (tmp_path / "a.run" / "run.log").read_text()
 
 
-def test_a_second_run_is_refused_while_the_first_is_alive(
-    tmp_path: Path, running: subprocess.Popen[bytes]
-) -> None:
-    os.kill(running.pid, signal.SIGSTOP)  # alive, but it will not end meanwhile
-    second = subprocess.run(command(), cwd=tmp_path, capture_output=True, text=True)
-    assert second.returncode == 7
-    assert str(running.pid) in second.stderr
+def test_a_second_run_is_refused_while_the_first_is_alive(tmp_path: Path, running: Run) -> None:
+    running.send(signal.SIGSTOP)  # alive, but it will not end meanwhile
+    with begun(tmp_path) as second:
+        assert second.code(PATIENCE) == 7
+        assert str(running.process.pid) in second.said

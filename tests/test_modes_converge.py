@@ -1,6 +1,6 @@
 """How answers on the disc converge with the number of its modes, and which do not.
 
-Fast: chapter 4's slider in rigid contact is typed here once more, for any set of modes, and held
+Fast: chapter 4's slider in rigid contact as `disc_reference.py` has it, with any set of modes, held
 against the program for the thesis' seven.
 """
 
@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from disc_reference import NORMAL, RigidContact, Shape
 from motions import defaults
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
@@ -33,65 +34,43 @@ RESTING = {  # Figures 4.6 and 4.4: sliding is stable with seven modes
 
 
 @cache
-def _modes() -> Real:
-    """Diameters, frequency (rad/s) and mobility (1/kg) of modes, by frequency; a doublet twice."""
+def modes() -> list[Shape]:
+    """Modes by frequency, as large as 1 at the slider; a doublet twice."""
     found = []
     for circles in range(LARGEST // 2):
         for diameters in range(LARGEST - 2 * circles):
             plain = mode(PLATE, circles, diameters)
-            row = (diameters, plain.frequency, plain.inverse_modal_mass(0.1))
-            found += [row] * (2 if diameters else 1)
-    return np.array(sorted(found, key=lambda row: row[1]))
+            mass = 1.0 / plain.inverse_modal_mass(0.1)
+            parts = (False, True) if diameters else (False,)
+            found += [Shape(diameters, sine, 1.0, mass, plain.frequency) for sine in parts]
+    return sorted(found, key=lambda shape: shape.frequency)
 
 
 def compliance(count: int) -> float:
     """Displacement of the slider's place under a unit load at rest, m/N, with `count` modes."""
-    rows = _modes()[:count]
-    single = np.where(rows[:, 0] > 0, 0.5, 1.0)  # of a doublet at rest one mode is moved
-    return float(np.sum(single * rows[:, 2] / rows[:, 1] ** 2))
+    # of a doublet at rest one mode is moved
+    return sum((0.5 if m.diameters else 1.0) / m.mass / m.frequency**2 for m in modes()[:count])
 
 
-class Sliding:
-    """Slip in contact (thesis 4.33-4.39), state (phi, q...) and rates, F_N algebraic."""
+class Sliding(RigidContact):
+    """Slip in contact (thesis 4.33-4.39): state (phi, q...) and rates, z being w(r0, phi)."""
 
     def __init__(self, count: int, **changes: float) -> None:
-        self.p = defaults("disc-rigid-contact", "exponential", **changes)
-        order, self.frequency, self.mobility = _modes()[:count].T
-        self.order = order
-        # The second of a doublet is the sine part.
-        self.sine = np.array([n > 0 and i > 0 and order[i - 1] == n for i, n in enumerate(order)])
-        self.partner = np.zeros((count, count))
-        for i in np.flatnonzero(self.sine):
-            self.partner[i - 1, i], self.partner[i, i - 1] = 1.0, -1.0
-        self.size = 1 + count
+        parameters = defaults("disc-rigid-contact", "exponential", **changes)
+        super().__init__(parameters, modes=modes()[:count])
+        self.half = 1 + count
 
     def accelerations(self, y: NDArray[np.generic]) -> tuple[NDArray[np.generic], complex]:
         """phi'', q'' and F_N."""
-        p, n = self.p, self.size
-        phi, q, turn, rate = y[0], y[1:n], y[n], y[n + 1 :]
-        cos, sin = np.cos(self.order * phi), np.sin(self.order * phi)
-        shape = np.where(self.sine, sin, cos)
-        slope = self.order * np.where(self.sine, cos, -sin)
-        slip = p["r0"] * (p["Omega"] - turn)
-        mu = p["mu_k"] + (p["mu_0"] - p["mu_k"]) * np.exp(-p["alpha"] * slip)
-        square = self.frequency**2 - (self.order * p["Omega"]) ** 2
-        free = -square * q - 2 * p["Omega"] * self.order * (self.partner @ rate)
-        free = free - 2 * p["xi"] * self.frequency * rate
-        load = self.mobility * (p["h"] / (2 * p["r0"]) * mu * slope - shape)
-        inertia = p["m"] * p["r0"] ** 2
-        along, drag = -(p["C_phi"] * turn + p["K_phi"] * phi) / inertia, p["r0"] * mu / inertia
-        # z = w(r0, phi): what z'' is without and per unit of F_N.
-        bend = -(turn**2) * (self.order**2 * shape) @ q + 2 * turn * (slope @ rate)
-        lift = shape @ free + bend + along * (slope @ q)
-        per_force = shape @ load + drag * (slope @ q)
-        z, z_dot = shape @ q, shape @ rate + turn * (slope @ q)
-        pressed = p["N0"] + p["c_z"] * z_dot + p["k_z"] * z + p["m"] * lift
-        normal = pressed / (1.0 - p["m"] * per_force)
-        return np.concatenate([[along + drag * normal], free + load * normal]), normal
+        full = np.insert(y, [NORMAL, self.half + NORMAL], 0.0)
+        full[NORMAL] = -self.gap(full)
+        full[self.size + NORMAL] = -self.gap_rate(full)
+        found, normal, _ = self.solve(0.0, full, False, 1.0)
+        return np.delete(found, NORMAL), normal
 
     def rates(self, y: NDArray[np.generic]) -> NDArray[np.generic]:
         """Of the whole state."""
-        return np.concatenate([y[self.size :], self.accelerations(y)[0]])
+        return np.concatenate([y[self.half :], self.accelerations(y)[0]])
 
     def jacobian(self, y: Real) -> Real:
         """Of the rates, by complex steps."""
@@ -100,10 +79,10 @@ class Sliding:
 
     def equilibrium(self) -> Real:
         """The sliding equilibrium, by Newton's method."""
-        y = np.zeros(2 * self.size)
+        y = np.zeros(2 * self.half)
         for _ in range(20):
-            stiffness = self.jacobian(y)[self.size :, : self.size]
-            y[: self.size] -= np.linalg.solve(stiffness, self.accelerations(y)[0])
+            stiffness = self.jacobian(y)[self.half :, : self.half]
+            y[: self.half] -= np.linalg.solve(stiffness, self.accelerations(y)[0])
         return y
 
     def eigenvalues(self) -> NDArray[np.complex128]:
@@ -175,13 +154,13 @@ def test_a_short_motion_converges_with_the_compliance() -> None:
     moved = {}
     for count in (7, 13, 22, 45):
         sliding = Sliding(count, Omega=300.0, C_phi=0.5, c_z=2.0)
-        start = np.zeros(2 * sliding.size)
+        start = np.zeros(2 * sliding.half)
         times = np.linspace(0.0, 4e-3, 41)
         found = solve_ivp(
             lambda t, y, s=sliding: s.rates(y), (0.0, 4e-3), start, "DOP853", times,
             rtol=1e-8, atol=1e-11,
         )  # fmt: skip
-        assert np.max(found.y[sliding.size]) < 300.0
+        assert np.max(found.y[sliding.half]) < 300.0
         assert all(sliding.accelerations(y)[1] > 0.0 for y in found.y.T)
         moved[count] = found.y[0]
     apart = {n: np.max(np.abs(moved[n] - moved[45])) / np.ptp(moved[45]) for n in (7, 13, 22)}

@@ -41,8 +41,6 @@ def legend_texts(owner):
 
 
 # --- bifurcation -------------------------------------------------------------------------------
-
-
 def test_a_bifurcation_diagram_has_a_dot_for_every_section_value():
     dataset = data.bifurcation()
     (ax,) = draw(dataset, figure("bifurcation")).axes
@@ -102,8 +100,6 @@ def test_kinds_of_one_dataset_refuse_several():
 
 
 # --- curve -------------------------------------------------------------------------------------
-
-
 def test_a_curve_has_a_line_for_every_start():
     dataset = data.bifurcation()
     (ax,) = draw(dataset, figure("curve")).axes
@@ -223,8 +219,6 @@ def test_scales_and_limits_follow_the_figure():
 
 
 # --- map ---------------------------------------------------------------------------------------
-
-
 def test_a_map_has_a_panel_for_each_start_and_a_cell_for_each_point():
     dataset = data.stability_map()
     drawn = draw(dataset, figure("map"))
@@ -355,8 +349,6 @@ def test_a_map_needs_two_axes():
 
 
 # --- history, phase, spectrum ------------------------------------------------------------------
-
-
 def test_a_history_has_every_sample_and_shades_every_contact_state():
     dataset = data.history()
     drawn = draw(dataset, figure("history"))
@@ -527,8 +519,6 @@ def test_a_single_spectrum_is_a_line_with_growing_modes_upright(unit, factor):
 
 
 # --- eigenvalues, laws -------------------------------------------------------------------------
-
-
 def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
     full = data.eigenvalues()
     fewer = full.copy(deep=True)
@@ -612,8 +602,6 @@ def test_unknown_laws_and_kinds_are_named():
 
 
 # --- which figures -----------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("dataset", "kinds"),
     [
@@ -696,8 +684,6 @@ def test_a_title_of_two_lines_is_drawn_without_a_word_of_complaint(caplog):
 
 
 # --- words and colours -------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("unit", "text"),
     [
@@ -792,8 +778,6 @@ def test_figures_need_a_known_suffix_and_a_place(tmp_path):
 
 
 # --- the commands ------------------------------------------------------------------------------
-
-
 @pytest.fixture
 def stored(tmp_path, monkeypatch):
     """A folder with a dataset of each form."""

@@ -8,17 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from motions import TIGHT, defaults
+from motions import TIGHT, defaults, system
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome, SolverSettings, Start
 from fiv_cli.cli.main import run
-from fiv_cli.codegen.setup import Setup
-from fiv_cli.dynamics.system import build_system
 from fiv_cli.errors import UsageError
 from fiv_cli.fourier import HANN_BANDWIDTH, short_time
 from fiv_cli.plots import drawing
-from fiv_cli.schedule import make_schedule
 
 
 # --- the transform --------------------------------------------------------------------------------
@@ -59,8 +56,7 @@ def belt(
 ) -> Outcome:
     """Spectrogram of a belt that always slips, with scheduled parameters."""
     parameters = defaults("belt-1dof", "coulomb", v=1e6, **changes)
-    schedule = make_schedule(curves)
-    built = build_system(Setup.of("belt-1dof", "coulomb", rtol=TIGHT.rtol, schedule=schedule))
+    built = system("belt-1dof", curves=curves)
     analysis = get_analysis("spectrogram")
     filled = analysis.default_settings | settings
     return analysis.run(built, parameters, Start("a", "state", start), filled, solver)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from fiv_cli.analyses import all_analyses, get_analysis
@@ -204,21 +204,12 @@ def _frequency_of(forcing: Forcing) -> set[str]:
     """The parameters that the frequency of an excitation depends on."""
     asked = _Asked()
     forcing.frequency(asked)
-    return asked.names
+    return set(asked)
 
 
-class _Asked(Mapping[str, float]):
-    """Parameters that are all 1 and remember which were asked for."""
+class _Asked(dict[str, float]):
+    """Parameters that are all 1; it holds those that were asked for."""
 
-    def __init__(self) -> None:
-        self.names: set[str] = set()
-
-    def __getitem__(self, name: str) -> float:
-        self.names.add(name)
+    def __missing__(self, name: str) -> float:
+        self[name] = 1.0
         return 1.0
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)

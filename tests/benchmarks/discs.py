@@ -21,6 +21,7 @@ from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.schedule import make_schedule
 from tests.benchmarks import scipy_disc
+from tests.benchmarks.against_scipy import cheapest
 
 MODEL, LAW = "disc-rigid-contact", "exponential"
 CASES = (("Figure 4.10", 0.1, 0.1), ("Figure 4.15", 2.0, 0.5))  # c_z, r0^2 c_phi
@@ -88,11 +89,6 @@ def error(found: tuple[Vector, Vector], reference: tuple[Vector, Vector]) -> flo
     return max(*parts, float(np.max(apart, initial=0.0)) / STRETCH)
 
 
-def cheapest(run: Run, ladder: tuple[float, ...], exact: Any, goal: float) -> float | None:
-    """The first tolerance of the ladder that meets the goal."""
-    return next((rtol for rtol in ladder if error(run(rtol), exact) <= goal), None)
-
-
 def report() -> None:
     """Print the time of the whole run, and the ratio at each error goal."""
     for title, c_z, c_phi in CASES:
@@ -115,10 +111,11 @@ def report() -> None:
 
 
 def _compare(fiv: Run, scipy: Run, exact: Any, goal: float) -> str:
-    ours = cheapest(fiv, FIV_LADDER, exact, goal)
-    theirs = cheapest(scipy, SCIPY_LADDER, exact, goal)
+    ours = cheapest(FIV_LADDER, lambda rtol: error(fiv(rtol), exact), goal)
+    theirs = cheapest(SCIPY_LADDER, lambda rtol: error(scipy(rtol), exact), goal)
     if ours is None or theirs is None:
         return ("fiv" if ours is None else "SciPy") + " does not reach it"
+    (ours, _), (theirs, _) = ours, theirs
     quick, slow = processor(lambda: fiv(ours), REPEATS), processor(lambda: scipy(theirs))
     return (
         f"fiv (rtol {ours:g}) {quick * 1e3:.1f} ms, SciPy (rtol {theirs:g}) {slow:.2f} s: "

@@ -7,11 +7,12 @@ one worker, their code compiled before; processor times of the whole processes a
 from __future__ import annotations
 
 import os
-import resource
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from tests.benchmarks.processes import processor_of_children
 
 BASELINE = "FIV_BASELINE"
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -39,9 +40,9 @@ def report() -> None:
 def seconds(command: str, case: str) -> float:
     """Processor time of a run of a case with this `fiv`, s."""
     _run(command, case, "--max-points", "1")  # what is compiled is kept
-    begun = _processor()
+    begun = processor_of_children()
     _run(command, case)
-    return _processor() - begun
+    return processor_of_children() - begun
 
 
 def _run(command: str, case: str, *options: str) -> None:
@@ -49,8 +50,3 @@ def _run(command: str, case: str, *options: str) -> None:
         given = ["run", "-q", "--workers", "1", *options, str(CONFIGS / f"{case}.toml")]
         done = subprocess.run([command, *given], cwd=folder, stdout=subprocess.DEVNULL)
     assert done.returncode in DONE, f"{command} ends with {done.returncode}"
-
-
-def _processor() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime

@@ -132,7 +132,7 @@ class Place:
         return self._process([IMPORT], modules)[0]
 
     def _process(self, program: list[str], text: str = "") -> tuple[Cost, str]:
-        before, begun = _children(), time.perf_counter()
+        before, begun = processor_of_children(), time.perf_counter()
         done = subprocess.run(
             [sys.executable, "-W", "ignore", "-c", *program],
             cwd=self.folder,
@@ -142,10 +142,10 @@ class Place:
             stdout=subprocess.PIPE,
             text=True,
         )
-        return Cost(time.perf_counter() - begun, _children() - before), done.stdout
+        return Cost(time.perf_counter() - begun, processor_of_children() - before), done.stdout
 
 
-def _children() -> float:
+def processor_of_children() -> float:
     """Processor time of all ended children, s."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime

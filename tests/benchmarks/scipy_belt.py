@@ -45,15 +45,9 @@ def stick_points(
     while t < t_end:
         motion, event = (stick, released) if sticking else (slip, meets_belt)
         found = solve_ivp(
-            motion,
-            (t, t_end),
-            state,
-            method="DOP853",
-            events=event,
-            rtol=rtol,
-            atol=rtol,
+            motion, (t, t_end), state, "DOP853", events=event, rtol=rtol, atol=rtol,
             max_step=max_step,
-        )
+        )  # fmt: skip
         t, state = found.t[-1], found.y[:, -1]
         if found.status != 1:
             break
