@@ -169,18 +169,9 @@ def den_hartog(bench: Bench) -> Iterator[Check]:
         lag = sin(pi / ratio) / (ratio * (1 + cos(pi / ratio)))
         expected = force * sqrt(gain**2 - (friction * lag / force) ** 2)
         found = bench(
-            "belt-1dof",
-            "coulomb",
-            "response",
-            {"x": 1.0},
-            {"section": {"phase": 0.0}},
-            v=0.0,
-            N=1.0,
-            mu_k=friction,
-            mu_s=friction,
-            u0=force,
-            omega=ratio,
-        )
+            "belt-1dof", "coulomb", "response", {"x": 1.0}, {"section": {"phase": 0.0}},
+            v=0.0, N=1.0, mu_k=friction, mu_s=friction, u0=force, omega=ratio,
+        )  # fmt: skip
         name = f"amplitude at f={friction}, b={ratio} (m)"
         yield Check(name, source, _value(found, "x_max"), expected, 1e-9)
 
@@ -347,15 +338,9 @@ def excited_belt(bench: Bench) -> Iterator[Check]:
         (1.2, 1.0, 3, (3.866518, 4.026946)),
     )
     for omega, velocity, ratio, releases in cases:
-        found = bench(
-            "belt-1dof",
-            "coulomb",
-            "response",
-            {"x_dot": velocity},
-            {"section": RELEASE, "t_max": 4000.0},
-            u0=0.5,
-            omega=omega,
-        )
+        settings = {"section": RELEASE, "t_max": 4000.0}
+        start = {"x_dot": velocity}
+        found = bench("belt-1dof", "coulomb", "response", start, settings, u0=0.5, omega=omega)
         label = f"omega={omega} from x_dot={velocity}"
         yield Check(f"{label}: period_ratio", source, _value(found, "period_ratio"), ratio, 1e-8)
         for value, expected in zip(_sections(found, len(releases)), releases, strict=True):
@@ -431,12 +416,23 @@ def five_degrees_in_motion(bench: Bench) -> Iterator[Check]:
         moved = bench(
             "belt-5dof", "coulomb", "history", {}, {"t_end": 1.2}, options=options, mu_k=friction
         )
-        found = moved.ragged["event_time"]
-        time = float(found[49]) if len(found) > 49 else nan
-        name = f"mu_k={friction}, impact {impact}: "
-        yield Check(f"{name}time of event 50 (s)", source, time, expected, 1e-10)
-        rest = _value(moved, "energy_residual")
-        yield Check(f"{name}energy", "energy balance: relative residual", rest, 0.0, CLOSED)
+        yield _event(f"mu_k={friction}, impact {impact}", source, moved, 50, expected, 1e-10)
+        yield _balance(f"mu_k={friction}, impact {impact}: energy", moved)
+
+
+def _event(
+    label: str, source: str, moved: Outcome, number: int, expected: float, tolerance: float
+) -> Check:
+    """The time of an event of a motion; that there was none in time is a failed check."""
+    times = moved.ragged["event_time"]
+    time = float(times[number - 1]) if len(times) >= number else nan
+    return Check(f"{label}: time of event {number} (s)", source, time, expected, tolerance)
+
+
+def _balance(name: str, moved: Outcome) -> Check:
+    """Friction, damping and drive book their work; the rest is the change of T + U."""
+    rest = _value(moved, "energy_residual")
+    return Check(name, "energy balance: relative residual", rest, 0.0, CLOSED)
 
 
 # --- discs ---------------------------------------------------------------------------------------
@@ -478,11 +474,8 @@ def motion_on_a_disc(bench: Bench) -> Iterator[Check]:
     source = "saddle-point equations; separate computation (DOP853, every event polished)"
     for model, law, start, changes, number, expected in RUNS:
         moved = bench(model, law, "history", start, {"t_end": 0.3}, **changes)
-        found = moved.ragged["event_time"]
-        time = float(found[number - 1]) if len(found) >= number else nan
-        yield Check(f"{model}: time of event {number} (s)", source, time, expected, 1e-11)
-        rest = _value(moved, "energy_residual")
-        yield Check(f"{model}: energy", "energy balance: relative residual", rest, 0.0, CLOSED)
+        yield _event(model, source, moved, number, expected, 1e-11)
+        yield _balance(f"{model}: energy", moved)
 
 
 def main_frequencies_on_a_disc(bench: Bench) -> Iterator[Check]:
@@ -555,15 +548,14 @@ def pin_stick_slip(bench: Bench) -> Iterator[Check]:
 
 def energy(bench: Bench) -> Iterator[Check]:
     """Friction, damping and drive book their work; the rest is the change of T + U."""
-    source = "energy balance: relative residual"
     belt = bench(
         "belt-1dof", "hyperbolic", "history", {}, {"t_end": 100.0}, u0=0.5, omega=0.85, c=0.1
     )
-    yield Check("belt, 100 s", source, _value(belt, "energy_residual"), 0.0, CLOSED)
+    yield _balance("belt, 100 s", belt)
     pin = bench(
         "pin-on-disc", "coulomb", "history", {"phi_dot": 2.0}, {"t_end": 3.0}, beta=2.0, psi_a=1.0
     )
-    yield Check("pin on a sector, 3 s", source, _value(pin, "energy_residual"), 0.0, CLOSED)
+    yield _balance("pin on a sector, 3 s", pin)
 
 
 PROBLEMS: tuple[Problem, ...] = (

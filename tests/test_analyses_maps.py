@@ -60,8 +60,20 @@ def test_every_spiral_ends_in_one_fixed_point(modulus: float, turn: float, begin
     assert np.max(np.abs(points[count - 1] - [3.0, -1.0])) <= 10 * SETTLED
 
 
+@pytest.mark.parametrize("turn", [1 / 3 + 1e-5, 1 / 4 - 1e-5, 1 / 5, 0.16, 0.0])
+def test_a_slow_spiral_ends_in_a_fixed_point_whatever_its_turn(turn: float) -> None:
+    points = spiral(0.97 * np.exp(2j * np.pi * turn), 900, begin=0.3)
+    found = [settled_period(points[:count]) for count in range(16, 900, 16)]
+    assert set(found) == {0, 1}
+
+
+def test_a_map_that_hardly_settles_has_not_settled() -> None:
+    points = 1.0 + 1e-6 * 0.999 ** np.arange(2000)[:, None]
+    assert settled_period(points) == 0
+
+
 @pytest.mark.parametrize("multiplier", [0.6, -0.6, -0.9])
-@pytest.mark.parametrize("period", [1, 2, 3, 5, 8, 17, 32, 64, 300])
+@pytest.mark.parametrize("period", [1, 2, 3, 4, 5, 8, 12, 17, 32, 64, 300])
 def test_periods_are_found(period: int, multiplier: float) -> None:
     """A cycle of distinct points that is approached at a rate per turn of the cycle."""
     count = 600 * period // 2 + 600

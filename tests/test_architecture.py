@@ -75,8 +75,8 @@ def part_of(path: Path) -> str:
     )
 
 
-def imported_parts(path: Path) -> set[str]:
-    """Parts of fiv_cli that a file imports, wherever in the file."""
+def imported_modules(path: Path) -> set[str]:
+    """What a file imports, wherever in the file, by full name."""
     modules: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
@@ -84,7 +84,12 @@ def imported_parts(path: Path) -> set[str]:
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
             modules |= {f"{node.module}.{alias.name}" for alias in node.names}
-    own = [name.split(".") for name in modules if name.startswith("fiv_cli.")]
+    return modules
+
+
+def imported_parts(path: Path) -> set[str]:
+    """Parts of fiv_cli that a file imports."""
+    own = [name.split(".") for name in imported_modules(path) if name.startswith("fiv_cli.")]
     return {parts[1] for parts in own if parts[1] in FLOORS}
 
 
@@ -121,6 +126,13 @@ def test_numba_is_asked_by_what_it_offers() -> None:
 def test_who_knows_nothing_of_whom(file: str, stranger: str) -> None:
     users = [path for path in FILES if part_of(path) == file and stranger in imported_parts(path)]
     assert users == []
+
+
+def test_the_kernel_is_read_through_motions_and_systems() -> None:
+    known = {
+        name for path in FILES if part_of(path) != "dynamics" for name in imported_modules(path)
+    }
+    assert [name for name in known if name.startswith("fiv_cli.dynamics.kernel")] == []
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["run", "--help"],

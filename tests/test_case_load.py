@@ -206,6 +206,11 @@ class TestFriction:
         text = belt("[friction]", "mu_k = 0.5").replace('"history"\nt_end = 30', '"equilibrium"')
         assert parse(text).parameters["mu_k"] == 0.5
 
+    def test_friction_on_a_sector_counts_where_there_is_one(self) -> None:
+        text = PIN.replace("c1 = 0.002", "c1 = 0.002, mu_k_2 = 0.9")
+        assert "mu_k_2 is above mu_s_2" in only_problem(text).message
+        assert parse(text, "model.parameters.β=0.0").parameters["mu_k_2"] == 0.9
+
     def test_rising_friction_on_an_axis_is_left_to_the_plan(self) -> None:
         assert parse(belt("[grid]", "mu_k = [0.3, 0.5]")).axis("mu_k").values == (0.3, 0.5)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import asin, atan, cos, exp, log, pi, sin, sqrt
+from math import atan, cos, exp, log, pi, sin, sqrt
 from typing import Any
 
+import bouncing_ball as ball
 import numpy as np
 import pytest
 from motions import defaults, system
@@ -145,59 +146,46 @@ def test_multipliers_of_fast_modes_that_the_cycle_leaves_at_rest(rtol: float) ->
 
 
 # --- a ball on a shaking table: everything in closed form ----------------------------------------
-GRAVITY, RESTITUTION, OMEGA = 10.0, 0.8, 2 * pi
-FLIGHT = 1.0  # s, a period of the table
-SPEED = (1 - RESTITUTION) / (1 + RESTITUTION) * GRAVITY * FLIGHT / 2  # of the table at impact
-
-
-def bouncing(amplitude: float, stable: bool, after: float) -> dict[str, float]:
-    """A ball that bounces once a period, at time 0, `after` the impact of a stated kind."""
-    first = asin(-SPEED / (amplitude * OMEGA))
-    phase = first if stable else pi - first
-    flown = (-phase / OMEGA) % FLIGHT
-    leaving = GRAVITY * FLIGHT / 2
-    height = amplitude * cos(phase) + leaving * flown - GRAVITY * flown**2 / 2
-    return {"z": height + after, "z_dot": leaving - GRAVITY * flown}
+def bouncing(stable: bool) -> dict[str, float]:
+    """A ball that bounces once a period, at time 0, a millimetre above where it should be."""
+    phase = ball.impact_phase(0.1, stable)
+    found = ball.in_flight(0.1, phase, (-phase / ball.OMEGA) % ball.PERIOD)
+    return found | {"z": found["z"] + 1e-3}
 
 
 @pytest.mark.parametrize("stable", [True, False])
 def test_a_bouncing_cycle_is_found_stable_or_not(stable: bool) -> None:
-    found = cycle(BALL, start=bouncing(0.1, stable, 1e-3), section=LANDING, t_max=6.0).values
+    found = cycle(BALL, start=bouncing(stable), section=LANDING, t_max=6.0).values
     assert found["period_ratio"] == pytest.approx(1.0, abs=1e-14)
     assert found["stable"] == ("stable" if stable else "unstable")
-    phase = asin(-SPEED / (0.1 * OMEGA))
-    rise = -0.1 * OMEGA**2 * cos(phase if stable else pi - phase)
-    e = RESTITUTION
-    trace = 1 - e + (e * GRAVITY + (1 + e) * rise) * (1 + e) / GRAVITY
-    idle = np.exp(np.roots([1.0, 0.2, 1.0]) * FLIGHT)
-    expected = np.sort(np.abs(np.concatenate([np.roots([1.0, -trace, e**2]), idle])))[::-1]
+    expected = np.sort(np.abs(ball.multipliers(0.1, ball.impact_phase(0.1, stable))))[::-1]
     np.testing.assert_allclose(found["floquet_multiplier"], expected, rtol=1e-8)
 
 
+# Fold: the table is just fast enough. Flip: multiplier -1, from trace and determinant e^2.
+FOLD = ball.TABLE_SPEED / ball.OMEGA
+RISE = 2 * ball.GRAVITY * (1 + ball.RESTITUTION**2) / (1 + ball.RESTITUTION) ** 2 / ball.OMEGA**2
+EXACT = {"fold": FOLD, "flip": sqrt(FOLD**2 + RISE**2)}
+
+
 def test_a_branch_of_impacting_cycles_folds_and_flips_where_it_must() -> None:
-    """Fold: the table is just fast enough. Flip: multiplier -1, from trace and determinant e^2."""
-    fold = SPEED / OMEGA
-    rise = 2 * GRAVITY * (1 + RESTITUTION**2) / (1 + RESTITUTION) ** 2 / OMEGA**2
-    flip = sqrt(fold**2 + rise**2)
-    start = bouncing(0.1, True, 1e-3)
-    found = cycle(BALL, start=start, section=LANDING, t_max=6.0, branch=("A", 0.05, 0.5))
+    start, branch = bouncing(stable=True), ("A", 0.05, 0.5)
+    found = cycle(BALL, start=start, section=LANDING, t_max=6.0, branch=branch)
     kinds = [kind for kind, _ in ends(found)]
-    assert "fold" in kinds and "flip" in kinds
-    assert_ends_within_their_errors(found, {"fold": fold, "flip": flip}, 1e-6 * 0.45)
-    assert found.values["cycle_lowest"] == pytest.approx(fold, abs=1e-6)
+    assert set(EXACT) <= set(kinds)
+    assert_ends_within_their_errors(found, 1e-6 * 0.45)
+    assert found.values["cycle_lowest"] == pytest.approx(FOLD, abs=1e-6)
     assert found.values["cycle_lowest_kind"] == "fold"
     turn = kinds.index("fold")
     assert found.ragged["cycle_end_goes_on"][turn] == "yes"
 
 
-def assert_ends_within_their_errors(
-    found: Outcome, exact: dict[str, float], width: float, cycles: float = 2e-8
-) -> None:
+def assert_ends_within_their_errors(found: Outcome, width: float, cycles: float = 2e-8) -> None:
     """Ends lie within their errors; these are the brackets and what `cycles` are worth."""
     arrays = (found.ragged[f"cycle_end{name}"] for name in ("_kind", "", "_width", "_error"))
     for kind, value, half, error in zip(*arrays, strict=True):
-        if kind in exact:
-            assert abs(value - exact[kind]) <= error <= half + cycles + width
+        if kind in EXACT:
+            assert abs(value - EXACT[kind]) <= error <= half + cycles + width
             assert half <= 0.5 * width + 1e-10
 
 
@@ -206,14 +194,9 @@ def assert_ends_within_their_errors(
 def test_the_error_of_an_end_is_bounded_however_closely_it_is_bisected(
     width: float, low: float, high: float
 ) -> None:
-    fold = SPEED / OMEGA
-    rise = 2 * GRAVITY * (1 + RESTITUTION**2) / (1 + RESTITUTION) ** 2 / OMEGA**2
-    found = cycle(
-        BALL, start=bouncing(0.1, True, 1e-3), section=LANDING, t_max=6.0,
-        branch=("A", low, high), width=width,
-    )  # fmt: skip
-    exact = {"fold": fold, "flip": sqrt(fold**2 + rise**2)}
-    assert_ends_within_their_errors(found, exact, width * (high - low))
+    start, branch = bouncing(stable=True), ("A", low, high)
+    found = cycle(BALL, start=start, section=LANDING, t_max=6.0, branch=branch, width=width)
+    assert_ends_within_their_errors(found, width * (high - low))
     assert found.values["cycle_lowest_error"] == found.ragged["cycle_end_error"].min(
         where=found.ragged["cycle_end"] == found.values["cycle_lowest"], initial=np.inf
     )

@@ -55,19 +55,6 @@ def test_a_jammed_response_says_why_and_what_to_do() -> None:
 
 # --- critical speeds ------------------------------------------------------------------------------
 @pytest.mark.parametrize("model", LAWS)
-@pytest.mark.parametrize("analysis", ["equilibrium", "eigenvalues"])
-def test_there_is_no_equilibrium_at_a_critical_speed(model: str, analysis: str) -> None:
-    """Omega = omega_kl / l: the disc has no stiffness against a force at rest (5.32)."""
-    table, parameters = get_model(model), defaults(model, LAWS[model])
-    assert table.derived is not None
-    speed = table.derived.values(parameters, table.default_options())["omega_0_2"] / 2
-    found = analyse(model, LAWS[model], analysis, Omega=speed)
-    assert (found.status, found.reason) == ("failed", "singular_equilibrium")
-    nearby = analyse(model, LAWS[model], analysis, Omega=0.9 * speed)
-    assert nearby.status == "ok"
-
-
-@pytest.mark.parametrize("model", LAWS)
 def test_a_critical_speed_inside_a_bracket_ends_the_equilibrium(model: str) -> None:
     """There is none at that one speed, and none beyond where the contact would have to pull."""
     table, parameters = get_model(model), defaults(model, LAWS[model])

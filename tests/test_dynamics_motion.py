@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import asin, atan, cos, pi, sin, sqrt
 from typing import Any
 
@@ -37,11 +38,15 @@ MOTIONS = {
 }  # fmt: skip
 
 
-def moved(name: str, solver: SolverSettings = TIGHT, events: int = EVENTS) -> Motion:
-    """One of `MOTIONS` up to its time or number of events."""
+def set_out(name: str, solver: SolverSettings = TIGHT, share: float = 1.0) -> tuple[Motion, float]:
+    """One of `MOTIONS` at its start, and a share of the time that it is given."""
     model, law, start, changes, t_end, _ = MOTIONS[name]
-    chosen = SolverSettings(solver.method, solver.rtol, solver.step, max_events=events)
-    begun = motion(model, law, start, chosen, **changes)
+    return motion(model, law, start, solver, **changes), share * t_end
+
+
+def moved(name: str, solver: SolverSettings = TIGHT) -> Motion:
+    """One of `MOTIONS` up to its time or number of events."""
+    begun, t_end = set_out(name, replace(solver, max_events=EVENTS))
     begun.run(t_end)
     return begun
 
@@ -76,8 +81,7 @@ def test_two_integrators_agree_event_by_event(name: str) -> None:
 
 def test_sticking_holds_exactly() -> None:
     for name, velocity in (("belt", 1.0), ("forced belt", 1.0), ("pin", 2.0)):
-        model, law, start, changes, t_end, _ = MOTIONS[name]
-        begun = motion(model, law, start, **changes)
+        begun, t_end = set_out(name)
         taken = samples_at(begun.system, np.linspace(0.0, t_end, 3001))
         begun.run(t_end, samples=taken)
         column = begun.system.state_names.index(f"{begun.system.coordinates[0]}_dot")
@@ -134,13 +138,12 @@ def test_order_of_taylor_survives_events(name: str) -> None:
 @pytest.mark.parametrize("rtol", [1e-7, 1e-10, 1e-13])
 @pytest.mark.parametrize("name", MOTIONS)
 def test_energy_is_accounted_for(name: str, rtol: float) -> None:
-    model, law, start, changes, t_end, _ = MOTIONS[name]
-    begun = motion(model, law, start, SolverSettings(rtol=rtol), **changes)
+    begun, t_end = set_out(name, SolverSettings(rtol=rtol))
     before = begun.energy()
     found = booked(begun, t_end)
     assert found.residual < 10 * rtol
     assert abs(found.friction) > 0.01 * before
-    assert (found.drive == 0.0) == (changes.get("v") == 0.0)
+    assert (found.drive == 0.0) == (name == "reversing mass")
 
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12])
@@ -201,11 +204,8 @@ def _check_units(units: tuple[float, float, float], exactly: bool) -> None:
 @pytest.mark.parametrize("law", ["coulomb", "stribeck", "linear-slope", "hyperbolic"])
 def test_the_mirrored_motion_is_the_mirror_image(law: str) -> None:
     """Right and left are alike, bit for bit: the sign of slip is nowhere computed from a speed."""
-    start = {"x": 0.3, "x_dot": 1.4}
-    one = motion("belt-1dof", law, start, c=0.05)
-    other = motion(
-        "belt-1dof", law, {name: -value for name, value in start.items()}, c=0.05, v=-1.0
-    )
+    one = motion("belt-1dof", law, {"x": 0.3, "x_dot": 1.4}, c=0.05)
+    other = motion("belt-1dof", law, {"x": -0.3, "x_dot": -1.4}, c=0.05, v=-1.0)
     one.run(100.0)
     other.run(100.0)
     assert one.n_events == other.n_events > 10
@@ -215,10 +215,9 @@ def test_the_mirrored_motion_is_the_mirror_image(law: str) -> None:
 
 @pytest.mark.parametrize("name", ["forced belt", "pin on a sector"])
 def test_motions_side_by_side_do_not_disturb_each_other(name: str) -> None:
-    model, law, start, changes, t_end, _ = MOTIONS[name]
-    alone = motion(model, law, start, **changes)
+    (alone, t_end), (one, _) = set_out(name), set_out(name)
     alone.run(t_end)
-    one = motion(model, law, start, **changes)
+    model, law, _, changes, *_ = MOTIONS[name]
     section = Section("event")
     while one.run(t_end, section, (np.zeros(1), np.zeros((1, len(one.y))))) != Stop.REACHED:
         motion(model, law, {one.system.coordinates[0]: 0.01}, **changes).run(t_end / 50)
@@ -227,11 +226,8 @@ def test_motions_side_by_side_do_not_disturb_each_other(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["forced belt", "hyperbolic belt", "pin on a sector"])
 def test_a_motion_in_pieces_is_the_motion(name: str) -> None:
-    model, law, start, changes, t_end, _ = MOTIONS[name]
-    t_end /= 5
-    whole = motion(model, law, start, **changes)
+    (whole, t_end), (pieces, _) = set_out(name, share=0.2), set_out(name)
     whole.run(t_end)
-    pieces = motion(model, law, start, **changes)
     for stop in np.sort(np.random.default_rng(3).uniform(0.0, t_end, 40)):
         assert pieces.run(float(stop)) == Stop.REACHED
         assert pieces.time == stop
@@ -244,15 +240,12 @@ def test_a_motion_in_pieces_is_the_motion(name: str) -> None:
 @pytest.mark.parametrize("name", ["forced belt", "pin on a sector"])
 def test_watching_changes_nothing(name: str) -> None:
     """Samples, measures and a full ledger leave the motion as it is, bit for bit."""
-    model, law, start, changes, t_end, _ = MOTIONS[name]
-    alone = motion(model, law, start, **changes)
+    (alone, t_end), (watched, _) = set_out(name), set_out(name)
     alone.run(t_end)
-    watched = motion(model, law, start, **changes)
     watched.keep_ledger(3)
     watched.start_measuring(np.ones(len(watched.system.coordinates)))
-    watched.run(
-        t_end, samples=samples_at(watched.system, np.linspace(0, t_end, 777)), measuring=True
-    )
+    taken = samples_at(watched.system, np.linspace(0, t_end, 777))
+    watched.run(t_end, samples=taken, measuring=True)
     assert watched.y.tobytes() == alone.y.tobytes()
     assert (watched.n_events, watched.n_steps) == (alone.n_events, alone.n_steps)
 
@@ -260,25 +253,17 @@ def test_watching_changes_nothing(name: str) -> None:
 @pytest.mark.parametrize("name", ["forced belt", "reversing mass", "pin", "pin on a sector"])
 def test_tangents_change_nothing_and_follow_neighbours(name: str) -> None:
     """A tangent vector is the derivative of the motion by its start, through every event."""
-    model, law, start, changes, t_end, _ = MOTIONS[name]
-    t_end /= 10
-    alone = motion(model, law, start, **changes)
+    (alone, t_end), (carried, _) = set_out(name, share=0.1), set_out(name)
     alone.run(t_end)
-    carried = motion(model, law, start, **changes)
     carried.carry_tangents(np.eye(len(carried.y)))
     carried.run(t_end)
     np.testing.assert_allclose(carried.y, alone.y, rtol=1e-12)
     assert alone.n_events >= 3
-    name_of_first = carried.system.coordinates[0]
-    shift = 1e-6
-    neighbours = []
+    model, law, start, changes, *_ = MOTIONS[name]
+    first, shift, neighbours = carried.system.coordinates[0], 1e-6, []
     for sign in (1.0, -1.0):
-        near = motion(
-            model,
-            law,
-            start | {name_of_first: start.get(name_of_first, 0.0) + sign * shift},
-            **changes,
-        )
+        beside = start | {first: start.get(first, 0.0) + sign * shift}
+        near = motion(model, law, beside, **changes)
         near.run(t_end)
         neighbours.append(near.y)
     difference = (neighbours[0] - neighbours[1]) / (2 * shift)
@@ -308,16 +293,9 @@ def test_saltation_at_events() -> None:
 @given(phase=st.floats(-6.0, 6.0), turns=st.integers(-2, 2))
 def test_the_sector_turns_with_its_phase(phase: float, turns: int) -> None:
     """Whole turns of psi_a change nothing; delaying the disc turns the sector."""
-    first = motion("pin-on-disc", start={"phi": 0.01, "phi_dot": 1.0}, beta=1.0, psi_a=phase)
-    whole = motion(
-        "pin-on-disc", start={"phi": 0.01, "phi_dot": 1.0}, beta=1.0, psi_a=phase + 2 * pi * turns
-    )
-    later = motion(
-        "pin-on-disc",
-        start={"phi": 0.01, "phi_dot": 1.0},
-        beta=1.0,
-        psi_a=phase + 2.0 * 0.5,
-        time=0.5,
+    first, whole, later = (
+        motion("pin-on-disc", start={"phi": 0.01, "phi_dot": 1.0}, beta=1.0, psi_a=psi_a, time=time)
+        for psi_a, time in ((phase, 0.0), (phase + 2 * pi * turns, 0.0), (phase + 2.0 * 0.5, 0.5))
     )
     first.run(1.0)
     whole.run(1.0)
@@ -475,17 +453,15 @@ def test_a_motion_in_pieces_has_the_bits_of_one_in_one(
     """The driver comes back to Python every so often, to be ended there."""
 
     def bits(stride: int) -> tuple[list[bytes], int]:
-        model, law, start, changes, t_end, _ = MOTIONS[name]
-        begun = motion(model, law, start, **changes)
+        begun, t_end = set_out(name, share=0.25)
         size = len(begun.system.state_names)
         begun.start_measuring(np.zeros(len(begun.system.coordinates)))
         begun.carry_tangents(np.eye(size))
         begun.stride = begun.frame.max_steps = stride
-        taken = samples_at(begun.system, np.linspace(0.0, t_end / 4, 101))
+        taken = samples_at(begun.system, np.linspace(0.0, t_end, 101))
         sections = np.zeros(40), np.zeros((40, size))
-        stop = begun.run(
-            t_end / 4, Section("event", "slip->stick", contact=1), sections, taken, True
-        )
+        section = Section("event", "slip->stick", contact=1)
+        stop = begun.run(t_end, section, sections, taken, True)
         changing = (field for field in begun.frame.fields.values() if not field.kind.is_fixed)
         scalars = [getattr(begun.frame, field.name) for field in changing if not field.kind.depth]
         arrays = [begun.y, begun.kinds, *begun.ledger, begun.tangents, np.array(scalars, float),

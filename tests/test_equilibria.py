@@ -207,6 +207,8 @@ def test_a_disc_at_its_critical_speed_has_no_equilibrium_and_beyond_it_one_again
     assert all(found[speed].values["F_N"][0] > 0.0 for speed in (0.9, 1.05))
     linear = analyse(model, law, "eigenvalues", options=options, Omega=critical)
     assert (linear.status, linear.reason) == ("failed", "singular_equilibrium")
+    beside = analyse(model, law, "eigenvalues", options=options, Omega=0.9 * critical)
+    assert beside.status == "ok"
 
 
 # --- why there is none ----------------------------------------------------------------------------

@@ -92,6 +92,19 @@ def test_what_is_wrong_is_said_by_every_command(
         assert said.splitlines()[-1].startswith(("next: ", "write a dataset with: "))
 
 
+def test_an_event_without_a_contact_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A single bit makes the number of its contact a missing one."""
+    monkeypatch.chdir(tmp_path)
+    Path("a.toml").write_text(attacks.CASES["history"])
+    assert fiv(["run", "a.toml", "-o", "a.nc", "--workers", "1", "-q"]) == 0
+    with h5py.File("a.nc", "r+") as file:
+        file["event_contact"][1] ^= -(2**31)
+    assert fiv(["plot", "a.nc"]) == 3
+    assert "an event without a contact" in capsys.readouterr().err
+
+
 def huge(path: Path) -> None:
     with h5py.File(path, "r+") as file:
         del file["L_s"]

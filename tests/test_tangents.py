@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import cmath
-from math import asin, cos, log, pi
+from math import log
 from typing import Any
 
+import bouncing_ball as ball
 import numpy as np
 import pytest
 from motions import TIGHT, defaults, motion, system, transitions
@@ -22,81 +23,54 @@ from fiv_cli.dynamics.motion import Motion
 Matrix = NDArray[np.float64]
 
 # --- a ball on a shaking table: closed form ------------------------------------------------------
-GRAVITY, RESTITUTION, AMPLITUDE, OMEGA = 10.0, 0.8, 0.1, 2 * pi
-PERIOD = 2 * pi / OMEGA
-DAMPING = 0.2  # of the coordinate that takes no part
+AMPLITUDE = 0.1
 
 
-def impact_phases() -> tuple[float, float]:
-    """Phases of the table at which a ball that bounces once a period meets it, rad.
-
-    It leaves at g T/2 and comes back at -g T/2, so the table moves at
-    U = (1 - e)/(1 + e) g T/2 = -A omega sin(phase).
-    """
-    speed = (1 - RESTITUTION) / (1 + RESTITUTION) * GRAVITY * PERIOD / 2
-    first = asin(-speed / (AMPLITUDE * OMEGA))
-    return first, pi - first
+def flying(stable: bool) -> tuple[float, dict[str, float], float]:
+    """Phase of impact, the ball a tenth of a period after it, and the time then."""
+    phase, flown = ball.impact_phase(AMPLITUDE, stable), ball.PERIOD / 10
+    return phase, ball.in_flight(AMPLITUDE, phase, flown), phase / ball.OMEGA + flown
 
 
-def multipliers_of_ball(phase: float) -> Matrix:
-    """Multipliers: the bouncing ones have product e^2 and the trace of the linearised map."""
-    acceleration = -AMPLITUDE * OMEGA**2 * cos(phase)
-    e = RESTITUTION
-    trace = 1 - e + (e * GRAVITY + (1 + e) * acceleration) * (1 + e) / GRAVITY
-    idle = np.exp(np.roots([1.0, DAMPING, 1.0]) * PERIOD)
-    return np.sort_complex(np.concatenate([np.roots([1.0, -trace, e**2]), idle]))
-
-
-def flying(phase: float) -> tuple[dict[str, float], float]:
-    """The ball a tenth of a period after it left the table, and the time then."""
-    flown = PERIOD / 10
-    leaving = GRAVITY * PERIOD / 2
-    height = AMPLITUDE * cos(phase) + leaving * flown - GRAVITY * flown**2 / 2
-    return {"z": height, "z_dot": leaving - GRAVITY * flown}, phase / OMEGA + flown
-
-
-@pytest.mark.parametrize("which", [0, 1], ids=["stable", "unstable"])
-def test_multipliers_of_a_bouncing_ball(which: int) -> None:
+@pytest.mark.parametrize("stable", [True, False], ids=["stable", "unstable"])
+def test_multipliers_of_a_bouncing_ball(stable: bool) -> None:
     """The impact depends on time (the table moves), and so does its tangent."""
-    phase = impact_phases()[which]
-    start, begun = flying(phase)
-    ball = motion(BALL, start=start, time=begun)
-    ball.carry_tangents(np.eye(4))
-    ball.run(begun + PERIOD)
-    assert transitions(ball) == ["separation->separation"]
-    np.testing.assert_allclose(ball.y, motion(BALL, start=start, time=begun).y, atol=1e-12)
-    found = np.sort_complex(np.linalg.eigvals(ball.tangents.T))
-    np.testing.assert_allclose(found, multipliers_of_ball(phase), rtol=1e-11)
+    phase, start, begun = flying(stable)
+    bounced = motion(BALL, start=start, time=begun)
+    bounced.carry_tangents(np.eye(4))
+    bounced.run(begun + ball.PERIOD)
+    assert transitions(bounced) == ["separation->separation"]
+    np.testing.assert_allclose(bounced.y, motion(BALL, start=start, time=begun).y, atol=1e-12)
+    found = np.sort_complex(np.linalg.eigvals(bounced.tangents.T))
+    np.testing.assert_allclose(found, ball.multipliers(AMPLITUDE, phase), rtol=1e-11)
 
 
 def test_exponent_and_multipliers_of_an_impacting_response() -> None:
-    phase = impact_phases()[0]
-    start, begun = flying(phase)
-    until = 2 * PERIOD - begun  # to phase 0 of the table, where a response starts
-    ball = motion(BALL, start=start, time=begun)
-    ball.run(begun + until)
-    state = dict(zip(ball.system.state_names, ball.y + 1e-3, strict=True))
+    phase, start, begun = flying(stable=True)
+    until = 2 * ball.PERIOD - begun  # to phase 0 of the table, where a response starts
+    bounced = motion(BALL, start=start, time=begun)
+    bounced.run(begun + until)
+    state = dict(zip(bounced.system.state_names, bounced.y + 1e-3, strict=True))
     chosen = {"section": Section("zero", state="z_dot", direction="down"), "t_max": 500.0}
     found = analyse(BALL, "coulomb", "response", Start("a", "state", state), chosen, A=AMPLITUDE)
     assert found.values["attractor"] == "periodic"
-    assert found.values["period"] == pytest.approx(PERIOD, rel=1e-7)
-    expected = np.sort(np.abs(multipliers_of_ball(phase)))[::-1]
+    assert found.values["period"] == pytest.approx(ball.PERIOD, rel=1e-7)
+    expected = np.sort(np.abs(ball.multipliers(AMPLITUDE, phase)))[::-1]
     np.testing.assert_allclose(found.values["floquet_multiplier"], expected, rtol=1e-6)
-    assert found.values["lyapunov"] == pytest.approx(log(expected[0]) / PERIOD, rel=1e-5)
+    assert found.values["lyapunov"] == pytest.approx(log(expected[0]) / ball.PERIOD, rel=1e-5)
 
 
 def test_a_tangent_grows_through_impacts_by_the_largest_multiplier() -> None:
     """What an exponent is made of, on the unstable bounce, before rounding leaves it."""
-    phase = impact_phases()[1]
-    start, begun = flying(phase)
-    ball = motion(BALL, start=start, time=begun)
-    growth = Exponent(ball, autonomous=False)
+    phase, start, begun = flying(stable=False)
+    bounced = motion(BALL, start=start, time=begun)
+    growth = Exponent(bounced, autonomous=False)
     for period in range(1, 19):
-        ball.run(begun + period * PERIOD)
+        bounced.run(begun + period * ball.PERIOD)
         growth.update()
-    largest = np.max(np.abs(multipliers_of_ball(phase)))
+    largest = np.max(np.abs(ball.multipliers(AMPLITUDE, phase)))
     assert growth.growths[-1] == pytest.approx(log(largest), rel=1e-6)
-    assert ball.frame.n_impacts == 18
+    assert bounced.frame.n_impacts == 18
 
 
 # --- neighbours of the motion --------------------------------------------------------------------

@@ -77,7 +77,7 @@ def watched(name: str) -> tuple[Motion, dict[str, NDArray[Any]]]:
     for share in (0.1, 0.5, 1.0):
         begun.run(share * t_end, zero, (times, states), samples, measuring=True)
     own = {part: in_words(begun, names) for part, names in PARTS.items()}
-    own["measures"] = np.zeros_like(own["measures"])
+    own["measures"] = np.zeros_like(own["measures"])  # lay elsewhere when the digests were taken
     measured = {
         "totals": in_floats(begun, PARTS["measures"]),
         "extremes": np.array([begun.frame.least, begun.frame.greatest, begun.frame.squares]),

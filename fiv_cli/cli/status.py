@@ -2,12 +2,51 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, set_option
+from fiv_cli.cli.common import json_option, plain, print_json, set_option
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How far a run has come.
+
+    Attributes
+    ----------
+    running : process that is running it; None: nobody is
+    counts : status -> number of points
+    refined : of each refined analysis, in a line, how much of it was run
+    stored_case_differs : how what is stored differs from the case; then it is not counted
+    """
+
+    case: str
+    dataset: str
+    dataset_exists: bool
+    running: int | None
+    points: int
+    counts: dict[str, int]
+    refined: list[str]
+    ignored_shards: list[str]
+    stored_case_differs: list[str]
+
+    def lines(self) -> list[str]:
+        """For people."""
+        done = self.points - self.counts["pending"]
+        written = "" if self.dataset_exists else " (not written yet)"
+        lines = [
+            f"{self.case}: {done} of {self.points} points done",
+            *(f"  {count} {status}" for status, count in self.counts.items() if count),
+            *(f"  {line}" for line in self.refined),
+            f"  dataset {self.dataset}{written}",
+            *([] if self.running is None else [f"  process {self.running} is running it"]),
+            *(f"  ignored {shard}" for shard in self.ignored_shards),
+        ]
+        if self.stored_case_differs:
+            lines.append("  what is stored belongs to another case:")
+        return lines + [f"    {line}" for line in self.stored_case_differs]
 
 
 @click.command("status")
@@ -25,16 +64,15 @@ def command(case: str, output: Path | None, overrides: tuple[str, ...], as_json:
       fiv status configs/ch7/fig_7_06_reached.toml
       fiv status a.toml --set grid.mu_k=[0.3] --json
     """
-    document = _document(case, output, overrides)
+    standing = _standing(case, output, overrides)
     if as_json:
-        print_json(document)
-        return
-    for line in _lines(document):
-        click.echo(line)
+        print_json(plain(standing))
+    else:
+        click.echo("\n".join(standing.lines()))
 
 
-def _document(source: str, output: Path | None, overrides: tuple[str, ...]) -> dict[str, Any]:
-    """What is known of a run, as plain data."""
+def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> Standing:
+    """What is known of a run."""
     from fiv_cli import api
     from fiv_cli.case.identity import default_output, differences
     from fiv_cli.sweep.journal import Journal, stored_identity
@@ -51,33 +89,15 @@ def _document(source: str, output: Path | None, overrides: tuple[str, ...]) -> d
     differing = [] if stored is None else differences(stored, case)
     if not differing:
         journal.load()
-    return {
-        "case": source,
-        "dataset": str(path),
-        "dataset_exists": path.exists(),
-        "running": holder(folder),
-        "points": sum(count_statuses(journal).values()),
-        "counts": count_statuses(journal),
-        "refined": refinements(journal),
-        "ignored_shards": [f"{shard}: {why}" for shard, why in journal.ignored],
-        "stored_case_differs": differing,
-    }
-
-
-def _lines(document: dict[str, Any]) -> list[str]:
-    counts = document["counts"]
-    done = document["points"] - counts["pending"]
-    lines = [
-        f"{document['case']}: {done} of {document['points']} points done",
-        *(f"  {count} {status}" for status, count in counts.items() if count),
-        *(f"  {line}" for line in document["refined"]),
-        f"  dataset {document['dataset']}"
-        + ("" if document["dataset_exists"] else " (not written yet)"),
-    ]
-    if document["running"] is not None:
-        lines.append(f"  process {document['running']} is running it")
-    lines += [f"  ignored {shard}" for shard in document["ignored_shards"]]
-    if document["stored_case_differs"]:
-        lines.append("  what is stored belongs to another case:")
-        lines += [f"    {line}" for line in document["stored_case_differs"]]
-    return lines
+    counts = count_statuses(journal)
+    return Standing(
+        case=source,
+        dataset=str(path),
+        dataset_exists=path.exists(),
+        running=holder(folder),
+        points=sum(counts.values()),
+        counts=counts,
+        refined=refinements(journal),
+        ignored_shards=[f"{shard}: {why}" for shard, why in journal.ignored],
+        stored_case_differs=differing,
+    )

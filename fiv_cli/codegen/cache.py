@@ -32,7 +32,7 @@ import time
 from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fiv_cli import ending
 from fiv_cli.files import write_whole
@@ -91,6 +91,13 @@ def replace_for_this_run(why: str) -> Path:
         file=sys.stderr,
     )
     return root
+
+
+def frozen(value: Any) -> Any:
+    """What JSON holds, tuples in place of its lists."""
+    if isinstance(value, dict):
+        return {key: frozen(item) for key, item in value.items()}
+    return tuple(map(frozen, value)) if isinstance(value, list) else value
 
 
 def content_key(parts: Iterable[str | bytes]) -> str:

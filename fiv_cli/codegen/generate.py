@@ -119,7 +119,7 @@ def generate(setup: Setup, announce: Callable[[str], None] = lambda message: Non
         announce(f"generating code for {setup.title} (once per user)")
         stored = _make(setup)
         cache.write(f"{key}.json", stored)
-    return _from_json(key, json.loads(stored))
+    return _from_json(key, cache.frozen(json.loads(stored)))
 
 
 def text_key(setup: Setup) -> str:
@@ -306,29 +306,8 @@ def _step_with_tangents(
 
 
 def _from_json(key: str, content: dict[str, Any]) -> Generated:
-    zone = content["zone"]
-    return Generated(
-        key=key,
-        order=content["order"],
-        state_names=tuple(content["state_names"]),
-        parameter_names=tuple(content["parameter_names"]),
-        n_coefficients=content["n_coefficients"],
-        states={int(i): _state_table(table) for i, table in content["states"].items()},
-        smooth=tuple(content["smooth"]),
-        zone=None if zone is None else (zone[0], zone[1], zone[2]),
-        texts=content["texts"],
-    )
-
-
-def _state_table(table: dict[str, Any]) -> StateTable:
-    return StateTable(
-        kinds=tuple(table["kinds"]),
-        name=table["name"],
-        guards=tuple((kind, contact) for kind, contact in table["guards"]),
-        has_angle=table["has_angle"],
-        n_arguments=table["n_arguments"],
-        impacts=tuple(table["impacts"]),
-    )
+    states = {int(i): StateTable(**table) for i, table in content.pop("states").items()}
+    return Generated(key=key, states=states, **content)
 
 
 def _object_name(text: str) -> str:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fiv_cli.codegen import cache
 from fiv_cli.codegen.generate import load_text, text_key
@@ -37,7 +37,9 @@ def generate_statics(setup: Setup) -> Statics:
 
         stored = json.dumps(asdict(derive_statics(setup))).encode()
         cache.write(name, stored)
-    return _from_json(json.loads(stored))
+    content = cache.frozen(json.loads(stored))
+    reductions = tuple(Reduction(**reduction) for reduction in content.pop("reductions"))
+    return Statics(**content, reductions=reductions)
 
 
 @dataclass(frozen=True)
@@ -55,25 +57,3 @@ def load_reduction(reduction: Reduction) -> Loaded:
     names = (FUNCTION, ELIMINATED if reduction.eliminated else "")
     addresses = (int(engine.get_function_address(name)) if name else 0 for name in names)
     return Loaded(engine, *addresses)
-
-
-def _from_json(content: dict[str, Any]) -> Statics:
-    return Statics(
-        bilateral=tuple(content["bilateral"]),
-        determined=tuple(content["determined"]),
-        reductions=tuple(map(_reduction, content["reductions"])),
-    )
-
-
-def _reduction(found: dict[str, Any]) -> Reduction:
-    return Reduction(
-        parameters=tuple(found["parameters"]),
-        scalar=found["scalar"],
-        unknowns=tuple(found["unknowns"]),
-        numerators=tuple(tuple(slots) for slots in found["numerators"]),
-        denominator=tuple(found["denominator"]),
-        closure=tuple(found["closure"]),
-        n_slots=found["n_slots"],
-        eliminated=tuple(found["eliminated"]),
-        text=found["text"],
-    )

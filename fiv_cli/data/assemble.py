@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,7 +22,8 @@ from fiv_cli.flags import REASONS, TABLES
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
 
-Placed = tuple[NDArray[np.int64], Block]
+Rows = NDArray[np.int64]
+Placed = tuple[Rows, Block]
 """Positions of the rows of a block (negative: not part of the dataset), and the block."""
 
 Blocks = Callable[[], Iterable[Placed]]
@@ -58,13 +58,10 @@ def assemble(layout: Layout, blocks: Blocks) -> xr.Dataset:
     -------
     xarray.Dataset without global attributes; points that no block holds are ``pending``
     """
-    survey = _survey(layout, blocks)
-    arrays = _allocated(layout, survey)
-    starts = {group: _row_starts(sizes) for group, sizes in survey.row_sizes.items()}
+    assembly = _Assembly(layout, _survey(layout, blocks))
     for number, (positions, block) in enumerate(blocks()):
-        rows = _owned_rows(survey.owner, positions, number)
-        _fill(layout, arrays, starts, block, positions, rows)
-    dataset = _dataset(layout, arrays, survey)
+        assembly.fill(block, positions, number)
+    dataset = assembly.dataset()
     return follow_modes(dataset) if layout.kind == "eigenvalues" else dataset
 
 
@@ -84,89 +81,110 @@ def _survey(layout: Layout, blocks: Blocks) -> _Survey:
     return survey
 
 
-def _owned_rows(
-    owner: NDArray[np.int32], positions: NDArray[np.int64], number: int
-) -> NDArray[np.int64]:
-    """Rows of block `number` that no later block replaces."""
-    placed = np.flatnonzero(positions >= 0)
-    return placed[owner[positions[placed]] == number]
-
-
-def _row_starts(sizes: NDArray[np.int32]) -> NDArray[np.int64]:
+def _row_starts(sizes: NDArray[np.int32]) -> Rows:
     return np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
 
 
-def _allocated(layout: Layout, survey: _Survey) -> dict[str, Array]:
-    return {v.name: _empty(v, layout, survey) for v in layout.variables}
+class _Assembly:
+    """The arrays of a dataset, flat over its points, and what they become."""
 
+    def __init__(self, layout: Layout, survey: _Survey) -> None:
+        self.layout, self.survey = layout, survey
+        self.arrays = {variable.name: self._empty(variable) for variable in layout.variables}
+        self.starts = {group: _row_starts(sizes) for group, sizes in survey.row_sizes.items()}
 
-def _empty(variable: Variable, layout: Layout, survey: _Survey) -> Array:
-    """An array of fill values: flat over the points, then the variable's own dims."""
-    if variable.ragged:
-        shape: tuple[int, ...] = (int(survey.row_sizes[variable.ragged].sum(dtype=np.int64)),)
-    elif variable.role is Role.ALONG:
-        shape = _own_shape(variable, layout, survey)
-    else:
-        shape = (layout.size, *_own_shape(variable, layout, survey))
-    return np.full(shape, fill_value(variable), dtype_of(variable))
-
-
-def _own_shape(variable: Variable, layout: Layout, survey: _Survey) -> tuple[int, ...]:
-    """Sizes of the own dims: the longest that any variable has along each."""
-    return tuple(_dim_size(dim, layout, survey) for dim in variable.dims)
-
-
-def _dim_size(dim: str, layout: Layout, survey: _Survey) -> int:
-    found = [
-        survey.own_shapes[variable.name][variable.dims.index(dim)]
-        for variable in layout.variables
-        if dim in variable.dims and variable.name in survey.own_shapes
-    ]
-    return max(found, default=_known_size(dim, layout)) or 1
-
-
-def _known_size(dim: str, layout: Layout) -> int:
-    """Size of an own dim before any point is known."""
-    model = get_model(layout.model)
-    if dim == "contact":
-        return model.contacts
-    if dim == "state":
-        displacements = len(model.states({**model.default_options(), **layout.options}))
-        return displacements * (1 + any(v.velocities for v in layout.variables))
-    return 1
-
-
-def _fill(
-    layout: Layout,
-    arrays: dict[str, Array],
-    starts: dict[str, NDArray[np.int64]],
-    block: Block,
-    positions: NDArray[np.int64],
-    rows: NDArray[np.int64],
-) -> None:
-    """Write the given rows of a block where they belong."""
-    targets = positions[rows]
-    arrays["status"][targets] = block.status[rows]
-    arrays["reason"][targets] = block.reason[rows]
-    for variable in layout.variables:
+    def _empty(self, variable: Variable) -> Array:
+        """An array of fill values: flat over the points, then the variable's own dims."""
         if variable.ragged:
-            _fill_ragged(arrays, starts, block, variable, targets, rows)
-        elif variable.name in block.values:
-            _fill_value(arrays[variable.name], block.values[variable.name], variable, targets, rows)
+            shape: list[int] = [self.survey.row_sizes[variable.ragged].sum(dtype=np.int64)]
+        else:
+            points = [] if variable.role is Role.ALONG else [self.layout.size]
+            shape = [*points, *map(self._dim_size, variable.dims)]
+        return np.full(shape, fill_value(variable), dtype_of(variable))
 
+    def _dim_size(self, dim: str) -> int:
+        """Size of an own dim: the longest that any variable has along it."""
+        sizes = [
+            self.survey.own_shapes[variable.name][variable.dims.index(dim)]
+            for variable in self.layout.variables
+            if dim in variable.dims and variable.name in self.survey.own_shapes
+        ]
+        return max(sizes, default=self._known_size(dim)) or 1
 
-def _fill_value(
-    target: Array,
-    source: Array,
-    variable: Variable,
-    targets: NDArray[np.int64],
-    rows: NDArray[np.int64],
-) -> None:
-    if variable.role is Role.ALONG:
-        _fill_coordinate(target, source[rows])
-        return
-    shape = target.shape[1:]
-    target[targets] = padded(source[rows], (len(rows), *shape), fill_value(variable))
+    def _known_size(self, dim: str) -> int:
+        """Size of an own dim before any point is known."""
+        if dim == "contact":
+            return get_model(self.layout.model).contacts
+        if dim == "state":
+            with_velocities = any(variable.velocities for variable in self.layout.variables)
+            return len(self._motions()) // (1 if with_velocities else 2)
+        return 1
+
+    def _motions(self) -> list[tuple[str, str, str, str]]:
+        model = get_model(self.layout.model)
+        return motions(model.states({**model.default_options(), **self.layout.options}))
+
+    def fill(self, block: Block, positions: Rows, number: int) -> None:
+        """Write the rows of block `number` that no later block replaces where they belong."""
+        placed = np.flatnonzero(positions >= 0)
+        rows = placed[self.survey.owner[positions[placed]] == number]
+        targets = positions[rows]
+        self.arrays["status"][targets] = block.status[rows]
+        self.arrays["reason"][targets] = block.reason[rows]
+        for variable in self.layout.variables:
+            if variable.name in (block.ragged if variable.ragged else block.values):
+                fill = self._fill_ragged if variable.ragged else self._fill_value
+                fill(variable, block, rows, targets)
+
+    def _fill_value(self, variable: Variable, block: Block, rows: Rows, targets: Rows) -> None:
+        source, target = block.values[variable.name][rows], self.arrays[variable.name]
+        if variable.role is Role.ALONG:
+            _fill_coordinate(target, source)
+            return
+        shape = (len(targets), *target.shape[1:])
+        target[targets] = padded(source, shape, fill_value(variable))
+
+    def _fill_ragged(self, variable: Variable, block: Block, rows: Rows, targets: Rows) -> None:
+        begins = _row_starts(block.row_sizes[variable.ragged])
+        source, target = block.ragged[variable.name], self.arrays[variable.name]
+        for row, position in zip(rows, targets, strict=True):
+            piece = source[begins[row] : begins[row + 1]]
+            begin = self.starts[variable.ragged][position]
+            target[begin : begin + len(piece)] = piece
+
+    def dataset(self) -> xr.Dataset:
+        """The dataset."""
+        variables = {v.name: self._variable(v) for v in self.layout.variables}
+        for group, sizes in self.survey.row_sizes.items():
+            variables[f"{group}_row_size"] = _row_size(group, self.layout, sizes)
+        coordinates = _coordinates(self.layout) | self._own_coordinates()
+        for variable in self.layout.variables:
+            if variable.role is Role.ALONG:
+                coordinates[variable.name] = variables.pop(variable.name)
+        return xr.Dataset(variables, coords=coordinates)
+
+    def _variable(self, variable: Variable) -> xr.Variable:
+        array, attributes = self.arrays[variable.name], attributes_of(variable)
+        if variable.ragged:
+            return xr.Variable((variable.sample_dim,), array, attributes)
+        if variable.role is Role.ALONG:
+            return xr.Variable(variable.dims, array, attributes)
+        shaped = array.reshape((*self.layout.shape, *array.shape[1:]))
+        return xr.Variable((*self.layout.dim_names, *variable.dims), shaped, attributes)
+
+    def _own_coordinates(self) -> dict[str, xr.Variable]:
+        """Of states their names and units, of contacts their numbers."""
+        dims = {dim for variable in self.layout.variables for dim in variable.dims}
+        coordinates: dict[str, xr.Variable] = {}
+        if "state" in dims:
+            names, units, *_ = zip(*self._motions()[: self._dim_size("state")], strict=True)
+            coordinates["state"] = _texts("state", names, "state")
+            coordinates["state_units"] = _texts("state", units, "unit")
+        if "contact" in dims:
+            numbers = np.arange(1, self._dim_size("contact") + 1, dtype=np.int32)
+            attributes = {"units": "1", "long_name": "contact, counted from 1"}
+            coordinates["contact"] = xr.Variable(("contact",), numbers, attributes)
+        return coordinates
 
 
 def _fill_coordinate(target: Array, candidates: Array) -> None:
@@ -174,44 +192,6 @@ def _fill_coordinate(target: Array, candidates: Array) -> None:
     for candidate in candidates:
         known = np.isfinite(candidate)
         target[: len(candidate)][known] = candidate[known]
-
-
-def _fill_ragged(
-    arrays: dict[str, Array],
-    starts: dict[str, NDArray[np.int64]],
-    block: Block,
-    variable: Variable,
-    targets: NDArray[np.int64],
-    rows: NDArray[np.int64],
-) -> None:
-    if variable.name not in block.ragged:
-        return
-    begins = _row_starts(block.row_sizes[variable.ragged])
-    source, target = block.ragged[variable.name], arrays[variable.name]
-    for row, position in zip(rows, targets, strict=True):
-        piece = source[begins[row] : begins[row + 1]]
-        begin = starts[variable.ragged][position]
-        target[begin : begin + len(piece)] = piece
-
-
-def _dataset(layout: Layout, arrays: dict[str, Array], survey: _Survey) -> xr.Dataset:
-    variables = {v.name: _variable(v, layout, arrays[v.name]) for v in layout.variables}
-    for group, sizes in survey.row_sizes.items():
-        variables[f"{group}_row_size"] = _row_size(group, layout, sizes)
-    own_dims = {dim for v in layout.variables for dim in v.dims}
-    coordinates = _coordinates(layout)
-    coordinates |= _own_coordinates(layout, own_dims, survey)
-    coordinates |= {v.name: variables.pop(v.name) for v in layout.variables if v.role is Role.ALONG}
-    return xr.Dataset(variables, coords=coordinates)
-
-
-def _variable(variable: Variable, layout: Layout, array: Array) -> xr.Variable:
-    if variable.ragged:
-        return xr.Variable((variable.sample_dim,), array, attributes_of(variable))
-    if variable.role is Role.ALONG:
-        return xr.Variable(variable.dims, array, attributes_of(variable))
-    shaped = array.reshape((*layout.shape, *array.shape[1:]))
-    return xr.Variable((*layout.dim_names, *variable.dims), shaped, attributes_of(variable))
 
 
 def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variable:
@@ -223,9 +203,9 @@ def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variab
     return xr.Variable(layout.dim_names, sizes.reshape(layout.shape), attributes)
 
 
-def attributes_of(variable: Variable) -> dict[str, Any]:
+def attributes_of(variable: Variable) -> dict[str, object]:
     """CF attributes of a variable, ``symbol`` and ``comment``."""
-    attributes: dict[str, Any] = {"units": variable.units, "long_name": variable.long_name}
+    attributes: dict[str, object] = {"units": variable.units, "long_name": variable.long_name}
     if variable.symbol:
         attributes["symbol"] = variable.symbol
     if variable.comment:
@@ -237,10 +217,10 @@ def attributes_of(variable: Variable) -> dict[str, Any]:
     return attributes
 
 
-def _flag_attributes(table: str) -> dict[str, Any]:
+def _flag_attributes(table: str) -> dict[str, object]:
     """CF attributes of a flag variable."""
     codes = TABLES[table].codes
-    attributes: dict[str, Any] = {
+    attributes: dict[str, object] = {
         "flag_values": np.array(list(codes.values()), np.int8),
         "flag_meanings": " ".join(codes),
     }
@@ -265,21 +245,22 @@ def _axis_coordinate(axis: Axis, dim: str, model: str) -> xr.Variable:
     return xr.Variable((dim,), values, _axis_attributes(axis, model))
 
 
-def _axis_attributes(axis: Axis, model: str) -> dict[str, Any]:
+def _axis_attributes(axis: Axis, model: str) -> dict[str, str]:
     """Unit, meaning and symbol of an axis."""
     if axis.kind == "parameter":
-        return _parameter_attributes(_parameter(axis.name, model))
+        parameter = _parameter(axis.name, model)
+        return _attributes(parameter.unit, parameter.meaning, parameter.symbol)
     if axis.kind == "start":
-        return _start_attributes(axis, model)
+        table = get_model(model)
+        states = motions(table.states(table.default_options()))
+        named = {name: rest for name, *rest in states}
+        unit, symbol, meaning = named[axis.name.removeprefix("initial.")]
+        return _attributes(unit, f"start: {meaning}", symbol)
     return {"units": "1", "long_name": "friction law" if axis.kind == "law" else axis.name}
 
 
-def _parameter_attributes(parameter: Parameter) -> dict[str, Any]:
-    return {
-        "units": parameter.unit,
-        "long_name": parameter.meaning,
-        "symbol": parameter.symbol,
-    }
+def _attributes(unit: str, meaning: str, symbol: str) -> dict[str, str]:
+    return {"units": unit, "long_name": meaning, "symbol": symbol}
 
 
 def _parameter(name: str, model: str) -> Parameter:
@@ -290,38 +271,8 @@ def _parameter(name: str, model: str) -> Parameter:
     return next(p for table in tables for p in table if p.name == name)
 
 
-def _start_attributes(axis: Axis, model: str) -> dict[str, Any]:
-    state = axis.name.removeprefix("initial.")
-    table = get_model(model)
-    for name, unit, symbol, meaning in motions(table.states(table.default_options())):
-        if name == state:
-            return {"units": unit, "long_name": f"start: {meaning}", "symbol": symbol}
-    raise KeyError(state)
-
-
-def _own_coordinates(layout: Layout, dims: set[str], survey: _Survey) -> dict[str, xr.Variable]:
-    coordinates: dict[str, xr.Variable] = {}
-    if "state" in dims:
-        coordinates |= _state_coordinates(layout, _dim_size("state", layout, survey))
-    if "contact" in dims:
-        numbers = np.arange(1, _dim_size("contact", layout, survey) + 1, dtype=np.int32)
-        attributes = {"units": "1", "long_name": "contact, counted from 1"}
-        coordinates["contact"] = xr.Variable(("contact",), numbers, attributes)
-    return coordinates
-
-
-def _state_coordinates(layout: Layout, size: int) -> dict[str, xr.Variable]:
-    """Names and units along the dim ``state``: displacements, then velocities."""
-    model = get_model(layout.model)
-    known = motions(model.states({**model.default_options(), **layout.options}))[:size]
-    return {
-        "state": xr.Variable(
-            ("state",), _text([k[0] for k in known]), {"units": "1", "long_name": "state"}
-        ),
-        "state_units": xr.Variable(
-            ("state",), _text([k[1] for k in known]), {"units": "1", "long_name": "unit"}
-        ),
-    }
+def _texts(dim: str, names: Iterable[str], meaning: str) -> xr.Variable:
+    return xr.Variable((dim,), _text(names), {"units": "1", "long_name": meaning})
 
 
 def _text(names: Iterable[str]) -> Array:

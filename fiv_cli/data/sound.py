@@ -61,6 +61,7 @@ def _faults(dataset: xr.Dataset, analysis: str) -> Iterator[str]:
     yield from _of_status(dataset)
     yield from _of_axes(dataset)
     yield from _of_ragged(dataset)
+    yield from _of_events(dataset)
     yield from _of_shapes(dataset)
 
 
@@ -221,6 +222,12 @@ def _of_ragged(dataset: xr.Dataset) -> Iterator[str]:
             yield f"{name} does not come to the {dataset.sizes[dim]} values along {dim}"
         elif dim in dataset["status"].dims:
             yield f"{name}: {dim} is a dim of the points"
+
+
+def _of_events(dataset: xr.Dataset) -> Iterator[str]:
+    """Every event is of a contact."""
+    if "event_contact" in dataset and not np.isfinite(dataset["event_contact"].values).all():
+        yield "event_contact tells of an event without a contact"
 
 
 def _of_shapes(dataset: xr.Dataset) -> Iterator[str]:

@@ -13,7 +13,6 @@ from fiv_cli.reading import select
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 DEFAULT = "section_value"
@@ -35,19 +34,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     entries = points.entries([label for label, _, _ in clouds])
     for (_, x, y), entry in zip(clouds, entries, strict=True):
         ax.plot(x, y, ".", mew=0, ls="none", color=entry.colour, label=entry.label, **looks)
-    _dress(ax, layers, name, settings)
+    ax.set_ylabel(labels.axis_label(layers[0].dataset[name]))
+    points.dress(ax, layers, settings)
     return figure
-
-
-def _dress(ax: Axes, layers: Sequence[points.Layer], name: str, settings: points.Settings) -> None:
-    first = layers[0].dataset
-    axis = points.abscissa(first, settings)
-    points.dress_axis(ax, axis, "x")
-    ax.set_ylabel(labels.axis_label(first[name]))
-    for layer in layers:
-        points.mark_gaps(ax, layer.dataset, points.abscissa(layer.dataset, settings))
-    points.scale(ax, settings)
-    points.legend(ax)
 
 
 def _clouds(

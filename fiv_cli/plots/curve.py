@@ -25,11 +25,7 @@ CLASS_SHIFT = 0.06
 # The pairs of classes that tell crossings apart, and how they are put into words. To a question
 # about a number motions of one class may give two answers; then these tell.
 CLASSES, ANSWERS = ("class_below", "class_above"), ("answer_below", "answer_above")
-SORTS = {
-    ("crossing_kind", "crossing_direction"): "{} {}",
-    CLASSES: "{} to {}",
-    ANSWERS: "{} to {}",
-}
+SORTS = {("crossing_kind", "crossing_direction"): "{} {}", CLASSES: "{} to {}", ANSWERS: "{} to {}"}
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -53,7 +49,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.plot(curve.x, y, mark, ms=3, color=entry.colour, label=entry.label)
         if curve.width is not None:
             ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
-    _dress(ax, layers, names, settings)
+    _name_values(ax, [layers[0].dataset[name] for name in names])
+    points.dress(ax, layers, settings)
     return figure
 
 
@@ -69,12 +66,8 @@ def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
     ------
     UsageError : the dataset has no such variable
     """
-    default = next(iter(_headlines(dataset)), "variable")
-    named = settings.get("variable", settings.get("y", default))
-    return [
-        points.known_variable(dataset, str(name))
-        for name in (named if isinstance(named, list) else [named])
-    ]
+    default = settings.get("y", next(iter(_headlines(dataset)), "variable"))
+    return [points.known_variable(dataset, name) for name in points.variables(settings, default)]
 
 
 @dataclass(frozen=True)
@@ -191,17 +184,10 @@ def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return found
 
 
-def _dress(
-    ax: Axes, layers: Sequence[points.Layer], names: Sequence[str], settings: points.Settings
-) -> None:
-    first = layers[0].dataset
-    points.dress_axis(ax, points.abscissa(first, settings), "x")
-    if len(names) == 1:
-        ax.set_ylabel(labels.axis_label(first[names[0]]))
-    classes = {c: n for c, n in flag_names(first[names[0]].attrs).items() if n != NOT_COMPUTED}
+def _name_values(ax: Axes, variables: Sequence[xr.DataArray]) -> None:
+    """What stands beside the values: the name of one variable, the names of classes."""
+    if len(variables) == 1:
+        ax.set_ylabel(labels.axis_label(variables[0]))
+    classes = {c: n for c, n in flag_names(variables[0].attrs).items() if n != NOT_COMPUTED}
     if classes:
         ax.set_yticks(list(classes), labels=[word.replace("_", " ") for word in classes.values()])
-    for layer in layers:
-        points.mark_gaps(ax, layer.dataset, points.abscissa(layer.dataset, settings))
-    points.scale(ax, settings)
-    points.legend(ax)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,9 @@ from fiv_cli.reading.datasets import filled_in, flag_names, headlines, is_class,
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
 
 MOST_PANELS = 6
@@ -34,58 +37,83 @@ def suits(dataset: xr.Dataset) -> bool:
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each start and each value of the other axes, or the lines of all in one."""
     dataset = layers[0].dataset
-    x, y = _axes(dataset, settings)
-    array = dataset[_variable(dataset, settings)]
-    panels = _panels(dataset, array, x, y)
+    planes = _planes(dataset, settings)
+    lines = levels.levels_of(planes.array, settings)
     if settings.get("overlay"):
-        return _overlaid(dataset, array, (x, y), panels, settings)
-    refuse_many(panels, array, [str(x.dims[0]), str(y.dims[0])])
-    columns = min(len(panels), MOST_COLUMNS)
-    rows = -(-len(panels) // columns)
+        return _overlaid(planes, lines, settings)
+    refuse_many(planes.panels, planes.array, planes.dims)
     words = "\n".join(part for part in (points.title(dataset), _how_run(dataset)) if part)
-    figure, axes = style.new_panels(rows, columns, words, sharex=True, sharey=True)
-    paint = _paint_classes if flag_names(array.attrs) else _paint_numbers
-    paint(figure, axes, array, dataset, (x, y), panels)
-    lines = levels.levels_of(array, settings)
-    for ax, panel in zip(axes, panels, strict=False):
-        levels.draw(ax, *_placed(dataset, array, (x, y), panel), lines, style.VERMILLION)
-    for number, ax in enumerate(axes):
-        _dress(ax, number, columns, panels, (x, y), settings)
+    figure, axes, columns = style.grid_of_panels(
+        len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
+    )
+    paint = _paint_classes if flag_names(planes.array.attrs) else _paint_numbers
+    paint(figure, axes, planes)
+    for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
+        levels.draw(ax, planes.places, planes.ends(panel), lines, style.VERMILLION)
+        _dress(ax, number, columns, planes)
+        points.scale(ax, settings)
     return figure
 
 
-def _overlaid(
-    dataset: xr.Dataset,
-    array: xr.DataArray,
-    plane_axes: tuple[xr.DataArray, xr.DataArray],
-    panels: Sequence[points.Line],
-    settings: points.Settings,
-) -> Figure:
+@dataclass(frozen=True)
+class _Planes:
+    """A variable over two axes: a plane for each start and each value of the other axes."""
+
+    dataset: xr.Dataset
+    array: xr.DataArray
+    axes: tuple[xr.DataArray, xr.DataArray]
+    panels: list[points.Line]
+
+    @property
+    def dims(self) -> tuple[str, str]:
+        """The dims of both axes."""
+        return str(self.axes[0].dims[0]), str(self.axes[1].dims[0])
+
+    @property
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where the points lie along both axes."""
+        return points.positions(self.axes[0]), points.positions(self.axes[1])
+
+    @property
+    def computed(self) -> xr.DataArray:
+        """Where there is an answer."""
+        return is_class(self.dataset["status"], ("ok", "budget"))
+
+    def of(self, array: xr.DataArray, panel: points.Line) -> np.ndarray:
+        """Values of one panel, shape (points along y, points along x)."""
+        own = {dim: index for dim, index in panel.index.items() if dim in array.dims}
+        return array.isel(own).transpose(*reversed(self.dims)).values
+
+    def ends(self, panel: points.Line) -> list[np.ndarray]:
+        """The numbers of one panel (of an interval, at each end), NaN where there is no answer."""
+        ends = levels.planes_of(self.dataset, self.array)
+        return [self.of(numbers(end).where(self.computed), panel) for end in ends]
+
+    def mesh(self, ax: Axes, plane: np.ndarray, **looks: Any) -> QuadMesh:
+        """Paint one panel."""
+        many = plane.size > style.MANY_MARKS
+        return ax.pcolormesh(*self.places, plane, shading="nearest", rasterized=many, **looks)
+
+
+def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
+    x, y = _axes(dataset, settings)
+    array = dataset[_variable(dataset, settings)]
+    spread = [str(x.dims[0]), str(y.dims[0])]
+    if not set(spread) <= set(array.dims) or select.row_sizes(dataset, str(array.name)) is not None:
+        raise UsageError(f"{array.name}: not one value per point over {x.name} and {y.name}")
+    panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
+    return _Planes(dataset, array, (x, y), panels)
+
+
+def _overlaid(planes: _Planes, lines: Sequence[float], settings: points.Settings) -> Figure:
     """The lines at the levels, of every start and each value of the other axes, in one panel."""
-    figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
-    planes = [(panel.label, _placed(dataset, array, plane_axes, panel)[1]) for panel in panels]
-    places = (points.positions(plane_axes[0]), points.positions(plane_axes[1]))
-    levels.overlay(ax, array, planes, places, levels.levels_of(array, settings))
-    for axis, which in zip(plane_axes, "xy", strict=True):
+    figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
+    ends = [(panel.label, planes.ends(panel)) for panel in planes.panels]
+    levels.overlay(ax, planes.array, ends, planes.places, lines)
+    for axis, which in zip(planes.axes, "xy", strict=True):
         points.dress_axis(ax, axis, which)
     points.scale(ax, settings)
     return figure
-
-
-def _placed(
-    dataset: xr.Dataset,
-    array: xr.DataArray,
-    plane_axes: tuple[xr.DataArray, xr.DataArray],
-    panel: points.Line,
-) -> tuple[tuple[np.ndarray, np.ndarray], list[np.ndarray]]:
-    """Where the points of one panel lie, and their numbers (of an interval, at each end).
-
-    NaN where there is no answer.
-    """
-    x, y = (points.positions(axis) for axis in plane_axes)
-    known = _computed(dataset)
-    ends = (numbers(end).where(known) for end in levels.planes_of(dataset, array))
-    return (x, y), [_plane(end, panel, plane_axes) for end in ends]
 
 
 def _how_run(dataset: xr.Dataset) -> str:
@@ -132,16 +160,6 @@ def _axes(dataset: xr.Dataset, settings: points.Settings) -> tuple[xr.DataArray,
     return x, named["y"] if "y" in named else free.pop(0)
 
 
-def _panels(
-    dataset: xr.Dataset, array: xr.DataArray, x: xr.DataArray, y: xr.DataArray
-) -> list[points.Line]:
-    spread = [str(x.dims[0]), str(y.dims[0])]
-    missing = [dim for dim in spread if dim not in array.dims]
-    if missing or select.row_sizes(dataset, str(array.name)) is not None:
-        raise UsageError(f"{array.name}: not one value per point over {x.name} and {y.name}")
-    return points.lines(dataset, spread, [str(dim) for dim in array.dims])
-
-
 def refuse_many(panels: Sequence[points.Line], array: xr.DataArray, spread: Sequence[str]) -> None:
     """UsageError where the axes that are not `spread` out make more panels than one figure has."""
     if len(panels) > MOST_PANELS:
@@ -152,70 +170,32 @@ def refuse_many(panels: Sequence[points.Line], array: xr.DataArray, spread: Sequ
         )
 
 
-def _dress(
-    ax: Axes,
-    number: int,
-    columns: int,
-    panels: Sequence[points.Line],
-    axes: tuple[xr.DataArray, xr.DataArray],
-    settings: points.Settings,
-) -> None:
+def _dress(ax: Axes, number: int, columns: int, planes: _Planes) -> None:
     ax.grid(False)
-    if number >= len(panels):
-        ax.set_axis_off()
-        return
-    if number + columns >= len(panels):  # nothing below it
-        points.dress_axis(ax, axes[0], "x")
+    if number + columns >= len(planes.panels):  # nothing below it
+        points.dress_axis(ax, planes.axes[0], "x")
         ax.tick_params(labelbottom=True)
-        if columns > 1 and select.is_numeric(axes[0]):
+        if columns > 1 and select.is_numeric(planes.axes[0]):
             ax.xaxis.set_major_locator(MaxNLocator(5))
     if number % columns == 0:
-        points.dress_axis(ax, axes[1], "y")
-    ax.set_title(panels[number].label)
-    points.scale(ax, settings)
+        points.dress_axis(ax, planes.axes[1], "y")
+    ax.set_title(planes.panels[number].label)
 
 
-def _plane(
-    array: xr.DataArray, line: points.Line, axes: tuple[xr.DataArray, xr.DataArray]
-) -> np.ndarray:
-    """Values of one panel, shape (points along y, points along x)."""
-    own = {dim: index for dim, index in line.index.items() if dim in array.dims}
-    return array.isel(own).transpose(axes[1].dims[0], axes[0].dims[0]).values
-
-
-def _computed(dataset: xr.Dataset) -> xr.DataArray:
-    return points.is_class(dataset, "status", "ok", "budget")
-
-
-def _mesh(
-    ax: Axes, axes: tuple[xr.DataArray, xr.DataArray], plane: np.ndarray, **looks: Any
-) -> Any:
-    many = plane.size > style.MANY_MARKS
-    x, y = (points.positions(axis) for axis in axes)
-    return ax.pcolormesh(x, y, plane, shading="nearest", rasterized=many, **looks)
-
-
-def _paint_classes(
-    figure: Figure,
-    axes: Sequence[Axes],
-    array: xr.DataArray,
-    dataset: xr.Dataset,
-    plane_axes: tuple[xr.DataArray, xr.DataArray],
-    panels: Sequence[points.Line],
-) -> None:
+def _paint_classes(figure: Figure, axes: Sequence[Axes], planes: _Planes) -> None:
+    array, dataset = planes.array, planes.dataset
     names = flag_names(array.attrs)
-    answered = _computed(dataset) | filled_in(dataset, str(array.name))
+    answered = planes.computed | filled_in(dataset, str(array.name))
     known = answered.broadcast_like(array) & numbers(array).notnull()
     present = {code: name for code, name in names.items() if bool((known & (array == code)).any())}
     colours = style.class_colours(list(present.values()))
-    for ax, line in zip(axes, panels, strict=False):
-        classes = _plane(array, line, plane_axes)
-        place = np.searchsorted(sorted(present), classes).astype(float)
-        place[~_plane(known, line, plane_axes)] = np.nan
-        order = [colours[list(present).index(code)] for code in sorted(present)]
+    order = [colours[list(present).index(code)] for code in sorted(present)]
+    for ax, panel in zip(axes, planes.panels, strict=False):
+        place = np.searchsorted(sorted(present), planes.of(array, panel)).astype(float)
+        place[~planes.of(known, panel)] = np.nan
         if order:  # else nothing has a class, and all is hatched
             norm = BoundaryNorm(_edges(len(order)), len(order))
-            _mesh(ax, plane_axes, place, cmap=ListedColormap(order), norm=norm)
+            planes.mesh(ax, place, cmap=ListedColormap(order), norm=norm)
         hatch(ax, np.isnan(place))
     handles = [
         Patch(color=colour, label=name.replace("_", " "))
@@ -245,32 +225,22 @@ def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     return ", ".join(kinds) or "no value"
 
 
-def legend_below(figure: Figure, handles: list[Any], missing: str) -> None:
+def legend_below(figure: Figure, handles: Sequence[Artist], missing: str) -> None:
     """A legend under the panels, with the hatching where something is `missing`."""
-    if missing:
-        handles.append(Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing))
-    figure.legend(handles=handles, loc="outside lower center", ncols=max(1, min(5, len(handles))))
+    hatching = Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing)
+    shown = [*handles, hatching] if missing else handles
+    figure.legend(handles=shown, loc="outside lower center", ncols=max(1, min(5, len(shown))))
 
 
-def _paint_numbers(
-    figure: Figure,
-    axes: Sequence[Axes],
-    array: xr.DataArray,
-    dataset: xr.Dataset,
-    plane_axes: tuple[xr.DataArray, xr.DataArray],
-    panels: Sequence[points.Line],
-) -> None:
-    values = numbers(array).where(_computed(dataset))
-    planes = [_plane(values, line, plane_axes) for line in panels]
+def _paint_numbers(figure: Figure, axes: Sequence[Axes], planes: _Planes) -> None:
+    values = numbers(planes.array).where(planes.computed)
     known = values.values[np.isfinite(values.values)]
     low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
-    looks = {"cmap": "cividis", "vmin": low, "vmax": high}
-    meshes = [
-        _mesh(ax, plane_axes, plane, **looks) for ax, plane in zip(axes, planes, strict=False)
-    ]
-    for ax, plane in zip(axes, planes, strict=False):
+    for ax, panel in zip(axes, planes.panels, strict=False):
+        plane = planes.of(values, panel)
+        image = planes.mesh(ax, plane, cmap="cividis", vmin=low, vmax=high)
         hatch(ax, np.isnan(plane))
-    figure.colorbar(meshes[0], ax=list(axes), label=labels.axis_label(array))
-    missing = why_missing(dataset, values.notnull())
+    figure.colorbar(image, ax=list(axes), label=labels.axis_label(planes.array))
+    missing = why_missing(planes.dataset, values.notnull())
     if missing:
         legend_below(figure, [], missing)

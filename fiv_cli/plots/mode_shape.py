@@ -31,19 +31,14 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A round panel for each mode, each in its own scale, with its frequency."""
     dataset = layers[0].dataset
     modes = _modes(dataset)
-    columns = min(len(modes), COLUMNS)
-    rows = -(-len(modes) // columns)
-    polar = {"projection": "polar"}
-    figure, axes = style.new_panels(rows, columns, points.title(dataset), subplot_kw=polar)
-    figure.set_size_inches(SIZE * columns + 1.2, SIZE * rows + 0.6)
-    for number, ax in enumerate(axes):
-        if number < len(modes):
-            _paint(ax, modes[number], settings)
-        else:
-            ax.set_axis_off()
-    image = axes[0].collections[0]
+    figure, axes, columns = style.grid_of_panels(
+        len(modes), COLUMNS, points.title(dataset), subplot_kw={"projection": "polar"}
+    )
+    figure.set_size_inches(SIZE * columns + 1.2, SIZE * (len(axes) // columns) + 0.6)
+    for ax, mode in zip(axes, modes, strict=False):
+        _paint(ax, mode, settings)
     label = r"$R(r)\,\cos(l\theta)$ over its largest value"
-    figure.colorbar(image, ax=list(axes), label=label, shrink=0.75)
+    figure.colorbar(axes[0].collections[0], ax=axes, label=label, shrink=0.75)
     return figure
 
 

@@ -110,11 +110,8 @@ def variables(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
     ------
     UsageError : a variable does not exist
     """
-    named = settings.get("variable", displacements(dataset))
-    named = [named] if isinstance(named, str) else list(named)
-    for name in named:
-        known_variable(dataset, name)
-    return named
+    named = points.variables(settings, displacements(dataset))
+    return [known_variable(dataset, name) for name in named]
 
 
 def known_variable(dataset: xr.Dataset, name: str) -> str:

@@ -14,10 +14,11 @@ from fiv_cli.errors import UsageError
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import flag_names, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 
@@ -116,12 +117,18 @@ def known_variable(dataset: xr.Dataset, name: str) -> str:
     return name
 
 
+def variables(settings: Settings, default: str | list[str]) -> list[str]:
+    """The variables that a figure names, or those that it shows by default."""
+    named = settings.get("variable", default)
+    return [named] if isinstance(named, str) else list(named)
+
+
 def one_variable(settings: Settings, default: str) -> str:
     """The variable of a figure that shows just one; UsageError when several are named."""
-    named = settings.get("variable", default)
-    if isinstance(named, list) and len(named) != 1:
+    named = variables(settings, default)
+    if len(named) != 1:
         raise UsageError("this kind of figure shows one variable\nmake it a [[figure]] for each")
-    return str(named[0] if isinstance(named, list) else named)
+    return named[0]
 
 
 def positions(axis: xr.DataArray) -> np.ndarray:
@@ -230,13 +237,6 @@ def _once(label: str, before: Sequence[str]) -> str | None:
     return None if label in before else label
 
 
-def is_class(dataset: xr.Dataset, variable: str, *names: str) -> xr.DataArray:
-    """Where the flag `variable` has one of the classes, over its dims."""
-    array = dataset[variable]
-    codes = [code for code, name in flag_names(array.attrs).items() if name in names]
-    return array.isin(codes)
-
-
 def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """Kind of gap -> the points that have it: failed, not reached, ... and undecided."""
     status = dataset["status"]
@@ -246,12 +246,20 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
         if name != "ok"
     }
     if "computed" in dataset:  # what is filled in has an answer, the only one that was asked for
-        found["not computed"] &= ~is_class(dataset, "computed", "filled_in")
+        found["not computed"] &= ~is_class(dataset["computed"], ("filled_in",))
     if "attractor" in dataset:
-        found["undecided"] = is_class(dataset, "attractor", "undecided") & is_class(
-            dataset, "status", "ok", "budget"
-        )
+        undecided = is_class(dataset["attractor"], ("undecided",))
+        found["undecided"] = undecided & is_class(status, ("ok", "budget"))
     return {name: mask for name, mask in found.items() if bool(mask.any())}
+
+
+def dress(ax: Axes, layers: Sequence[Layer], settings: Settings) -> None:
+    """The axis that the layers are drawn against, their gaps, and a legend."""
+    dress_axis(ax, abscissa(layers[0].dataset, settings), "x")
+    for layer in layers:
+        mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings))
+    scale(ax, settings)
+    legend(ax)
 
 
 GAP_MARKS = {"undecided": ("x", "#777777"), "failed": ("X", style.BLACK)}
@@ -281,7 +289,7 @@ def legend(ax: Axes) -> None:
         ax.legend(handles, names, markerscale=2.0)
 
 
-def _thinned(handles: Sequence[Any], names: Sequence[str]) -> tuple[list[Any], list[str]]:
+def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:
     """Of too many entries some, evenly spread: the colours of many lines are a ramp."""
     kept = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_ENTRIES)).astype(int))
     return [handles[place] for place in kept], [names[place] for place in kept]

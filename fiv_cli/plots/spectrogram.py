@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from fiv_cli.reading.datasets import numbers
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure
 
 VARIABLE = "spectrogram"
@@ -48,24 +49,20 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each start and each point, or for each variable of each motion."""
     dataset = layers[0].dataset
     panels, what = _stored(dataset) if VARIABLE in dataset else _of_motions(dataset, settings)
-    columns = min(len(panels), map_.MOST_COLUMNS)
-    rows = -(-len(panels) // columns)
-    figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
+    figure, axes, columns = style.grid_of_panels(
+        len(panels), map_.MOST_COLUMNS, points.title(dataset), sharex=True, sharey=True
+    )
     norm = spectrum.norm_of(np.concatenate([panel.amplitude.ravel() for panel in panels]))
-    for number, ax in enumerate(axes):
-        if number >= len(panels):
-            ax.set_axis_off()
-            continue
-        _paint(ax, panels[number], norm, settings)
+    for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
+        _paint(ax, panel, norm, settings)
         ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
         ax.set_ylabel(spectrum.frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
-    image = next(ax.collections[0] for ax in axes if ax.collections)
-    figure.colorbar(image, ax=list(axes), label=what, extend="min")
+    figure.colorbar(axes[0].collections[0], ax=axes, label=what, extend="min")
     return figure
 
 
-def _paint(ax: Axes, panel: Panel, norm: Any, settings: points.Settings) -> None:
+def _paint(ax: Axes, panel: Panel, norm: LogNorm, settings: points.Settings) -> None:
     lowest = float(norm.vmin or 0.0)
     known = np.isfinite(panel.amplitude)
     shown = np.where(known, np.maximum(panel.amplitude, lowest), np.nan).T

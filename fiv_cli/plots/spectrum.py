@@ -8,7 +8,7 @@ transform of its samples.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -17,10 +17,11 @@ from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, motion, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import numbers
+from fiv_cli.reading.datasets import is_class, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -56,20 +57,18 @@ def _draw_along(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     spread = [str(axis.dims[0]), "frequency"]
     panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
     map_.refuse_many(panels, array, spread)
-    columns = min(len(panels), map_.MOST_COLUMNS)
-    rows = -(-len(panels) // columns)
-    figure, axes = style.new_panels(rows, columns, points.title(dataset), sharex=True, sharey=True)
+    figure, axes, columns = style.grid_of_panels(
+        len(panels), map_.MOST_COLUMNS, points.title(dataset), sharex=True, sharey=True
+    )
     norm = norm_of(array.values)
-    for number, ax in enumerate(axes):
-        if number >= len(panels):
-            ax.set_axis_off()
-            continue
-        _paint(ax, dataset, panels[number], axis, norm, settings)
+    for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
+        _paint(ax, dataset, panel, axis, norm, settings)
         points.dress_axis(ax, axis, "x")
         ax.set_ylabel(frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
-    image = next(ax.collections[0] for ax in axes if ax.collections)
-    figure.colorbar(image, ax=axes, label=labels.axis_label(dataset[STEADY]), extend="min")
+    figure.colorbar(
+        axes[0].collections[0], ax=axes, label=labels.axis_label(dataset[STEADY]), extend="min"
+    )
     _explain(figure, dataset)
     return figure
 
@@ -109,7 +108,7 @@ def _paint(
 
 def _explain(figure: Figure, dataset: xr.Dataset) -> None:
     """What dots and hatching mean."""
-    handles: list[Any] = []
+    handles: list[Artist] = []
     if GROWING in dataset and bool(dataset[GROWING].notnull().any()):
         (dot,) = figure.axes[0].plot([], [], "o", ms=3.5, mew=0, color=style.BLACK)
         dot.set_label("unstable eigenfrequency")
@@ -122,7 +121,7 @@ def _explain(figure: Figure, dataset: xr.Dataset) -> None:
 
 def _unbounded(dataset: xr.Dataset) -> str:
     """The classes of motion without a spectrum that the dataset holds."""
-    names = [n for n in NO_SPECTRUM if bool(points.is_class(dataset, "attractor", n).any())]
+    names = [n for n in NO_SPECTRUM if bool(is_class(dataset["attractor"], (n,)).any())]
     return points.joined(*(name.replace("_", " ") for name in names))
 
 

@@ -118,6 +118,17 @@ def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figu
     return figure, list(axes.ravel())
 
 
+def grid_of_panels(
+    count: int, most_columns: int, title: str, **shared: Any
+) -> tuple[Figure, list[Axes], int]:
+    """A figure with `count` panels, places for more at its end left blank, and its columns."""
+    columns = min(count, most_columns)
+    figure, axes = new_panels(-(-count // columns), columns, title, **shared)
+    for ax in axes[count:]:
+        ax.set_axis_off()
+    return figure, axes, columns
+
+
 def _given_panel(axis: Axes, count: int, title: str, form: Any) -> tuple[Figure, list[Axes]]:
     """A panel that is there already.
 

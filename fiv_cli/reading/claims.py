@@ -23,13 +23,7 @@ import xarray as xr
 from fiv_cli.case.case import ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import (
-    ends_of,
-    flag_names,
-    name_of_only,
-    numbers,
-    unknown_points,
-)
+from fiv_cli.reading.datasets import ends_of, flag_names, name_of_only, numbers, unknown_points
 from fiv_cli.reading.take import taken
 
 Analyses = Mapping[str, xr.Dataset]

@@ -17,6 +17,7 @@ from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.assemble import assemble
+from fiv_cli.data.block import Block
 from fiv_cli.data.layout import Dim
 from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
@@ -150,27 +151,16 @@ def run_motion(
     UsageError
         the branch that the point lies on ends before it.
     """
-    policy = policy or Policy()
     (alone,) = make_plan(_alone(point, settings)).analyses
-    prepare = imported(policy.preparer)
-    prepare(alone.systems(), announce)
-    _, start = point.analysis.point(point.position)
-    values, _ = alone.point(start)
-    before = _points_before(point, start)
-    state = None
-    if before:
-        prepare([request_at(point.analysis.template, values, None)], announce)
-        state = _state_after(before, start, point.analysis, policy.executor)
-    segment = Segment((values,), start, state)
-    block = run_task(_task(alone, segment, policy.executor)).block
+    block = _ran(point, alone, announce, policy or Policy())
+    label = point.place["initial"]
     status = STATUS.names[int(block.status[0])]
     reason = REASONS[int(block.reason[0])].name
     if status == "not_reached":
-        branch = point.place["initial"]
         raise UsageError(
-            f"--at: the branch {branch!r} ends before this point\nnext: {advice(reason)}"
+            f"--at: the branch {label!r} ends before this point\nnext: {advice(reason)}"
         )
-    layout = replace(alone.layout, labels=(point.place["initial"],))
+    layout = replace(alone.layout, labels=(label,))
     dataset = assemble(layout, lambda: [(np.zeros(1, np.int64), block)])
     return dataset, Outcome(status, reason, message=block.messages.get(0, ""))
 
@@ -250,6 +240,21 @@ def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
 
 
 # --- its motion -----------------------------------------------------------------------------------
+def _ran(
+    point: Point, alone: AnalysisPlan, announce: Callable[[str], None], policy: Policy
+) -> Block:
+    """The result of the point, the branch that leads to it followed before."""
+    prepare, state = imported(policy.preparer), None
+    prepare(alone.systems(), announce)
+    _, start = point.analysis.point(point.position)
+    values, _ = alone.point(start)
+    before = _points_before(point, start)
+    if before:
+        prepare([request_at(point.analysis.template, values, None)], announce)
+        state = _state_after(before, start, point.analysis, policy.executor)
+    return run_task(_task(alone, Segment((values,), start, state), policy.executor)).block
+
+
 def _alone(point: Point, settings: Mapping[str, float]) -> Case:
     """The case of this point alone, whose only analysis is ``history``."""
     case = point.case

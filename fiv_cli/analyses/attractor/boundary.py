@@ -17,15 +17,7 @@ from fiv_cli.analyses.settings import (
     ParameterName,
     QuestionSetting,
 )
-from fiv_cli.analyses.variables import (
-    OF_MOTION,
-    Subject,
-    Variable,
-    axis,
-    classes,
-    count,
-    detail,
-)
+from fiv_cli.analyses.variables import OF_MOTION, Subject, Variable, axis, classes, count, detail
 
 
 def variables(subject: Subject) -> list[Variable]:

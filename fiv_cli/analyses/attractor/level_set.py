@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,13 +147,11 @@ class LevelSet:
     @cached_property
     def shapes(self) -> Real:
         """Distances from the equilibrium whose weighted amplitudes sum to one."""
-        random = np.random.default_rng(SEED)
-        n = len(self.eigenvalues)
-        shapes = np.zeros((SAMPLES, n))
-        for row in range(SAMPLES):
-            large = random.exponential(size=n) ** 3 / self.weights
-            turned = large * np.exp(2j * np.pi * random.random(n))
-            away = (self.vectors @ turned).real
+        sizes, phases = _drawn(len(self.eigenvalues))
+        turned = sizes / self.weights * phases
+        shapes = np.zeros(sizes.shape)
+        for row, amplitudes in enumerate(turned):
+            away = (self.vectors @ amplitudes).real
             shapes[row] = away / float(self.weights @ np.abs(self.inverse @ away))
         return shapes
 
@@ -166,6 +164,17 @@ class LevelSet:
         bent = self.nonlinearity(amplitudes) if np.any(amplitudes > 0.0) else 0.0
         left = 1.0 - level - len(amplitudes) * bent
         return 1.0 - level if bent <= LINEAR and left > 0.0 else float("nan")
+
+
+@cache
+def _drawn(modes: int) -> tuple[Real, Complex]:
+    """Sizes of modes, one after the other large, and their phases; shape (SAMPLES, modes)."""
+    random = np.random.default_rng(SEED)
+    sizes, phases = np.zeros((SAMPLES, modes)), np.zeros((SAMPLES, modes), complex)
+    for row in range(SAMPLES):
+        sizes[row] = random.exponential(size=modes) ** 3
+        phases[row] = np.exp(2j * np.pi * random.random(modes))
+    return sizes, phases
 
 
 def level_set(

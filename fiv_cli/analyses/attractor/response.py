@@ -25,9 +25,7 @@ from fiv_cli.analyses.variables import (
 
 SETTINGS = (
     SectionSetting(
-        "section",
-        "Poincaré section by which the steady state is judged",
-        default=Section("event"),
+        "section", "Poincaré section by which the steady state is judged", default=Section("event")
     ),
     StateName("observe", "state whose value at the section is kept; the first state when left out"),
     Number("t_max", "budget of simulated time", default=1000.0, unit="s", above=0.0),

@@ -49,8 +49,10 @@ from fiv_cli.analyses.common import (
 )
 from fiv_cli.analyses.cycles.periodic import (
     Problem,
+    aim_phase,
     begin,
     extents,
+    floquet,
     is_nontrivial,
     repeats,
     tightened,
@@ -257,12 +259,10 @@ class _Response:
         """Run on, keeping section points."""
         if self.count + CHUNK > KEPT:
             self._forget_oldest()
-        room = (
-            self.times[self.count : self.count + CHUNK],
-            self.points[self.count : self.count + CHUNK],
-        )
+        ahead = slice(self.count, self.count + CHUNK)
+        room = (self.times[ahead], self.points[ahead])
         events = self.motion.n_events
-        self._aim_phase(section)
+        aim_phase(self.motion, section, self._strobe_period())
         self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
         if self.motion.n_events != events:
@@ -291,15 +291,6 @@ class _Response:
         self.times[:kept] = self.times[half : self.count]
         self.points[:kept] = self.points[half : self.count]
         self.count = kept
-
-    def _aim_phase(self, section: Section) -> None:
-        """Set the next instant of a stroboscopic section."""
-        if section.kind != "phase":
-            return
-        period = self._strobe_period()
-        offset = section.phase / (2 * np.pi) * period
-        turns = np.floor((self.motion.time - offset) / period + 1e-9) + 1
-        self.motion.frame.next_phase = offset + turns * period
 
     def _strobe_period(self) -> float:
         return self.excitation if self.excitation is not None else self.patience
@@ -455,7 +446,7 @@ class _Response:
         self, count: int, section: Section, measuring: bool = False
     ) -> NDArray[np.float64]:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
-        self._aim_phase(section)
+        aim_phase(self.motion, section, self._strobe_period())
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
             until, section, (times, points), None, measuring, self._strobe_period()
@@ -476,9 +467,8 @@ class _Response:
         measures, motion = self.motion.measures, self.motion
         time = measures.measured_time
         shares = measures.shares / time
-        per_contact = shares if len(shares) > 1 else shares[0][None, :]
         fractions = [
-            per_contact[:, kind] if len(shares) > 1 else float(per_contact[0, kind])
+            shares[:, kind] if len(shares) > 1 else float(shares[0, kind])
             for kind in (STICK, SLIP, SEPARATION)
         ]
         values: dict[str, object] = {
@@ -503,12 +493,10 @@ class _Response:
             return {}
         kept = is_nontrivial(cycle.multipliers, autonomous=self.excitation is None)
         largest = float(np.max(np.abs(cycle.multipliers[kept]), initial=0.0))
-        exponent = {"lyapunov": float(np.log(largest) / cycle.period)} if largest > 0.0 else {}
-        return exponent | {
-            "floquet_multiplier": np.abs(cycle.multipliers),
-            "floquet_multiplier_real": cycle.multipliers.real,
-            "floquet_multiplier_imag": cycle.multipliers.imag,
-        }
+        values: dict[str, object] = {**floquet(cycle.multipliers)}
+        if largest > 0.0:
+            values["lyapunov"] = float(np.log(largest) / cycle.period)
+        return values
 
     # --- not periodic -----------------------------------------------------------------------------
     def _window(self, t_max: float) -> Outcome:

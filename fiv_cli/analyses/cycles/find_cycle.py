@@ -14,7 +14,7 @@ from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.cycles.end_error import end_error
 from fiv_cli.analyses.cycles.first_guess import Guess, guesses, returns
-from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, tightened
+from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, floquet, tightened
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System
 
@@ -33,9 +33,9 @@ def find_cycle(
     """The cycle near what `start` leads to, and its branch where a parameter is given."""
     problem = Problem(system, parameters, tightened(solver), settings["section"])
     if start.kind == "continue" and start.carried is not None:
-        carried = start.carried
+        neighbour = _carried_guess(start.carried)
         found: Cycle | Outcome | None = _bridged(
-            problem, _carried_guess(carried), carried["parameters"], BRIDGES
+            problem, neighbour, start.carried["parameters"], BRIDGES
         )
     else:
         found = _reached(problem, start, settings)
@@ -132,9 +132,7 @@ def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
         "stable": _stability(cycle),
         "residual": cycle.residual,
         "n_events": len(cycle.times),
-        "floquet_multiplier": np.abs(cycle.multipliers),
-        "floquet_multiplier_real": cycle.multipliers.real,
-        "floquet_multiplier_imag": cycle.multipliers.imag,
+        **floquet(cycle.multipliers),
     }
     for name, least, greatest in zip(names, *cycle.extremes, strict=True):
         values |= {f"{name}_min": float(least), f"{name}_max": float(greatest)}

@@ -404,6 +404,15 @@ def sorted_multipliers(monodromy: Matrix) -> NDArray[np.complex128]:
     return multipliers[np.lexsort((-multipliers.imag, -np.abs(multipliers)))]
 
 
+def floquet(multipliers: NDArray[np.complex128]) -> dict[str, Vector]:
+    """Floquet multipliers as the variables of an answer."""
+    return {
+        "floquet_multiplier": np.abs(multipliers),
+        "floquet_multiplier_real": multipliers.real,
+        "floquet_multiplier_imag": multipliers.imag,
+    }
+
+
 def is_nontrivial(multipliers: NDArray[np.complex128], autonomous: bool) -> NDArray[np.bool_]:
     """Which multipliers are not 1 because the flow's own direction is."""
     kept = np.ones(len(multipliers), bool)
@@ -477,12 +486,12 @@ def _watched(problem: Problem, anchor: Anchor, period: float) -> tuple[Matrix, M
     return points[: motion.n_sections].copy(), motion.measures.extremes
 
 
-def aim_phase(motion: Motion, section: Section, excitation: float | None) -> None:
+def aim_phase(motion: Motion, section: Section, period: float | None) -> None:
     """Set the next instant of a stroboscopic section."""
-    if section.kind == "phase" and excitation is not None:
-        offset = section.phase / (2 * np.pi) * excitation
-        turns = np.floor((motion.time - offset) / excitation + 1e-9) + 1
-        motion.frame.next_phase = offset + turns * excitation
+    if section.kind == "phase" and period is not None:
+        offset = section.phase / (2 * np.pi) * period
+        turns = np.floor((motion.time - offset) / period + 1e-9) + 1
+        motion.frame.next_phase = offset + turns * period
 
 
 def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:

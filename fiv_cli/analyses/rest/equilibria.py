@@ -348,10 +348,7 @@ def _search(state: Sliding) -> Equilibria:
 
 
 def _newton(
-    state: Sliding,
-    start: Vector,
-    known: Sequence[Vector] = (),
-    kept: Vector | None = None,
+    state: Sliding, start: Vector, known: Sequence[Vector] = (), kept: Vector | None = None
 ) -> Vector | None:
     """Root of the accelerations at zero velocity; None when Newton does not converge.
 
