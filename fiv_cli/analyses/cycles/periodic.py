@@ -113,7 +113,7 @@ def _parted(anchor: Anchor, motion: Motion) -> int:
     return sum(closed and kind == SEPARATION for closed, kind in pairs)
 
 
-def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int) -> Motion:
+def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int = 0) -> Motion:
     """`motion` with the contacts closed that rounding has opened.
 
     Begun an instant before it lands, a motion would be right, but not its derivatives. A closed
