@@ -113,7 +113,7 @@ def _parted(anchor: Anchor, motion: Motion) -> int:
     return sum(closed and kind == SEPARATION for closed, kind in pairs)
 
 
-def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int) -> Motion:
+def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int = 0) -> Motion:
     """`motion` with the contacts closed that rounding has opened.
 
     Begun an instant before it lands, a motion would be right, but not its derivatives. A closed
@@ -164,9 +164,9 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
     motion.frame.n_ledger = 0
     n = len(motion.y)
     started, before = motion.time, motion.y.copy()
-    projection = _projection(motion) if tangents and motion.started else np.eye(n)
+    projection = _projection(motion) if tangents and motion.started else _identity(n)
     if tangents:
-        motion.carry_tangents(np.eye(n))
+        motion.carry_tangents(_identity(n).copy())
     stop = motion.run(started + span)
     ledger = motion.ledger
     return Passage(
@@ -181,11 +181,17 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
     )
 
 
+@cache
+def _identity(n: int) -> Matrix:
+    """The identity, made once; nobody writes to it."""
+    return np.eye(n)
+
+
 def _projection(motion: Motion) -> Matrix:
     """Derivative of the state where a motion is by the state asked for, by differentiated code."""
     index = motion.state_index
     if not _is_constrained(motion.system, index):
-        return np.eye(len(motion.y))
+        return _identity(len(motion.y))
     return _tangents_at(motion.system, index, motion.coefficients, motion.time, motion.y)
 
 
@@ -285,7 +291,7 @@ class Shooting:
         """Derivative of `values` by the unknowns."""
         projection = found.projection * self.scales / self.scales[:, None]
         monodromy = found.monodromy * self.scales / self.scales[:, None]
-        closing = np.vstack([monodromy - projection, projection - np.eye(len(self.scales))])
+        closing = np.vstack([monodromy - projection, projection - _identity(len(self.scales))])
         if self.normal is None:
             return closing
         stretch = found.rates / self.scales * self.period
