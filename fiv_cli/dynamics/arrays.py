@@ -83,8 +83,7 @@ def _scratch(system: System) -> dict[str, Array]:
         "work": np.zeros(rows * (system.generated.tangent_order + 1)),
         **{name: np.zeros(max(width, 2 * n)) for name in vectors},
         "nodes": np.zeros((2, width)),
-        "polynomial": np.zeros(order + 1),
-        "pieces": roots.scratch(),
+        **roots.scratch(order),
         "slip_velocities": np.zeros(contacts),
         **{
             name: np.zeros(contacts, np.int64) for name in ("code_before", "is_at_rest", "n_offers")
