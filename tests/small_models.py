@@ -119,10 +119,7 @@ def _two_masses(symbols: Any, options: Options) -> Equations:
     pulls = (-p("k1") * x[0] - coupling, -p("k2") * x[1] + coupling)
     force = symbols.tangential_force
     return Equations(
-        accelerations={
-            "x1": (force(0) + pulls[0]) / p("m"),
-            "x2": (force(1) + pulls[1]) / p("m"),
-        },
+        accelerations={"x1": (force(0) + pulls[0]) / p("m"), "x2": (force(1) + pulls[1]) / p("m")},
         contacts=tuple(
             Contact(
                 slip_velocity=p("v") - x_dot[i],

@@ -228,27 +228,12 @@ def two_islands(request: Request) -> Outcome:
     return Outcome(values={"attractor": "chaotic"}) if island else region(request)
 
 
-REFINED = """
-schema = 1
-title = "refined map"
-[model]
-name = "belt-1dof"
-[grid]
-N = { start = 1, stop = 9, num = 9 }
-v = { start = 0.25, stop = 4.25, num = 5 }
-[sweep]
-refine = { levels = 3, of = "attractor" }
-[[initial]]
-label = "near"
-kind = "equilibrium"
-offset = { x = 1e-4 }
-[[initial]]
-label = "far"
-kind = "state"
-state = { x_dot = "v" }
-[[analysis]]
-kind = "response"
-"""
+REFINED = (
+    BELT.replace("fake sweep", "refined map")
+    .replace("N = { start = 1, stop = 5, num = 5 }", "N = { start = 1, stop = 9, num = 9 }")
+    .replace("v = [0.5, 1.0, 2.0]", "v = { start = 0.25, stop = 4.25, num = 5 }\n[sweep]")
+    .replace("[sweep]", '[sweep]\nrefine = { levels = 3, of = "attractor" }')
+)
 
 FINEST = REFINED.replace("num = 5", "num = 9").replace("levels = 3", "levels = 7")
 """A lattice of 1025 x 1025 points."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ast
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -61,8 +59,6 @@ NEIGHBOURS = {
     ("reading", "data"),
     ("reading", "case"),
 }
-HEAVY = ("numba", "llvmlite", "xarray", "netCDF4", "h5py", "matplotlib", "sympy", "scipy",
-         "pydantic", "joblib", "numpy", "rich")  # fmt: skip
 
 
 def part_of(path: Path) -> str:
@@ -133,35 +129,6 @@ def test_the_kernel_is_read_through_motions_and_systems() -> None:
         name for path in FILES if part_of(path) != "dynamics" for name in imported_modules(path)
     }
     assert [name for name in known if name.startswith("fiv_cli.dynamics.kernel")] == []
-
-
-@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["run", "--help"],
-                                       ["verify", "--help"]])  # fmt: skip
-def test_help_is_light(arguments: list[str]) -> None:
-    program = (
-        "import sys\n"
-        "from fiv_cli.cli.main import run\n"
-        f"code = run({arguments!r})\n"
-        f"print([m for m in {HEAVY!r} if m in sys.modules], code)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
-    )
-    assert done.stdout.splitlines()[-1] == "[] 0"
-
-
-def test_models_and_laws_are_read_without_sympy() -> None:
-    program = (
-        "import sys\n"
-        "from fiv_cli.friction import all_laws\n"
-        "from fiv_cli.models import all_models\n"
-        "all_laws(), all_models()\n"
-        "print('sympy' in sys.modules, 'numpy' in sys.modules)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
-    )
-    assert done.stdout.split() == ["False", "False"]
 
 
 def test_kinds_are_indexed_alike() -> None:

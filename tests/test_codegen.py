@@ -7,6 +7,7 @@ import cmath
 import ctypes
 import math
 from fractions import Fraction
+from itertools import product
 from typing import Any
 
 import mpmath
@@ -42,6 +43,7 @@ SYSTEMS = [
     (TWO_MASSES, "coulomb", {}),
 ]
 IDS = [f"{m if isinstance(m, str) else m.name} {law}" for m, law, _ in SYSTEMS]
+every_system = pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
 
 
 class Fused(ast.NodeTransformer):
@@ -93,12 +95,14 @@ def compiled_call(address: int, c: Vector, t: float, y: Vector, out: Vector) -> 
     FUNCTION(address)(c_data, t, y_data, out_data)
 
 
-def coefficients_of(built: System, parameters: dict[str, float]) -> Vector:
-    """The array ``c`` of a system, from the text run by Python."""
-    vector = built.parameter_vector(parameters)
+def generated(model: Any, law: str, changes: Any) -> tuple[System, Vector]:
+    """A system, and its array ``c`` from the text run by Python."""
+    parameters = defaults(model, law, **changes)
+    built = system(model, law, parameters=parameters)
     out = np.zeros(max(built.generated.n_coefficients, 1))
-    python_functions(built.generated.texts[FLOW])["coefficients"](None, 0.0, vector, out)
-    return out
+    coefficients = python_functions(built.generated.texts[FLOW])["coefficients"]
+    coefficients(None, 0.0, built.parameter_vector(parameters), out)
+    return built, out
 
 
 def sizes(built: System) -> int:
@@ -106,38 +110,33 @@ def sizes(built: System) -> int:
     return 4 * (len(built.state_names) + 12) * (built.generated.tangent_order + 1)
 
 
-@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+@every_system
 def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes: Any) -> None:
-    parameters = defaults(model, law, **changes)
-    built = system(model, law, parameters=parameters)
-    c = coefficients_of(built, parameters)
+    built, c = generated(model, law, changes)
     state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
-    suffixes_of = {
-        FLOW: ("_taylor", "_field"),
-        TANGENT: ("_tangent", "_switching"),
-        JACOBIAN: ("_jacobian",),
+    suffixes = {
+        FLOW: ("taylor", "field"),
+        TANGENT: ("tangent", "switching"),
+        JACOBIAN: ("jacobian",),
     }
-    for part, suffixes in suffixes_of.items():
+    for part in suffixes:
         functions = python_functions(built.generated.texts[part])
-        for table in built.generated.states.values():
-            for suffix in suffixes:
-                by_python, by_machine = np.zeros(sizes(built)), np.zeros(sizes(built))
-                functions[table.name + suffix](c, 0.7, state, by_python)
-                address = built.generated.address(table.name + suffix, part)
-                compiled_call(address, c, 0.7, state, by_machine)
-                assert np.count_nonzero(by_python) > 0
-                assert by_python.tobytes() == by_machine.tobytes()
+        for table, suffix in product(built.generated.states.values(), suffixes[part]):
+            name = f"{table.name}_{suffix}"
+            by_python, by_machine = np.zeros(sizes(built)), np.zeros(sizes(built))
+            functions[name](c, 0.7, state, by_python)
+            compiled_call(built.generated.address(name, part), c, 0.7, state, by_machine)
+            assert np.count_nonzero(by_python) > 0
+            assert by_python.tobytes() == by_machine.tobytes()
 
 
-@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+@every_system
 @pytest.mark.parametrize(("piece", "large"), [(1, 0), (40, 10**9), (1000, 10**9)])
 def test_a_function_cut_into_pieces_gives_the_same_bits(
     model: Any, law: str, changes: Any, piece: int, large: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However short the pieces, and compiled with or without effort."""
-    parameters = defaults(model, law, **changes)
-    built = system(model, law, parameters=parameters)
-    c = coefficients_of(built, parameters)
+    built, c = generated(model, law, changes)
     state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
     monkeypatch.setattr(assembly, "WHOLE", 0)
     monkeypatch.setattr(assembly, "PIECE", piece)
@@ -197,14 +196,13 @@ def test_text_outside_the_grammar_is_refused(statement: str) -> None:
         assembly.assembly(f"def f(c, t, y, out):\n    {statement}\n", fused=True)
 
 
-@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+@every_system
 def test_the_jacobian_is_the_first_order_of_the_tangents(
     model: Any, law: str, changes: Any
 ) -> None:
-    parameters = defaults(model, law, **changes)
-    built = system(model, law, parameters=parameters)
-    c, n = coefficients_of(built, parameters), len(built.state_names)
-    size, state = built.generated.tangent_order + 1, np.cos(np.arange(2 * n) + 0.3)
+    built, c = generated(model, law, changes)
+    n, size = len(built.state_names), built.generated.tangent_order + 1
+    state = np.cos(np.arange(2 * n) + 0.3)
     for index, table in built.generated.states.items():
         series, linear = np.zeros(sizes(built)), np.zeros(sizes(built))
         address = built.generated.address(f"{table.name}_tangent", TANGENT)
@@ -214,16 +212,11 @@ def test_the_jacobian_is_the_first_order_of_the_tangents(
         assert first.tobytes() == linear[: 4 * n].tobytes()
 
 
-@pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+@every_system
 def test_tangents_are_directional_derivatives(model: Any, law: str, changes: Any) -> None:
     """A complex step through the flow's series: no difference, no cancellation."""
-    parameters = defaults(model, law, **changes)
-    built = system(model, law, parameters=parameters)
-    c, n, size = (
-        coefficients_of(built, parameters),
-        len(built.state_names),
-        built.generated.order + 1,
-    )
+    built, c = generated(model, law, changes)
+    n, size = len(built.state_names), built.generated.order + 1
     state, direction = np.cos(np.arange(n) + 0.3), np.sin(np.arange(n) + 1.1)
     flow = python_functions(built.generated.texts[FLOW], cmath)
     tangent = python_functions(built.generated.texts[TANGENT])

@@ -10,13 +10,7 @@ import xarray as xr
 
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR, STATUS
-from fiv_cli.reading.compare import (
-    Difference,
-    Tolerance,
-    Tolerances,
-    compare,
-    read_tolerances,
-)
+from fiv_cli.reading.compare import Difference, Tolerance, Tolerances, compare, read_tolerances
 
 PERIODIC, CHAOTIC = ATTRACTOR.codes["periodic"], ATTRACTOR.codes["chaotic"]
 

@@ -25,19 +25,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from disturbed import Run, by_default
+from small_cases import PIN as CASE
 
 import fiv_cli
 from fiv_cli.cli.main import run as fiv
 
-CASE = """
-schema = 1
-[model]
-name = "pin-on-disc"
-[grid]
-mu_k = [0.1, 0.2]
-[[analysis]]
-kind = "equilibrium"
-"""
 EXTREME = """
 schema = 1
 [model]

@@ -6,20 +6,11 @@ import os
 from pathlib import Path
 
 import pytest
+from small_cases import PIN as CASE
 
 from fiv_cli import files
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import UsageError
-
-CASE = """
-schema = 1
-[model]
-name = "pin-on-disc"
-[grid]
-mu_k = [0.1, 0.2]
-[[analysis]]
-kind = "equilibrium"
-"""
 
 
 @pytest.fixture(autouse=True)

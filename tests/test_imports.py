@@ -7,21 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from small_cases import BELT
 from synthetic_datasets import bifurcation
 
-CASE = """
-schema = 1
-[model]
-name = "belt-1dof"
-[grid]
-v = [1.0, 2.0]
-[[analysis]]
-kind = "response"
-[[analysis]]
-kind = "history"
-t_end = 1.0
-"""
+CASE = BELT + '[[analysis]]\nkind = "history"\nt_end = 1.0\n'
 
+HEAVY = ("numba", "llvmlite", "xarray", "netCDF4", "h5py", "matplotlib", "sympy", "scipy",
+         "pydantic", "joblib", "numpy", "rich")  # fmt: skip
 # What makes a shell wait: a quarter of a second and more each.
 SLOW = ("numba", "scipy", "sympy", "matplotlib", "netCDF4")
 
@@ -53,16 +45,31 @@ def test_what_only_looks_at_results_loads_no_compiler(arguments: list[str], tmp_
     assert_loads_none(("numba",), arguments, tmp_path)
 
 
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["--version"], ["run", "--help"], ["verify", "--help"]]
+)
+def test_help_is_light(arguments: list[str], tmp_path: Path) -> None:
+    assert_loads_none(HEAVY, arguments, tmp_path)
+
+
 def assert_loads_none(names: tuple[str, ...], arguments: list[str], folder: Path) -> None:
     """A command that succeeds and imports none of these packages."""
-    script = (
-        "import sys\n"
-        "from fiv_cli.cli.main import run\n"
-        f"code = run({arguments})\n"
-        f"loaded = [name for name in {names} if name in sys.modules]\n"
-        "sys.exit(code or ', '.join(loaded) or 0)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False
-    )
+    program = f"from fiv_cli.cli.main import run\nassert run({arguments}) == 0"
+    assert loaded_by(program, folder).isdisjoint(names)
+
+
+def loaded_by(program: str, folder: Path) -> set[str]:
+    """The modules that a program without complaints has imported at its end."""
+    script = f"{program}\nimport sys\nprint('\\n', *sys.modules)"
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stderr) == (0, "")
+    return set(done.stdout.splitlines()[-1].split())
+
+
+def test_models_and_laws_are_read_without_sympy(tmp_path: Path) -> None:
+    program = (
+        "from fiv_cli.friction import all_laws\nfrom fiv_cli.models import all_models\n"
+        "all_laws(), all_models()"
+    )
+    assert loaded_by(program, tmp_path).isdisjoint({"sympy", "numpy"})

@@ -9,23 +9,9 @@ from pathlib import Path
 
 import pytest
 from disturbed import Run, wait_for
+from small_cases import FAR
 
-CASE = """
-schema = 1
-[model]
-name = "belt-1dof"
-[grid]
-v = { start = 0.5, stop = 2.0, num = 20 }
-N = { start = 5.0, stop = 20.0, num = 50 }
-[[initial]]
-label = "far"
-kind = "state"
-state = { x = 10.0 }
-[[analysis]]
-kind = "response"
-transient = 2000.0
-t_max = 4000.0
-"""
+CASE = FAR.format(v=20, N=50, transient=2000.0, t_max=4000.0)
 
 PATIENCE = 60.0
 COMMAND = ("run", "case.toml", "-o", "a.nc", "--time-limit", "600")  # starts workers at once

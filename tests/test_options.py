@@ -39,11 +39,7 @@ def case(options: str = "", grid: str = ""):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [
-        ([[0, 0]], "0,0"),
-        ([[0, 3], [1, 0], [0, 0]], "0,0 0,3 1,0"),
-        ("0,1  0,0", "0,0 0,1"),
-    ],
+    [([[0, 0]], "0,0"), ([[0, 3], [1, 0], [0, 0]], "0,0 0,3 1,0"), ("0,1  0,0", "0,0 0,1")],
 )
 def test_modes_have_one_text(value: object, text: str) -> None:
     assert read_modes(value) == text

@@ -13,25 +13,11 @@ from pathlib import Path
 
 import pytest
 from disturbed import ENDING, PATIENCE, Run, ignoring, wait_for
+from small_cases import FAR
 
 SEED = 20
 WORKERS = ("--time-limit", "600")  # starts workers at once
-POINTS = """
-schema = 1
-[model]
-name = "belt-1dof"
-[grid]
-v = { start = 0.5, stop = 2.0, num = 10 }
-N = { start = 5.0, stop = 20.0, num = 40 }
-[[initial]]
-label = "far"
-kind = "state"
-state = { x = 10.0 }
-[[analysis]]
-kind = "response"
-transient = 1000.0
-t_max = 2000.0
-"""
+POINTS = FAR.format(v=10, N=40, transient=1000.0, t_max=2000.0)
 ENDLESS = (
     POINTS.replace("start = 0.5, stop = 2.0, num = 10", "start = 2.0, stop = 3.0, num = 2")
     .replace("num = 40", "num = 2")

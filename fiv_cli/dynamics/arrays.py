@@ -29,9 +29,14 @@ FIRST_STRIDE = 4000
 
 
 @cache
-def blank_frame(system: System, solver: SolverSettings) -> Run:
-    """What a system's new motions copy (their scratch arrays are shared: one runs at a time)."""
+def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
+    """What a system's new motions copy (their scratch arrays are shared: one runs at a time).
+
+    With room for so many `events`, shared too, it is at hand for short motions one after another.
+    """
     shown = _tables(system, solver) | _scratch(system) | _not_asked_for(system)
+    if events:
+        shown |= {**ledger_of(events), **system.tangent_tables}
     frame = Run.holding(shown, _own_lengths(system))
     for name, number in system.tables.numbers.items():
         setattr(frame, name, number)
