@@ -2,6 +2,17 @@
 
 from __future__ import annotations
 
+from fiv_cli.analyses import all_analyses
+from fiv_cli.models import all_models
+
+# Names of models and analyses that go together.
+SUITED = [
+    (name, kind)
+    for name, model in all_models().items()
+    for kind, analysis in all_analyses().items()
+    if not analysis.unsuited(model)
+]
+
 BELT = """\
 schema = 1
 [model]
