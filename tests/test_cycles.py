@@ -508,15 +508,33 @@ def test_a_cycle_is_followed_from_neighbour_to_neighbour() -> None:
 def test_newton_finds_a_root_or_says_so() -> None:
     def circle_and_line(u: Any) -> Any:
         values = np.array([u @ u - 2.0, u[0] - u[1]])
-        return values, np.array([2 * u, [1.0, -1.0]])
+        return values, lambda: np.array([2 * u, [1.0, -1.0]])
 
     root = newton(circle_and_line, np.array([3.0, 0.5]))
     np.testing.assert_allclose(root, [1.0, 1.0], atol=1e-9)
 
     def nothing(u: Any) -> Any:
-        return np.array([u @ u + 1.0]), 2 * u[None, :]
+        return np.array([u @ u + 1.0]), lambda: 2 * u[None, :]
 
     assert newton(nothing, np.array([3.0])) is None
+
+
+def test_newton_asks_for_a_jacobian_only_where_a_step_is_taken_from() -> None:
+    """Of the trials of a step those that make it worse are refused by their values alone."""
+    tried, taken = [], []
+
+    def bent(u: Any) -> Any:
+        def jacobian() -> Any:
+            taken.append(u[0])
+            return np.array([[10.0 / (1.0 + (10.0 * u[0]) ** 2)]])
+
+        tried.append(u[0])
+        return np.arctan(10.0 * u), jacobian
+
+    root = newton(bent, np.array([0.19]))
+    np.testing.assert_allclose(root, 0.0, atol=1e-9)
+    assert len(taken) < len(tried)
+    assert np.all(np.diff(np.abs(taken)) < 0.0)
 
 
 def test_near_returns_are_ranked_by_their_distance() -> None:

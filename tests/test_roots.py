@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from fiv_cli.codegen import emit
 from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.generate import load_text
-from fiv_cli.codegen.memory import Floats, Frame
 from fiv_cli.dynamics import roots
 
 AMBIGUOUS = 1e-6  # complex pairs this close to the real axis, or roots this close to a border
@@ -24,24 +23,14 @@ DOUBLE = 1e-7  # a double root is known to the root of rounding only, see `known
 ROOT = st.floats(0.02, 0.98)
 
 
-class Sought(Frame):
-    """A polynomial and room to work."""
-
-    polynomial: Floats
-    pieces: Floats
+def search_at(address: int) -> Any:
+    """The frame at an address."""
+    return roots.Search.at(address)
 
 
-def sought_at(address: int) -> Any:
-    """The arrays whose frame is at an address."""
-    return Sought.at(address)
-
-
-def first_root_at(
-    address: int, degree: int, total: float, end: float, slope: int, bernstein: int, top: int
-) -> float:
-    """`roots.first_root` of the polynomial at an address."""
-    sought = sought_at(address)
-    return root(sought.polynomial, degree, total, end, slope, bernstein, top, sought.pieces)
+def first_root_at(address: int, degree: int, total: float, end: float) -> float:
+    """`roots.first_root` of the polynomial of the search at an address."""
+    return root(search_at(address), degree, total, end)
 
 
 root = roots.first_root
@@ -53,9 +42,9 @@ def declared(**options: bool) -> Callable[..., float]:
 
     from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
 
-    register_frame(Sought, sought_at)
+    register_frame(roots.Search, search_at)
     register(roots)
-    signature = "float64(int64, int64, float64, float64, int64, int64, int64)"
+    signature = "float64(int64, int64, float64, float64)"
     compiled: Callable[..., float] = cfunc(signature, **OPTIONS, **options)(first_root_at).ctypes
     return compiled
 
@@ -79,12 +68,11 @@ KEPT: list[object] = []  # code whose address is in use
 def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
     """`roots.first_root` of a polynomial in rising powers."""
     degree, top = len(coefficients) - 1, max(len(coefficients) - 1, 2)
-    polynomial = np.zeros(top + 1)
-    polynomial[: degree + 1] = coefficients
+    search = roots.Search.holding(roots.scratch(top), {})
+    search.order, (search.value_and_slope, search.bernstein) = top, generated(top)
+    search.polynomial[: degree + 1] = coefficients
     total, end = float(np.sum(np.abs(coefficients))), float(np.sum(coefficients))
-    pieces = roots.scratch()
-    frame = Sought.holding({"polynomial": polynomial, "pieces": pieces}, {})
-    return ROOTS.function(frame.address, degree, total, end, *generated(top), top)
+    return ROOTS.function(search.address, degree, total, end)
 
 
 def with_roots(*places: float, beyond: tuple[float, ...] = ()) -> NDArray[np.float64]:

@@ -174,12 +174,13 @@ class Frame:
 
     def __init_subclass__(cls) -> None:
         cls.fields, cls.length = {}, 0
-        for name, annotation in cls.__annotations__.items():
-            kind = KINDS[annotation]
-            scalar = Number if kind.element is float else Integer
-            cls.fields[name] = (ArrayField if kind.depth else scalar)(name, cls.length, kind)
-            setattr(cls, name, cls.fields[name])
-            cls.length += kind.words
+        for base in reversed(cls.mro()[:-2]):  # without Frame itself and object
+            for name, annotation in base.__annotations__.items():
+                kind = KINDS[annotation]
+                scalar = Number if kind.element is float else Integer
+                cls.fields[name] = (ArrayField if kind.depth else scalar)(name, cls.length, kind)
+                setattr(cls, name, cls.fields[name])
+                cls.length += kind.words
 
     def __init__(self, words: Ints, parts: dict[str, slice], shown: Mapping[str, Array]) -> None:
         self.words: Ints = words

@@ -253,15 +253,14 @@ def _merging(
     squares = (first - second) ** 2
     same_side = first.imag * second.imag > 0.0
     frequency = np.abs(first.imag)
-    for point in range(len(axis) - 1):
-        ends = squares[point : point + 2]
-        if not (np.isfinite(ends).all() and same_side[point : point + 2].all()):
-            continue
-        if (ends[0].real < 0.0) != (ends[1].real < 0.0):
-            share = ends[0].real / (ends[0].real - ends[1].real)
-            rest = abs(ends[0].imag + share * (ends[1].imag - ends[0].imag))
-            if rest <= 2.0 * (MERGED * frequency[point]) ** 2:
-                yield point, _root(axis, squares.real, point)
+    told = np.isfinite(squares) & same_side
+    told = told[:-1] & told[1:] & np.diff(squares.real < 0.0)
+    for point in np.flatnonzero(told).tolist():
+        here, there = squares[point], squares[point + 1]
+        share = here.real / (here.real - there.real)
+        rest = abs(here.imag + share * (there.imag - here.imag))
+        if rest <= 2.0 * (MERGED * frequency[point]) ** 2:
+            yield point, _root(axis, squares.real, point)
 
 
 def _root(axis: NDArray[np.float64], heights: NDArray[np.float64], point: int) -> float:

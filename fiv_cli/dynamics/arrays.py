@@ -29,9 +29,14 @@ FIRST_STRIDE = 4000
 
 
 @cache
-def blank_frame(system: System, solver: SolverSettings) -> Run:
-    """What a system's new motions copy (their scratch arrays are shared: one runs at a time)."""
+def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
+    """What a system's new motions copy (their scratch arrays are shared: one runs at a time).
+
+    With room for so many `events`, shared too, it is at hand for short motions one after another.
+    """
     shown = _tables(system, solver) | _scratch(system) | _not_asked_for(system)
+    if events:
+        shown |= {**ledger_of(events), **system.tangent_tables}
     frame = Run.holding(shown, _own_lengths(system))
     for name, number in system.tables.numbers.items():
         setattr(frame, name, number)
@@ -78,8 +83,7 @@ def _scratch(system: System) -> dict[str, Array]:
         "work": np.zeros(rows * (system.generated.tangent_order + 1)),
         **{name: np.zeros(max(width, 2 * n)) for name in vectors},
         "nodes": np.zeros((2, width)),
-        "polynomial": np.zeros(order + 1),
-        "pieces": roots.scratch(),
+        **roots.scratch(order),
         "slip_velocities": np.zeros(contacts),
         **{
             name: np.zeros(contacts, np.int64) for name in ("code_before", "is_at_rest", "n_offers")

@@ -42,7 +42,6 @@ from fiv_cli.codegen.memory import (
     FixedInt,
     Floats,
     Floats2,
-    Frame,
     Ints,
     Ints2,
     OwnFloats,
@@ -53,7 +52,7 @@ from fiv_cli.codegen.memory import (
     inlined,
     native,
 )
-from fiv_cli.dynamics.roots import NO_ROOT, chord, first_root
+from fiv_cli.dynamics.roots import NO_ROOT, Search, chord, first_root
 
 # What `advance` begins with: going on, deciding the contact state anew, or entering it.
 GO_ON, DECIDE, ENTER = 0, 1, 2
@@ -90,7 +89,7 @@ ROUNDING = 1e-16  # a residual, relative to the scale, that no further step impr
 EXACT = 1e-6  # ... and that a motion of this share of the tolerance does not notice
 
 
-class Run(Frame):
+class Run(Search):
     """All that a run is: where and how it is, what it is made of, what is asked for.
 
     A contact state is a combination of the kinds of all contacts, numbered by `state_index`.
@@ -100,15 +99,12 @@ class Run(Frame):
     n_states: FixedInt
     n_coordinates: FixedInt
     n_contacts: FixedInt
-    order: FixedInt  # of the series of motions
     tangent_order: FixedInt
     is_taylor: FixedInt  # 1; 0: rk4
     # Addresses of generated functions; of one per contact state 0 where there is no such state.
     fill_coefficients: FixedInt
     sum_series: FixedInt  # the state a time into a step
     sum_tangent: FixedInt
-    value_and_slope: FixedInt  # of a polynomial
-    bernstein: FixedInt  # its coefficients in that form
     taylor: Ints
     field: Ints
     with_tangent: Ints
@@ -220,8 +216,6 @@ class Run(Frame):
     delays: Floats
     at_rest: Floats
     slip_velocities: Floats
-    polynomial: Floats
-    pieces: Floats
     # Candidates of `decide`, per contact.
     code_before: Ints
     is_at_rest: Ints
@@ -702,16 +696,7 @@ def located(
         odd_end += odd
     for k in range(last + 1, order + 1):
         run.polynomial[k] = 0.0
-    return first_root(
-        run.polynomial,
-        last,
-        total + odd_total,
-        end + odd_end,
-        run.value_and_slope,
-        run.bernstein,
-        order,
-        run.pieces,
-    )
+    return first_root(run, last, total + odd_total, end + odd_end)
 
 
 @native

@@ -160,6 +160,7 @@ class Motion:
     state : initial state by name, the rest 0; or a state vector
     time : initial time, s
     sticking : contacts that stick from the start; they take on the drive's velocity
+    events : room for a ledger that is kept from the start, and is the next motion's too
 
     Attributes
     ----------
@@ -175,10 +176,11 @@ class Motion:
         state: Mapping[str, float] | Vector,
         time: float = 0.0,
         sticking: tuple[bool, ...] = (),
+        events: int = 0,
     ) -> None:
         self.system = system
         self.solver = solver
-        self.frame = frame = blank_frame(system, solver).copy()
+        self.frame = frame = blank_frame(system, solver, events).copy()
         self.samples = no_samples(system)
         self.stride = FIRST_STRIDE  # steps of a call of the driver
         values = system.parameter_values(parameters)
@@ -224,7 +226,7 @@ class Motion:
 
     @property
     def ledger(self) -> Ledger:
-        """Events since `keep_ledger`."""
+        """Events since `keep_ledger`, or since the start."""
         arrays = (getattr(self.frame, f"ledger_{name}") for name in Ledger._fields)
         return Ledger(*(array[: self.frame.n_ledger] for array in arrays))
 

@@ -5,9 +5,8 @@ root, one change of sign exactly one root, anything else is halved, left half fi
 roots closer than `TWIN_WIDTH` is told from a near miss at the minimum between them, so neither a
 double root nor a root at the very end of the step is lost.
 
-The pieces of the halving lie in one flat array, made by `scratch`: each a row of Bernstein
-coefficients with its interval behind them. The coefficients of the whole step are written by
-straight-line code (`codegen/emit.py`), which takes a third of the time of loops.
+The coefficients of the whole step are written by straight-line code (`codegen/emit.py`), which
+takes a third of the time of loops.
 """
 
 from __future__ import annotations
@@ -15,17 +14,39 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.memory import Floats, call_generated, inlined, native
+from fiv_cli.codegen.memory import (
+    FixedInt,
+    Floats,
+    Floats2,
+    Frame,
+    call_generated,
+    inlined,
+    native,
+)
 
 NO_ROOT = 2.0
-HIGHEST_ORDER = 24
 ROUNDING = 8.0 * 2.220446049250313e-16
 TWIN_WIDTH = 2.0**-22
 MAX_DEPTH = 60
 LAST_STEP = 1e-8  # a Newton step this short leaves its square as error
 LAST_DIGITS = 4.5e-16  # two units in the last place
-ROW = HIGHEST_ORDER + 3  # coefficients of a piece, then the two ends of its interval
-LOW, HIGH = HIGHEST_ORDER + 1, HIGHEST_ORDER + 2
+
+
+class Search(Frame):
+    """What a search works on.
+
+    The pieces of the halving are rows of Bernstein coefficients; `lows` and `highs` are the ends
+    of their intervals.
+    """
+
+    order: FixedInt  # highest power
+    value_and_slope: FixedInt  # address of the generated function of polynomials of this order
+    bernstein: FixedInt  # address of the one that writes Bernstein coefficients
+    polynomial: Floats
+    pieces: Floats2
+    lows: Floats
+    highs: Floats
+    at_guess: Floats  # value and slope
 
 
 @native
@@ -47,20 +68,18 @@ def slope(polynomial: Floats, degree: int, x: float) -> float:
 
 
 @native
-def bracketed_root(
-    polynomial: Floats, value_and_slope: int, low: float, high: float, x: float, found: Floats
-) -> float:
+def bracketed_root(run: Search, low: float, high: float, x: float) -> float:
     """Root with p(low) > 0 >= p(high), by Newton steps from x, kept inside the bracket.
 
     A step that is not half as long as the one before halves the bracket instead: far out, where
-    the highest power rules, Newton steps shrink by a few per cent each. `value_and_slope` is the
-    address of generated code, `found` room for what it finds.
+    the highest power rules, Newton steps shrink by a few per cent each.
     """
+    polynomial, found = run.polynomial, run.at_guess
     if not low < x < high:
         x = 0.5 * (low + high)
     moved = high - low
     for _ in range(100):
-        call_generated(value_and_slope, polynomial, x, polynomial, found)
+        call_generated(run.value_and_slope, polynomial, x, polynomial, found)
         value, derivative = found[0], found[1]
         if value > 0.0:
             low = x
@@ -94,13 +113,13 @@ def parabola(start: float, first: float, end: float) -> float:
 
 
 @native
-def polygon(pieces: Floats, degree: int, row: int) -> float:
+def polygon(run: Search, row: int) -> float:
     """Where the control polygon of a piece passes zero: close to where the piece does."""
-    j = 1
-    while j < degree and pieces[row + j] > 0.0:
+    piece, j = run.pieces[row], 1
+    while j < run.order and piece[j] > 0.0:
         j += 1
-    place = chord(j - 1.0, float(j), pieces[row + j - 1], pieces[row + j]) / degree
-    return pieces[row + LOW] + (pieces[row + HIGH] - pieces[row + LOW]) * place
+    place = chord(j - 1.0, float(j), piece[j - 1], piece[j]) / run.order
+    return run.lows[row] + (run.highs[row] - run.lows[row]) * place
 
 
 @native
@@ -121,26 +140,25 @@ def lowest_point(
 
 
 @native
-def halve(pieces: Floats, degree: int, row: int) -> None:
+def halve(run: Search, row: int) -> None:
     """Split a piece at its middle (de Casteljau): right half stays, left half goes on top."""
-    left = row + ROW
-    for j in range(degree + 1):
-        pieces[left + j] = pieces[row]
-        for i in range(degree - j):
-            pieces[row + i] = 0.5 * (pieces[row + i] + pieces[row + i + 1])
-    middle = 0.5 * (pieces[row + LOW] + pieces[row + HIGH])
-    pieces[left + LOW] = pieces[row + LOW]
-    pieces[left + HIGH] = middle
-    pieces[row + LOW] = middle
+    piece, left = run.pieces[row], run.pieces[row + 1]
+    for j in range(run.order + 1):
+        left[j] = piece[0]
+        for i in range(run.order - j):
+            piece[i] = 0.5 * (piece[i] + piece[i + 1])
+    middle = 0.5 * (run.lows[row] + run.highs[row])
+    run.lows[row + 1], run.highs[row + 1] = run.lows[row], middle
+    run.lows[row] = middle
 
 
 @native
-def sign_changes(pieces: Floats, degree: int, row: int, tolerance: float) -> int:
+def sign_changes(piece: Floats, degree: int, tolerance: float) -> int:
     """Changes of sign of a piece that starts positive; what is within `tolerance` has no sign."""
     changes = 0
     negative = False
     for j in range(degree + 1):
-        value = pieces[row + j]
+        value = piece[j]
         if value < -tolerance and not negative:
             changes += 1
             negative = True
@@ -151,33 +169,24 @@ def sign_changes(pieces: Floats, degree: int, row: int, tolerance: float) -> int
 
 
 @native
-def may_touch(pieces: Floats, degree: int, row: int, tolerance: float) -> bool:
+def may_touch(piece: Floats, degree: int, tolerance: float) -> bool:
     """Whether a piece without a change of sign has a coefficient within `tolerance` of zero."""
     for j in range(1, degree + 1):
-        if pieces[row + j] <= tolerance:
+        if piece[j] <= tolerance:
             return True
     return False
 
 
 @inlined
-def first_root(
-    polynomial: Floats,
-    degree: int,
-    total: float,
-    end: float,
-    value_and_slope: int,
-    bernstein: int,
-    top: int,
-    pieces: Floats,
-) -> float:
+def first_root(run: Search, degree: int, total: float, end: float) -> float:
     """First x in [0, 1] where p passes from positive to zero or below; NO_ROOT if none.
 
-    `total` is the sum of its coefficients' absolute values, `end` that of the coefficients. It
-    starts positive (its known zeros at the start are divided out by the caller); a start at or
-    below zero is a root at 0. `value_and_slope` and `bernstein` are addresses of generated
-    functions of polynomials up to the power `top` (coefficients beyond the degree are zero).
+    `total` is the sum of its coefficients' absolute values, `end` that of the coefficients; those
+    beyond the degree are zero. It starts positive (its known zeros at the start are divided out
+    by the caller); a start at or below zero is a root at 0.
     """
-    start, found = polynomial[0], pieces[len(pieces) - 2 :]
+    polynomial = run.polynomial
+    start = polynomial[0]
     if start <= 0.0:
         return 0.0
     tolerance = ROUNDING * total
@@ -197,46 +206,49 @@ def first_root(
     if 2.0 * abs(first) > steepness or -second > curvature:
         if end > tolerance:
             return NO_ROOT
-        return (
-            bracketed_root(
-                polynomial, value_and_slope, 0.0, 1.0, parabola(start, first, end), found
-            )
-            if end < 0.0
-            else 1.0
-        )
-    call_generated(bernstein, polynomial, 0.0, polynomial, pieces)
-    pieces[LOW], pieces[HIGH] = 0.0, 1.0
-    row = 0
+        return bracketed_root(run, 0.0, 1.0, parabola(start, first, end)) if end < 0.0 else 1.0
+    call_generated(run.bernstein, polynomial, 0.0, polynomial, run.pieces[0])
+    run.lows[0], run.highs[0] = 0.0, 1.0
+    return first_of_pieces(run, degree, tolerance)
+
+
+@native
+def first_of_pieces(run: Search, degree: int, tolerance: float) -> float:
+    """`first_root` by halving, where the Bernstein coefficients of the whole are at hand."""
+    polynomial, top, row = run.polynomial, run.order, 0
     while row >= 0:
-        low, high = pieces[row + LOW], pieces[row + HIGH]
-        changes = sign_changes(pieces, top, row, tolerance)
+        low, high, piece = run.lows[row], run.highs[row], run.pieces[row]
+        changes = sign_changes(piece, top, tolerance)
         if changes == 0:
-            if pieces[row + top] <= tolerance:
+            if piece[top] <= tolerance:
                 return high
-            if may_touch(pieces, top, row, tolerance) and slope(polynomial, degree, low) < 0.0:
+            if may_touch(piece, top, tolerance) and slope(polynomial, degree, low) < 0.0:
                 touch = lowest_point(polynomial, degree, low, high, tolerance)
                 if touch != NO_ROOT:
                     return touch
-            row -= ROW
+            row -= 1
         elif changes == 1:
-            return bracketed_root(
-                polynomial, value_and_slope, low, high, polygon(pieces, top, row), found
-            )
-        elif high - low < TWIN_WIDTH or row + 2 * ROW > MAX_DEPTH * ROW:
+            return bracketed_root(run, low, high, polygon(run, row))
+        elif high - low < TWIN_WIDTH or row + 2 > MAX_DEPTH:
             touch = lowest_point(polynomial, degree, low, high, tolerance)
             if touch != NO_ROOT:
                 depth = evaluate(polynomial, degree, touch)
                 if depth < -tolerance:
-                    between = chord(low, touch, pieces[row], depth)
-                    return bracketed_root(polynomial, value_and_slope, low, touch, between, found)
+                    return bracketed_root(run, low, touch, chord(low, touch, piece[0], depth))
                 return touch
-            row -= ROW
+            row -= 1
         else:
-            halve(pieces, top, row)
-            row += ROW
+            halve(run, row)
+            row += 1
     return NO_ROOT
 
 
-def scratch() -> NDArray[np.float64]:
-    """The array that the functions of this file work on: pieces, then a value and a slope."""
-    return np.zeros(MAX_DEPTH * ROW + 2)
+def scratch(order: int) -> dict[str, NDArray[np.float64]]:
+    """The arrays that a search in polynomials up to this power works on, by name."""
+    return {
+        "polynomial": np.zeros(order + 1),
+        "pieces": np.zeros((MAX_DEPTH, order + 1)),
+        "lows": np.zeros(MAX_DEPTH),
+        "highs": np.zeros(MAX_DEPTH),
+        "at_guess": np.zeros(2),
+    }

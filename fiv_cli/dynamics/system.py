@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from operator import itemgetter
@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
-from fiv_cli.codegen.generate import JACOBIAN, Generated, StateTable, generate
+from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.memory import call_generated
+from fiv_cli.codegen.memory import address_of, call_generated, generated_function
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.models.base import rate_of
 
@@ -125,6 +125,23 @@ class System:
             out[contacts:energies].reshape(-1, PER_CONTACT),
             out[energies : energies + len(ENERGY_OUTPUTS)],
         )
+
+    def linearised(
+        self, index: int, coefficients: Vector, time: float, y: Vector, places: Sequence[int]
+    ) -> NDArray[np.float64]:
+        """Tangents along these entries of the state as a contact state lets them be, and their
+        rates, by differentiated code; shape (entries, n_states, 2)."""
+        n, count = len(y), len(places)
+        joined, series = np.zeros((count, 2 * n)), np.zeros((count, 2 * n, JACOBIAN_ORDER + 1))
+        joined[:, :n] = y
+        joined[range(count), [n + place for place in places]] = 1.0
+        linearised_flow, terms = generated_function(self.jacobians[index]), address_of(coefficients)
+        at, out = address_of(joined), address_of(series)
+        for row in range(count):
+            linearised_flow(
+                terms, time, at + row * joined.strides[0], out + row * series.strides[0]
+            )
+        return series[:, n:]
 
     def parameter_values(self, parameters: Mapping[str, float]) -> tuple[float, ...]:
         """Parameters in generated order; the slip signs and the sector follow them there."""

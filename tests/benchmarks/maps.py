@@ -1,4 +1,4 @@
-"""Whole maps of `configs/` through the command, against another version of it.
+"""Whole sweeps of `configs/` through the command, against another version of it.
 
 FIV_BASELINE names the other version's `fiv`. Both run the same case file from nothing stored, on
 one worker, their code compiled before; processor times of the whole processes are compared.
@@ -16,18 +16,21 @@ from tests.benchmarks.processes import processor_of_children
 
 BASELINE = "FIV_BASELINE"
 CONFIGS = Path(__file__).parents[2] / "configs"
-CASES = ("ch3/fig_3_06", "ch7/fig_7_06_reached", "ch7/fig_7_17", "ch6/fig_6_09")
+CASES = (
+    "ch3/fig_3_06", "ch7/fig_7_06_reached", "ch7/fig_7_17", "ch6/fig_6_09",  # motions
+    "ch4/fig_4_03", "ch6/fig_6_04", "ch6/fig_6_02", "ch7/fig_7_06_cycles",  # roots and branches
+)  # fmt: skip
 DONE = (0, 4)  # exit codes of a finished run
 
 
 def report() -> None:
-    """Print how much less processor time each map takes than with the other version."""
+    """Print how much less processor time each sweep takes than with the other version."""
     other = os.environ.get(BASELINE)
     if other is None:
         print(f"maps: {BASELINE} names no fiv to compare with")
         return
     own = str(Path(sys.executable).with_name("fiv"))
-    print("whole maps, one worker, processor time")
+    print("whole sweeps, one worker, processor time")
     for case in CASES:
         before, now = seconds(other, case), seconds(own, case)
         ratio = f"{before:.1f} s before, {now:.1f} s now: {before / now:.2f} times as fast"

@@ -51,7 +51,7 @@ class LevelSet:
     @cached_property
     def free(self) -> NDArray[np.intp]:
         """Places of the states that no rigid contact determines."""
-        return free_states(self.sliding)
+        return free_states(self.sliding.system)
 
     @cached_property
     def period(self) -> float:

@@ -23,6 +23,7 @@ from fiv_cli.analyses.base import Varied, broken
 from fiv_cli.analyses.cycles.periodic import (
     Anchor,
     Cycle,
+    Equations,
     Matrix,
     Passage,
     Problem,
@@ -88,26 +89,32 @@ class Continuation:
         """Extent of the bracket."""
         return self.bracket[1] - self.bracket[0]
 
-    def holds(self, value: float) -> bool:
-        """Whether `value` lies inside the bracket, makes sense and leaves the excitation on or off.
+    def holding(self, value: float) -> Problem | None:
+        """The problem at a `value` inside the bracket that makes sense and leaves the excitation
+        on or off; None at any other.
 
         A cycle's period is free without an excitation and bound to its period with one.
         """
         if not self.bracket[0] <= value <= self.bracket[1]:
-            return False
+            return None
         there = self.at(value)
         same = (there.excitation is None) == (self.problem.excitation is None)
-        return same and not self.invalid(value)
+        return there if same and not _invalid(there) else None
 
     def invalid(self, value: float) -> str:
         """Reason why there is nothing to compute at `value`; empty where there is."""
-        system = self.problem.system
-        unmet = broken(system.setup.model, system.setup.law, self.at(value).parameters)
-        return "" if unmet is None else unmet.reason
+        return _invalid(self.at(value))
 
     def at(self, value: float) -> Problem:
         """The problem at another value of the parameter."""
         return self.problem.changed(self.varied, value)
+
+
+def _invalid(problem: Problem) -> str:
+    """Reason why there is nothing to compute; empty where there is."""
+    setup = problem.system.setup
+    unmet = broken(setup.model, setup.law, problem.parameters)
+    return "" if unmet is None else unmet.reason
 
 
 @dataclass(frozen=True)
@@ -165,18 +172,19 @@ class End:
 
 
 # --- the branch's equations ----------------------------------------------------------------------
-def _jacobian(
-    line: Continuation, frame: Shooting, unknowns: Vector
-) -> tuple[Vector, Matrix] | None:
+def _conditions(line: Continuation, frame: Shooting, unknowns: Vector) -> Equations | None:
     """The closing conditions and their Jacobian, the derivative by the parameter last."""
     own, value = unknowns[:-1], _within(line, float(unknowns[-1] * line.span))
-    found = frame.around(line.at(value), own) if line.holds(value) else None
+    here = line.holding(value)
+    found = None if here is None else frame.around(here, own)
     if found is None:
         return None
-    slope = _by_parameter(line, frame, own, value, found)
-    if slope is None:
-        return None
-    return frame.values(found, own), np.column_stack([frame.jacobian(found), slope])
+
+    def jacobian() -> Matrix | None:
+        slope = _by_parameter(line, frame, own, value, found)
+        return None if slope is None else np.column_stack([frame.jacobian(found), slope])
+
+    return frame.values(found, own), jacobian
 
 
 def _by_parameter(
@@ -188,8 +196,9 @@ def _by_parameter(
     """
     sides: list[tuple[float, Vector]] = []
     for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
-        if line.holds(value + shift):
-            found = frame.around(line.at(value + shift), own, tangents=False)
+        beside = line.holding(value + shift)
+        if beside is not None:
+            found = frame.around(beside, own, tangents=False)
             if found is not None and found.events == here.events:
                 sides.append((shift, frame.values(found, own)))
     if not sides:
@@ -241,13 +250,12 @@ def _corrected(
 ) -> Point | None:
     """The cycle of the branch in the plane across `across` through `foreseen`."""
 
-    def conditions(unknowns: Vector) -> tuple[Vector, Matrix] | None:
-        found = _jacobian(line, here.frame, unknowns)
+    def conditions(unknowns: Vector) -> Equations | None:
+        found = _conditions(line, here.frame, unknowns)
         if found is None:
             return None
-        values, jacobian = found
         away = float(across @ (unknowns - foreseen))
-        return np.append(values, away), np.vstack([jacobian, across])
+        return np.append(found[0], away), lambda: _with_row(found[1](), across)
 
     unknowns = newton(conditions, foreseen)
     if unknowns is None or float(np.linalg.norm(unknowns - foreseen)) > astray:
@@ -255,19 +263,25 @@ def _corrected(
     return _point(line, here, unknowns)
 
 
+def _with_row(jacobian: Matrix | None, row: Vector) -> Matrix | None:
+    """The Jacobian with another row below, where there is one."""
+    return None if jacobian is None else np.vstack([jacobian, row])
+
+
 def _point(line: Continuation, before: Point, unknowns: Vector) -> Point | None:
     """The cycle with these unknowns in the frame of `before`, in a frame of its own."""
     frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
     problem = line.at(value)
     anchor = frame.anchor_of(unknowns[:-1])
-    cycle = describe(problem, anchor, frame.period_of(problem, unknowns[:-1]))
-    if cycle is None:
+    period = frame.period_of(problem, unknowns[:-1])
+    around = passage(problem, anchor, period, tangents=False)
+    if around.stop != Stop.REACHED:
         return None
-    shift = to_longest_piece(cycle.times, cycle.period)
+    shift = to_longest_piece(around.times, period)
     way = _transported(line, before, unknowns, anchor, shift)
     motion = begin(problem, anchor)
     motion.run(motion.time + shift)
-    moved = describe(problem, anchor_at(problem, motion), cycle.period)
+    moved = describe(problem, anchor_at(problem, motion), period)
     if moved is None or way is None:
         return None
     point = _framed(line, moved, value, way)
@@ -303,8 +317,11 @@ def _transported(
     n = len(frame.scales)
     way = unknowns - before.unknowns
     state = way[:n] * frame.scales
-    change = DIFFERENCE * line.span * (1.0 if line.holds(value + DIFFERENCE * line.span) else -1.0)
-    here, beside = line.at(value), line.at(value + change)
+    change = DIFFERENCE * line.span
+    beside = line.holding(value + change)
+    if beside is None:
+        change, beside = -change, line.at(value - change)
+    here = line.at(value)
     later = passage(here, anchor, shift)
     shifted = passage(beside, anchor, _same_phase(here, beside, shift), tangents=False)
     if later.stop != Stop.REACHED or shifted.stop != Stop.REACHED:
@@ -325,8 +342,9 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     """The point of the branch at `cycle`, going on along `way` (physical units)."""
     frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
     unknowns = np.append(frame.start, value / line.span)
-    found = _jacobian(line, frame, unknowns)
-    if found is None:
+    found = _conditions(line, frame, unknowns)
+    jacobian = None if found is None else found[1]()
+    if jacobian is None:
         return None
     n = len(frame.scales)
     scaled = np.concatenate(
@@ -334,7 +352,7 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     )
     if frame.normal is not None:  # the way along the flow is no way along the branch
         scaled[:n] -= (scaled[:n] @ frame.normal) * frame.normal
-    tangent = _direction(found[1], scaled)
+    tangent = _direction(jacobian, scaled)
     return None if tangent is None else Point(value, cycle, frame, unknowns, tangent)
 
 
@@ -533,7 +551,7 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
     for distance in BEYOND:
         unknowns = here.unknowns + distance * here.tangent
         value = _in_bracket(line, unknowns)
-        if not line.holds(value):
+        if line.holding(value) is None:
             return RISES if line.invalid(value) == RISES else OTHER
         beyond = _over_period(line, here, unknowns)
         if beyond.stop == Stop.CONTACT_LOST:
@@ -607,12 +625,11 @@ def _round_corner(line: Continuation, here: Point) -> Point | None:
 def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
     """The nearest cycle to `guess`, where the motion has other events; None without one."""
     value = float(guess[-1] * line.span)
-    if not line.holds(value):
-        return None
-    around = here.frame.around(line.at(value), guess[:-1], tangents=False)
+    there = line.holding(value)
+    around = here.frame.around(there, guess[:-1], tangents=False) if there is not None else None
     if around is None or around.events == here.cycle.events:
         return None
-    unknowns = newton(lambda trial: _jacobian(line, here.frame, trial), guess)
+    unknowns = newton(lambda trial: _conditions(line, here.frame, trial), guess)
     if unknowns is None or np.linalg.norm(unknowns - here.unknowns) > LONGEST:
         return None
     return _point(line, here, unknowns)

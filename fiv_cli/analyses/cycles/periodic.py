@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import Section, SolverSettings, Varied
 from fiv_cli.analyses.rest.equilibria import statics_of
 from fiv_cli.codegen.codes import CODE_SEPARATION, SEPARATION, STICK
-from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics.motion import Ledger, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
@@ -70,7 +69,8 @@ class Problem:
 
     def changed(self, varied: Varied, value: float) -> Problem:
         """The same with one parameter, and what follows it, at another value (SI)."""
-        return replace(self, parameters=varied.at(self.parameters, value))
+        parameters = varied.at(self.parameters, value)
+        return Problem(self.system, parameters, self.solver, self.section)
 
 
 def tightened(solver: SolverSettings) -> SolverSettings:
@@ -97,14 +97,14 @@ class Anchor:
     closed: tuple[bool, ...] = ()
 
 
-def begin(problem: Problem, anchor: Anchor) -> Motion:
-    """The motion through `anchor`."""
+def begin(problem: Problem, anchor: Anchor, events: int = 0) -> Motion:
+    """The motion through `anchor`, with room for so many events in a ledger."""
     time = anchor.phase / (2 * np.pi) * (problem.excitation or 0.0)
     motion = Motion(
         problem.system, problem.parameters, problem.solver, anchor.state.copy(), time,
-        anchor.sticking,
+        anchor.sticking, events,
     )  # fmt: skip
-    return _closed(problem, anchor, motion) if _parted(anchor, motion) else motion
+    return _closed(problem, anchor, motion, events) if _parted(anchor, motion) else motion
 
 
 def _parted(anchor: Anchor, motion: Motion) -> int:
@@ -113,7 +113,7 @@ def _parted(anchor: Anchor, motion: Motion) -> int:
     return sum(closed and kind == SEPARATION for closed, kind in pairs)
 
 
-def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
+def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int = 0) -> Motion:
     """`motion` with the contacts closed that rounding has opened.
 
     Begun an instant before it lands, a motion would be right, but not its derivatives. A closed
@@ -123,7 +123,9 @@ def _closed(problem: Problem, anchor: Anchor, motion: Motion) -> Motion:
     names = problem.system.state_names
     for name in statics_of(problem.system).determined:
         pressed = motion.y - PRESSED * np.array([state == name for state in names])
-        trial = Motion(problem.system, problem.parameters, problem.solver, pressed, motion.time)
+        trial = Motion(
+            problem.system, problem.parameters, problem.solver, pressed, motion.time, (), events
+        )
         motion = trial if _parted(anchor, trial) < _parted(anchor, motion) else motion
     return motion
 
@@ -137,7 +139,7 @@ class Passage:
     begun : state at the beginning, as contact lets it be: a sticking contact has no slip velocity
     projection : derivative of `begun` by the state that was asked for
     state : at the end
-    rates : of the state at the beginning and at the end; shape (2, n_states)
+    rates : of the state at the end; NaN without tangents
     monodromy : derivative of the end by the beginning; shape (n_states, n_states), or (n_states,
         0) without tangents
     times : of the events, s from the beginning
@@ -149,7 +151,7 @@ class Passage:
     begun: Vector
     projection: Matrix
     state: Vector
-    rates: Matrix
+    rates: Vector
     monodromy: Matrix
     times: Vector
     events: tuple[Event, ...]
@@ -158,20 +160,20 @@ class Passage:
 
 def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True) -> Passage:
     """Follow the motion through `anchor` for `span` seconds, with its tangents or without."""
-    motion = begin(problem, anchor)
+    motion = begin(problem, anchor, MOST_EVENTS)
+    motion.frame.n_ledger = 0
     n = len(motion.y)
     started, before = motion.time, motion.y.copy()
-    rates = motion.rates().copy() if motion.started else np.zeros(n)
-    projection = _projection(motion) if tangents and motion.started else np.eye(n)
-    motion.keep_ledger(MOST_EVENTS)
-    motion.carry_tangents(np.eye(n) if tangents else np.zeros((0, n)))
+    projection = _projection(motion) if tangents and motion.started else _identity(n)
+    if tangents:
+        motion.carry_tangents(_identity(n).copy())
     stop = motion.run(started + span)
     ledger = motion.ledger
     return Passage(
         begun=before,
         projection=projection,
         state=motion.y.copy(),
-        rates=np.array([rates, motion.rates() if motion.started else rates]),
+        rates=motion.rates() if tangents else np.full(n, np.nan),
         monodromy=motion.tangents.T.copy(),
         times=ledger.times - started,
         events=tuple(event for event in _events(ledger) if not _bounces(event)),
@@ -179,11 +181,17 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
     )
 
 
+@cache
+def _identity(n: int) -> Matrix:
+    """The identity, made once; nobody writes to it."""
+    return np.eye(n)
+
+
 def _projection(motion: Motion) -> Matrix:
     """Derivative of the state where a motion is by the state asked for, by differentiated code."""
     index = motion.state_index
     if not _is_constrained(motion.system, index):
-        return np.eye(len(motion.y))
+        return _identity(len(motion.y))
     return _tangents_at(motion.system, index, motion.coefficients, motion.time, motion.y)
 
 
@@ -200,15 +208,8 @@ def _tangents_at(
     system: System, index: int, coefficients: Vector, time: float, state: Vector
 ) -> Matrix:
     """What a contact state leaves of tangents along each entry of the state, as columns."""
-    n, address = len(state), system.jacobians[index]
-    series, matrix, joined = np.zeros(4 * n), np.zeros((n, n)), np.zeros(2 * n)
-    joined[:n] = state
-    for column in range(n):
-        joined[n:] = 0.0
-        joined[n + column] = 1.0
-        call_generated(address, coefficients, time, joined, series)
-        matrix[:, column] = series[2 * n :: 2]
-    return matrix
+    found = system.linearised(index, coefficients, time, state, range(len(state)))
+    return np.ascontiguousarray(found[:, :, 0].T)
 
 
 def _events(ledger: Ledger) -> list[Event]:
@@ -222,6 +223,12 @@ def _bounces(event: Event) -> bool:
 
 
 # --- the closing conditions ----------------------------------------------------------------------
+# What must vanish, and its Jacobian, computed where a step of Newton's method is taken from there:
+# None where it has none.
+Equations = tuple[Vector, Callable[[], Matrix | None]]
+Conditions = Callable[[Vector], Equations | None]
+
+
 @dataclass(frozen=True)
 class Shooting:
     """The conditions that close a motion, in unknowns of order one.
@@ -252,7 +259,8 @@ class Shooting:
 
     def anchor_of(self, unknowns: Vector) -> Anchor:
         """The point that `unknowns` stand for."""
-        return replace(self.anchor, state=unknowns[: len(self.scales)] * self.scales)
+        state, reference = unknowns[: len(self.scales)] * self.scales, self.anchor
+        return Anchor(state, reference.sticking, reference.phase, reference.closed)
 
     def period_of(self, problem: Problem, unknowns: Vector) -> float:
         """The period that `unknowns` stand for, s."""
@@ -283,20 +291,20 @@ class Shooting:
         """Derivative of `values` by the unknowns."""
         projection = found.projection * self.scales / self.scales[:, None]
         monodromy = found.monodromy * self.scales / self.scales[:, None]
-        closing = np.vstack([monodromy - projection, projection - np.eye(len(self.scales))])
+        closing = np.vstack([monodromy - projection, projection - _identity(len(self.scales))])
         if self.normal is None:
             return closing
-        stretch = found.rates[1] / self.scales * self.period
+        stretch = found.rates / self.scales * self.period
         last = np.concatenate([stretch, np.zeros_like(stretch)])
         across = np.append(self.normal @ projection, 0.0)
         return np.vstack([np.column_stack([closing, last]), across])
 
-    def conditions(self, problem: Problem, unknowns: Vector) -> tuple[Vector, Matrix] | None:
+    def conditions(self, problem: Problem, unknowns: Vector) -> Equations | None:
         """`values` and their Jacobian; None where the motion does not last a period."""
         found = self.around(problem, unknowns)
         if found is None:
             return None
-        return self.values(found, unknowns), self.jacobian(found)
+        return self.values(found, unknowns), lambda: self.jacobian(found)
 
 
 def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Shooting:
@@ -310,17 +318,15 @@ def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) ->
     return Shooting(replace(anchor, state=motion.y.copy()), period, scales, normal, 0)
 
 
-Conditions = Callable[[Vector], tuple[Vector, Matrix] | None]
-
-
 def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
     """Root of `conditions` near `unknowns`; None when Newton's method does not settle."""
     found = conditions(unknowns)
+    matrix = None if found is None else found[1]()
+    if found is None or matrix is None:
+        return None
+    values, jacobian = found[0], matrix
     for _ in range(NEWTON_STEPS):
-        if found is None:
-            return None
-        values, jacobian = found
-        if not np.all(np.isfinite(jacobian)):
+        if not np.isfinite(jacobian).all():
             return None
         step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
         if np.max(np.abs(step)) <= CONVERGED:
@@ -329,19 +335,22 @@ def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
         moved = _shortened(conditions, unknowns, step, float(np.linalg.norm(values)))
         if moved is None:
             return None
-        unknowns, found = moved
+        unknowns, values, jacobian = moved
     return None
 
 
 def _shortened(
     conditions: Conditions, unknowns: Vector, step: Vector, before: float
-) -> tuple[Vector, tuple[Vector, Matrix]] | None:
-    """The longest share of a step that improves the conditions."""
+) -> tuple[Vector, Vector, Matrix] | None:
+    """The longest share of a step that improves the conditions, their values, their Jacobian."""
     for share in SHORTENED:
         trial = unknowns + share * step
         found = conditions(trial)
-        if found is not None and float(np.linalg.norm(found[0])) < before:
-            return trial, found
+        if found is None or float(np.linalg.norm(found[0])) >= before:
+            continue
+        jacobian = found[1]()
+        if jacobian is not None:
+            return trial, found[0], jacobian
     return None
 
 

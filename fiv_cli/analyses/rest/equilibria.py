@@ -17,7 +17,6 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.generate import JACOBIAN_ORDER
 from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
@@ -74,34 +73,25 @@ class Sliding:
         """Exact derivative of `rates` (by differentiated code); shape (n, n)."""
         return self.slopes(y, range(len(y)))
 
-    def slopes(self, y: Vector, columns: Iterable[int]) -> NDArray[np.float64]:
+    def slopes(self, y: Vector, columns: Sequence[int]) -> NDArray[np.float64]:
         """Columns of `jacobian`; shape (n, number of columns)."""
-        n, address = len(y), self.system.jacobians[self.index]
-        series = np.zeros(2 * n * (JACOBIAN_ORDER + 1))
-        joined = np.concatenate([y, np.zeros(n)])
-        found = []
-        for column in columns:
-            joined[n:] = 0.0
-            joined[n + column] = 1.0
-            call_generated(address, self.coefficients, 0.0, joined, series)
-            found.append(series.reshape(2 * n, -1)[n:, 1].copy())
-        return np.array(found).reshape(-1, n).T
+        found = self.system.linearised(self.index, self.coefficients, 0.0, y, columns)
+        return np.ascontiguousarray(found[:, :, 1]).T
 
     @cached_property
     def statics(self) -> Statics:
         """What is known of the system at rest."""
         return statics_of(self.system)
 
-    @cached_property
+    @property
     def free(self) -> list[int]:
-        """Places of the coordinates that no rigid contact determines."""
-        determined = self.statics.determined
-        return [i for i, name in enumerate(self.system.coordinates) if name not in determined]
+        """See `free_coordinates`."""
+        return free_coordinates(self.system)
 
-    @cached_property
+    @property
     def free_rates(self) -> NDArray[np.intp]:
         """Places of their accelerations among `rates`."""
-        return len(self.system.coordinates) + np.array(self.free, np.intp)
+        return _free_rates(self.system)
 
 
 @cache
@@ -116,15 +106,29 @@ def statics_of(system: System) -> Statics:
     return statics
 
 
+@cache
+def free_coordinates(system: System) -> list[int]:
+    """Places of the coordinates that no rigid contact determines."""
+    determined = statics_of(system).determined
+    return [i for i, name in enumerate(system.coordinates) if name not in determined]
+
+
+@cache
+def _free_rates(system: System) -> NDArray[np.intp]:
+    return len(system.coordinates) + np.array(free_coordinates(system), np.intp)
+
+
 def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
     """The unexcited system in sliding."""
     vector = system.parameter_vector(system.setup.model.unexcited(parameters))
     state = Sliding(system, vector, system.coefficients(vector), 0, True)
     velocities = state.contact_forces(np.zeros(len(system.state_names)))[:, 2]
+    moving = bool(((velocities != 0.0) | np.array(system.generated.smooth)).all())
+    backwards = velocities < 0.0
+    if not backwards.any():
+        return Sliding(system, vector, state.coefficients, 0, moving)
     first = len(vector) - 1 - system.n_contacts
-    vector[first : first + system.n_contacts] = np.where(velocities < 0.0, -1.0, 1.0)
-    smooth = np.array(system.generated.smooth)
-    moving = bool(np.all((velocities != 0.0) | smooth))
+    vector[first : first + system.n_contacts] = np.where(backwards, -1.0, 1.0)
     return Sliding(system, vector, system.coefficients(vector), 0, moving)
 
 
@@ -271,9 +275,15 @@ def _roots(coefficients: Vector) -> NDArray[np.complex128]:
     falling = coefficients[::-1]
     if not (falling[0] and falling[-1]):  # it is of a lower degree, or has zero as a root
         return np.roots(falling).astype(complex)
-    companion = np.eye(len(falling) - 1, k=-1)
+    companion = _shift(len(falling) - 1).copy()
     companion[0] = -falling[1:] / falling[0]
     return np.linalg.eigvals(companion).astype(complex)
+
+
+@cache
+def _shift(size: int) -> NDArray[np.float64]:
+    """Ones below the diagonal."""
+    return np.eye(size, k=-1)
 
 
 def _value(coefficients: Vector, at: float) -> float:

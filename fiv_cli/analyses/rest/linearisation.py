@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Settings, SolverSettings
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
-from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, sliding
+from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, free_coordinates, sliding
 from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]
@@ -73,7 +74,7 @@ def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
     follows in the vectors.
     """
     values, free_vectors = spectrum(free_jacobian(state, y))
-    free = free_states(state)
+    free = free_states(state.system)
     if len(free) == len(y):
         return values, free_vectors
     m = len(state.system.coordinates)
@@ -88,14 +89,17 @@ def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
 
 def free_jacobian(state: Sliding, y: Vector) -> Real:
     """Derivative of the rates of `free_states` by these; shape (free states, free states)."""
-    free = free_states(state)
+    free = free_states(state.system)
+    if len(free) == len(y):
+        return np.ascontiguousarray(state.jacobian(y))
     return state.jacobian(y)[np.ix_(free, free)]
 
 
-def free_states(state: Sliding) -> NDArray[np.intp]:
+@cache
+def free_states(system: System) -> NDArray[np.intp]:
     """Places of the states that no rigid contact determines: coordinates, then velocities, ..."""
-    m, n = len(state.system.coordinates), len(state.system.state_names)
-    coordinates = np.array(state.free, dtype=np.intp)
+    m, n = len(system.coordinates), len(system.state_names)
+    coordinates = np.array(free_coordinates(system), dtype=np.intp)
     return np.concatenate([coordinates, m + coordinates, np.arange(2 * m, n)])
 
 
@@ -106,7 +110,9 @@ def spectrum(jacobian: Real) -> tuple[Complex, Complex]:
     are exact zeros where there is no damping, and have few digits less than the frequencies
     where damping is weak.
     """
-    values, vectors = _undamped(jacobian) if _is_undamped(jacobian) else _damped(jacobian)
+    mechanical = _is_mechanical(jacobian)
+    undamped = mechanical and not jacobian[len(jacobian) // 2 :, len(jacobian) // 2 :].any()
+    values, vectors = _undamped(jacobian) if undamped else _damped(jacobian, mechanical)
     order = np.lexsort((-values.imag, values.real, np.round(np.abs(values.imag), 12)))
     return values[order], _normalised(vectors[:, order])
 
@@ -121,13 +127,13 @@ def _normalised(vectors: Complex) -> Complex:
 def _is_mechanical(jacobian: Real) -> bool:
     """Whether the state is coordinates and their velocities, and nothing else."""
     m = len(jacobian) // 2
-    above = np.hstack([np.zeros((m, m)), np.eye(m)])
-    return 2 * m == len(jacobian) and bool(np.all(jacobian[:m] == above))
+    return 2 * m == len(jacobian) and bool((jacobian[:m] == _velocities(m)).all())
 
 
-def _is_undamped(jacobian: Real) -> bool:
-    m = len(jacobian) // 2
-    return _is_mechanical(jacobian) and not np.any(jacobian[m:, m:])
+@cache
+def _velocities(m: int) -> Real:
+    """Derivative of the rates of m coordinates, which are their velocities, by both."""
+    return np.hstack([np.zeros((m, m)), np.eye(m)])
 
 
 def _undamped(jacobian: Real) -> tuple[Complex, Complex]:
@@ -141,10 +147,10 @@ def _undamped(jacobian: Real) -> tuple[Complex, Complex]:
     return values, np.vstack([vectors, values * vectors])
 
 
-def _damped(jacobian: Real) -> tuple[Complex, Complex]:
+def _damped(jacobian: Real, mechanical: bool) -> tuple[Complex, Complex]:
     values, vectors = np.linalg.eig(jacobian)
     values, vectors = values.astype(complex), vectors.astype(complex)
-    if _is_mechanical(jacobian):
+    if mechanical:
         values = _corrected(values, _correction(jacobian, values, vectors))
     return values, vectors
 
@@ -186,19 +192,13 @@ def stability(values: Complex) -> str:
 
 
 def coupled_modes(values: Complex) -> NDArray[np.int64]:
-    """For each mode, the one it has merged with, else -1.
+    """For each mode, the one it has merged with (the last of several), else -1.
 
     Two modes have merged when they differ in growth and not, or less, in frequency.
     """
-    partner = np.full(len(values), -1, np.int64)
-    for i, first in enumerate(values):
-        for j, second in enumerate(values):
-            if i != j and _is_coupled(first, second):
-                partner[i] = j
+    frequency, growth = values.imag[:, None], values.real[:, None]
+    split = np.abs(frequency - values.imag)
+    same = (split <= COUPLED * np.abs(frequency)) & (frequency != 0.0)
+    merged = same & (split < np.abs(growth - values.real))
+    partner: NDArray[np.int64] = np.where(merged, np.arange(len(values)), -1).max(axis=1)
     return partner
-
-
-def _is_coupled(first: complex, second: complex) -> bool:
-    split = abs(first.imag - second.imag)
-    same = split <= COUPLED * abs(first.imag) and first.imag != 0.0
-    return bool(same and split < abs(first.real - second.real))

@@ -29,15 +29,26 @@ def matched(
     -------
     (modes,): place of the new mode; conjugate pairs go to conjugate pairs
     """
-    from scipy.optimize import linear_sum_assignment
-
     scale = max(float(np.abs(old_values).max()), np.finfo(float).tiny)
     cost = np.abs(old_values[:, None] - new_values[None, :]) / scale
     cost += SHAPE * (1.0 - np.abs(_unit_rows(old_vectors).conj() @ _unit_rows(new_vectors).T))
     cost += TURNED * (old_values.imag[:, None] * new_values.imag[None, :] < 0.0)
     cost += TIE * np.linspace(0.0, 1.0, len(cost))[:, None] * new_values.real[None, :] / scale
+    return _paired(_cheapest(cost), old_values, new_values)
+
+
+def _cheapest(cost: NDArray[np.float64]) -> Order:
+    """The column of each row in the assignment of least cost.
+
+    Mostly every row has its cheapest column to itself, and nothing is to be weighed.
+    """
+    cheapest = cost <= cost.min(axis=1, keepdims=True)
+    if (cheapest.sum(axis=0) == 1).all():
+        return cheapest.argmax(axis=1)
+    from scipy.optimize import linear_sum_assignment
+
     order: Order = linear_sum_assignment(cost)[1]
-    return _paired(order, old_values, new_values)
+    return order
 
 
 def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
@@ -45,32 +56,35 @@ def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
 
     Where two modes merge, the halves of the two pairs could else be mixed.
     """
-    old_twins, new_twins = _conjugates(old_values), _conjugates(new_values)
-    if old_twins is None or new_twins is None:
+    old, new = old_values.tolist(), new_values.tolist()
+    old_twins, new_twins = _conjugates(old), _conjugates(new)
+    if not old_twins or not new_twins:
         return order
-    order = order.copy()
-    for mode in np.flatnonzero(old_values.imag > 0.0):
-        wanted = new_twins[order[mode]]
-        if new_values[order[mode]].imag > 0.0:
-            twin, holder = old_twins[mode], np.flatnonzero(order == wanted)[0]
-            order[[twin, holder]] = order[[holder, twin]]
-    return order
+    places = order.tolist()
+    for mode, value in enumerate(old):
+        if value.imag > 0.0 and new[places[mode]].imag > 0.0:
+            twin, holder = old_twins[mode], places.index(new_twins[places[mode]])
+            places[twin], places[holder] = places[holder], places[twin]
+    return np.array(places, np.intp)
 
 
-def _conjugates(values: Complex) -> Order | None:
-    """Place of the conjugate of each eigenvalue; of a real one its own; None: not in pairs."""
-    places = np.arange(len(values))
-    upper, lower = np.flatnonzero(values.imag > 0.0), np.flatnonzero(values.imag < 0.0)
-    upper = upper[np.lexsort((values[upper].imag, values[upper].real))]
-    lower = lower[np.lexsort((-values[lower].imag, values[lower].real))]
+def _conjugates(values: list[complex]) -> list[int]:
+    """Place of the conjugate of each eigenvalue; of a real one its own; empty: not in pairs."""
+    places = list(range(len(values)))
+    ranked = sorted(places, key=lambda place: (values[place].real, abs(values[place].imag)))
+    upper = [place for place in ranked if values[place].imag > 0.0]
+    lower = [place for place in ranked if values[place].imag < 0.0]
     if len(upper) != len(lower):
-        return None
-    places[upper], places[lower] = lower, upper
+        return []
+    for one, other in zip(upper, lower, strict=True):
+        places[one], places[other] = other, one
     return places
 
 
 def _unit_rows(vectors: Complex) -> Complex:
-    vectors = np.nan_to_num(vectors)
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    result: Complex = vectors / np.where(lengths > 0.0, lengths, 1.0)
+    if not np.isfinite(vectors).all():
+        vectors = np.nan_to_num(vectors)
+    lengths = np.sqrt((vectors.conj() * vectors).real.sum(axis=1, keepdims=True))
+    lengths[lengths == 0.0] = 1.0
+    result: Complex = vectors / lengths
     return result
