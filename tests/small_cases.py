@@ -1,17 +1,6 @@
-"""Texts of small cases that several tests run."""
+"""Texts of small cases that several tests run, on other versions of the program too."""
 
 from __future__ import annotations
-
-from fiv_cli.analyses import all_analyses
-from fiv_cli.models import all_models
-
-# Names of models and analyses that go together.
-SUITED = [
-    (name, kind)
-    for name, model in all_models().items()
-    for kind, analysis in all_analyses().items()
-    if not analysis.unsuited(model)
-]
 
 BELT = """\
 schema = 1

@@ -16,7 +16,7 @@ import click
 import pytest
 from disturbed import by_default
 from small_cases import BELT as CASE
-from small_cases import SUITED
+from small_models import SUITED
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import DiscPoints

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from small_cases import SUITED
+from small_models import SUITED
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Outcome, Varied
