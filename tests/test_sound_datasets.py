@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import attacks
@@ -92,17 +93,32 @@ def test_what_is_wrong_is_said_by_every_command(
         assert said.splitlines()[-1].startswith(("next: ", "write a dataset with: "))
 
 
-def test_an_event_without_a_contact_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def no_contact(file: h5py.File) -> None:
+    """A single bit makes the number of a contact a missing one."""
+    file["event_contact"][1] ^= -(2**31)
+
+
+def no_time(file: h5py.File) -> None:
+    file["time"][...] = 0.0
+
+
+@pytest.mark.parametrize(
+    ("change", "told"), [(no_contact, "an event without a contact"), (no_time, "time does not go")]
+)
+def test_what_is_wrong_with_a_history_is_said(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    change: Callable[[h5py.File], None],
+    told: str,
 ) -> None:
-    """A single bit makes the number of its contact a missing one."""
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(attacks.CASES["history"])
     assert fiv(["run", "a.toml", "-o", "a.nc", "--workers", "1", "-q"]) == 0
     with h5py.File("a.nc", "r+") as file:
-        file["event_contact"][1] ^= -(2**31)
+        change(file)
     assert fiv(["plot", "a.nc"]) == 3
-    assert "an event without a contact" in capsys.readouterr().err
+    assert told in capsys.readouterr().err
 
 
 def huge(path: Path) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.case.grammar import figure_of_before
@@ -205,6 +206,13 @@ def _of_axes(dataset: xr.Dataset) -> Iterator[str]:
             yield f"{name} is no axis: it has {axis.ndim} dims"
         elif axis.dtype.kind == "f" and on_grid and not np.isfinite(axis.values).all():
             yield f"the axis {name} holds something else than finite numbers"
+    if "time" in dataset and not _goes_on(dataset["time"].values):
+        yield "time does not go on"
+
+
+def _goes_on(time: NDArray[Any]) -> bool:
+    """Whether what is known of a time, or of each of several, increases."""
+    return time.dtype.kind in "fiu" and not bool((np.diff(np.atleast_1d(time), axis=-1) <= 0).any())
 
 
 # --- how variables go together --------------------------------------------------------------------
