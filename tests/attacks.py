@@ -158,13 +158,8 @@ NUMBERS = (0, -1, 3, 127, 2**31 - 1, -(2**31), 1e308, -1e308, 5e-324, float("nan
 def attribute_value(rng: random.Random) -> Any:
     values: list[Any] = [*TEXTS, *NUMBERS]
     values += [np.array([], np.int8), np.arange(3), np.array([1.5, 2.5]), np.bytes_(b"\xff\xfe")]
-    values += [
-        np.array([b"a", b"b"]),
-        np.int8(3),
-        np.float64(2.5),
-        h5py.Empty("S1"),
-        h5py.Empty("f8"),
-    ]
+    values += [np.array([b"a", b"b"]), np.int8(3), np.float64(2.5)]
+    values += [h5py.Empty("S1"), h5py.Empty("f8")]
     return values[rng.randrange(len(values))]
 
 
@@ -335,11 +330,8 @@ def attacks_on_datasets(rng: random.Random) -> Iterator[tuple[str, list[str], se
     right = {0, 2, 3, 5}
     yield how, ["show", *(["--json"] if rng.random() < 0.5 else []), "bad.nc"], right
     yield how, ["diff", *rng.sample(["bad.nc", str(whole)], 2)], right
-    yield (
-        how,
-        ["plot", "bad.nc", *([] if rng.random() < 0.7 else ["--figure", rng.choice(KINDS)])],
-        right,
-    )
+    drawn = [] if rng.random() < 0.7 else ["--figure", rng.choice(KINDS)]
+    yield how, ["plot", "bad.nc", *drawn], right
     place = Path(f"runs/{name}.nc")
     shutil.copyfile(bad, place)
     yield how, ["claims", f"{name}.toml", "--strict"], right
@@ -372,12 +364,11 @@ def mutated(text: str, rng: random.Random) -> str:
         edit = rng.randrange(8)
         if edit == 0:
             del lines[i]
-            text = "\n".join(lines)
         elif edit == 1:
             lines.insert(i, lines[j])
-            text = "\n".join(lines)
         elif edit == 2:
             lines[i], lines[j] = lines[j], lines[i]
+        if edit < 3:
             text = "\n".join(lines)
         elif edit == 3:
             text = text[:at] + rng.choice(SPLICES) + text[at:]
@@ -391,11 +382,9 @@ def mutated(text: str, rng: random.Random) -> str:
         elif edit == 6:
             text = text[:at] + chr(rng.choice((9, 27, 34, 39, 127, 0x85, 0x202E, 0xE9))) + text[at:]
         else:
-            numbers = [k for k, c in enumerate(text) if c.isdigit()]
-            k = rng.choice(numbers or [0])
-            text = (
-                text[:k] + rng.choice(("0", "-1", "1e9", "1e-300", "9" * 20, "inf")) + text[k + 1 :]
-            )
+            k = rng.choice([k for k, c in enumerate(text) if c.isdigit()] or [0])
+            number = rng.choice(("0", "-1", "1e9", "1e-300", "9" * 20, "inf"))
+            text = text[:k] + number + text[k + 1 :]
     return text
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,16 @@ def booked(begun: Motion, t_end: float) -> Balance:
     before = begun.energy()
     assert begun.run(t_end, measuring=True) == Stop.REACHED
     return balance(begun, before)
+
+
+def by_both(t_end: float, step: float, *given: Any, **named: Any) -> tuple[Motion, Motion]:
+    """A motion to `t_end` by the series and by rk4 of this step; both meet the same events."""
+    solvers = (TIGHT, SolverSettings("rk4", TIGHT.rtol, step))
+    exact, rough = (motion(*given, solver=solver, **named) for solver in solvers)
+    assert exact.run(t_end) == rough.run(t_end) == Stop.REACHED
+    assert transitions(exact) == transitions(rough)
+    np.testing.assert_allclose(times(exact), times(rough), atol=1e-8)
+    return exact, rough
 
 
 def transitions(moved: Motion) -> list[str]:

@@ -1,4 +1,4 @@
-"""Texts of small cases that several tests run."""
+"""Texts of small cases that several tests run, on other versions of the program too."""
 
 from __future__ import annotations
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from fiv_cli.analyses import all_analyses
+from fiv_cli.models import all_models
 from fiv_cli.models.base import (
     Contact,
     Equations,
@@ -15,6 +17,14 @@ from fiv_cli.models.base import (
     Parameter,
     State,
 )
+
+# Names of the shipped models and of the analyses that suit them.
+SUITED = [
+    (name, kind)
+    for name, model in all_models().items()
+    for kind, analysis in all_analyses().items()
+    if not analysis.unsuited(model)
+]
 
 
 def _parameters(**defaults: float) -> tuple[Parameter, ...]:

@@ -56,35 +56,18 @@ class Bistable:
             self.model, self.law, "response", values, {"t_max": t_max}, **self.parameters
         )
 
-    def compared(self, starts: Starts, truths: Iterable[str]) -> Comparison:
-        """Every start that is told another class than the true one."""
+    def told_truly(self, starts: Starts, truths: Iterable[str]) -> list[str]:
+        """The classes that starts are told: none is false, and few are missing."""
         found = [str(self.told(start).values["attractor"]) for start in starts]
         wrong = [
-            f"{self.model} {self.law} {dict(self.parameters)}: "
             f"{tuple(map(float, start))} is {true}, told {told}"
             for start, true, told in zip(starts, truths, found, strict=True)
             if told not in (true, UNDECIDED)
         ]
-        return Comparison(found, wrong)
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """What `response` told, and where that is false."""
-
-    found: list[str]
-    wrong: list[str]
-
-    def share(self, kind: str) -> float:
-        """Share of the starts that were told this class."""
-        return self.found.count(kind) / len(self.found)
-
-
-def assert_true(comparison: Comparison) -> None:
-    """No class is false, and few are missing."""
-    wrong, count = comparison.wrong, len(comparison.found)
-    assert not wrong, "\n".join([f"{len(wrong)} of {count} starts are told a false class", *wrong])
-    assert comparison.share(UNDECIDED) <= UNDECIDED_AT_MOST
+        said = f"{self.model} {self.law} {dict(self.parameters)}: {len(wrong)} of {len(found)}"
+        assert not wrong, "\n".join([f"{said} starts are told a false class", *wrong])
+        assert found.count(UNDECIDED) / len(found) <= UNDECIDED_AT_MOST
+        return found
 
 
 # --- one mass on a belt --------------------------------------------------------------------------
@@ -152,13 +135,13 @@ def test_growing_stick_slip_is_no_equilibrium() -> None:
 @every_belt
 def test_classes_on_both_sides_of_the_unstable_cycle(law: str, v: float) -> None:
     starts, truths = beside_the_cycle(law, v, (0.3, 3.4))
-    assert_true(on_a_belt(law, v).compared(starts, truths))
+    on_a_belt(law, v).told_truly(starts, truths)
 
 
 @every_belt
 def test_classes_all_over_both_basins(law: str, v: float) -> None:
     starts = around(law, v, 50)
-    assert_true(on_a_belt(law, v).compared(starts, enclosed(law, v, starts)))
+    on_a_belt(law, v).told_truly(starts, enclosed(law, v, starts))
 
 
 BASIN = ((-2.0, 2.0), (0.0, 2.0))  # x, x': Stender & Hoffmann, bSTAB, Nonlinear Dynamics 2021
@@ -180,19 +163,17 @@ def deviation(share: float, count: int) -> float:
     return float(np.sqrt(share * (1.0 - share) / count))
 
 
-def compared_in_the_box(v: float, count: int) -> Comparison:
-    """What random starts of the published box are told."""
+def resting_in_the_box(v: float, count: int) -> float:
+    """Share of random starts of the published box that are told to rest."""
     starts = box(round(1000 * v), count)
-    found = on_a_belt("stribeck", v).compared(starts, enclosed("stribeck", v, starts))
-    assert_true(found)
-    return found
+    truths = enclosed("stribeck", v, starts)
+    return on_a_belt("stribeck", v).told_truly(starts, truths).count(EQUILIBRIUM) / count
 
 
 @pytest.mark.parametrize("v", [1.175, 1.5])
 def test_the_share_of_resting_starts(v: float) -> None:
     count, share = 1000, belt("stribeck", v).share(*BASIN)
-    found = compared_in_the_box(v, count)
-    assert found.share(EQUILIBRIUM) == pytest.approx(share, abs=3.0 * deviation(share, count))
+    assert resting_in_the_box(v, count) == pytest.approx(share, abs=3.0 * deviation(share, count))
 
 
 def test_a_boundary_lies_where_the_unstable_cycle_meets_the_start() -> None:
@@ -325,13 +306,13 @@ every_pin = pytest.mark.parametrize("pin", PINS, ids=lambda pin: pin.name)
 
 @every_pin
 def test_classes_on_both_sides_of_the_pin_s_borders(pin: Pin) -> None:
-    assert_true(pin.system.compared(*pin.across()))
+    pin.system.told_truly(*pin.across())
 
 
 @every_pin
 def test_classes_of_the_pin_all_over_its_basins(pin: Pin) -> None:
     starts = pin.around(3)
-    assert_true(pin.system.compared(starts, [pin.own.classify(*start) for start in starts]))
+    pin.system.told_truly(starts, [pin.own.classify(*start) for start in starts])
 
 
 # --- what was told stays so ----------------------------------------------------------------------
@@ -426,7 +407,7 @@ def test_many_classes_on_a_belt(law: str, v: float) -> None:
     """By integration, all over the basins and beside the unstable cycle."""
     starts = np.concatenate([around(law, v, 160), beside_the_cycle(law, v, (0.0, 1.1, 4.2))[0]])
     system = on_a_belt(law, v)
-    assert_true(system.compared(starts, [system.truth(*start) for start in starts]))
+    system.told_truly(starts, [system.truth(*start) for start in starts])
 
 
 @pytest.mark.campaign
@@ -445,8 +426,7 @@ def test_shares_of_many_starts(v: float) -> None:
     """4,000 starts each; the published shares are within their own sampling error, too."""
     exact, count = belt("stribeck", v).share(*BASIN), 4000
     assert PUBLISHED[v] == pytest.approx(exact, abs=3.0 * deviation(exact, 5000))
-    found = compared_in_the_box(v, count)
-    assert found.share(EQUILIBRIUM) == pytest.approx(exact, abs=3.0 * deviation(exact, count))
+    assert resting_in_the_box(v, count) == pytest.approx(exact, abs=3.0 * deviation(exact, count))
 
 
 @pytest.mark.campaign
@@ -454,7 +434,7 @@ def test_shares_of_many_starts(v: float) -> None:
 def test_many_classes_of_the_pin(pin: Pin) -> None:
     starts = np.concatenate([pin.around(120), pin.across()[0]])
     system = pin.system
-    assert_true(system.compared(starts, [system.truth(*start) for start in starts]))
+    system.told_truly(starts, [system.truth(*start) for start in starts])
 
 
 @pytest.mark.campaign

@@ -16,6 +16,7 @@ import click
 import pytest
 from disturbed import by_default
 from small_cases import BELT as CASE
+from small_models import SUITED
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import DiscPoints
@@ -272,14 +273,6 @@ class TestCheck:
 
     def test_the_plan_counts_points(self, case: Path) -> None:
         assert "2 points" in fiv("check", str(case)).stdout
-
-
-SUITED = [
-    (name, kind)
-    for name, model in all_models().items()
-    for kind, analysis in all_analyses().items()
-    if not analysis.unsuited(model)
-]
 
 
 def with_schedule(template: str) -> str:

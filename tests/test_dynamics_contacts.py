@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motions import TIGHT, booked, ledger, motion, times, transitions
+from motions import booked, by_both, ledger, motion, times, transitions
 from small_models import BOUNCER, TWO_BOUNCERS, TWO_MASSES
 
-from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS, CODE_STICK, SEPARATION
 from fiv_cli.dynamics.motion import Motion, Stop, samples_at
 
@@ -80,18 +79,9 @@ def test_bouncing_on_a_lifted_belt_repeats_and_balances() -> None:
 
 @pytest.mark.parametrize("options", [RIGID, COMPLIANT, ELASTIC], ids=lambda o: o["contact"])
 def test_two_integrators_agree_through_separation(options: Any) -> None:
-    solver = SolverSettings("rk4", TIGHT.rtol, 2e-4)
-    begun, rough = (
-        motion(
-            BOUNCER, start={"z": 0.2, "x_dot": 0.3}, options=options, solver=s, A=15.0, k_c=200.0
-        )
-        for s in (TIGHT, solver)
-    )
-    begun.run(3.5)
-    rough.run(3.5)
-    assert transitions(begun) == transitions(rough)
+    start = {"z": 0.2, "x_dot": 0.3}
+    begun, rough = by_both(3.5, 2e-4, BOUNCER, start=start, options=options, A=15.0, k_c=200.0)
     assert begun.n_events >= 6
-    np.testing.assert_allclose(times(begun), times(rough), atol=1e-8)
     np.testing.assert_allclose(begun.y, rough.y, atol=1e-7)
 
 
@@ -188,15 +178,8 @@ def test_both_release_at_once() -> None:
 
 @pytest.mark.parametrize("changes", [{"N2": 8.0}, {"k2": 1.7}, {"N1": 4.0, "k_c": 2.0}])
 def test_two_masses_by_two_integrators(changes: Any) -> None:
-    begun, rough = (
-        motion(TWO_MASSES, start={"x1": 0.3}, solver=solver, **changes)
-        for solver in (TIGHT, SolverSettings("rk4", TIGHT.rtol, 1e-3))
-    )
-    for each in (begun, rough):
-        assert each.run(40.0) == Stop.REACHED
-    assert transitions(begun) == transitions(rough)
+    begun, rough = by_both(40.0, 1e-3, TWO_MASSES, start={"x1": 0.3}, **changes)
     assert {int(row[3]) for row in ledger(begun)} == {0, 1}
-    np.testing.assert_allclose(times(begun), times(rough), atol=1e-8)
     np.testing.assert_allclose(begun.y, rough.y, atol=1e-8)
 
 
