@@ -360,8 +360,8 @@ def analyse(
     ('periodic', 8.068888)
     """
     from fiv_cli.analyses import all_analyses
-    from fiv_cli.analyses.base import SolverSettings
-    from fiv_cli.analyses.execute import Request, answer, prepare
+    from fiv_cli.analyses.base import Request, SolverSettings
+    from fiv_cli.analyses.execute import answer, prepare
 
     kind = pick(analysis, all_analyses(), "analysis", "fiv schema")
     solver = solver or SolverSettings()

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fiv_cli.analyses.base import Outcome
-from fiv_cli.analyses.execute import Request
+from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.case.case import Case
 from fiv_cli.case.load import parse_case
 

@@ -10,7 +10,8 @@ import xarray as xr
 from motions import defaults
 from scipy.optimize import brentq
 
-from fiv_cli.analyses.execute import Request, execute
+from fiv_cli.analyses.base import Request
+from fiv_cli.analyses.execute import execute
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run

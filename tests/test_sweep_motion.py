@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sweep_fakes
 
-from fiv_cli.analyses.execute import Request
+from fiv_cli.analyses.base import Request
 from fiv_cli.errors import UsageError
 from fiv_cli.sweep.motion import find_point, run_motion
 from fiv_cli.sweep.policy import Policy

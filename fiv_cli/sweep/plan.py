@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Points, Start, requirements
-from fiv_cli.analyses.execute import Request
+from fiv_cli.analyses.base import Points, Request, Start, requirements
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.block import KEY_BYTES

@@ -18,13 +18,13 @@ import numpy as np
 
 from fiv_cli.analyses.base import (
     STEADY,
+    Request,
     Schedule,
     Setup,
     SolverSettings,
     Start,
     broken,
 )
-from fiv_cli.analyses.execute import Request
 from fiv_cli.case.case import StartSpec
 from fiv_cli.friction import get_law
 from fiv_cli.models.base import Requirement

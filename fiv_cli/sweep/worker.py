@@ -21,9 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from fiv_cli import ending
-from fiv_cli.analyses.base import Outcome, Start
+from fiv_cli.analyses.base import Outcome, Request, Start
 from fiv_cli.analyses.catalogue import variables_of
-from fiv_cli.analyses.execute import Request
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import from_plain, to_plain
