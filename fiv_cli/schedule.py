@@ -87,3 +87,8 @@ def _line(points: Points, time: float) -> tuple[float, float]:
     (begun, first), (ended, last) = points[place - 1], points[place]
     rate = (last - first) / (ended - begun)
     return first - rate * begun, rate
+
+
+def rate_of(parameter: str) -> str:
+    """Name of the rate of a parameter that varies in time."""
+    return f"{parameter}.rate"

@@ -20,6 +20,7 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from fiv_cli.analyses.settings import Question, Settings, Varied
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.schedule import STEADY, Points, Schedule
@@ -46,50 +47,6 @@ __all__ = [
     "Start",
     "Varied",
 ]
-
-
-Settings = Mapping[str, Any]
-"""What an analysis is asked, defaults filled in: each value is what its `Setting` makes of it."""
-
-
-@dataclass(frozen=True)
-class Varied:
-    """A parameter that an analysis itself varies.
-
-    Attributes
-    ----------
-    name : contract name
-    followers : parameters that take its value, because the case gives them no other
-    unit : its unit
-    """
-
-    name: str
-    followers: tuple[str, ...] = ()
-    unit: str = "1"
-
-    def at(self, parameters: Mapping[str, float], value: float) -> dict[str, float]:
-        """`parameters` with this one, and what follows it, at `value` (SI)."""
-        return {**parameters, **dict.fromkeys((self.name, *self.followers), value)}
-
-
-@dataclass(frozen=True)
-class Question:
-    """A question that a run answers with yes or no.
-
-    Attributes
-    ----------
-    variable : the variable that decides
-    name : class asked for, where the variable holds a class
-    negated : "not CLASS"
-    below : the number that the variable must stay below; None: it holds a class
-    counts : a run that is undecided when its time is up has an answer like any other
-    """
-
-    variable: str = "attractor"
-    name: str = ""
-    negated: bool = False
-    below: float | None = None
-    counts: bool = False
 
 
 def broken(

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, ClassVar, NamedTuple, Protocol
 
-from fiv_cli.analyses.base import Question, Section, Varied
+from fiv_cli.dynamics.settings import Section
 from fiv_cli.flags import TABLES
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Parameter
@@ -27,6 +27,50 @@ from fiv_cli.notation.values import (
 )
 
 Schema = dict[str, Any]
+
+
+Settings = Mapping[str, Any]
+"""What an analysis is asked, defaults filled in: each value is what its `Setting` makes of it."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A parameter that an analysis itself varies.
+
+    Attributes
+    ----------
+    name : contract name
+    followers : parameters that take its value, because the case gives them no other
+    unit : its unit
+    """
+
+    name: str
+    followers: tuple[str, ...] = ()
+    unit: str = "1"
+
+    def at(self, parameters: Mapping[str, float], value: float) -> dict[str, float]:
+        """`parameters` with this one, and what follows it, at `value` (SI)."""
+        return {**parameters, **dict.fromkeys((self.name, *self.followers), value)}
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question that a run answers with yes or no.
+
+    Attributes
+    ----------
+    variable : the variable that decides
+    name : class asked for, where the variable holds a class
+    negated : "not CLASS"
+    below : the number that the variable must stay below; None: it holds a class
+    counts : a run that is undecided when its time is up has an answer like any other
+    """
+
+    variable: str = "attractor"
+    name: str = ""
+    negated: bool = False
+    below: float | None = None
+    counts: bool = False
 
 
 class Known(Protocol):

@@ -10,7 +10,7 @@ from dataclasses import KW_ONLY, dataclass
 from enum import Enum, auto
 from typing import TypedDict, Unpack
 
-from fiv_cli.analyses.base import Settings, Varied
+from fiv_cli.analyses.settings import Settings, Varied
 from fiv_cli.models.base import State
 
 INT_FILL = -2147483647

@@ -7,12 +7,15 @@ ones in forty decimal digits: every value is the double nearest to the decimal m
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field, replace
 from decimal import Context, Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import floor, lcm
+from typing import Any
+
+from fiv_cli.case.report import Path
 
 # Values of one axis are held in memory; more of them than this is a mistake or several axes.
 LONGEST_AXIS = 10_000_000
@@ -104,3 +107,30 @@ def _check_order(start: Fraction, stop: Fraction) -> None:
 
 def _decimal(value: Fraction) -> Decimal:
     return _DIGITS.divide(Decimal(value.numerator), Decimal(value.denominator))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An axis by name, before its values are read.
+
+    Attributes
+    ----------
+    read : one value, in SI -> what is kept; ValueError when it is not allowed
+    unit : None for names
+    allowed, choices : what a value may be, in words, and by name
+    written : the axis as a span, or as the list that the case has; empty where it is neither
+    """
+
+    name: str
+    kind: str
+    place: Path
+    read: Callable[[Any], Any]
+    unit: str | None = None
+    allowed: str = ""
+    choices: Collection[str] = ()
+    written: Span | list[Any] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        """How many values there are; they are counted before they are built."""
+        return self.written.count if isinstance(self.written, Span) else len(self.written)

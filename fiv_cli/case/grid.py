@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from math import prod
 from typing import Any, NamedTuple
 
-from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Span, span_by_count, span_by_step
+from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Candidate, Span, span_by_count, span_by_step
 from fiv_cli.case.case import Axis, Refinement
 from fiv_cli.case.form import Form
 from fiv_cli.case.physics import (
@@ -28,33 +28,6 @@ from fiv_cli.notation.units import exact, nearest_double
 from fiv_cli.notation.values import check_quantity
 
 MOST_POINTS = 10**9
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """An axis by name, before its values are read.
-
-    Attributes
-    ----------
-    read : one value, in SI -> what is kept; ValueError when it is not allowed
-    unit : None for names
-    allowed, choices : what a value may be, in words, and by name
-    written : the axis as a span, or as the list that the case has; empty where it is neither
-    """
-
-    name: str
-    kind: str
-    place: Path
-    read: Callable[[Any], Any]
-    unit: str | None = None
-    allowed: str = ""
-    choices: Collection[str] = ()
-    written: Span | list[Any] = field(default_factory=list)
-
-    @property
-    def count(self) -> int:
-        """How many values there are; they are counted before they are built."""
-        return self.written.count if isinstance(self.written, Span) else len(self.written)
 
 
 class Grid(NamedTuple):

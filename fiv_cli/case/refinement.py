@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from fiv_cli.case.axes import AxisError, Span, span_of_list
+from fiv_cli.case.axes import AxisError, Candidate, Span, span_of_list
 from fiv_cli.case.case import Refinement, StartSpec
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
@@ -14,9 +13,6 @@ from fiv_cli.case.structure import SweepTable
 from fiv_cli.notation.names import ascii_name, axis_name
 from fiv_cli.notation.units import exact
 from fiv_cli.notation.values import check_quantity
-
-if TYPE_CHECKING:
-    from fiv_cli.case.grid import Candidate
 
 PLACE: Path = ("sweep", "refine")
 

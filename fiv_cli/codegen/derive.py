@@ -29,8 +29,9 @@ from fiv_cli.codegen.codes import (
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.friction.base import Slip
-from fiv_cli.models.base import Contact, Equations, rate_of
+from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
+from fiv_cli.schedule import rate_of
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
-from fiv_cli.models.base import rate_of
+from fiv_cli.schedule import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 KIND_NAMES = {"slip": SLIP, "stick": STICK, "separation": SEPARATION}

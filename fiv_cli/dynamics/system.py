@@ -16,7 +16,7 @@ from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateT
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.memory import address_of, call_generated, generated_function
 from fiv_cli.codegen.setup import Setup
-from fiv_cli.models.base import rate_of
+from fiv_cli.schedule import rate_of
 
 Vector = NDArray[np.float64]
 

@@ -32,11 +32,6 @@ if TYPE_CHECKING:
 Options = Mapping[str, str]
 
 
-def rate_of(parameter: str) -> str:
-    """Name of the rate of a parameter that varies in time."""
-    return f"{parameter}.rate"
-
-
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of a model or of a friction law.

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 import sympy
 
-from fiv_cli.models.base import rate_of
+from fiv_cli.schedule import rate_of
 
 
 class Symbols:
