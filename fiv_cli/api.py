@@ -402,6 +402,9 @@ def _option_text(model: Model, name: str, value: object) -> str:
         raise UsageError(f"{name}: {error}\nnext: choose from {option.allowed}") from None
 
 
+_NEXT_STATE = "name another; what an analysis is asked goes into settings = {...}"
+
+
 def _start(setup: Setup, start: Mapping[str, float] | Start) -> Start:
     """A start from states that exist; the others are zero."""
     from fiv_cli.analyses.base import Start
@@ -411,7 +414,7 @@ def _start(setup: Setup, start: Mapping[str, float] | Start) -> Start:
     coordinates = [state.name for state in setup.model.states(setup.options)]
     known = [*coordinates, *(f"{name}_dot" for name in coordinates), *setup.law.states]
     for name in start:
-        pick(name, dict.fromkeys(known), f"state of {setup.model.name}", "name another")
+        pick(name, dict.fromkeys(known), f"state of {setup.model.name}", _NEXT_STATE)
     return Start("start", "state", start)
 
 

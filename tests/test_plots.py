@@ -62,6 +62,12 @@ def test_a_bifurcation_diagram_names_its_axes_with_symbol_and_unit():
     assert ax.get_ylabel() == r"$\varphi$ at the section (rad)"
 
 
+def test_a_bifurcation_diagram_reaches_over_the_whole_grid():
+    """Also where nothing moves, so that there is no section point: from 3.5 rad/s on."""
+    (ax,) = draw(data.bifurcation(), figure("bifurcation", select={"initial": "near"})).axes
+    assert ax.get_xlim()[0] <= 0.5 and ax.get_xlim()[1] >= 5.0
+
+
 @pytest.mark.parametrize("kind", ["bifurcation", "curve"])
 def test_points_without_answer_are_marked(kind):
     (ax,) = draw(data.bifurcation(), figure(kind)).axes

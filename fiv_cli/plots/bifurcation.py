@@ -29,11 +29,18 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     name = points.one_variable(settings, DEFAULT)
     clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
     count = sum(y.size for _, _, y in clouds)
-    columns = points.abscissa(layers[0].dataset, settings).size
-    looks: dict[str, Any] = {"ms": style.dot_size(columns), "rasterized": count > style.MANY_MARKS}
+    places = points.positions(points.abscissa(layers[0].dataset, settings))
+    looks: dict[str, Any] = {
+        "ms": style.dot_size(places.size),
+        "rasterized": count > style.MANY_MARKS,
+    }
     entries = points.entries([label for label, _, _ in clouds])
     for (_, x, y), entry in zip(clouds, entries, strict=True):
         ax.plot(x, y, ".", mew=0, ls="none", color=entry.colour, label=entry.label, **looks)
+    # The axis reaches over the whole grid: where there are no dots nothing moves.
+    ends = np.column_stack([[places.min(), places.max()], [0.0, 0.0]])
+    ax.update_datalim(ends, updatey=False)
+    ax.autoscale_view()
     ax.set_ylabel(labels.axis_label(layers[0].dataset[name]))
     points.dress(ax, layers, settings)
     return figure
