@@ -368,7 +368,7 @@ def test_a_history_has_every_sample_and_shades_every_contact_state():
     assert legend_texts(drawn) == ["slip+", "slip-", "stick"]
 
 
-def test_shades_follow_the_event_ledger_where_there_is_one():
+def with_ledger():
     dataset = data.history()
     dataset["event_row_size"] = ("initial", [3, 1], {"sample_dimension": "event_obs"})
     dataset["event_time"] = ("event_obs", [1.0, 1.001, 2.5, 3.0], {"units": "s"})
@@ -376,6 +376,11 @@ def test_shades_follow_the_event_ledger_where_there_is_one():
     before, after = ["slip+", "stick", "slip+", "slip-"], ["stick", "slip+", "stick", "slip+"]
     for name, states in (("event_from", before), ("event_to", after)):
         dataset[name] = data.flags("event_obs", states, data.CONTACT_STATES)
+    return dataset
+
+
+def test_shades_follow_the_event_ledger_where_there_is_one():
+    dataset = with_ledger()
     drawn = draw(dataset, figure("history"))
     far, near = (
         [(p.get_x(), p.get_x() + p.get_width()) for p in ax.patches] for ax in drawn.axes[:2]
@@ -384,6 +389,12 @@ def test_shades_follow_the_event_ledger_where_there_is_one():
     assert np.ravel(far) == pytest.approx([0, 1, 1, 1.001, 1.001, 2.5, 2.5, end])
     assert np.ravel(near) == pytest.approx([0, 3, 3, end])
     assert legend_texts(drawn) == ["slip+", "slip-", "stick"]
+
+
+def test_a_ledger_without_a_known_sample_shades_nothing():
+    dataset = with_ledger()
+    dataset["phi"][:] = np.nan
+    assert not any(ax.patches for ax in draw(dataset, figure("history")).axes)
 
 
 def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():

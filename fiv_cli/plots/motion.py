@@ -151,10 +151,13 @@ def contact_runs(motion: Motion, settings: points.Settings) -> Iterator[tuple[st
 
 
 def contact_spans(motion: Motion, settings: points.Settings) -> Iterator[tuple[str, float, float]]:
-    """(contact state, begin, end in s): from the event ledger, else between samples."""
+    """(contact state, begin, end in s): from the event ledger, else between samples.
+
+    None of a motion without a known sample, whatever its ledger holds.
+    """
     contact = int(settings.get("contact", 1))
     events = [event for event in motion.events if event.contact == contact]
-    if not events:
+    if not events or not motion.time.size:
         for state, first, last in contact_runs(motion, settings):
             # a stretch reaches to the sample after it, where the next one begins
             yield state, motion.time[first], motion.time[min(last, motion.time.size - 1)]
