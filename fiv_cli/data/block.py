@@ -228,13 +228,23 @@ def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
         raise ValueError(f"unknown status {outcome.status!r}")
     reason_code(outcome.reason)
     values = {
-        name: columns[name, False].converted(value)
+        name: _column(columns, name, False).converted(value)
         for name, value in outcome.values.items()
         if (name, True) not in columns  # a summary of what a ragged variable holds row by row
     }
-    rows = {name: columns[name, True].converted(value) for name, value in outcome.ragged.items()}
+    rows = {
+        name: _column(columns, name, True).converted(value)
+        for name, value in outcome.ragged.items()
+    }
     _check_rows(rows, columns)
     return Outcome(outcome.status, outcome.reason, values, rows, outcome.message)
+
+
+def _column(columns: _Columns, name: str, ragged: bool) -> _Column:
+    if (name, ragged) not in columns:
+        kind = "ragged variables" if ragged else "variables"
+        raise KeyError(f"{name} is not among the {kind} that the analysis declares")
+    return columns[name, ragged]
 
 
 def _check_rows(rows: Mapping[str, Any], columns: _Columns) -> None:

@@ -25,8 +25,11 @@ def all_laws() -> dict[str, Law]:
 
 
 def get_law(name: str) -> Law:
-    """The law called `name` (``coulomb``, ``tanh of coulomb``); KeyError when there is none.
+    """The law called `name` (``coulomb``, ``tanh of coulomb``); KeyError where none is listed.
 
     ``none`` is that of models without a contact; it is not listed.
     """
-    return none.LAW if name == none.LAW.name else all_laws()[name]
+    laws = {none.LAW.name: none.LAW, **all_laws()}
+    if name not in laws:
+        raise KeyError(f"no law {name!r} is listed in fiv_cli/friction/__init__.py")
+    return laws[name]
