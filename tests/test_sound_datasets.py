@@ -102,18 +102,28 @@ def no_time(file: h5py.File) -> None:
     file["time"][...] = 0.0
 
 
+def no_width(file: h5py.File) -> None:
+    file["boundary_width"][...] = -1.0
+
+
 @pytest.mark.parametrize(
-    ("change", "told"), [(no_contact, "an event without a contact"), (no_time, "time does not go")]
+    ("case", "change", "told"),
+    [
+        ("history", no_contact, "an event without a contact"),
+        ("history", no_time, "time does not go"),
+        ("boundary", no_width, "boundary_width holds a negative width"),
+    ],
 )
-def test_what_is_wrong_with_a_history_is_said(
+def test_what_is_wrong_with_the_values_is_said(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
+    case: str,
     change: Callable[[h5py.File], None],
     told: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("a.toml").write_text(attacks.CASES["history"])
+    Path("a.toml").write_text(attacks.CASES[case])
     assert fiv(["run", "a.toml", "-o", "a.nc", "--workers", "1", "-q"]) == 0
     with h5py.File("a.nc", "r+") as file:
         change(file)

@@ -61,6 +61,7 @@ def _faults(dataset: xr.Dataset, analysis: str) -> Iterator[str]:
         yield from _of_variable(str(name), variable)
     yield from _of_status(dataset)
     yield from _of_axes(dataset)
+    yield from _of_widths(dataset)
     yield from _of_ragged(dataset)
     yield from _of_events(dataset)
     yield from _of_shapes(dataset)
@@ -213,6 +214,12 @@ def _of_axes(dataset: xr.Dataset) -> Iterator[str]:
 def _goes_on(time: NDArray[Any]) -> bool:
     """Whether what is known of a time, or of each of several, increases."""
     return time.dtype.kind in "fiu" and not bool((np.diff(np.atleast_1d(time), axis=-1) <= 0).any())
+
+
+def _of_widths(dataset: xr.Dataset) -> Iterator[str]:
+    for width in {named(str(name)).width for name in dataset.data_vars} & {*dataset.data_vars}:
+        if dataset[width].dtype.kind in "fi" and bool((dataset[width].values < 0).any()):
+            yield f"{width} holds a negative width"
 
 
 # --- how variables go together --------------------------------------------------------------------
