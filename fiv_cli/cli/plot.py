@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import EmptyFigureError, UsageError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,7 +47,7 @@ def command(
     if bool(files) == bool(laws):
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
     figures = _of_laws(laws) if laws else _of_files(files, name)
-    for path, figure in _with_paths(list(figures), output):
+    for path, figure in _with_paths(figures, output):
         _write(path, figure)
 
 
@@ -66,9 +66,32 @@ def _of_laws(laws: Sequence[str]) -> list[tuple[Path, Figure]]:
     return [(Path("runs") / f"law-{words}.png", draw_laws(laws))]
 
 
-def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Figure]]:
-    """(default path, figure) of every figure; those that overlay are drawn once for all files."""
+def _of_files(files: Sequence[Path], name: str | None) -> list[tuple[Path, Figure]]:
+    """(default path, figure) of every figure; those that overlay are drawn once for all files.
+
+    One that would be empty is left out and says why on stderr.
+
+    Raises
+    ------
+    EmptyFigureError : there is no other
+    """
     from fiv_cli.plots import draw
+
+    drawn, empty = [], []
+    for default, source, figure in _asked(files, name):
+        try:
+            drawn.append((default, draw(source, figure)))
+        except EmptyFigureError as error:
+            empty.append(EmptyFigureError(f"{default}: not written: {error}"))
+    if empty and not drawn:
+        raise empty[0]
+    for left_out in empty:
+        click.echo(left_out, err=True)
+    return drawn
+
+
+def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Any, FigureSpec]]:
+    """(default path, what it is drawn from, figure) of every figure that is asked for."""
     from fiv_cli.plots.drawing import KINDS
     from fiv_cli.reading.datasets import read_analyses
 
@@ -77,9 +100,9 @@ def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, F
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if not KINDS[figure.kind].overlays or len(files) == 1:
-                yield default, draw(source, figure)
+                yield default, source, figure
             elif number == 0:
-                yield default, draw([(f.stem, s) for f, s in sources], figure)
+                yield default, [(f.stem, s) for f, s in sources], figure
 
 
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:
