@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from fiv_cli.errors import EmptyFigureError, UsageError
+from fiv_cli.notation.names import listed
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
     from fiv_cli.case.case import FigureSpec
+
+    Sources = list[tuple[Path, dict[str, xr.Dataset]]]
 
 
 @click.command("plot")
@@ -75,12 +78,10 @@ def _of_files(files: Sequence[Path], name: str | None) -> list[tuple[Path, Figur
     ------
     EmptyFigureError : there is no other
     """
-    from fiv_cli.plots import draw
-
     drawn, empty = [], []
-    for default, source, figure in _asked(files, name):
+    for default, sources, figure in _asked(files, name):
         try:
-            drawn.append((default, draw(source, figure)))
+            drawn.append((default, _drawn(sources, figure)))
         except EmptyFigureError as error:
             empty.append(EmptyFigureError(f"{default}: not written: {error}"))
     if empty and not drawn:
@@ -90,7 +91,7 @@ def _of_files(files: Sequence[Path], name: str | None) -> list[tuple[Path, Figur
     return drawn
 
 
-def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Any, FigureSpec]]:
+def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sources, FigureSpec]]:
     """(default path, what it is drawn from, figure) of every figure that is asked for."""
     from fiv_cli.plots.drawing import KINDS
     from fiv_cli.reading.datasets import read_analyses
@@ -100,9 +101,24 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Any,
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if not KINDS[figure.kind].overlays or len(files) == 1:
-                yield default, source, figure
+                yield default, [(file, source)], figure
             elif number == 0:
-                yield default, [(f.stem, s) for f, s in sources], figure
+                yield default, sources, figure
+
+
+def _drawn(sources: Sources, figure: FigureSpec) -> Figure:
+    """One figure of all files; UsageError names the first, and what it can be drawn as."""
+    from fiv_cli.plots import draw
+    from fiv_cli.plots.drawing import kinds_that_suit
+
+    (file, source), *others = sources
+    try:
+        return draw([(f.stem, s) for f, s in sources] if others else source, figure)
+    except EmptyFigureError:
+        raise
+    except UsageError as error:
+        kinds = listed(kinds_that_suit(source))
+        raise UsageError(f"{file}: {error}\nit can be drawn with --figure {kinds}") from None
 
 
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:
