@@ -58,7 +58,8 @@ def _compare(program: str, goal: float) -> str:
     times = np.array([(seconds(fiv, CASE), map_seconds(program, step)) for _ in range(PAIRS)])
     ratio = float(np.median(times[:, 0] / times[:, 1]))
     own, other = np.median(times, axis=0)
-    return f"C (step {step:.2g} s, error {reached:.1e}) {other:.1f} s; fiv {own:.1f} s: ratio {ratio:.2f}"
+    program_took = f"C (step {step:.2g} s, error {reached:.1e}) {other:.1f} s"
+    return f"{program_took}; fiv {own:.1f} s: ratio {ratio:.2f}"
 
 
 def fiv_points() -> Points:
