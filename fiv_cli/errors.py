@@ -71,6 +71,7 @@ class Problem:
     suggestion : the "did you mean" or next step (may be empty)
     line : line in the file, 1-based, or None where there is none (an override)
     column : column, 1-based, or None
+    override : the ``--set`` argument that put the value there (may be empty)
     """
 
     path: str
@@ -79,13 +80,19 @@ class Problem:
     suggestion: str = ""
     line: int | None = None
     column: int | None = None
+    override: str = ""
+
+    @property
+    def key(self) -> str:
+        """The key, and which argument wrote it."""
+        return f"{self.path} (--set {self.override})" if self.override else self.path
 
 
 def _alike(problems: Sequence[Problem]) -> list[list[Problem]]:
     """The problems, those that are the same mistake in several places together."""
     groups: dict[tuple[str, ...], list[Problem]] = {}
     for problem in problems:
-        key = problem.path.split(".")[-1]
+        key = problem.key.split(".")[-1]
         same = (key, problem.message, problem.allowed, problem.suggestion)
         groups.setdefault(same, []).append(problem)
     return list(groups.values())
@@ -93,7 +100,7 @@ def _alike(problems: Sequence[Problem]) -> list[list[Problem]]:
 
 def _place(problem: Problem) -> str:
     """Where a problem is, in a list of places."""
-    return problem.path if problem.line is None else f"{problem.path} (line {problem.line})"
+    return problem.key if problem.line is None else f"{problem.path} (line {problem.line})"
 
 
 class CaseError(InputError):
@@ -119,10 +126,17 @@ class CaseError(InputError):
             lines.extend(self._describe(problem))
             if others:
                 lines.append(f"      likewise: {', '.join(map(_place, others))}")
-        is_file = not self.source.startswith("<")
-        then = f"the file, then `fiv check {self.source}`" if is_file else "it and try again"
-        lines.append(f"next: correct {then}")
-        return lines
+        return [*lines, f"next: correct {self._what_to_correct()}"]
+
+    def _what_to_correct(self) -> str:
+        """The file, the arguments, or both; and what to do then."""
+        overrides = [bool(problem.override) for problem in self.problems]
+        if all(overrides):
+            return "what --set says, then give the same command again"
+        if self.source.startswith("<"):
+            return "it and try again"
+        what = "the file and what --set says" if any(overrides) else "the file"
+        return f"{what}, then `fiv check {self.source}`"
 
     def _describe(self, problem: Problem) -> list[str]:
         place = self.source
@@ -130,7 +144,7 @@ class CaseError(InputError):
             place += f":{problem.line}"
         if problem.column is not None:
             place += f":{problem.column}"
-        lines = [f"  {place}: {problem.path}: {problem.message}"]
+        lines = [f"  {place}: {problem.key}: {problem.message}"]
         if problem.allowed:
             lines.append(f"      allowed: {problem.allowed}")
         if problem.suggestion:

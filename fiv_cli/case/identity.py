@@ -79,9 +79,12 @@ def digest(overrides: Sequence[str]) -> str:
 
 def default_output(case: Case) -> Path:
     """``runs/STEM.nc``, or ``runs/STEM-DIGEST.nc`` when there are overrides."""
-    stem = Path(case.source).stem
-    suffix = f"-{digest(case.overrides)}" if case.overrides else ""
-    return Path("runs") / f"{stem}{suffix}.nc"
+    return output_of(case.source, f"-{digest(case.overrides)}" if case.overrides else "")
+
+
+def output_of(source: str | Path, suffix: str = "") -> Path:
+    """Where the dataset of the case file `source` goes unless the user says otherwise."""
+    return Path("runs") / f"{Path(source).stem}{suffix}.nc"
 
 
 def _deciding_parameters(case: Case) -> dict[str, Any]:

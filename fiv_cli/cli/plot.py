@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import listed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +69,6 @@ def _of_laws(laws: Sequence[str]) -> list[tuple[Path, Figure]]:
 
 def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Figure]]:
     """(default path, figure) of every figure; those that overlay are drawn once for all files."""
-    from fiv_cli.plots import draw
     from fiv_cli.plots.drawing import KINDS
     from fiv_cli.reading.datasets import read_analyses
 
@@ -77,9 +77,22 @@ def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, F
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if not KINDS[figure.kind].overlays or len(files) == 1:
-                yield default, draw(source, figure)
+                yield default, _drawn([(file, source)], figure)
             elif number == 0:
-                yield default, draw([(f.stem, s) for f, s in sources], figure)
+                yield default, _drawn(sources, figure)
+
+
+def _drawn(sources: Sequence[tuple[Path, dict[str, xr.Dataset]]], figure: FigureSpec) -> Figure:
+    """One figure of all files; UsageError names the first, and what it can be drawn as."""
+    from fiv_cli.plots import draw
+    from fiv_cli.plots.drawing import kinds_that_suit
+
+    (file, source), *others = sources
+    try:
+        return draw([(f.stem, s) for f, s in sources] if others else source, figure)
+    except UsageError as error:
+        kinds = listed(kinds_that_suit(source))
+        raise UsageError(f"{file}: {error}\nit can be drawn with --figure {kinds}") from None
 
 
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:

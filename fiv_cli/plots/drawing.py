@@ -100,6 +100,12 @@ def _default_kinds(dataset: xr.Dataset) -> list[str]:
     return [kind for kind in suiting if not SAID_BY.get(kind, set()) & set(suiting)]
 
 
+def kinds_that_suit(source: Source) -> list[str]:
+    """The kinds of figures that some analysis of the dataset can be drawn as."""
+    analyses = _analyses(source).values()
+    return [name for name, kind in KINDS.items() if any(map(kind.suits, analyses))]
+
+
 def can_draw(source: Source, figure: FigureSpec) -> bool:
     """Whether the dataset holds what a figure of this kind shows.
 
