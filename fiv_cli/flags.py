@@ -199,7 +199,25 @@ REASONS: tuple[Reason, ...] = (
         "what is left of the forces at a supposed equilibrium is no rounding: the parameters are "
         "too many orders of magnitude apart for it to be found; bring them closer",
     ),
+    Reason(
+        "dependent_contacts",
+        "contacts come to rest whose slip velocities have one direction at these parameters, so "
+        "what each would bear in stick is open: move them off it, or make one contact of them",
+    ),
+    Reason(
+        "no_number",
+        "a force, a rate or an energy is no number here (a division by zero, the root of a "
+        "negative number): the answer means nothing; look at the equations and the parameters",
+    ),
+    Reason(
+        "sector_not_read",
+        "the sector differs by mu_s_2 and mu_k_2, and the friction law has no mu_k: beta = 0, or "
+        "another law",
+    ),
 )
+
+# Reasons of motions that ended: answers, without what a motion has at its end.
+ENDED_EARLY = ("diverged", "contact_lost")
 
 STATUS = FlagTable(
     {"ok": 0, "pending": 1, "failed": 2, "budget": 3, "not_reached": 4, NOT_COMPUTED: 5},

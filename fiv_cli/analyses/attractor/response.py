@@ -9,6 +9,7 @@ from fiv_cli.analyses.base import Analysis, Later, Section
 from fiv_cli.analyses.settings import Choice, Number, SectionSetting, StateName
 from fiv_cli.analyses.variables import (
     ATTRACTOR,
+    INITIAL_STATE,
     MULTIPLICITY,
     MULTIPLIERS,
     OF_STEADY_STATE,
@@ -47,6 +48,7 @@ def variables(subject: Subject) -> list[Variable]:
     states, contact = subject.states, subject.contact
     return [
         ATTRACTOR,
+        INITIAL_STATE,
         Variable(
             "L_s",
             subject.of_states("2"),
@@ -85,7 +87,7 @@ def _reference(subject: Subject) -> list[Variable]:
             subject.of_states(),
             "sliding equilibrium that L_s is measured from",
             "state",
-            comment=subject.mixed,
+            comment=f"displacements only{subject.mixed and f'; {subject.mixed}'}",
             role=Role.DETAIL,
         ),
         count(

@@ -79,7 +79,10 @@ def steady_state(system: System, request: Request) -> Outcome:
     motion = start_motion(system, request, next(iter(solutions), None))
     if isinstance(motion, Outcome):
         return motion
-    return _Response(system, request, Rests(unexcited, solutions), motion).outcome()
+    begun = motion.y[: 2 * len(system.coordinates)].copy()
+    outcome = _Response(system, request, Rests(unexcited, solutions), motion).outcome()
+    outcome.values["initial_state"] = begun
+    return outcome
 
 
 def from_least(values: Vector) -> Vector:
