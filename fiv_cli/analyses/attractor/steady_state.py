@@ -34,6 +34,14 @@ from fiv_cli.analyses.attractor.grounds import (
 )
 from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
 from fiv_cli.analyses.attractor.lyapunov import Exponent
+from fiv_cli.analyses.attractor.own_section import (
+    OWN,
+    first_section,
+    is_missed,
+    own_section,
+    recorded,
+    tells_more,
+)
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
 from fiv_cli.analyses.base import Outcome, Request, Section
@@ -72,14 +80,42 @@ SAME_PERIOD = 1e-6  # share by which the period at the section may differ from t
 def steady_state(system: System, request: Request) -> Outcome:
     """The steady state that the start leads to."""
     unexcited = sliding(system, request.parameters)
-    solutions = equilibria(unexcited)
-    motion = start_motion(system, request, next(iter(solutions), None))
+    rests = Rests(unexcited, equilibria(unexcited))
+    if request.settings["section"].kind == OWN:
+        return _at_own_section(system, request, rests)
+    return _followed(system, request, rests, request.settings["section"])
+
+
+def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
+    """The same where the motion chooses the section: what a case that names that one is told."""
+    observed = request.settings["observe"] or system.state_names[0]
+    section = first_section(system, observed)
+    response = _response(system, request, rests, section)
+    if isinstance(response, Outcome):
+        return response
+    outcome = response.outcome()
+    if is_missed(outcome):
+        other = own_section(response.motion, observed, response.patience)
+        found = _followed(system, request, rests, other)
+        if tells_more(found, outcome):
+            section, outcome = other, found
+    return recorded(outcome, section)
+
+
+def _followed(system: System, request: Request, rests: Rests, section: Section) -> Outcome:
+    response = _response(system, request, rests, section)
+    return response if isinstance(response, Outcome) else response.outcome()
+
+
+def _response(
+    system: System, request: Request, rests: Rests, section: Section
+) -> _Response | Outcome:
+    """The run from the start, judged by `section`, or the outcome that says why there is none."""
+    motion = start_motion(system, request, rests.first)
     if isinstance(motion, Outcome):
         return motion
-    begun = motion.y[: 2 * len(system.coordinates)].copy()
-    outcome = _Response(system, request, Rests(unexcited, solutions), motion).outcome()
-    outcome.values["initial_state"] = begun
-    return outcome
+    judged = replace(request, settings={**request.settings, "section": section})
+    return _Response(system, judged, rests, motion)
 
 
 def from_least(values: Vector) -> Vector:
@@ -143,6 +179,7 @@ class _Response:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
         self.rests, self.motion = rests, motion
+        self.begun = motion.y[: 2 * len(system.coordinates)].copy()
         self.excitation = self.problem.excitation
         self.patience = self._patience()
         self.last_event = motion.time
@@ -195,6 +232,7 @@ class _Response:
             answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
         answer.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
+        answer.values["initial_state"] = self.begun
         self._add_reference(answer)
         return answer
 
