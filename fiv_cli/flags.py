@@ -200,6 +200,21 @@ REASONS: tuple[Reason, ...] = (
         "what is left of the forces at a supposed equilibrium is no rounding: the parameters are "
         "too many orders of magnitude apart for it to be found; bring them closer",
     ),
+    Reason(
+        "dependent_contacts",
+        "contacts come to rest whose slip velocities have one direction at these parameters, so "
+        "what each would bear in stick is open: move them off it, or make one contact of them",
+    ),
+    Reason(
+        "no_number",
+        "a force, a rate or an energy is no number here (a division by zero, the root of a "
+        "negative number): the answer means nothing; look at the equations and the parameters",
+    ),
+    Reason(
+        "sector_not_read",
+        "the sector differs by mu_s_2 and mu_k_2, and the friction law has no mu_k: beta = 0, or "
+        "another law",
+    ),
 )
 
 STATUS = FlagTable(

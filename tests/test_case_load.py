@@ -663,6 +663,6 @@ class TestOverrides:
     )
     def test_a_wrong_one_is_the_place(self, text: str, path: str, suggestion: str) -> None:
         problem = only_problem(BELT, text)
-        assert problem.path == f"{path} (--set {text})"
+        assert (problem.path, problem.override) == (path, text)
         assert problem.line is None
         assert problem.suggestion.startswith(suggestion)
