@@ -12,6 +12,7 @@ from fiv_cli import api
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.flags import advice
+from fiv_cli.friction import laws_of
 from fiv_cli.models import all_models
 
 STICKS = {"event": "slip->stick"}
@@ -74,7 +75,7 @@ def test_a_section_that_the_motion_chooses_is_another_case() -> None:
 @pytest.mark.parametrize("model", [m for m in all_models().values() if m.contacts])
 def test_what_an_undecided_motion_is_advised_passes_check(model: Any) -> None:
     case = belt() | {"model": {"name": model.name}}
-    tanh = next((law.removeprefix("tanh of ") for law in model.laws if "tanh" in law), None)
+    tanh = next((law.removeprefix("tanh of ") for law in laws_of(model) if "tanh" in law), None)
     if tanh:
         case["friction"] = {"law": "tanh", "of": tanh}
     api.load(case)
