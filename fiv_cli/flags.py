@@ -217,6 +217,9 @@ REASONS: tuple[Reason, ...] = (
     ),
 )
 
+# Reasons of motions that ended: answers, without what a motion has at its end.
+ENDED_EARLY = ("diverged", "contact_lost")
+
 STATUS = FlagTable(
     {"ok": 0, "pending": 1, "failed": 2, "budget": 3, "not_reached": 4, NOT_COMPUTED: 5},
     fill="pending",
