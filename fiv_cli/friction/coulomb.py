@@ -65,4 +65,5 @@ LAW = Law(
     capacity=lambda N, p: p["mu_s"] * N,
     average=average,
     requirements=(FALLING,),
+    only_in_stick=("mu_s",),
 )
