@@ -17,10 +17,7 @@ import fiv_cli
 from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
-from fiv_cli.data.assemble import assemble
-from fiv_cli.data.netcdf import write_datasets
 from fiv_cli.data.provenance import provenance
-from fiv_cli.data.refined import fill_in
 from fiv_cli.errors import StoreMismatchError
 from fiv_cli.files import append_line, leftovers
 from fiv_cli.flags import STATUS
