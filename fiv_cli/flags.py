@@ -209,6 +209,11 @@ REASONS: tuple[Reason, ...] = (
         "a force, a rate or an energy is no number here (a division by zero, the root of a "
         "negative number): the answer means nothing; look at the equations and the parameters",
     ),
+    Reason(
+        "sector_not_read",
+        "the sector differs by mu_s_2 and mu_k_2, and the friction law has no mu_k: beta = 0, or "
+        "another law",
+    ),
 )
 
 STATUS = FlagTable(

@@ -44,7 +44,7 @@ SMALL = Model(
     parameters=(),
     states=lambda options: (),
     equations=lambda symbols, options: Equations({}, (), 0, 0),
-    laws=("coulomb",),
+    default_law="coulomb",
     law_defaults={},
 )
 

@@ -186,10 +186,15 @@ class _Deriver:
     def _law_force(self, contact: int) -> Expr:
         return self.law.force(self._slip(contact), self._law_parameters())
 
+    def _law_rates(self, contact: int) -> Mapping[str, Expr]:
+        rates = self.law.rates
+        return {} if rates is None else rates(self._slip(contact), self._law_parameters())
+
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
-        borders = self.symbols.sign(contact) in self.law_forces[contact].free_symbols
+        told = (self.law_forces[contact], *self._law_rates(contact).values())
+        borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
         return self.law.capacity is None and not borders
 
     # --- one contact state ------------------------------------------------------------------------
@@ -404,10 +409,7 @@ class _Deriver:
         return rates
 
     def _internal_rates(self, contact: int, names: Mapping[Expr, Node]) -> list[Node]:
-        if self.law.rates is None:
-            return []
-        slip = self._slip(contact)
-        rates = self.law.rates(slip, self._law_parameters())
+        slip, rates = self._slip(contact), self._law_rates(contact)
         velocity = self.contacts[contact].slip_velocity
         return [
             self.graph.build(rates[name].subs(slip.v, velocity), names) for name in self.law.states
