@@ -118,6 +118,8 @@ def _run_all(scheduler: Scheduler) -> None:
 
 def write_dataset(journal: Journal, output: Path) -> None:
     """Assemble the dataset from the shards of a journal, unless it is there already."""
+    from fiv_cli.data.netcdf import write_datasets
+
     case = journal.plan.case
     attributes = provenance(case, fingerprint(case))
     sources = made_from(journal.shards(), attributes)
@@ -133,6 +135,9 @@ def write_dataset(journal: Journal, output: Path) -> None:
 
 def _assembled(journal: Journal, index: int) -> xr.Dataset:
     """The dataset of one analysis, what its borders enclose filled in."""
+    from fiv_cli.data.assemble import assemble  # xarray: imported when all is computed
+    from fiv_cli.data.refined import fill_in
+
     analysis, stage = journal.plan.analyses[index], journal.records[index].stage
     dataset = assemble(analysis.layout, partial(journal.blocks, index))
     maps = analysis.maps
