@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from fiv_cli.case.form import Form
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import FrictionTable, ModelTable
-from fiv_cli.friction import TANH_OF, get_law
+from fiv_cli.friction import TANH_OF, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
@@ -129,15 +129,16 @@ def note_no_state(name: str, place: Path, physics: Physics, report: Report) -> N
 
 def law_names(model: Model) -> list[str]:
     """The names that ``law =`` may be on this model, ``tanh`` included."""
-    plain = [name for name in model.laws if not name.startswith(TANH_OF)]
-    return [*plain, "tanh"] if len(plain) < len(model.laws) else plain
+    taken = laws_of(model)
+    plain = [name for name in taken if not name.startswith(TANH_OF)]
+    return [*plain, "tanh"] if len(plain) < len(taken) else plain
 
 
 def resolve_law(model: Model, name: object, of: str | None = None) -> str:
     """The contract name of the law called `name` (and `of`); ValueError when there is none."""
-    regularised = TANH_OF + (of or model.laws[0].removeprefix(TANH_OF))
+    regularised = TANH_OF + (of or model.default_law.removeprefix(TANH_OF))
     full = regularised if name == "tanh" else name
-    if full not in model.laws:
+    if full not in laws_of(model):
         raise ValueError(f"{full!r} is no friction law of {model.name}")
     return str(full)
 
@@ -204,10 +205,10 @@ class _Reader:
         """The laws in use, and whether all are known; where not, all that the model can have."""
         written = axis if isinstance(axis, list) else []
         names = [_known_law(model, name) for name in written] + self.law_of_table(model, table)
-        chosen = [name for name in names if name is not None] or [model.laws[0]]
+        chosen = [name for name in names if name is not None] or [model.default_law]
         known = None not in names
         return tuple(
-            get_law(name) for name in dict.fromkeys(chosen if known else model.laws)
+            get_law(name) for name in dict.fromkeys(chosen if known else laws_of(model))
         ), known
 
     def law_of_table(self, model: Model, table: FrictionTable) -> list[str | None]:
@@ -215,7 +216,7 @@ class _Reader:
             self.report.add(("friction", "of"), 'only law = "tanh" is "of" another law')
         if table.law is None:
             return []
-        if table.of is not None and table.law in {*model.laws} - {"tanh"}:
+        if table.of is not None and table.law in {*laws_of(model)} - {"tanh"}:
             message = f"law {table.law!r} is not of another law"
             self.report.add(("friction", "of"), message)
         name = _known_law(model, table.law, table.of)

@@ -59,6 +59,13 @@ def compile_text(text: str) -> bytes:
     return bytes(machine.emit_object(module))
 
 
+def compile_optimised(text: str) -> bytes:
+    """Object code of LLVM text that has been optimised already."""
+    module = llvm.parse_assembly(text)
+    module.verify()
+    return bytes(target_machine(effort=3).emit_object(module))
+
+
 def load_object(code: bytes) -> llvm.ExecutionEngine:
     """Execution engine holding `code`; keep it alive as long as its addresses are used."""
     machine = target_machine()

@@ -61,4 +61,5 @@ LAW = Law(
     capacity=lambda N, p: p["mu_s"] * N,
     average=average,
     requirements=(FALLING,),
+    only_in_stick=("mu_s",),
 )

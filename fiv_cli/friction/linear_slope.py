@@ -23,4 +23,5 @@ LAW = Law(
     ),
     force=lambda slip, p: slip.sign * (p["F0"] + p["alpha_0"] * slip.speed),
     capacity=lambda N, p: p["F0"],
+    constant_load=True,
 )

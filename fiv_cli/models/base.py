@@ -291,7 +291,8 @@ class Model:
     states : generalised coordinates under given options
     options : switches
     contacts : number of contacts
-    laws : names of the friction laws it accepts; the first is the default
+    constant_load : every contact is pressed by the same force at all times
+    default_law : name of the friction law where a case names none
     law_defaults : law parameter -> default on this model; a name: the value of that parameter
     forcings : periodic excitations
     revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
@@ -312,10 +313,11 @@ class Model:
     parameters: tuple[Parameter, ...]
     states: Callable[[Options], tuple[State, ...]]
     equations: Callable[[Symbols, Options], Equations]
-    laws: tuple[str, ...]
+    default_law: str
     law_defaults: Mapping[str, float | str]
     options: tuple[Option, ...] = ()
     contacts: int = 1
+    constant_load: bool = False
     forcings: tuple[Forcing, ...] = ()
     revolution: Callable[[Mapping[str, float]], float] | None = None
     derived: Derived | None = None

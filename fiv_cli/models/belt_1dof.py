@@ -69,16 +69,8 @@ MODEL = Model(
     parameters=PARAMETERS,
     states=lambda options: (State("x", "x", "m", "displacement of the mass"),),
     equations=equations,
-    laws=(
-        "coulomb",
-        "stribeck",
-        "linear-slope",
-        "hyperbolic",
-        "tanh of coulomb",
-        "tanh of stribeck",
-        "tanh of linear-slope",
-        "tanh of hyperbolic",
-    ),
+    default_law="coulomb",
+    constant_load=True,
     law_defaults={"mu_k": 0.23, "mu_s": 0.4, "F0": 10.0, "alpha_0": -0.1},
     forcings=(Forcing("u0", lambda p: p["omega"], "harmonic motion of the base"),),
 )

@@ -71,14 +71,8 @@ MODEL = Model(
     parameters=PARAMETERS,
     states=lambda options: STATES,
     equations=equations,
-    laws=(
-        "stribeck",
-        "coulomb",
-        "hyperbolic",
-        "tanh of stribeck",
-        "tanh of coulomb",
-        "tanh of hyperbolic",
-    ),
+    default_law="stribeck",
+    constant_load=True,
     law_defaults={"mu_k": 0.1, "mu_s": 0.4},
     contacts=2,
 )

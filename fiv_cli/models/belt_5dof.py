@@ -223,7 +223,7 @@ MODEL = Model(
     parameters=PARAMETERS,
     states=states,
     equations=equations,
-    laws=("coulomb", "stribeck", "hyperbolic", "tanh of coulomb"),
+    default_law="coulomb",
     law_defaults={"mu_k": 0.3, "mu_s": 3.0},
     options=OPTIONS,
 )

@@ -58,7 +58,7 @@ MODEL = Model(
     parameters=PARAMETERS,
     states=lambda options: inclined_springs.STATES,
     equations=equations,
-    laws=("coulomb", "stribeck", "hyperbolic", "tanh of coulomb"),
+    default_law="coulomb",
     law_defaults={"mu_k": 0.3, "mu_s": "mu_k"},
     options=(inclined_springs.STATES_OF_MOTION,),
 )

@@ -116,6 +116,13 @@ FALLING_ON_THE_SECTOR = Requirement(
     "mu_k_above_mu_s",
     in_motion=True,
 )
+READ_ON_THE_SECTOR = Requirement(
+    ("beta",),
+    lambda p: p["beta"] == 0.0 or "mu_k" in p,
+    "beta = 0, or a friction law with mu_k",
+    "the sector differs by mu_s_2 and mu_k_2, and this friction law has no mu_k",
+    "sector_not_read",
+)
 
 MODEL = Model(
     name="pin-on-disc",
@@ -125,9 +132,9 @@ MODEL = Model(
     parameters=PARAMETERS,
     states=lambda options: STATES,
     equations=equations,
-    laws=("coulomb",),
+    default_law="coulomb",
     law_defaults={"mu_s": 0.4, "mu_k": 0.23},
     forcings=(Forcing("beta", lambda p: p["Omega"], "sector of the disc passing the pin"),),
     revolution=lambda p: p["Omega"],
-    requirements=(FALLING_ON_THE_SECTOR,),
+    requirements=(FALLING_ON_THE_SECTOR, READ_ON_THE_SECTOR),
 )
