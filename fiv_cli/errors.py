@@ -2,6 +2,7 @@
 
 FivError                         1  internal error
 ├── UsageError                   2  the command line cannot be carried out
+│   └── EmptyFigureError         2  a figure would show nothing
 ├── InputError                   3  an input file (case, dataset, shard) is invalid
 │   └── CaseError                3  ... with all that is wrong in its form, names or values
 ├── DifferenceError              5  two things that should agree differ
@@ -47,6 +48,10 @@ class UsageError(FivError):
     """The command line asks for something that cannot be done as asked."""
 
     exit_code = 2
+
+
+class EmptyFigureError(UsageError):
+    """A figure would show nothing: of what it draws no point has a value."""
 
 
 class StorageError(UsageError):
