@@ -2,6 +2,7 @@
 
 FivError                         1  internal error
 ├── UsageError                   2  the command line cannot be carried out
+│   └── EmptyFigureError         2  a figure would show nothing
 ├── InputError                   3  an input file (case, dataset, shard) is invalid
 │   └── CaseError                3  ... with all that is wrong in its form, names or values
 ├── DifferenceError              5  two things that should agree differ
@@ -18,6 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LONGEST_LINE = 4000  # characters of a line that are shown
+LONG_LIST = 80  # characters of what is allowed that are not said twice
 
 
 def printable(text: str) -> str:
@@ -49,6 +51,10 @@ class UsageError(FivError):
     exit_code = 2
 
 
+class EmptyFigureError(UsageError):
+    """A figure would show nothing: of what it draws no point has a value."""
+
+
 class StorageError(UsageError):
     """An output cannot be written: no permission, no space, a folder in the way."""
 
@@ -71,6 +77,7 @@ class Problem:
     suggestion : the "did you mean" or next step (may be empty)
     line : line in the file, 1-based, or None where there is none (an override)
     column : column, 1-based, or None
+    override : the ``--set`` argument that put the value there (may be empty)
     """
 
     path: str
@@ -79,13 +86,19 @@ class Problem:
     suggestion: str = ""
     line: int | None = None
     column: int | None = None
+    override: str = ""
+
+    @property
+    def key(self) -> str:
+        """The key, and which argument wrote it."""
+        return f"{self.path} (--set {self.override})" if self.override else self.path
 
 
 def _alike(problems: Sequence[Problem]) -> list[list[Problem]]:
     """The problems, those that are the same mistake in several places together."""
     groups: dict[tuple[str, ...], list[Problem]] = {}
     for problem in problems:
-        key = problem.path.split(".")[-1]
+        key = problem.key.split(".")[-1]
         same = (key, problem.message, problem.allowed, problem.suggestion)
         groups.setdefault(same, []).append(problem)
     return list(groups.values())
@@ -93,7 +106,7 @@ def _alike(problems: Sequence[Problem]) -> list[list[Problem]]:
 
 def _place(problem: Problem) -> str:
     """Where a problem is, in a list of places."""
-    return problem.path if problem.line is None else f"{problem.path} (line {problem.line})"
+    return problem.key if problem.line is None else f"{problem.path} (line {problem.line})"
 
 
 class CaseError(InputError):
@@ -115,24 +128,33 @@ class CaseError(InputError):
         count = len(alike)
         noun = "problem" if count == 1 else "problems"
         lines = [f"{self.source}: {count} {noun}; nothing was computed"]
+        listed: set[str] = set()  # long lists that stand above
         for problem, *others in alike:
-            lines.extend(self._describe(problem))
+            lines.extend(self._describe(problem, problem.allowed in listed))
+            listed |= {problem.allowed} if len(problem.allowed) > LONG_LIST else set()
             if others:
                 lines.append(f"      likewise: {', '.join(map(_place, others))}")
-        is_file = not self.source.startswith("<")
-        then = f"the file, then `fiv check {self.source}`" if is_file else "it and try again"
-        lines.append(f"next: correct {then}")
-        return lines
+        return [*lines, f"next: correct {self._what_to_correct()}"]
 
-    def _describe(self, problem: Problem) -> list[str]:
+    def _what_to_correct(self) -> str:
+        """The file, the arguments, or both; and what to do then."""
+        overrides = [bool(problem.override) for problem in self.problems]
+        if all(overrides):
+            return "what --set says, then give the same command again"
+        if self.source.startswith("<"):
+            return "it and try again"
+        what = "the file and what --set says" if any(overrides) else "the file"
+        return f"{what}, then `fiv check {self.source}`"
+
+    def _describe(self, problem: Problem, listed: bool) -> list[str]:
         place = self.source
         if problem.line is not None:
             place += f":{problem.line}"
         if problem.column is not None:
             place += f":{problem.column}"
-        lines = [f"  {place}: {problem.path}: {problem.message}"]
+        lines = [f"  {place}: {problem.key}: {problem.message}"]
         if problem.allowed:
-            lines.append(f"      allowed: {problem.allowed}")
+            lines.append(f"      allowed: {'as above' if listed else problem.allowed}")
         if problem.suggestion:
             lines.append(f"      {problem.suggestion}")
         return lines

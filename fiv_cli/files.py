@@ -20,6 +20,8 @@ from fiv_cli.errors import StorageError, UsageError
 NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 ORDINARY = 0o666  # less what the user's umask takes away
 SUFFIX = ".tmp"
+NETCDF = (b"\x89HDF", b"CDF")
+"""How a file of NetCDF begins, in format 4 and before."""
 
 
 def refuse_special(path: Path, option: str = "-o") -> None:

@@ -161,7 +161,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_section_points",
-        "the motion never met the section: choose another, { zero = STATE } where nothing sticks",
+        "the motion never met the section: leave it out, and the motion chooses one that it has; "
+        'or name another, such as section = { zero = "x_dot" } for a displacement x',
     ),
     Reason(
         "window_too_long",
@@ -199,7 +200,25 @@ REASONS: tuple[Reason, ...] = (
         "what is left of the forces at a supposed equilibrium is no rounding: the parameters are "
         "too many orders of magnitude apart for it to be found; bring them closer",
     ),
+    Reason(
+        "dependent_contacts",
+        "contacts come to rest whose slip velocities have one direction at these parameters, so "
+        "what each would bear in stick is open: move them off it, or make one contact of them",
+    ),
+    Reason(
+        "no_number",
+        "a force, a rate or an energy is no number here (a division by zero, the root of a "
+        "negative number): the answer means nothing; look at the equations and the parameters",
+    ),
+    Reason(
+        "sector_not_read",
+        "the sector differs by mu_s_2 and mu_k_2, and the friction law has no mu_k: beta = 0, or "
+        "another law",
+    ),
 )
+
+# Reasons of motions that ended: answers, without what a motion has at its end.
+ENDED_EARLY = ("diverged", "contact_lost")
 
 STATUS = FlagTable(
     {"ok": 0, "pending": 1, "failed": 2, "budget": 3, "not_reached": 4, NOT_COMPUTED: 5},
@@ -250,6 +269,10 @@ CYCLE_END = FlagTable(
 GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
+SECTION = FlagTable(
+    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2},
+    fill=NOT_COMPUTED,
+)
 COMPUTED = FlagTable(
     {
         NOT_COMPUTED: -1,
@@ -272,6 +295,7 @@ TABLES: Mapping[str, FlagTable] = {
     "complete": COMPLETE,
     "cycle_end": CYCLE_END,
     "goes_on": GOES_ON,
+    "section": SECTION,
     "computed": COMPUTED,
     "answer": ANSWER,
     "followed": FOLLOWED,

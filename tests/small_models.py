@@ -44,7 +44,7 @@ SMALL = Model(
     parameters=(),
     states=lambda options: (),
     equations=lambda symbols, options: Equations({}, (), 0, 0),
-    laws=("coulomb",),
+    default_law="coulomb",
     law_defaults={},
 )
 
@@ -152,6 +152,107 @@ TWO_MASSES = replace(
     states=lambda options: _coordinates("x1", "x2"),
     equations=_two_masses,
     contacts=2,
+)
+
+
+# --- one mass on two belts ---------------------------------------------------------------------
+def _on_two_belts(symbols: Any, options: Options) -> Equations:
+    """m x'' = F_T1 + F_T2 - k x: the belts, above and below, pull at one and the same mass."""
+    p = symbols.parameter
+    x, x_dot = symbols.coordinate("x"), symbols.velocity("x")
+    pulls = symbols.tangential_force(0) + symbols.tangential_force(1)
+    return Equations(
+        accelerations={"x": (pulls - p("k") * x) / p("m")},
+        contacts=tuple(
+            Contact(slip_velocity=p(f"V{i}") - x_dot, slip_coordinate="x", normal_force=p(f"N{i}"))
+            for i in (1, 2)
+        ),
+        kinetic_energy=p("m") * x_dot**2 / 2,
+        potential_energy=p("k") * x**2 / 2,
+    )
+
+
+ON_TWO_BELTS = replace(
+    SMALL,
+    name="on-two-belts",
+    title="one mass between two belts",
+    parameters=_parameters(m=1.0, k=1.0, N1=6.0, N2=4.0, V1=1.0, V2=1.0),
+    states=lambda options: _coordinates("x"),
+    equations=_on_two_belts,
+    contacts=2,
+)
+
+
+# --- pads at levers, and in a plane ---------------------------------------------------------------
+def _clutch(symbols: Any, options: Options) -> Equations:
+    """J phi'' = r1 F_T1 - r2 F_T2 - k phi: one pad at r1, one at r2 that counts slip backwards."""
+    p, force = symbols.parameter, symbols.tangential_force
+    phi, phi_dot = symbols.coordinate("phi"), symbols.velocity("phi")
+    return Equations(
+        accelerations={"phi": p("r1") * force(0) - p("r2") * force(1) - p("k") * phi},
+        contacts=tuple(
+            Contact(sense * p(r) * (p("Omega") - phi_dot), "phi", p(load))
+            for sense, r, load in ((1, "r1", "N1"), (-1, "r2", "N2"))
+        ),
+        kinetic_energy=phi_dot**2 / 2,
+        potential_energy=p("k") * phi**2 / 2,
+    )
+
+
+CLUTCH = replace(
+    SMALL,
+    name="clutch",
+    title="two pads at one shaft",
+    parameters=_parameters(k=1.0, r1=0.5, r2=1.5, N1=6.0, N2=4.0, Omega=1.0),
+    states=lambda options: _coordinates("phi"),
+    equations=_clutch,
+    contacts=2,
+)
+
+
+def _pads(symbols: Any, options: Options) -> Equations:
+    """x'' = F - x, y'' = F - y: pads that pull at a body in a plane, each in its direction."""
+    p, force = symbols.parameter, symbols.tangential_force
+    x, y, z = map(symbols.coordinate, "xyz")
+    x_dot, y_dot, z_dot = map(symbols.velocity, "xyz")
+    moved, solved_for = {
+        "crossed": ([x_dot, x_dot + p("a") * y_dot], "xy"),
+        "on-one-state": ([x_dot, x_dot + y_dot], "xx"),
+        "three": ([x_dot, y_dot, x_dot + y_dot], "xyy"),
+        "rigid": ([x_dot, x_dot], "xx"),
+    }[options["pads"]]
+    rigid = options["pads"] == "rigid"
+    gaps = [(z, "z"), (z + y, "y")]
+    pulls = {
+        name: sum(force(i) * rate.diff(of) for i, rate in enumerate(moved))
+        for name, of in (("x", x_dot), ("y", y_dot), ("z", z_dot))
+    }
+    pulls["z"] += sum(symbols.normal_force(i) for i in range(2)) - 10 if rigid else 0
+    pulls["y"] += symbols.normal_force(1) if rigid else 0
+    return Equations(
+        accelerations={name: pull - symbols.coordinate(name) for name, pull in pulls.items()},
+        contacts=tuple(
+            Contact(p("v") - rate, state, None, *gaps[i])
+            if rigid
+            else Contact(p("v") - rate, state, p("N"))
+            for i, (rate, state) in enumerate(zip(moved, solved_for, strict=True))
+        ),
+        kinetic_energy=(x_dot**2 + y_dot**2 + z_dot**2) / 2,
+        potential_energy=(x**2 + y**2 + z**2) / 2,
+    )
+
+
+PADS = replace(
+    SMALL,
+    name="pads",
+    title="pads at a body in a plane",
+    parameters=_parameters(a=1.0, N=10.0, v=1.0),
+    states=lambda options: _coordinates("x", "y", "z"),
+    equations=_pads,
+    contacts=2,
+    options=(
+        Option("pads", ("crossed", "on-one-state", "three", "rigid"), "crossed", "how they lie"),
+    ),
 )
 
 

@@ -110,7 +110,7 @@ def test_numba_is_asked_by_what_it_offers() -> None:
         if isinstance(node, ast.ImportFrom) and str(node.module).startswith("numba")
         for alias in node.names
     }
-    assert {"numba.njit", "numba.cfunc", "numba.extending.overload"} <= modules
+    assert {"numba.cfunc", "numba.types", "numba.extending.overload"} <= modules
     assert [name for name in modules if ".core" in name or "._" in name] == []
 
 

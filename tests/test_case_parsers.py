@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from fiv_cli.case.axes import AxisError, span_by_count, span_by_step
 from fiv_cli.case.lines import locate
 from fiv_cli.case.overrides import apply_overrides, parse_override
-from fiv_cli.friction import all_laws, get_law
+from fiv_cli.friction import all_laws, get_law, laws_of
 from fiv_cli.models import all_models
 from fiv_cli.notation.names import ascii_name, suggest
 from fiv_cli.notation.units import UNITS, convert, exact, parse_unit
@@ -310,5 +310,5 @@ class TestNames:
         for model in all_models().values():
             own = {parameter.name for parameter in model.parameters}
             own |= {option.name for option in model.options}
-            for law in model.laws:
+            for law in laws_of(model):
                 assert not own & {parameter.name for parameter in get_law(law).parameters}

@@ -182,22 +182,6 @@ def test_what_nobody_has_used_for_long_goes(own_cache: Path) -> None:
     assert {path.name for path in own_cache.iterdir()} == {"used", "new", "another"}
 
 
-def test_a_scratch_folder_goes_with_its_block_or_a_day_after_its_process(own_cache: Path) -> None:
-    with cache.scratch_folder() as first, cache.scratch_folder() as second:
-        assert first.stat().st_mode & 0o777 == 0o700
-        assert first.parent == second.parent == own_cache
-    abandoned = own_cache / "scratch-of-a-killed-process"
-    abandoned.mkdir()
-    aged(abandoned, 0.5)
-    with cache.scratch_folder():
-        pass
-    assert list(own_cache.iterdir()) == [abandoned]
-    aged(abandoned, 1.5)
-    with cache.scratch_folder():
-        pass
-    assert list(own_cache.iterdir()) == []
-
-
 def test_of_too_much_goes_what_was_used_longest_ago(
     own_cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -286,7 +270,7 @@ def test_edited_files_never_run_stale_code(tmp_path: Path, package: Path) -> Non
 def test_the_driver_has_another_key_after_any_edit(tmp_path: Path, package: Path) -> None:
     """What a key is for: see `test_kernels.py`."""
     files = {f"dynamics/{name}.py" for name in ("kernel", "roots", "compiled")}
-    files |= {f"codegen/{name}.py" for name in ("kernels", "memory", "compiled")}
+    files |= {f"codegen/{name}.py" for name in ("kernels", "lower", "memory", "compiled")}
     keys = [answer(start(KEY, tmp_path / "cache", package))]
     for file in sorted(files):
         with (package / file).open("a") as text:

@@ -65,6 +65,15 @@ def test_a_number_that_differs_is_named_with_its_place() -> None:
     assert "2 against 2.001 at mu_k=0.1, initial=far" in found.text
 
 
+def test_a_coordinate_that_differs_hides_nothing_that_lies_elsewhere() -> None:
+    left = dataset().assign(reference=("state", [1.0]))
+    right = changed("L_s", (0, 1), 2.001).assign(reference=("state", [2.0, np.nan]))
+    left, right = left.assign_coords(state=["x"]), right.assign_coords(state=["x", "x_dot"])
+    assert [one.what for one in differences(right, left=left)] == ["state", "L_s"]
+    longer = changed("L_s", (0, 1), 2.001).assign_coords(mu_k=[0.1, 0.3])
+    assert [one.what for one in differences(longer)] == ["mu_k"]
+
+
 def test_the_worst_offender_is_shown() -> None:
     right = changed("L_s", (0, 1), 2.001)
     right["L_s"].values[1, 0] = 4.0

@@ -188,7 +188,7 @@ def test_a_disc_at_its_critical_speed_has_no_equilibrium_and_beyond_it_one_again
 ) -> None:
     """At omega = l Omega the load meets no stiffness; just above it the disc comes towards the
     slider by so much that a unilateral contact would have to pull."""
-    law = get_model(model).laws[0]
+    law = get_model(model).default_law
     built = system(model, law, options)
     critical = built.known(defaults(model, law))["omega_0_2"] / 2.0
     found = {}

@@ -45,6 +45,13 @@ def test_what_only_looks_at_results_loads_no_compiler(arguments: list[str], tmp_
     assert_loads_none(("numba",), arguments, tmp_path)
 
 
+def test_what_was_compiled_before_is_run_without_a_compiler(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CASE)
+    loaded_by("from fiv_cli.cli.main import run\nrun(['run', 'case.toml', '-q'])", tmp_path)
+    arguments = ["run", "case.toml", "-q", "--fresh"]
+    assert_loads_none(("numba", "sympy", "joblib"), arguments, tmp_path)
+
+
 @pytest.mark.parametrize(
     "arguments", [["--help"], ["--version"], ["run", "--help"], ["verify", "--help"]]
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import sympy
 from motions import defaults, motion, system
 
 from fiv_cli.errors import UsageError
-from fiv_cli.friction import all_laws, get_law
+from fiv_cli.friction import get_law, laws_of
 from fiv_cli.models import all_models, get_model
 from fiv_cli.models.base import Contact, Equations, Model
 from fiv_cli.models.symbols import Symbols
@@ -88,8 +89,8 @@ def test_states_options_and_laws_are_complete(model: Model) -> None:
     for option in model.options:
         assert option.text(option.default) == option.default and option.meaning
         assert option.allowed and (option.read is None) == bool(option.choices)
-    assert model.laws and (set(model.laws) <= set(all_laws()) if model.contacts else True)
-    known = {p.name for law in model.laws for p in get_law(law).parameters}
+    assert laws_of(model)[0] == model.default_law
+    known = {p.name for law in laws_of(model) for p in get_law(law).parameters}
     assert set(model.law_defaults) <= known
     own = {p.name for p in model.parameters}
     assert not own & known
@@ -184,9 +185,25 @@ def test_friction_acts_along_the_slip_velocity(model: Model) -> None:
 
 
 @by_moving_model
-def test_every_law_of_a_model_moves_it(model: Model) -> None:
+def test_the_load_is_constant_where_the_table_says_so(model: Model) -> None:
+    symbols, equations = equations_of(model)
+    parameters = {symbols.parameter(p.name) for p in model.parameters}
+    loads = [contact.normal_force for contact in equations.contacts]
+    constant = all(n is not None and n.free_symbols <= parameters for n in loads)
+    assert constant == model.constant_load
+
+
+EVERY_LAW = [pytest.param(laws_of, id="every law", marks=pytest.mark.campaign)]
+FEW_LAWS = [pytest.param(lambda model: laws_of(model)[:2], id="two laws")]
+
+
+@by_moving_model
+@pytest.mark.parametrize("laws", FEW_LAWS + EVERY_LAW)
+def test_every_law_of_a_model_moves_it(
+    model: Model, laws: Callable[[Model], Sequence[str]]
+) -> None:
     start, changes, t_end = ROWS[model.name]
-    for law in model.laws:
+    for law in laws(model):
         begun = motion(model.name, law, start, options=options_of(model), **changes)
         begun.run(t_end)
         assert begun.time == t_end, law
@@ -196,7 +213,7 @@ def test_every_law_of_a_model_moves_it(model: Model) -> None:
 @by_moving_model
 def test_the_unexcited_system_has_no_active_forcing(model: Model) -> None:
     _, changes, _ = ROWS[model.name]
-    parameters = defaults(model.name, model.laws[0], **changes)
+    parameters = defaults(model.name, model.default_law, **changes)
     expected = model.forcings[0] if model.forcings else None
     assert model.active_forcing(parameters) is expected
     assert model.active_forcing(model.unexcited(parameters)) is None
@@ -204,7 +221,7 @@ def test_the_unexcited_system_has_no_active_forcing(model: Model) -> None:
 
 @by_moving_model
 def test_state_vectors_go_by_name(model: Model) -> None:
-    built = system(model.name, model.laws[0], options_of(model))
+    built = system(model.name, model.default_law, options_of(model))
     names = [state.name for state in model.states(options_of(model))]
     assert built.state_names == (*names, *(f"{name}_dot" for name in names))
     assert built.coordinates == tuple(names)

@@ -36,20 +36,17 @@ def first_root_at(address: int, degree: int, total: float, end: float) -> float:
 root = roots.first_root
 
 
-def declared(**options: bool) -> Callable[..., float]:
-    """What numba makes of it."""
-    from numba import cfunc
-
-    from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
+def declared() -> Callable[..., float]:
+    """The entry, numba told of what it calls."""
+    from fiv_cli.codegen.kernels import register, register_frame
 
     register_frame(roots.Search, search_at)
     register(roots)
-    signature = "float64(int64, int64, float64, float64)"
-    compiled: Callable[..., float] = cfunc(signature, **OPTIONS, **options)(first_root_at).ctypes
-    return compiled
+    return first_root_at
 
 
-ROOTS = Compiled("roots", (Path(roots.__file__), Path(__file__)), declared)
+FILES = (Path(roots.__file__), Path(__file__))
+ROOTS = Compiled("roots", "float64(int64, int64, float64, float64)", FILES, declared)
 
 
 @cache

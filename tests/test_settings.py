@@ -15,7 +15,7 @@ from fiv_cli.models import get_model
 
 DISC = get_model("disc-rigid-contact")
 CASE = Surroundings(
-    DISC, DISC.default_options(), (get_law(DISC.laws[0]),), varied=DISC.parameters[0].name
+    DISC, DISC.default_options(), (get_law(DISC.default_law),), varied=DISC.parameters[0].name
 )
 
 # What no setting takes: none is a time, a date or an empty list.

@@ -21,7 +21,7 @@ def test_names_and_objects_mean_the_same() -> None:
     same = Setup.of(get_model("belt-1dof"), get_law("stribeck"))
     assert (same.key, text_key(same)) == (BELT.key, text_key(BELT))
     assert build_system(same) is build_system(BELT)
-    assert Setup.of("belt-1dof").law is get_law(get_model("belt-1dof").laws[0])
+    assert Setup.of("belt-1dof").law is get_law(get_model("belt-1dof").default_law)
     assert get_law("tanh of coulomb") is get_law("tanh of coulomb")
 
 

@@ -152,7 +152,7 @@ def half(path: Path) -> None:
 @pytest.mark.parametrize("change", [huge, strange_type, half])
 def test_a_file_that_is_none_any_more_is_refused(dataset: Path, change: object) -> None:
     change(dataset)  # type: ignore[operator]
-    with pytest.raises(InputError, match=r"bad\.nc: not a NetCDF dataset, or a damaged one"):
+    with pytest.raises(InputError, match=r"bad\.nc: (not a NetCDF|a damaged) dataset"):
         read_analyses(dataset)
     assert fiv(["run", "response.toml", "-o", "bad.nc"]) == 2  # there is no such case
     Path("response.toml").write_text(attacks.CASES["response"])

@@ -281,6 +281,17 @@ MULTIPLIERS = (
 """Floquet multipliers of a periodic motion."""
 
 
+INITIAL_STATE = Variable(
+    "initial_state",
+    "1",
+    "state that the motion begins in",
+    "state",
+    comment="each state in its own unit (state_units); missing where another version computed it",
+    role=Role.DETAIL,
+    velocities=True,
+)
+
+
 def section_value(subject: Subject) -> Variable:
     """The observed state wherever a steady motion passes the section."""
     observed, unit = subject.observed

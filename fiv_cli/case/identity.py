@@ -79,29 +79,22 @@ def digest(overrides: Sequence[str]) -> str:
 
 def default_output(case: Case) -> Path:
     """``runs/STEM.nc``, or ``runs/STEM-DIGEST.nc`` when there are overrides."""
-    stem = Path(case.source).stem
-    suffix = f"-{digest(case.overrides)}" if case.overrides else ""
-    return Path("runs") / f"{stem}{suffix}.nc"
+    return output_of(case.source, f"-{digest(case.overrides)}" if case.overrides else "")
+
+
+def output_of(source: str | Path, suffix: str = "") -> Path:
+    """Where the dataset of the case file `source` goes unless the user says otherwise."""
+    return Path("runs") / f"{Path(source).stem}{suffix}.nc"
 
 
 def _deciding_parameters(case: Case) -> dict[str, Any]:
-    """The fixed parameters; where the law is an axis, those of every law, for it may grow."""
+    """The fixed parameters; of laws on an axis what the case gives: the rest is the points'."""
     if not _law_varies(case):
         return dict(case.parameters)
     own = [parameter.name for parameter in get_model(case.model).parameters]
-    fixed = {name: case.parameters[name] for name in own if name in case.parameters}
-    return fixed | {law: _law_values(case, law) for law in get_model(case.model).laws}
-
-
-def _law_values(case: Case, law: str) -> dict[str, float | None]:
-    """The parameters of `law`: what the case gives for it, or for all laws, or the default."""
-    model = get_model(case.model)
-    found = {p.name: p.default for p in model.adopted(get_law(law).parameters)}
-    for name in found:
-        if {name, f"{law}.{name}"} & {*case.explicit}:
-            shared = case.parameters.get(name)
-            found[name] = case.parameters.get(f"{law}.{name}", shared)
-    return found
+    decided = {*own, *(name.split(".")[-1] for name in case.explicit)}
+    fixed = case.parameters.items()
+    return {name: value for name, value in fixed if name.split(".")[-1] in decided}
 
 
 def _law_varies(case: Case) -> bool:
@@ -110,7 +103,7 @@ def _law_varies(case: Case) -> bool:
 
 def _numerics(case: Case) -> dict[str, int]:
     """The numerics versions that the case depends on."""
-    laws = get_model(case.model).laws if _law_varies(case) else (case.law,)
+    laws = () if _law_varies(case) else (case.law,)
     own = {"engine": NUMERICS_VERSION, "model": get_model(case.model).numerics_version}
     return own | {law: get_law(law).numerics_version for law in laws}
 

@@ -6,7 +6,6 @@ then names that nothing has, then values and what does not fit together (``fit.p
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any
@@ -25,13 +24,13 @@ from fiv_cli.case.results import Answers, read_claims, read_figures
 from fiv_cli.case.schedule import at_the_start, read_schedule
 from fiv_cli.case.solver import read_solver
 from fiv_cli.case.starts import read_starts
+from fiv_cli.case.syntax import syntax_problem
 from fiv_cli.case.toml import MOST_BYTES, TooMuchError, parse_toml, too_large
 from fiv_cli.errors import CaseError, Problem, UsageError
+from fiv_cli.files import NETCDF
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Parameter
 from fiv_cli.notation.names import suggest
-
-_AT_LINE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
 def load_case(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
@@ -67,6 +66,11 @@ def _read(source: str) -> str:
     try:
         with FilePath(source).open("rb") as file:
             content = file.read(MOST_BYTES + 1)
+        if content.startswith(NETCDF):
+            raise UsageError(
+                f"{source}: a dataset, not a case file\n"
+                f"next: fiv show {source}, fiv plot {source}, or name its case"
+            )
         if len(content) > MOST_BYTES:
             raise _too_much(source, too_large(len(content)))
         return content.decode("utf-8-sig")
@@ -98,21 +102,11 @@ def _toml(text: str, source: str) -> dict[str, Any]:
     except TooMuchError as error:
         raise _too_much(source, error) from None
     except ValueError as error:  # TOMLDecodeError, or an integer too long to read
-        raise CaseError(source, [_syntax_problem(str(error), text)]) from None
+        raise CaseError(source, [syntax_problem(str(error), text)]) from None
 
 
 def _too_much(source: str, error: TooMuchError) -> CaseError:
     return CaseError(source, [Problem("case", error.message, error.allowed, line=error.line)])
-
-
-def _syntax_problem(message: str, text: str) -> Problem:
-    match = _AT_LINE.search(message)
-    what = f"invalid TOML: {_AT_LINE.sub('', message)}"
-    if match is None:
-        return Problem("case", what)
-    if match[1] is None:
-        return Problem("case", f"{what} at the end of the file", line=text.count("\n") + 1)
-    return Problem("case", what, line=int(match[1]), column=int(match[2]))
 
 
 def _build(

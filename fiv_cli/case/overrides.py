@@ -64,8 +64,8 @@ def apply_overrides(
 
 class _NoPlace(Exception):
     def __init__(self, override: Override, message: str, suggestion: str = "") -> None:
-        place = f"{dotted(override.keys)} (--set {override.text})"
-        self.problem = Problem(place, message, suggestion=suggestion)
+        place = dotted(override.keys)
+        self.problem = Problem(place, message, suggestion=suggestion, override=override.text)
 
 
 def _write(document: dict[str, Any], override: Override) -> Path:

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from fiv_cli.case.form import Form
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import FrictionTable, ModelTable
-from fiv_cli.friction import TANH_OF, get_law
+from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
-from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,23 @@ def note_no_axis(
 def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Report) -> None:
     """Note that nothing is called `name` that could be an axis of some case."""
     message = f"there is nothing called {name!r} to vary"
-    report.unknown(place, message, name, physics.what_varies())
+    hint = counterpart(name, physics.table())
+    report.unknown(place, message, name, physics.what_varies(), hint)
+
+
+def counterpart(name: str, known: Mapping[str, Parameter]) -> str:
+    """Which of the `known` parameters another model, or a word such as "preload", means by `name`.
+
+    >>> counterpart("F", {p.name: p for p in all_models()["pin-on-disc"].parameters})
+    "here it is 'N0' (normal preload)"
+    """
+    tables = [model.parameters for model in all_models().values()]
+    tables += [law.parameters for law in all_laws().values()]
+    meant = {p.role for table in tables for p in table if p.name == name} | {name}
+    here = [p for p in known.values() if p.role in meant - {""}]
+    alike = [p for p in known.values() if p.name.lower() == name.lower() and p not in here]
+    said = " or ".join(f"{p.name!r} ({p.meaning})" for p in [*here, *alike])
+    return f"here it is {said}" if here else ""
 
 
 def note_no_state(name: str, place: Path, physics: Physics, report: Report) -> None:
@@ -129,15 +145,16 @@ def note_no_state(name: str, place: Path, physics: Physics, report: Report) -> N
 
 def law_names(model: Model) -> list[str]:
     """The names that ``law =`` may be on this model, ``tanh`` included."""
-    plain = [name for name in model.laws if not name.startswith(TANH_OF)]
-    return [*plain, "tanh"] if len(plain) < len(model.laws) else plain
+    taken = laws_of(model)
+    plain = [name for name in taken if not name.startswith(TANH_OF)]
+    return [*plain, "tanh"] if len(plain) < len(taken) else plain
 
 
 def resolve_law(model: Model, name: object, of: str | None = None) -> str:
     """The contract name of the law called `name` (and `of`); ValueError when there is none."""
-    regularised = TANH_OF + (of or model.laws[0].removeprefix(TANH_OF))
+    regularised = TANH_OF + (of or model.default_law.removeprefix(TANH_OF))
     full = regularised if name == "tanh" else name
-    if full not in model.laws:
+    if full not in laws_of(model):
         raise ValueError(f"{full!r} is no friction law of {model.name}")
     return str(full)
 
@@ -175,6 +192,12 @@ def _known_law(model: Model, name: object, of: str | None = None) -> str | None:
         return None
 
 
+def _in_another(name: str, elsewhere: Mapping[str, str]) -> str:
+    """The parameter of another table, name -> table, that is nearly called `name`."""
+    near = nearest(name, elsewhere)
+    return f"did you mean {near!r}? It stands in [{elsewhere[near]}]" if near else ""
+
+
 class _Reader:
     """Reads what a case gives for options, laws and parameters; keeps which are not sound."""
 
@@ -204,10 +227,10 @@ class _Reader:
         """The laws in use, and whether all are known; where not, all that the model can have."""
         written = axis if isinstance(axis, list) else []
         names = [_known_law(model, name) for name in written] + self.law_of_table(model, table)
-        chosen = [name for name in names if name is not None] or [model.laws[0]]
+        chosen = [name for name in names if name is not None] or [model.default_law]
         known = None not in names
         return tuple(
-            get_law(name) for name in dict.fromkeys(chosen if known else model.laws)
+            get_law(name) for name in dict.fromkeys(chosen if known else laws_of(model))
         ), known
 
     def law_of_table(self, model: Model, table: FrictionTable) -> list[str | None]:
@@ -215,7 +238,7 @@ class _Reader:
             self.report.add(("friction", "of"), 'only law = "tanh" is "of" another law')
         if table.law is None:
             return []
-        if table.of is not None and table.law in {*model.laws} - {"tanh"}:
+        if table.of is not None and table.law in {*laws_of(model)} - {"tanh"}:
             message = f"law {table.law!r} is not of another law"
             self.report.add(("friction", "of"), message)
         name = _known_law(model, table.law, table.of)
@@ -286,6 +309,7 @@ class _Reader:
                 meanings = {other: parameter.meaning for other, parameter in known.items()}
                 home = elsewhere.get(name)
                 hint = f"{name!r} stands in [{home}]: write it there" if home else ""
+                hint = hint or counterpart(name, known) or _in_another(name, elsewhere)
                 self.report.unknown(place, f"unknown parameter {name!r}", name, meanings, hint)
             elif name in found:
                 self.report.add(place, f"{name} is given twice")

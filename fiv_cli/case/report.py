@@ -67,9 +67,9 @@ class Report:
         problems = self._names if of_name else self._values
         if len(problems) <= MOST_PROBLEMS:
             override = self._override_at(path)
-            place = dotted(path) if override is None else f"{dotted(path)} (--set {override})"
-            line = None if override is not None else self._line_at(path)
-            problems.append(Problem(place, message, allowed, suggestion, line))
+            line = None if override else self._line_at(path)
+            problem = Problem(dotted(path), message, allowed, suggestion, line, override=override)
+            problems.append(problem)
 
     def unknown(
         self, path: Path, message: str, name: str, known: Collection[str], suggestion: str = ""
@@ -110,13 +110,13 @@ class Report:
             told.append(Problem("case", f"no more than {MOST_PROBLEMS:,} problems are told"))
         raise CaseError(self.source, told)
 
-    def _override_at(self, path: Path) -> str | None:
+    def _override_at(self, path: Path) -> str:
         """The last override that wrote `path`, or a table above it, or made it on its way."""
         for place, text in reversed(list(self._overrides.items())):
             made = path not in self._lines and place[: len(path)] == path
             if made or path[: len(place)] == place:
                 return text
-        return None
+        return ""
 
     def _line_at(self, path: Path) -> int | None:
         """The line of `path`, or of the nearest table above it that the file has."""

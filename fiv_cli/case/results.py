@@ -149,22 +149,45 @@ def _selection(
 ) -> dict[str, Any]:
     """Axis -> value in SI, or label, or condition, for the keys that are dims."""
     kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
-    found = {}
+    found: dict[str, Any] = {}
     for key, value in given.items():
         name, at = axis_name(key), (*place, key)
         if name not in kinds:
             known = [*answers.axis_names(), "initial"]
             message = f"{name!r} is no axis of this case"
             note_no_axis(name, message, at, known, answers.physics, report)
-        elif kinds[name] == "label" and not answers.has_label(value):
-            labels = answers.labels()
-            report.unknown(at, f"there is no start {value!r}", str(value), labels)
+        elif isinstance(value, list):
+            kept = (_wanted(name, kinds[name], one, answers, at, report) for one in value)
+            found[name] = [one for one in kept if one is not None]
         else:
-            try:
-                found[name] = _selected(name, kinds[name], value, answers)
-            except ValueError as error:
-                report.add(at, str(error))
-    return found
+            found[name] = _wanted(name, kinds[name], value, answers, at, report)
+    return {name: value for name, value in found.items() if value not in (None, [])}
+
+
+def _wanted(
+    name: str, kind: str, value: Any, answers: Answers, at: Path, report: Report
+) -> float | str | None:
+    """One value of an axis that is selected; None, and a note, where it is none."""
+    if kind == "label" and not answers.has_label(value):
+        report.unknown(at, f"there is no start {value!r}", str(value), answers.labels())
+        return None
+    try:
+        return _selected(name, kind, value, answers)
+    except ValueError as error:
+        report.add(at, str(error), _SELECTS, _condition_meant(str(at[-1]), value))
+        return None
+
+
+_SELECTS = (
+    'a number, a quantity ("20 rpm"), a condition on the value ".", such as ". >= 7", '
+    "or a list of these"
+)
+
+
+def _condition_meant(key: str, value: object) -> str:
+    """The condition that was meant by ``">= 7"`` or ``"Omega >= 7"``."""
+    meant = f". {str(value).strip().removeprefix(key).strip()}"
+    return f'did you mean "{meant}"?' if parse_condition(meant) else ""
 
 
 def _selected(name: str, kind: str, value: Any, answers: Answers) -> Any:

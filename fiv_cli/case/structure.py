@@ -31,9 +31,11 @@ from fiv_cli.case.grammar import (
 from fiv_cli.notation.values import (
     INTERVAL_SCHEMA,
     QUANTITY_SCHEMA,
+    WANTED_SCHEMA,
     check_interval,
     check_number,
     check_quantity,
+    check_wanted,
     describe,
 )
 
@@ -65,6 +67,7 @@ SchemaVersion = Annotated[
     int, PlainValidator(_check_version), WithJsonSchema({"const": SCHEMA_VERSION})
 ]
 Quantity = Annotated[Any, PlainValidator(check_quantity), WithJsonSchema(QUANTITY_SCHEMA)]
+Wanted = Annotated[Any, PlainValidator(check_wanted), WithJsonSchema(WANTED_SCHEMA)]
 Number = Annotated[float, BeforeValidator(check_number)]
 Interval = Annotated[
     Any,
@@ -256,7 +259,9 @@ class FigureTable(Table):
     x: str | None = Field(default=None, description="horizontal: an axis, or a state (phase)")
     y: str | None = Field(default=None, description="vertical: an axis (map) or a state (phase)")
     variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
-    select: dict[str, Quantity] = Field(default={}, description="axis or initial -> value to draw")
+    select: dict[str, Wanted] = Field(
+        default={}, description="axis or initial -> value, list of values or condition to draw"
+    )
     take: TakeTable | None = Field(
         default=None, description="draw one number for all that the variable holds along axes"
     )
@@ -296,8 +301,8 @@ class ClaimTable(Table):
     take: TakeTable | None = Field(
         default=None, description="the claim is about one number for all along axes"
     )
-    at: dict[str, Quantity] = Field(
-        default={}, description='axis -> value or condition ("0.9 <= . < 1.8")'
+    at: dict[str, Wanted] = Field(
+        default={}, description='axis -> value, list of values or condition ("0.9 <= . < 1.8")'
     )
     holds: Annotated[Any, PlainValidator(check_holds), WithJsonSchema(HOLDS_SCHEMA)] = Field(
         default="all", description="all, any, or the share of points that must agree"

@@ -8,7 +8,7 @@ from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.catalogue import possible_variables
 from fiv_cli.analyses.settings import ParameterName, Setting
 from fiv_cli.analyses.variables import Role
-from fiv_cli.friction import get_law
+from fiv_cli.friction import get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Parameter
 
@@ -24,7 +24,7 @@ def case_template(model: Model, analysis: Analysis) -> str:
     What is required is set, the rest is there with its default behind a ``#``. There is a grid
     of a few points, but where one motion or one plate says something.
     """
-    law = get_law(model.laws[0])
+    law = get_law(model.default_law)
     first, second, *_ = _swept(model, law)
     varies = any(isinstance(setting, ParameterName) for setting in analysis.settings)
     axis = None if analysis.single else second if varies else first
@@ -69,7 +69,7 @@ def _model(model: Model, taken: Collection[str]) -> list[str]:
 
 
 def _friction(model: Model, law: Law, taken: Collection[str]) -> list[str]:
-    others = ", ".join(name for name in model.laws if name != law.name)
+    others = ", ".join(name for name in laws_of(model) if name != law.name)
     line = f'law = "{law.name}"'
     head = _with_comment(line, f"or {others}") if others else line
     return ["[friction]", head, *_parameters(model.adopted(law.parameters), taken)]

@@ -36,8 +36,11 @@ def law_lines(law: Law) -> list[str]:
     names = ("v", "sgn(v)", "|v|", "F_N")
     v, sign, speed, normal_force = (sympy.Symbol(name, real=True) for name in names)
     parameters = {p.name: sympy.Symbol(p.name) for p in law.parameters}
-    force = law.force(Slip(v, sign, speed, normal_force), parameters)
-    lines = [f"  F_T = {_plain_text(force)}      (slip velocity v)"]
+    states = {name: sympy.Symbol(name, real=True) for name in law.states}
+    slip = Slip(v, sign, speed, normal_force, states)
+    lines = [f"  F_T = {_plain_text(law.force(slip, parameters))}      (slip velocity v)"]
+    rates = law.rates(slip, parameters) if law.rates else {}
+    lines += [f"  d{name}/dt = {_plain_text(rate)}" for name, rate in rates.items()]
     if law.capacity is not None:
         lines.append(
             f"  |F_T| <= {_plain_text(law.capacity(normal_force, parameters))}      (stick)"

@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model, Parameter
 
+KINDS = (
+    "set-valued: it sticks, and an event lies where it begins or ends; regularised: smooth, it\n"
+    "creeps; dynamic: internal states move with the slip"
+)
+
 
 @click.command("models")
 @click.argument("name", required=False)
@@ -61,24 +66,26 @@ def _show_laws(name: str | None, as_json: bool) -> None:
     elif as_json:
         print_json({"laws": [_law_document(law) for law in laws.values()]})
     else:
-        rows = [(law.name, law.title, _names(law.parameters)) for law in laws.values()]
-        print_table('Friction laws (law = "NAME")', ("name", "what", "parameters"), rows)
-        click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"')
+        rows = [(law.name, law.kind, law.title, _names(law.parameters)) for law in laws.values()]
+        columns = ("name", "kind", "what", "parameters")
+        print_table('Friction laws (law = "NAME")', columns, rows)
+        click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"\n' + KINDS)
 
 
 def _model_document(model: Model) -> dict[str, object]:
     """Everything the tables of a model say."""
-    keys = ("name", "title", "reference", "parameters", "options", "laws", "law_defaults")
-    states = model.states(model.default_options())
+    from fiv_cli.friction import laws_of
+
+    keys = ("name", "title", "reference", "parameters", "options", "law_defaults", "contacts")
     return {key: getattr(model, key) for key in keys} | {
-        "states": states,
-        "contacts": model.contacts,
+        "states": model.states(model.default_options()),
+        "laws": laws_of(model),
     }
 
 
 def _law_document(law: Law) -> dict[str, object]:
     """Everything the table of a law says."""
-    keys = ("name", "title", "reference", "parameters")
+    keys = ("name", "title", "reference", "kind", "parameters", "states")
     return {key: getattr(law, key) for key in keys} | {"sticks": law.capacity is not None}
 
 
@@ -88,7 +95,7 @@ def _print_model(model: Model) -> None:
     _print_states(model)
     _print_options(model)
     if model.contacts:
-        click.echo(f"\nFriction laws: {', '.join(model.laws)}")
+        _print_laws_taken(model)
         _print_law_parameters(model)
         _print_equations(model)
 
@@ -113,11 +120,25 @@ def _print_options(model: Model) -> None:
         )
 
 
+def _print_laws_taken(model: Model) -> None:
+    """By kind; those that the model cannot take, with the reason."""
+    from fiv_cli.friction import TANH_OF, all_laws, why_unfit
+
+    laws = {name: law for name, law in all_laws().items() if not name.startswith(TANH_OF)}
+    fit = {name: law for name, law in laws.items() if not why_unfit(model, law)}
+    click.echo(f"\nFriction laws (default: {model.default_law})")
+    for kind in dict.fromkeys(law.kind for law in fit.values()):
+        click.echo(f"  {kind}: {', '.join(name for name in fit if fit[name].kind == kind)}")
+    click.echo(f'  regularised: each set-valued law (law = "tanh", of = "{next(iter(fit))}")')
+    for law in [law for name, law in laws.items() if name not in fit]:
+        click.echo(f"  not {why_unfit(model, law)}")
+
+
 def _print_law_parameters(model: Model) -> None:
     """The parameters of the default law, with the defaults they have on this model."""
     from fiv_cli.friction import get_law
 
-    law = get_law(model.laws[0])
+    law = get_law(model.default_law)
     click.echo()
     _print_parameters(f"Parameters of {law.name}, under [friction]", model.adopted(law.parameters))
 
@@ -134,10 +155,10 @@ def _print_law(law: Law) -> None:
 
 def _print_parameters(title: str, parameters: tuple[Parameter, ...]) -> None:
     rows = [
-        (p.name, p.symbol, p.unit, _default(p), _range(p), p.meaning, p.equation)
+        (p.name, p.role, p.symbol, p.unit, _default(p), _range(p), p.meaning, p.equation)
         for p in parameters
     ]
-    columns = ("name", "symbol", "unit", "default", "range", "meaning", "equation")
+    columns = ("name", "role", "symbol", "unit", "default", "range", "meaning", "equation")
     print_table(title, columns, rows)
 
 
@@ -163,6 +184,6 @@ def _print_equations(model: Model) -> None:
     from fiv_cli.cli.equations import equation_lines, law_lines
     from fiv_cli.friction import get_law
 
-    law = get_law(model.laws[0])
+    law = get_law(model.default_law)
     click.echo("\n" + "\n".join(equation_lines(model)))
     click.echo("\n".join(law_lines(law)))

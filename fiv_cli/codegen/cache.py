@@ -29,7 +29,7 @@ import stat
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -46,7 +46,6 @@ SPARED_AGE = 7 * DAY
 KEPT_BYTES = 512 * 1024**2
 
 OWN_FOLDER, OWN_FILE = 0o700, 0o600
-SCRATCH = "scratch-"  # begins the names of folders that live as long as a block
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
@@ -141,26 +140,6 @@ def write(name: str, content: bytes) -> None:
         _discard_old(root)
 
 
-@contextlib.contextmanager
-def scratch_folder() -> Iterator[Path]:
-    """A folder of this user's own for the time of the block.
-
-    Raises
-    ------
-    OSError
-        there is nowhere to make it.
-    """
-    root = provide()
-    folder = Path(tempfile.mkdtemp(prefix=SCRATCH, dir=root))
-    remove = partial(shutil.rmtree, folder, ignore_errors=True)
-    try:
-        with ending.last_act(remove):
-            yield folder
-    finally:
-        remove()
-        _discard_abandoned(root)
-
-
 # --- whose it is ----------------------------------------------------------------------------------
 def _trouble(root: Path) -> str:
     """Why a folder cannot be used; empty where it can (it is made where it is not there)."""
@@ -230,14 +209,6 @@ def _discard_old(root: Path) -> None:
     with contextlib.suppress(OSError):
         for entry in _superfluous(_entries(root), time.time()):
             entry.path.unlink(missing_ok=True)
-
-
-def _discard_abandoned(root: Path) -> None:
-    """Remove the scratch folders of processes that were killed."""
-    for folder in root.glob(f"{SCRATCH}*"):
-        with contextlib.suppress(OSError):
-            if time.time() - folder.stat().st_mtime > DAY:
-                shutil.rmtree(folder)
 
 
 def _entries(root: Path) -> list[_Entry]:

@@ -1,26 +1,31 @@
 """Compiled kernels: made by numba on first use, once per user, anew after any edit of their files.
 
-numba keeps machine code in files of its own, which it finds by the entry's file: it sees no edit
-in another one, and reads what anybody may have written. So its files are made in a folder that
-lives as long as the compiling or loading takes, and are kept, packed into one, by the rules of
-`cache.py`: under a key that follows every source, whole, and nobody else's.
+numba is asked for the LLVM text of an entry, as optimised, and no more. What LLVM makes of it is
+kept and loaded like the machine code of generated text (see `cache.py`, `lower.py`), under a key
+that follows every source: where it is at hand numba is not imported.
 """
 
 from __future__ import annotations
 
+import ctypes
+import re
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cached_property
 from importlib.metadata import version
-from io import BytesIO
 from pathlib import Path
-from zipfile import ZipFile, ZipInfo
+from typing import Any
 
 from fiv_cli.codegen import cache as store
-from fiv_cli.codegen.lower import machine_description
+from fiv_cli.codegen.lower import compile_optimised, load_object, machine_description
 
-Entry = Callable[..., int]
-OWN = tuple(Path(__file__).with_name(name) for name in ("compiled.py", "kernels.py", "memory.py"))
+Entry = Callable[..., Any]
+SOURCES = ("compiled.py", "kernels.py", "lower.py", "memory.py")
+OWN = tuple(Path(__file__).with_name(name) for name in SOURCES)
+C_TYPES: dict[str, Any] = {
+    "int64": ctypes.c_int64,
+    "float64": ctypes.c_double,
+    "boolean": ctypes.c_bool,
+}
 
 
 class Compiled:
@@ -29,19 +34,21 @@ class Compiled:
     Parameters
     ----------
     name : of what is compiled, in the cache
+    signature : of the entry, in numba's words, such as ``int64(int64, float64)``
     files : source files that decide the code; their content is the key
-    declare : hands the entry to numba, with these options, and returns what it makes of it
+    declare : tells numba of the kernels, and returns the entry that is to be compiled
     """
 
-    def __init__(self, name: str, files: tuple[Path, ...], declare: Callable[..., Entry]) -> None:
-        self.name, self.files, self._declare = name, files, declare
+    def __init__(
+        self, name: str, signature: str, files: tuple[Path, ...], declare: Callable[[], Entry]
+    ) -> None:
+        self.name, self.signature, self.files, self._declare = name, signature, files, declare
         self._sources = self._read_sources()  # as they are imported
 
     def key(self) -> str:
-        """Hash of the sources and where they lie (numba asks too), compiler, and processor."""
+        """Hash of the sources, compiler, and processor."""
         versions = (version("numba"), version("llvmlite"))
-        places = map(str, self.files)
-        return store.content_key([self._sources, *places, *versions, machine_description()])
+        return store.content_key([self._sources, *versions, machine_description()])
 
     def is_warm(self) -> bool:
         """Whether this user's cache holds the machine code."""
@@ -56,43 +63,26 @@ class Compiled:
     @cached_property
     def function(self) -> Entry:
         """The compiled entry."""
-        with suppress(OSError), store.scratch_folder() as folder:
-            return self._made_in(folder)
-        return self._declare(cache=False)  # there is nowhere to put a file
+        result, *arguments = (C_TYPES[name] for name in re.findall(r"\w+", self.signature))
+        address = self._engine.get_function_address(self.name)
+        return ctypes.CFUNCTYPE(result, *arguments)(address)
 
-    def _made_in(self, folder: Path) -> Entry:
-        """The entry, loaded from what was kept, or compiled and kept."""
-        kept = store.read(self._file())
-        if kept is not None:
-            ZipFile(BytesIO(kept)).extractall(folder)
-        entry = self._declared(folder)
-        made = _packed(folder)  # numba may have found nothing in what was kept
-        if made != kept and self._read_sources() == self._sources:  # not edited since
-            store.write(self._file(), made)
-        return entry
+    @cached_property
+    def _engine(self) -> Any:
+        """What holds the machine code in memory."""
+        return load_object(store.read(self._file()) or self._made())
 
-    def _declared(self, folder: Path) -> Entry:
-        """The entry, with numba's files in this folder."""
-        import numba
+    def _made(self) -> bytes:
+        """The machine code, compiled now, and kept."""
+        from fiv_cli.codegen.kernels import text_of
 
-        before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(folder)
-        try:
-            return self._declare(cache=True)
-        finally:
-            numba.config.CACHE_DIR = before
+        code = compile_optimised(text_of(self._declare(), self.signature, self.name))
+        if self._read_sources() == self._sources:  # not edited since
+            store.write(self._file(), code)
+        return code
 
     def _read_sources(self) -> bytes:
         return store.source_of(*self.files, *OWN)
 
     def _file(self) -> str:
-        return f"{self.name}-{self.key()}.zip"
-
-
-def _packed(folder: Path) -> bytes:
-    """The files of a folder as one, the same for the same files."""
-    content = BytesIO()
-    with ZipFile(content, "w") as archive:
-        for path in sorted(path for path in folder.rglob("*") if path.is_file()):
-            archive.writestr(ZipInfo(str(path.relative_to(folder))), path.read_bytes())
-    return content.getvalue()
+        return f"{self.name}-{self.key()}.o"

@@ -8,7 +8,7 @@ rates, the switching functions, the contact forces and the powers of the energy 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -21,13 +21,16 @@ from fiv_cli.codegen.codes import (
     GAP,
     JAMMING,
     NORMAL,
+    PARTING,
     SEPARATION,
     SLIP,
     STICK,
     VELOCITY,
 )
 from fiv_cli.codegen.graph import Graph, Node
+from fiv_cli.codegen.joint import Joint, joints
 from fiv_cli.codegen.setup import Setup
+from fiv_cli.errors import UsageError
 from fiv_cli.friction.base import Slip
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
@@ -131,6 +134,8 @@ class _Deriver:
 
     def derive(self) -> Derivation:
         states = {}
+        held = (STICK if self._possible(i, STICK) else SLIP for i in range(len(self.contacts)))
+        self._joints(tuple(held))  # what all contacts at once leave open is refused first
         for kinds in product((SLIP, STICK, SEPARATION), repeat=len(self.contacts)):
             if all(self._possible(i, kind) for i, kind in enumerate(kinds)):
                 states[index_of(kinds)] = self._contact_state(kinds)
@@ -181,24 +186,29 @@ class _Deriver:
     def _law_force(self, contact: int) -> Expr:
         return self.law.force(self._slip(contact), self._law_parameters())
 
+    def _law_rates(self, contact: int) -> Mapping[str, Expr]:
+        rates = self.law.rates
+        return {} if rates is None else rates(self._slip(contact), self._law_parameters())
+
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
-        borders = self.symbols.sign(contact) in self.law_forces[contact].free_symbols
+        told = (self.law_forces[contact], *self._law_rates(contact).values())
+        borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
         return self.law.capacity is None and not borders
 
     # --- one contact state ------------------------------------------------------------------------
     def _contact_state(self, kinds: tuple[int, ...]) -> ContactState:
-        names = self._leaves(kinds)
-        self._constrain(kinds, names)
-        forces = self._forces(kinds, names)
+        names, stuck = self._leaves(kinds), self._joints(kinds)
+        self._constrain(kinds, stuck, names)
+        forces = self._forces(kinds, stuck, names)
         names.update(forces.nodes)
         rates = self._rates(names)
         return ContactState(
             kinds=kinds,
             values=tuple(names[self._entry(name)] for name in self.state_names),
             rates=tuple(rates),
-            guards=self._guards(kinds, names, forces.determinant),
+            guards=self._guards(kinds, stuck, names, forces.determinant),
             angle=self._angle(kinds, names),
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
             energies=tuple(self._energies(names)),
@@ -223,22 +233,43 @@ class _Deriver:
             names[symbols.closed(i)] = graph.number(0.0 if kind == SEPARATION else 1.0)
         return names
 
-    def _constrain(self, kinds: tuple[int, ...], names: dict[Expr, Node]) -> None:
+    def _joints(self, kinds: tuple[int, ...]) -> list[Joint]:
+        """The sticking contacts, those of one direction together."""
+        slips = {i: c.slip_velocity for i, c in enumerate(self.contacts) if kinds[i] == STICK}
+        gaps = {i: self._time_derivative(self.contacts[i].gap) for i in self._closed(kinds)}
+        return joints(*({i: self._row(v) for i, v in rates.items()} for rates in (slips, gaps)))
+
+    def _row(self, rate: Expr) -> list[Expr]:
+        """What each velocity adds to a rate."""
+        return [sympy.diff(rate, self.symbols.velocity(name)) for name in self.coordinates]
+
+    def _closed(self, kinds: tuple[int, ...]) -> list[int]:
+        """The closed rigid contacts."""
+        return [
+            i
+            for i, (contact, kind) in enumerate(zip(self.contacts, kinds, strict=True))
+            if kind != SEPARATION and self._is_rigid(contact)
+        ]
+
+    def _constrain(
+        self, kinds: tuple[int, ...], stuck: Sequence[Joint], names: dict[Expr, Node]
+    ) -> None:
         """Replace the entries that a closed rigid gap or a sticking contact determines.
 
         In stick the slip velocity is zero identically, not up to integration error.
         """
-        closed = [
-            contact
-            for contact, kind in zip(self.contacts, kinds, strict=True)
-            if kind != SEPARATION and self._is_rigid(contact)
-        ]
+        closed = [self.contacts[i] for i in self._closed(kinds)]
         positions = {str(c.gap_coordinate): c.gap for c in closed}
         self._eliminate(positions, names)
         velocities = {f"{c.gap_coordinate}_dot": self._time_derivative(c.gap) for c in closed}
-        for contact, kind in zip(self.contacts, kinds, strict=True):
-            if kind == STICK:
-                velocities[f"{contact.slip_coordinate}_dot"] = contact.slip_velocity
+        for contact in (self.contacts[joint.leader] for joint in stuck):
+            velocities[f"{contact.slip_coordinate}_dot"] = contact.slip_velocity
+        if len(velocities) < len(closed) + len(stuck):
+            raise UsageError(
+                f"{len(closed) + len(stuck)} conditions of contact are solved for the velocities "
+                f"{', '.join(velocities)}\n"
+                "next: give each contact a slip_coordinate and gap_coordinate of its own"
+            )
         self._eliminate(velocities, names)
 
     def _eliminate(self, conditions: Mapping[str, Expr], names: dict[Expr, Node]) -> None:
@@ -260,30 +291,60 @@ class _Deriver:
         return total
 
     # --- contact forces ---------------------------------------------------------------------------
-    def _forces(self, kinds: tuple[int, ...], names: dict[Expr, Node]) -> _Forces:
-        unknowns, conditions = self._unknowns(kinds)
+    def _forces(
+        self, kinds: tuple[int, ...], stuck: Sequence[Joint], names: dict[Expr, Node]
+    ) -> _Forces:
+        unknowns, conditions = self._unknowns(kinds, stuck)
         known = self._explicit_forces(kinds, names)
         names = {**names, **known}
+        for joint in stuck:
+            names.update(self._shares(joint, names))
         rows = [self._affine(c, unknowns, names) for c in conditions]
         solution, determinant = _solve(self.graph, rows)
         for symbol, node in zip(unknowns, solution, strict=True):
             known[symbol] = node
         names = {**names, **known}
+        for joint in stuck:
+            for i in joint.factors:
+                force = self._borne(i, joint)
+                known[self.symbols.tangential_force(i)] = self.graph.build(force, names)
         for i, kind in enumerate(kinds):
             if kind == SLIP:
                 force = self._slip_force(i)
                 known[self.symbols.tangential_force(i)] = self.graph.build(force, names)
         return _Forces(known, determinant)
 
+    def _borne(self, contact: int, joint: Joint) -> Expr:
+        """The stick force of a contact, of the demand on its joint: all of it where it is alone."""
+        demand = self.symbols.tangential_force(joint.leader)
+        return demand if len(joint.factors) == 1 else self.symbols.share(contact) * demand
+
+    def _shares(self, joint: Joint, names: Mapping[Expr, Node]) -> dict[Expr, Node]:
+        """Of contacts that stick jointly, what each bears of their demand: as it can bear."""
+        if len(joint.factors) == 1:
+            return {}
+        graph = self.graph
+        factors = {i: graph.build(factor, names) for i, factor in joint.factors.items()}
+        sizes = {i: graph.unary("sqrt", graph.mul(f, f)) for i, f in factors.items()}
+        able = {i: self._capacity(i, names) for i in factors}
+        every = graph.add(*(graph.mul(size, able[i]) for i, size in sizes.items()))
+        return {
+            self.symbols.share(i): graph.div(graph.mul(graph.div(f, sizes[i]), able[i]), every)
+            for i, f in factors.items()
+        }
+
     def _slip_force(self, contact: int) -> Expr:
         v = self._slip(contact).v
         return self.law_forces[contact].subs(v, self.contacts[contact].slip_velocity)
 
-    def _unknowns(self, kinds: tuple[int, ...]) -> tuple[list[Expr], list[Expr]]:
+    def _unknowns(
+        self, kinds: tuple[int, ...], stuck: Sequence[Joint]
+    ) -> tuple[list[Expr], list[Expr]]:
         """Force symbols to solve for, and the expressions that must vanish."""
         unknowns, conditions = [], []
+        leaders = {joint.leader for joint in stuck}
         for i, (contact, kind) in enumerate(zip(self.contacts, kinds, strict=True)):
-            if kind == STICK:
+            if i in leaders:
                 unknowns.append(self.symbols.tangential_force(i))
                 conditions.append(self._slip_acceleration(contact))
             if kind != SEPARATION and self._is_rigid(contact):
@@ -294,7 +355,12 @@ class _Deriver:
             for i, kind in enumerate(kinds)
             if kind == SLIP
         }
-        return unknowns, [condition.subs(slipping) for condition in conditions]
+        held = {
+            self.symbols.tangential_force(i): self._borne(i, joint)
+            for joint in stuck
+            for i in joint.factors
+        }
+        return unknowns, [condition.subs(slipping).xreplace(held) for condition in conditions]
 
     def _explicit_forces(
         self, kinds: tuple[int, ...], names: Mapping[Expr, Node]
@@ -343,27 +409,42 @@ class _Deriver:
         return rates
 
     def _internal_rates(self, contact: int, names: Mapping[Expr, Node]) -> list[Node]:
-        if self.law.rates is None:
-            return []
-        slip = self._slip(contact)
-        rates = self.law.rates(slip, self._law_parameters())
+        slip, rates = self._slip(contact), self._law_rates(contact)
         velocity = self.contacts[contact].slip_velocity
         return [
             self.graph.build(rates[name].subs(slip.v, velocity), names) for name in self.law.states
         ]
 
     def _guards(
-        self, kinds: tuple[int, ...], names: Mapping[Expr, Node], determinant: Node | None
+        self,
+        kinds: tuple[int, ...],
+        stuck: Sequence[Joint],
+        names: Mapping[Expr, Node],
+        determinant: Node | None,
     ) -> tuple[Guard, ...]:
         guards: list[Guard] = []
         for i, kind in enumerate(kinds):
             guards += self._guards_of(i, kind, names)
+        for joint in stuck:
+            guards += self._partings(joint, names)
         if determinant is not None and not determinant.constant:
             # A friction force opposes the slip acceleration that it is solved from: each
             # sticking contact turns the sign of the determinant.
-            orientation = self.graph.number((-1.0) ** kinds.count(STICK))
+            orientation = self.graph.number((-1.0) ** len(stuck))
             guards.append(Guard(JAMMING, 0, self.graph.mul(orientation, determinant)))
         return tuple(guards)
+
+    def _partings(self, joint: Joint, names: Mapping[Expr, Node]) -> Iterator[Guard]:
+        """What is negative unless contacts that stick jointly go on having one speed.
+
+        They begin at rest; what must vanish is the rate at which their drives part.
+        """
+        leading = self.contacts[joint.leader].slip_velocity
+        for i, factor in joint.followers:
+            apart = sympy.simplify(self.contacts[i].slip_velocity - factor * leading)
+            rate = self.graph.build(self._time_derivative(apart), names)
+            if rate is not self.graph.zero:
+                yield Guard(PARTING, i, self.graph.negative(self.graph.mul(rate, rate)))
 
     def _guards_of(self, contact: int, kind: int, names: Mapping[Expr, Node]) -> list[Guard]:
         graph, description = self.graph, self.contacts[contact]

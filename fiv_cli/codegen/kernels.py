@@ -11,6 +11,7 @@ Indices are never counted from the end and nothing checks them.
 from __future__ import annotations
 
 import operator
+import re
 from collections.abc import Callable, Sequence
 from functools import cache
 from types import ModuleType
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import cfunc, types
 from numba.extending import (
     intrinsic,
     lower_builtin,
@@ -31,7 +32,16 @@ from numba.extending import (
     type_callable,
 )
 
-from fiv_cli.codegen.memory import WORD, Field, Frame, Kind, bits_of, call_generated, float_of
+from fiv_cli.codegen.memory import (
+    WORD,
+    Field,
+    Frame,
+    Kind,
+    bits_of,
+    call_generated,
+    float_of,
+    floats_at,
+)
 
 if TYPE_CHECKING:
     from llvmlite.ir import Instruction, IRBuilder, Value
@@ -67,6 +77,26 @@ class Context(Protocol):
     def make_tuple(self, builder: IRBuilder, kind: types.Type, values: Values) -> Value: ...
 
     def make_helper(self, builder: IRBuilder, kind: types.Type, value: Value) -> Any: ...
+
+
+# What an entry calls where a kernel raises, which none does, and numba alone provides.
+RAISING = re.compile(r"^declare (.* @(?:numba|NRT)_\w+\(.*\)).*$", re.MULTILINE)
+
+
+def text_of(entry: Kernel, signature: str, name: str) -> str:
+    """LLVM text of an entry called `name`, as C calls it, and of all that it needs of numba.
+
+    Raises
+    ------
+    TypeError
+        a kernel may raise an exception: there is nobody to take it.
+    """
+    made = cfunc(signature, **OPTIONS)(entry)
+    text = made.inspect_llvm()
+    if ".const.pickledata" in text:
+        raise TypeError(f"{name}: kernels raise no exceptions")
+    whole = RAISING.sub(r"define \1 { call void @llvm.trap() unreachable }", text)
+    return whole.replace(made.native_name, name) + "declare void @llvm.trap()\n"
 
 
 @cache
@@ -296,6 +326,19 @@ def register_frame(frame: type[Frame], frame_at: Callable[[int], object]) -> Non
 
 def _frame_at(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
     return builder.inttoptr(given[0], context.get_value_type(signature.return_type))
+
+
+# --- arrays at an address -------------------------------------------------------------------------
+@type_callable(floats_at)
+def _type_of_floats(context: Context) -> Callable[..., types.Type | None]:
+    return lambda address, rows, columns: View(types.float64, 2)
+
+
+@lower_builtin(floats_at, types.Integer, types.Integer, types.Integer)
+def _floats_at(context: Context, builder: IRBuilder, signature: Signature, given: Values) -> Value:
+    address, *lengths = given
+    data = builder.inttoptr(address, DOUBLE.as_pointer())
+    return _view(context, builder, signature.return_type, data, lengths)
 
 
 # --- generated code, bits -------------------------------------------------------------------------

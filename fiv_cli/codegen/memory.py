@@ -244,6 +244,11 @@ def words_at(address: int, count: int) -> Ints:
     return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(address))
 
 
+def floats_at(address: int, rows: int, columns: int) -> Floats2:
+    """The matrix that begins at an address."""
+    return words_at(address, rows * columns).view(np.float64).reshape(rows, columns)
+
+
 def address_of(array: Array) -> int:
     """Where the data of a contiguous array begin (numpy's own ways take four times as long)."""
     return ctypes.addressof(NOTHING.from_buffer(array))  # type: ignore[arg-type]

@@ -69,7 +69,7 @@ class Setup:
         rtol : tolerance that the order of the series is made for
         """
         chosen = get_model(model) if isinstance(model, str) else model
-        under = law or chosen.laws[0]
+        under = law or chosen.default_law
         friction = get_law(under) if isinstance(under, str) else under
         values = parameters or default_parameters(chosen, friction)
         return cls(

@@ -265,9 +265,10 @@ def _attributes(unit: str, meaning: str, symbol: str) -> dict[str, str]:
 
 def _parameter(name: str, model: str) -> Parameter:
     """The parameter of the model or of one of its laws."""
-    from fiv_cli.friction import get_law
+    from fiv_cli.friction import get_law, laws_of
 
-    tables = [get_model(model).parameters, *(get_law(n).parameters for n in get_model(model).laws)]
+    laws = map(get_law, laws_of(get_model(model)))
+    tables = [get_model(model).parameters, *(law.parameters for law in laws)]
     return next(p for table in tables for p in table if p.name == name)
 
 

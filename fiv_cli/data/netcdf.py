@@ -12,18 +12,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
-from xarray.backends import NetCDF4DataStore
 
 from fiv_cli import ending
 from fiv_cli.analyses.variables import INT_FILL
+from fiv_cli.case.identity import output_of
 from fiv_cli.data.hdf5 import read_attributes, read_groups
 from fiv_cli.data.sound import form_of
 from fiv_cli.errors import InputError, StorageError, UsageError
-from fiv_cli.files import replacing
+from fiv_cli.files import NETCDF, replacing
+from fiv_cli.notation.names import suggest
 
 if TYPE_CHECKING:
     import netCDF4
+    import xarray as xr
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
@@ -81,14 +82,32 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
     """
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "no such file"
-        raise UsageError(f"{path}: {what}\nnext: name a dataset written by `fiv run`")
+        raise UsageError(f"{path}: {what}\nnext: {_meant(path)}")
+    if path.suffix == ".toml":
+        raise UsageError(f"{path}: a case, not a dataset\nnext: {_dataset_of(path)}")
     try:
         return read_groups(path)
     except Exception as error:  # a damaged file can fail in any way inside the libraries
+        with path.open("rb") as file:
+            signed = file.read(8).startswith(NETCDF)
+        damage = f"a damaged dataset ({type(error).__name__}: {error})"
         raise InputError(
-            f"{path}: not a NetCDF dataset, or a damaged one ({type(error).__name__}: {error})\n"
+            f"{path}: {damage if signed else 'not a NetCDF dataset'}\n"
             "next: name a dataset written by `fiv run`"
         ) from error
+
+
+def _meant(path: Path) -> str:
+    """What may have been meant instead of a dataset that is not there."""
+    there = [*path.parent.glob("*.nc"), *Path("runs").glob("*.nc")] if path.name else []
+    hint = suggest(str(path), sorted({str(other) for other in there}))
+    return hint or "name a dataset written by `fiv run`"
+
+
+def _dataset_of(case: Path) -> str:
+    """What to do where a case stands for its dataset."""
+    path = output_of(case)
+    return f"name its dataset, {path}" if path.is_file() else f"fiv run {case}, which writes {path}"
 
 
 def global_attributes(path: Path) -> dict[str, Any] | None:
@@ -133,6 +152,7 @@ class _Later:
 def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:
     """All groups into one file that is opened once: each opening reads all that it has."""
     import netCDF4
+    import xarray as xr
 
     clean = {name: to_attribute(v) for name, v in attributes.items() if v is not None}
     later = _Later()
@@ -162,6 +182,8 @@ def _caches(small: bool) -> Iterator[None]:
 
 
 def _define(group: netCDF4.Dataset, dataset: xr.Dataset, later: _Later) -> None:
+    from xarray.backends import NetCDF4DataStore
+
     encoding = {str(name): _encoding(variable) for name, variable in dataset.variables.items()}
     dataset.dump_to_store(NetCDF4DataStore(group), encoding=encoding, writer=later)
 
@@ -187,6 +209,8 @@ def _fill(variable: xr.Variable) -> float | np.int32 | None:
 def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
     """Read back what was written, one variable at a time."""
     import netCDF4
+    import xarray as xr
+    from xarray.backends import NetCDF4DataStore
 
     with netCDF4.Dataset(path) as file:
         for name, dataset in datasets.items():

@@ -26,22 +26,20 @@ def advance_at(address: int, t_stop: float, phase_interval: float, measuring: bo
 kernel_advance = kernel.advance  # numba reads no functions off modules
 
 
-def _declare(**options: bool) -> Callable[..., int]:
-    from numba import cfunc
-
-    from fiv_cli.codegen.kernels import OPTIONS, register, register_frame
+def _declare() -> Callable[..., int]:
+    from fiv_cli.codegen.kernels import register, register_frame
 
     register_frame(kernel.Run, run_at)
     register(roots)
     register(kernel)
-    return cfunc(SIGNATURE, **OPTIONS, **options)(advance_at).ctypes
+    return advance_at
 
 
 FILES = (
     *(FOLDER / name for name in ("kernel.py", "roots.py", "compiled.py")),
     Path(codes.__file__),
 )
-DRIVER = Compiled("driver", FILES, _declare)
+DRIVER = Compiled("driver", SIGNATURE, FILES, _declare)
 
 
 def load_driver(announce: Callable[[str], None]) -> None:

@@ -66,6 +66,7 @@ NOTHING, UPPER_BORDER, LOWER_BORDER, SECTION = -1, -2, -3, -4
 # Why `advance` returned.
 REACHED, SECTION_FULL, STEP_BUDGET, EVENT_BUDGET = 0, 1, 2, 3
 DIVERGED, CONTACT_LOST, NO_STATE, JAMMED, CHATTERING = 4, 5, 6, 7, 8
+DEPENDENT, NO_NUMBER = 9, 10
 GOING = -1  # ... that it has not yet
 
 ENDLESS = 1e300  # step over which every series is a polynomial
@@ -385,9 +386,11 @@ def polynomial_step(run: Run, index: int) -> float:
 def leading(series: Floats, offset: int, order: int, step: float, known_zeros: int) -> int:
     """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
-    0 when all vanish. `step` is the time over which derivatives are compared; without one (0)
-    the first that is not exactly zero counts.
+    0 when all vanish, -1 where the function has no value (0 / 0). `step` is the time over which
+    derivatives are compared; without one (0) the first that is not exactly zero counts.
     """
+    if np.isnan(series[offset]):
+        return -1
     scale = series_scale(series, offset, order, step)
     if step == 0.0:
         step, scale = 1.0, 0.0
@@ -465,6 +468,15 @@ def known_zeros_of(
 
 
 @native
+def sticks(run: Run) -> bool:
+    """Whether a contact sticks."""
+    for i in range(run.n_contacts):
+        if run.kinds[i] == STICK:
+            return True
+    return False
+
+
+@native
 def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool) -> bool:
     """Whether a candidate contact state can follow: every switching function leads positive.
 
@@ -497,6 +509,8 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
             opens = kind == NORMAL and trigger_kind < NORMAL
         if lead < 0 and not (lenient and opens and lead < -1):
             return False
+        if lead == 0 and kind == VELOCITY and sticks(run):
+            return False  # held by another contact: test_what_another_contact_holds_does_not_slip
         # A function that is zero throughout (a capacity that stays just reached) has no root.
         run.known_zeros[g] = max(lead - 1, 0) if lead != 0 else order + 1
     return True
@@ -1466,7 +1480,7 @@ def advance(run: Run, t_stop: float, phase_interval: float, measuring: bool) -> 
         for i in range(run.n_states):
             run.y[i] = out[i]
             if not abs(out[i]) < run.bound:
-                return DIVERGED
+                return NO_NUMBER if np.isnan(out[i]) else DIVERGED
         was_on_section = run.zeros_on_section > 0
         clear_known_zeros(run)
         if hit == NOTHING:

@@ -46,6 +46,8 @@ class Stop(IntEnum):
     NO_STATE = kernel.NO_STATE
     JAMMED = kernel.JAMMED
     CHATTERING = kernel.CHATTERING
+    DEPENDENT = kernel.DEPENDENT
+    NO_NUMBER = kernel.NO_NUMBER
 
 
 INFINITE = float("inf")
@@ -62,6 +64,8 @@ STOP_REASONS = {
     Stop.NO_STATE: "no_consistent_state",
     Stop.JAMMED: "jammed",
     Stop.CHATTERING: "chattering",
+    Stop.DEPENDENT: "dependent_contacts",
+    Stop.NO_NUMBER: "no_number",
 }
 
 
@@ -349,7 +353,17 @@ class Motion:
             return stop
         if not self.started and self._is_out_of_contact():
             return Stop.CONTACT_LOST
+        if self._is_dependent():
+            return Stop.DEPENDENT
         return Stop.JAMMED if self._is_jammed() else stop
+
+    def _is_dependent(self) -> bool:
+        """Whether contacts at rest cannot stick at once: what each would bear has no number."""
+        kinds = np.where(self.frame.is_at_rest == 1, STICK, SLIP)
+        index = int(kernel.state_index(kinds, len(kinds)))
+        if self.system.tables.field[index] == 0:
+            return False
+        return bool(np.isnan(self._field(index).switching).any())
 
     def _is_jammed(self) -> bool:
         """Whether the determinant of an algebraic normal force has lost its sign in sliding."""

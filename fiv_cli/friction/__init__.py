@@ -2,26 +2,43 @@
 
 from __future__ import annotations
 
-from fiv_cli.friction import coulomb, exponential, hyperbolic, linear_slope, none, stribeck, tanh
+from fiv_cli.friction import (
+    coulomb,
+    cubic,
+    exponential,
+    four_parameter,
+    hyperbolic,
+    linear_slope,
+    none,
+    stribeck,
+    stribeck_viscous,
+    tanh,
+    viscous,
+)
 from fiv_cli.friction.base import Law
+from fiv_cli.models.base import Model
 
 _LAWS: tuple[Law, ...] = (
     coulomb.LAW,
+    viscous.LAW,
     stribeck.LAW,
+    stribeck_viscous.LAW,
     exponential.LAW,
     linear_slope.LAW,
     hyperbolic.LAW,
+    four_parameter.LAW,
+    cubic.LAW,
 )
 
 TANH_OF = "tanh of "
 
-
-_REGULARISED = tuple(map(tanh.regularised, _LAWS))
+_REGULARISED = tuple(tanh.regularised(law) for law in _LAWS if law.capacity is not None)
+_BY_NAME = {law.name: law for law in (*_LAWS, *_REGULARISED)}
 
 
 def all_laws() -> dict[str, Law]:
     """Every friction law, by name, each law's regularised form included (a copy)."""
-    return {law.name: law for law in (*_LAWS, *_REGULARISED)}
+    return dict(_BY_NAME)
 
 
 def get_law(name: str) -> Law:
@@ -29,7 +46,24 @@ def get_law(name: str) -> Law:
 
     ``none`` is that of models without a contact; it is not listed.
     """
-    laws = {none.LAW.name: none.LAW, **all_laws()}
-    if name not in laws:
+    law = none.LAW if name == none.LAW.name else _BY_NAME.get(name)
+    if law is None:
         raise KeyError(f"no law {name!r} is listed in fiv_cli/friction/__init__.py")
-    return laws[name]
+    return law
+
+
+def laws_of(model: Model) -> tuple[str, ...]:
+    """The names of the laws that `model` takes, its default first: all but those it cannot."""
+    if not model.contacts:
+        return (none.LAW.name,)
+    fit = (name for name, law in _BY_NAME.items() if not why_unfit(model, law))
+    return tuple(dict.fromkeys((model.default_law, *fit)))
+
+
+def why_unfit(model: Model, law: Law) -> str:
+    """Why `model` cannot take `law`, in words; empty where it can."""
+    if not model.contacts:
+        return f"{model.name} has no frictional contact"
+    if law.constant_load and not model.constant_load:
+        return f"{law.name!r} gives a force whatever the load, and that of {model.name} varies"
+    return ""

@@ -15,7 +15,7 @@ contact state then has a border there, and an event lies on it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Parameter, Requirement, followed
@@ -48,14 +48,15 @@ class Law:
     parameters : its parameter table
     force : ``(Slip, parameters) -> F_T`` in N, positive along v
     capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
-    states : internal states, name -> unit (no shipped law has any: see the test of one in
-        ``tests/test_law_with_states.py``)
+    states : internal states, name -> unit; they begin at zero
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)
     average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
         velocity of amplitude U about v: `reversing` says whether it changes the sign of slip
         (U > |v|); None for a law without such a form (see `averaged.py`)
     requirements : what its parameters must be to one another
+    constant_load : it gives a force that does not depend on the normal force
+    only_in_stick : parameters that sliding does not read
     """
 
     name: str
@@ -70,6 +71,27 @@ class Law:
     structural: tuple[str, ...] = ()
     average: Callable[[Slip, Mapping[str, Expr], Expr, bool], Expr] | None = None
     requirements: tuple[Requirement, ...] = ()
+    constant_load: bool = False
+    only_in_stick: tuple[str, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """``set-valued`` (it sticks), ``regularised`` (smooth) or ``dynamic`` (with states)."""
+        if self.states:
+            return "dynamic"
+        return "regularised" if self.capacity is None else "set-valued"
+
+    def sliding(self, slip: Slip, parameters: Mapping[str, Expr]) -> Expr:
+        """F_T in N of steady sliding, where the internal states rest."""
+        import sympy
+
+        if self.rates is None:
+            return self.force(slip, parameters)
+        states = {name: sympy.Symbol(name, real=True) for name in self.states}
+        moving = replace(slip, states=states)
+        rates = self.rates(moving, parameters)
+        (rest,) = sympy.solve([rates[name] for name in states], list(states.values()), dict=True)
+        return sympy.sympify(self.force(moving, parameters)).subs(rest)
 
     @property
     def defaults(self) -> dict[str, float]:

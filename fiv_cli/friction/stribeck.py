@@ -20,6 +20,15 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 
+V_S = Parameter("v_s", "v_s", "m s-1", 1.0, "Stribeck velocity", "2.3", 0.0, exclusive=True)
+
+
+def exponent(default: float) -> Parameter:
+    """The Stribeck exponent."""
+    name, meaning = "delta", "Stribeck exponent"
+    return Parameter(name, r"\delta", "1", default, meaning, "2.3", 1.0, 8.0, integer=True)
+
+
 def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     """F_T in N (thesis 2.3, 3.12)."""
     import sympy
@@ -36,8 +45,8 @@ LAW = Law(
     parameters=(
         MU_S,
         MU_K,
-        Parameter("v_s", "v_s", "m s-1", 1.0, "Stribeck velocity", "2.3", 0.0, exclusive=True),
-        Parameter("delta", r"\delta", "1", 1.0, "Stribeck exponent", "2.3", 1.0, 8.0, integer=True),
+        V_S,
+        exponent(1.0),
     ),
     force=force,
     capacity=lambda N, p: p["mu_s"] * N,

@@ -20,7 +20,7 @@ SIGMA = Parameter(
 def regularised(law: Law) -> Law:
     """`law` with its sign function replaced by tanh(sigma v)."""
 
-    parameters = _kinetic_parameters(law)
+    parameters = tuple(p for p in law.parameters if p.name not in law.only_in_stick)
     kept = {parameter.name for parameter in parameters}
 
     def force(slip: Slip, p):  # type: ignore[no-untyped-def]
@@ -39,9 +39,5 @@ def regularised(law: Law) -> Law:
         capacity=None,
         structural=law.structural,
         requirements=tuple(r for r in law.requirements if kept.issuperset(r.reads)),
+        constant_load=law.constant_load,
     )
-
-
-def _kinetic_parameters(law: Law) -> tuple[Parameter, ...]:
-    """The parameters that still enter once there is no stick: without Coulomb's mu_s."""
-    return tuple(p for p in law.parameters if not (law.name == "coulomb" and p.name == "mu_s"))

@@ -31,6 +31,13 @@ if TYPE_CHECKING:
 
 Options = Mapping[str, str]
 
+ROLES_OF_UNITS = (
+    dict.fromkeys(("N m-1", "N m", "N m-3"), "stiffness")
+    | dict.fromkeys(("N s m-1", "N m s"), "damping")
+    | {"kg": "mass", "kg m2": "inertia", "m": "length", "rad": "angle"}
+)
+"""What a parameter in this unit is, unless it says otherwise."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -48,6 +55,8 @@ class Parameter:
     default_from : name of the parameter whose value is the default
     integer : only whole numbers are allowed
     exclusive : the range is open at `minimum`
+    role : what it is in any model (``"preload"``), so that another model's name for it leads to
+        this one; what its unit says when left out
     """
 
     name: str
@@ -61,6 +70,11 @@ class Parameter:
     exclusive: bool = False
     integer: bool = False
     default_from: str | None = None
+    role: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.role:
+            object.__setattr__(self, "role", ROLES_OF_UNITS.get(self.unit, ""))
 
     @property
     def allowed(self) -> str:
@@ -291,7 +305,8 @@ class Model:
     states : generalised coordinates under given options
     options : switches
     contacts : number of contacts
-    laws : names of the friction laws it accepts; the first is the default
+    constant_load : every contact is pressed by the same force at all times
+    default_law : name of the friction law where a case names none
     law_defaults : law parameter -> default on this model; a name: the value of that parameter
     forcings : periodic excitations
     revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
@@ -312,10 +327,11 @@ class Model:
     parameters: tuple[Parameter, ...]
     states: Callable[[Options], tuple[State, ...]]
     equations: Callable[[Symbols, Options], Equations]
-    laws: tuple[str, ...]
+    default_law: str
     law_defaults: Mapping[str, float | str]
     options: tuple[Option, ...] = ()
     contacts: int = 1
+    constant_load: bool = False
     forcings: tuple[Forcing, ...] = ()
     revolution: Callable[[Mapping[str, float]], float] | None = None
     derived: Derived | None = None

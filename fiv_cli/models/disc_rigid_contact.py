@@ -31,8 +31,8 @@ PARAMETERS = (
     Parameter("c_z", "c_z", "N s m-1", 0.1, "transverse damping of the slider", "4.18", 0.0),
     Parameter("K_phi", r"r_0^2k_\varphi", "N m", 2000.0, "in-plane stiffness", "4.4", 0.0),
     Parameter("C_phi", r"r_0^2c_\varphi", "N m s", 0.1, "in-plane damping", "4.4", 0.0),
-    Parameter("N0", "N_0", "N", 500.0, "normal preload", "4.18", 0.0),
-    Parameter("Omega", r"\Omega", "rad s-1", 6.283185, "disc speed", "4.3"),
+    Parameter("N0", "N_0", "N", 500.0, "normal preload", "4.18", 0.0, role="preload"),
+    Parameter("Omega", r"\Omega", "rad s-1", 6.283185, "disc speed", "4.3", role="speed"),
     disc.damping_ratio(0.0),
 )
 
@@ -91,7 +91,7 @@ MODEL = Model(
     parameters=PARAMETERS,
     states=states,
     equations=equations,
-    laws=("exponential", "coulomb", "tanh of exponential", "tanh of coulomb"),
+    default_law="exponential",
     law_defaults={"mu_0": 0.6, "mu_k": 0.35, "mu_s": 0.8, "alpha": 1.0},
     options=(disc.MODES, IMPACT, disc.SLOPE_FORCE, disc.DISC_DAMPING),
     revolution=lambda p: p["Omega"],

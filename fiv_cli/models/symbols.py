@@ -50,6 +50,10 @@ class Symbols:
         """F_T of a contact, N, along +v_rel on the model."""
         return self._real(f"F_T.{contact}")
 
+    def share(self, contact: int) -> sympy.Symbol:
+        """What a contact bears of the demand on all that stick jointly with it."""
+        return self._real(f"share.{contact}")
+
     def normal_force(self, contact: int) -> sympy.Symbol:
         """F_N of a contact, N, positive in compression."""
         return self._real(f"F_N.{contact}")

@@ -125,12 +125,16 @@ def exact(value: float | str, unit: str) -> Fraction:
         if not isfinite(value):
             raise ValueError(f"must be finite, not {value!r}")
         return Fraction(repr(value))
-    number, given = _split(value)
+    number, given = _split(value, unit)
     if not given:
         return number
-    source, target = parse_unit(given), parse_unit(unit)
+    target = parse_unit(unit)
+    try:
+        source = parse_unit(given)
+    except ValueError as error:
+        raise ValueError(f"{error}; {_fitting(unit)}") from None
     if not source.fits(target):
-        raise ValueError(f"the unit of {value!r} does not fit {_spoken(unit)}")
+        raise ValueError(f"the unit of {value!r} does not fit {_spoken(unit)}; {_fitting(unit)}")
     return number * source.factor / target.factor
 
 
@@ -147,10 +151,26 @@ def nearest_double(value: Fraction) -> float:
         raise ValueError("the number is too large for a double") from None
 
 
-def _split(text: str) -> tuple[Fraction, str]:
+def _fitting(unit: str) -> str:
+    """The units that a value in `unit` may be given in."""
+    names = list(dict.fromkeys(_FACTOR.fullmatch(factor)[1] for _, factor in _factors(unit)))  # type: ignore[index]
+    whole = [*([] if [unit] == names else [unit]), *_like(parse_unit(unit))]
+    parts = [f"{name}: {', '.join(_like(UNITS[name]))}" for name in names if [unit] != names]
+    return "; of ".join([f"it may be in {', '.join(whole)}", *parts])
+
+
+def _like(wanted: Unit) -> list[str]:
+    """The names of all units that measure the same."""
+    return [name for name, unit in UNITS.items() if name.isascii() and unit.fits(wanted)]
+
+
+def _split(text: str, unit: str) -> tuple[Fraction, str]:
     match = _NUMBER.fullmatch(text)
     if match is None:
-        raise ValueError(f"{text!r} is not a number with a unit")
+        example = "2.5" if unit == "1" else f"2.5 {unit}"
+        raise ValueError(f'{text!r} is not a number with a unit, such as "{example}"')
+    if match[2].startswith(","):
+        raise ValueError(f"{text!r} has a comma; decimals stand behind a point")
     _refuse_absurd(match[1])
     return Fraction(match[1]), match[2]
 

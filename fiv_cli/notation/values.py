@@ -10,6 +10,8 @@ QUANTITY_SCHEMA = {
     "description": 'a number in SI, or a string with its unit: "20 rpm", "15 deg", "5 mm"',
 }
 
+WANTED_SCHEMA = {"anyOf": [QUANTITY_SCHEMA, {"type": "array", "items": QUANTITY_SCHEMA}]}
+
 INTERVAL_SCHEMA = {"type": "array", "items": QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}
 
 
@@ -31,6 +33,13 @@ def check_quantity(value: object) -> float | str:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"must be a number, or a string with a unit, not {describe(value)}")
     return value if isinstance(value, str) else check_finite(value)
+
+
+def check_wanted(value: object) -> Any:
+    """A quantity, a text, or a list of these; ValueError for anything else."""
+    if isinstance(value, list) and value:
+        return [check_quantity(one) for one in value]
+    return check_quantity(value)
 
 
 def check_number(value: object) -> float:

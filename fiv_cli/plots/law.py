@@ -61,7 +61,7 @@ def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np
     sign = int(np.sign(velocity.sum()))
     values = {name: sympy.nsimplify(value) for name, value in parameters.items()}
     slip = Slip(v, sympy.Integer(sign), sign * v, sympy.Integer(1))
-    evaluate = sympy.lambdify(v, law.force(slip, values), "numpy")
+    evaluate = sympy.lambdify(v, law.sliding(slip, values), "numpy")
     return np.broadcast_to(np.asarray(evaluate(velocity), dtype=float), velocity.shape)
 
 
@@ -78,7 +78,7 @@ def _scales_with_load(law: Law) -> bool:
 
     load = sympy.Symbol("N", positive=True)
     v = sympy.Symbol("v", positive=True)
-    expression = law.force(Slip(v, sympy.Integer(1), v, load), law.defaults)
+    expression = law.sliding(Slip(v, sympy.Integer(1), v, load), law.defaults)
     return bool(sympy.sympify(expression).has(load))
 
 

@@ -9,7 +9,7 @@ cost) is left out unless a tolerance is given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -140,13 +140,19 @@ class _Pair:
 
     def differences(self) -> Iterator[Difference]:
         yield from self._of_names()
-        shapes = list(self._of_coordinates())
-        yield from shapes
-        if shapes:
-            return  # values at different places cannot be compared
+        apart: set[Hashable] = set()
+        for difference, dims in self._of_coordinates():
+            yield difference
+            apart |= {*dims}
+        both = self.left.data_vars.keys() & self.right.data_vars.keys() - {*self.tolerances.ignore}
         for name in map(str, self.left.data_vars):
-            if name in self.right.data_vars and name not in self.tolerances.ignore:
+            if name in both and not apart & self._dims(name):
                 yield from self._of_variable(name)
+
+    def _dims(self, name: str) -> set[Hashable]:
+        """Where the values of a variable lie; values at different places cannot be compared."""
+        sizes = row_sizes(self.left, name)
+        return {*self.left[name].dims, *(() if sizes is None else sizes.dims)}
 
     def _told(self, name: str, text: str, count: int = 1) -> Difference:
         return Difference(self.prefix + name, text, count)
@@ -157,17 +163,18 @@ class _Pair:
                 side = "first" if name in self.left.variables else "second"
                 yield self._told(name, f"only in the {side} dataset")
 
-    def _of_coordinates(self) -> Iterator[Difference]:
+    def _of_coordinates(self) -> Iterator[tuple[Difference, tuple[Hashable, ...]]]:
+        """What differs, and the dims along which nothing can be compared then."""
         for name in map(str, self.left.coords):
             if name not in self.right.coords:
                 continue
-            a, b = self.left[name].values, self.right[name].values
+            a, b, dims = self.left[name].values, self.right[name].values, self.left[name].dims
             if a.shape != b.shape:
-                yield self._told(name, f"{a.size} against {b.size} values")
+                yield self._told(name, f"{a.size} against {b.size} values"), dims
             elif not np.array_equal(a, b):
                 index = int(np.flatnonzero(a != b)[0])
                 text = f"value {index}: {a.ravel()[index]!r} against {b.ravel()[index]!r}"
-                yield self._told(name, text, int(np.count_nonzero(a != b)))
+                yield self._told(name, text, int(np.count_nonzero(a != b))), dims
 
     def _of_variable(self, name: str) -> Iterator[Difference]:
         a, b = self.left[name], self.right[name]

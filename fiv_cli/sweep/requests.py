@@ -10,8 +10,8 @@ import hashlib
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from itertools import product
+from functools import cached_property, lru_cache, partial
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
@@ -157,15 +157,16 @@ def _setup(
 
 def place_digest(template: Template, values: Values) -> bytes:
     """sha256 of everything that decides a point but its start."""
-    digest = hashlib.sha256(template.base)
-    for value in values:
-        digest.update(_packed(value))
-    return digest.digest()
+    return place_digests(template, [[values]])[0]
 
 
 def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> list[bytes]:
     """`place_digest` of all points of a grid in C order, from the values along its dims."""
-    packed = [[b"".join(map(_packed, values)) for values in dim] for dim in dims]
+    kinds = iter([kind for _, kind in template.axes])
+    packed = []
+    for dim in dims:
+        own = list(islice(kinds, len(dim[0])))
+        packed.append([b"".join(map(partial(_packed, template), own, values)) for values in dim])
     bases = (b"".join((template.base, *pieces)) for pieces in product(*packed))
     return [hashlib.sha256(base).digest() for base in bases]
 
@@ -276,7 +277,10 @@ def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
     return {name: values[place] for name, place in template.axes_by_kind.get(kind, ())}
 
 
-def _packed(value: Any) -> bytes:
+def _packed(template: Template, kind: str, value: Any) -> bytes:
+    if kind == "law":  # with what no axis says of it: another law has other parameters
+        fixed = sorted((n, float(v).hex()) for n, v in template.parameters[value].items())
+        value = f"{value} {get_law(value).numerics_version} {fixed}"
     if isinstance(value, str):
         return b"s" + value.encode() + b"\0"
     return b"d" + struct.pack("<d", value + 0.0)  # a negative zero is a zero

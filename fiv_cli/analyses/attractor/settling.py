@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.codegen.compiled import Compiled
-from fiv_cli.codegen.memory import Floats, Floats2, native
+from fiv_cli.codegen.memory import Floats, Floats2, address_of, floats_at, native
 
 SETTLED = 1e-8  # relative to the largest value of each state at the section
 LEAST = float(np.finfo(float).tiny)  # a scale that is none
@@ -130,24 +130,41 @@ def _lasting_period(points: Floats2, scales: Floats, longest: int, tolerance: fl
     return 0
 
 
-def _declare(kernel: Callable[..., int], signature: str, **options: bool) -> Callable[..., int]:
-    from numba import njit
+def settled_at(
+    address: int, count: int, width: int, longest: int, tolerance: float, remaining: float
+) -> int:
+    """`_settled_period` of `count` points at an address, with room for the scales behind them."""
+    scales = floats_at(address, count + 1, width)[count]
+    points = floats_at(address, count, width)
+    return _settled_period(points, scales, longest, tolerance, remaining)
 
-    from fiv_cli.codegen.kernels import OPTIONS, register
+
+def lasting_at(address: int, count: int, width: int, longest: int, tolerance: float) -> int:
+    """`_lasting_period`, likewise."""
+    scales = floats_at(address, count + 1, width)[count]
+    return _lasting_period(floats_at(address, count, width), scales, longest, tolerance)
+
+
+def _declared(entry: Callable[..., int]) -> Callable[..., int]:
+    from fiv_cli.codegen.kernels import register
 
     register(sys.modules[__name__])
-    compiled: Callable[..., int] = njit(signature, **OPTIONS, **options)(kernel)
-    return compiled
+    return entry
 
 
-_POINTS_AND_SCALES = "float64[:, ::1], float64[::1]"
 _FILES = (Path(__file__),)
-_SETTLED = Compiled("settled", _FILES, partial(
-    _declare, _settled_period, f"int64({_POINTS_AND_SCALES}, int64, float64, float64)"
-))  # fmt: skip
-_LASTING = Compiled("lasting", _FILES, partial(
-    _declare, _lasting_period, f"int64({_POINTS_AND_SCALES}, int64, float64)"
-))  # fmt: skip
+_SETTLED = Compiled(
+    "settled",
+    "int64(int64, int64, int64, int64, float64, float64)",
+    _FILES,
+    partial(_declared, settled_at),
+)
+_LASTING = Compiled(
+    "lasting",
+    "int64(int64, int64, int64, int64, float64)",
+    _FILES,
+    partial(_declared, lasting_at),
+)
 
 
 def load_settling(announce: Callable[[str], None]) -> None:
@@ -171,8 +188,11 @@ def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> i
 
 
 def _asked(compiled: Compiled, points: NDArray[np.float64], *tolerances: float) -> int:
-    points = np.ascontiguousarray(points, dtype=float)
-    return int(compiled.function(points, np.empty(points.shape[1]), LONGEST, *tolerances))
+    count, width = points.shape
+    room = np.empty((count + 1, width))
+    room[:count] = points
+    found: int = compiled.function(address_of(room), count, width, LONGEST, *tolerances)
+    return found
 
 
 def settled_period(

@@ -1,0 +1,126 @@
+"""Contacts whose slip velocities depend on each other: held jointly, or refused with the reason."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import booked, motion, system, times, transitions
+from small_models import CLUTCH, ON_TWO_BELTS, PADS
+
+from fiv_cli import api
+from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK
+from fiv_cli.dynamics.motion import Stop, samples_at
+from fiv_cli.errors import UsageError
+
+MU = {"mu_k": 0.3, "mu_s": 0.4}
+RAMP = ((0.0, 1.0), (5.0, 2.0), (200.0, 2.0))
+
+
+# --- a mass on two belts ---------------------------------------------------------------------
+@pytest.mark.parametrize("load", [6.0, 10.0, 0.0])
+@pytest.mark.parametrize("curve", [(), RAMP], ids=["steady", "speeding-up"])
+def test_two_belts_of_one_speed_are_one(load: float, curve: Any) -> None:
+    """Whatever each belt bears: as one belt that bears all, in every event, and in its energy."""
+    loads = {"N1": load, "N2": 10.0 - load}
+    both = {"V1": curve, "V2": curve} if curve else {}
+    two = motion(ON_TWO_BELTS, start={"x": 0.3}, curves=both, **loads, **MU)
+    one = motion("belt-1dof", start={"x": 0.3}, curves={"v": curve} if curve else {}, **MU)
+    assert booked(two, 60.0).residual < 1e-12
+    booked(one, 60.0)
+    np.testing.assert_allclose(times(two)[::2], times(one), atol=1e-10)
+    np.testing.assert_allclose(two.y, one.y, atol=1e-9)
+    assert one.n_events >= 2
+    for own in two.measures.shares:
+        np.testing.assert_allclose(own, one.measures.shares[0], atol=1e-9)
+
+
+def test_what_holds_jointly_is_shared_as_it_can_be_borne() -> None:
+    begun = motion(ON_TWO_BELTS, start={"x_dot": 1.0}, **MU)
+    taken = samples_at(begun.system, np.linspace(0.0, 3.9, 14))
+    begun.run(4.1, samples=taken)
+    assert np.all(taken.codes == CODE_STICK)
+    forces = taken.forces[:, :, 1]
+    np.testing.assert_allclose(forces.sum(axis=1), taken.states[:, 0], atol=1e-13)
+    np.testing.assert_allclose(forces[:, 0] * 4.0, forces[:, 1] * 6.0, atol=1e-13)
+    # it lets go where the spring pulls with all that both can bear
+    assert times(begun) == pytest.approx([4.0, 4.0], abs=1e-13)
+    assert transitions(begun) == ["stick->slip+ 0", "stick->slip+ 1"]
+
+
+def test_of_two_belts_of_different_speeds_one_holds() -> None:
+    """Belt 2 is reached first, and holds until the spring pulls with mu_k N1 + mu_s N2."""
+    begun = motion(ON_TWO_BELTS, start={"x": 0.3}, V2=0.5, **MU)
+    assert booked(begun, 100.0).residual < 1e-12
+    assert set(transitions(begun)) == {"slip+->stick 1", "stick->slip+ 1"}
+    assert begun.measures.greatest[0] < 5.0
+    caught, freed = times(begun)[2:4]
+    # from 3.4 on the belt it swings about 3 with amplitude sqrt(0.16 + 0.25), and back to 2.6
+    assert freed - caught == pytest.approx(0.8 / 0.5, abs=1e-12)
+
+
+def test_belts_that_part_let_one_go() -> None:
+    """Belt 2 speeds up from the speed of belt 1: the mass stays on belt 1, pulled ahead by 2."""
+    curve = ((0.0, 1.0), (1.0, 1.0), (3.0, 3.0), (200.0, 3.0))
+    begun = motion(ON_TWO_BELTS, start={"x_dot": 1.0}, curves={"V2": curve}, **MU)
+    assert begun.codes == [CODE_STICK, CODE_STICK]
+    begun.run(2.0)
+    assert begun.codes == [CODE_STICK, CODE_SLIP_PLUS]
+    begun.run(3.7)
+    assert times(begun) == pytest.approx([0.3 * 4.0 + 0.4 * 6.0], abs=1e-12)
+
+
+def test_the_steady_state_on_two_belts_has_a_balance() -> None:
+    """The published nonsense: 947 m on a spring against friction of 6 N, and no balance at all."""
+    found = api.analyse(ON_TWO_BELTS, "coulomb", "response", {"x": 0.0}, N1=6.0, N2=4.0, **MU)
+    alone = api.analyse("belt-1dof", "coulomb", "response", {"x": 0.0}, N=10.0, **MU)
+    assert found.values["attractor"] == "periodic"
+    assert found.values["energy_residual"] < 1e-10
+    assert found.values["period"] == pytest.approx(alone.values["period"], rel=1e-10)
+
+
+# --- levers: directions that differ by a factor ------------------------------------------------
+def test_a_pad_holds_by_its_lever() -> None:
+    begun = motion(CLUTCH, start={"phi_dot": 1.0}, **MU)
+    assert booked(begun, 20.0).residual < 1e-12
+    torque = 0.4 * (0.5 * 6.0 + 1.5 * 4.0)
+    np.testing.assert_allclose(times(begun)[:2], torque, atol=1e-12)
+    assert transitions(begun)[:2] == ["stick->slip+ 0", "stick->slip- 1"]
+
+
+# --- what cannot be resolved -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("pads", "says"),
+    [
+        ("three", "contacts 1, 2, 3 stick at once, and their directions depend on one another"),
+        ("on-one-state", "slip_coordinate"),
+        ("rigid", "contacts 1, 2 stick at once, and they have one direction"),
+    ],
+)
+def test_what_leaves_forces_open_is_refused(pads: str, says: str) -> None:
+    """When the system is set up, with what to do."""
+    with pytest.raises(UsageError, match=says) as refused:
+        system(PADS, options={"pads": pads})
+    assert "\nnext: " in str(refused.value)
+
+
+def test_directions_that_meet_only_at_some_parameters() -> None:
+    """Where they do and both pads come to rest, the point fails with the reason."""
+    crossed = motion(PADS, start={"x_dot": 1.0}, a=1.0, **MU)
+    assert crossed.codes == [CODE_STICK, CODE_STICK]
+    assert booked(crossed, 30.0).residual < 1e-12
+    start = {"x": 0.3}
+    found = api.analyse(PADS, "coulomb", "history", start, {"t_end": 30.0, "sample": 1.0}, a=0.0)
+    assert (found.status, found.reason) == ("failed", "dependent_contacts")
+
+
+def test_what_another_contact_holds_does_not_slip() -> None:
+    """At one speed no state is met in which one belt holds the mass and the other slips on it."""
+    begun = motion(ON_TWO_BELTS, start={"x": 0.3}, **MU)
+    taken = samples_at(begun.system, np.linspace(0.0, 60.0, 6001))
+    assert begun.run(60.0, samples=taken) == Stop.REACHED
+    assert np.array_equal(taken.codes[:, 0], taken.codes[:, 1])
+    assert set(np.unique(taken.codes)) >= {CODE_SLIP_PLUS, CODE_STICK}
