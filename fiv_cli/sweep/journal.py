@@ -16,12 +16,11 @@ import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.data.assemble import Placed
 from fiv_cli.data.block import Block, fault_of_block
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
@@ -30,6 +29,9 @@ from fiv_cli.sweep.borders import BLANK
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
 from fiv_cli.sweep.refine import Stage
 from fiv_cli.sweep.worker import ChainState
+
+if TYPE_CHECKING:
+    from fiv_cli.data.assemble import Placed
 
 Positions = NDArray[np.int64]
 

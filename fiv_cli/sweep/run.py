@@ -17,10 +17,7 @@ import fiv_cli
 from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
-from fiv_cli.data.assemble import assemble
-from fiv_cli.data.netcdf import write_datasets
 from fiv_cli.data.provenance import provenance
-from fiv_cli.data.refined import fill_in
 from fiv_cli.errors import StoreMismatchError
 from fiv_cli.files import append_line, leftovers
 from fiv_cli.flags import STATUS
@@ -125,6 +122,8 @@ def _run_all(scheduler: Scheduler) -> None:
 
 def write_dataset(journal: Journal, output: Path) -> None:
     """Assemble the dataset from the shards of a journal, unless it is there already."""
+    from fiv_cli.data.netcdf import write_datasets
+
     case = journal.plan.case
     attributes = provenance(case, fingerprint(case))
     sources = made_from(journal.shards(), attributes)
@@ -140,6 +139,9 @@ def write_dataset(journal: Journal, output: Path) -> None:
 
 def _assembled(journal: Journal, index: int) -> xr.Dataset:
     """The dataset of one analysis, what its borders enclose filled in."""
+    from fiv_cli.data.assemble import assemble  # xarray: imported when all is computed
+    from fiv_cli.data.refined import fill_in
+
     analysis, stage = journal.plan.analyses[index], journal.records[index].stage
     dataset = assemble(analysis.layout, partial(journal.blocks, index))
     maps = analysis.maps
