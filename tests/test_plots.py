@@ -1111,9 +1111,13 @@ def test_show_names_the_point_of_the_worst_value():
     residual[7, 1], residual[3, 0] = -3e-9, np.nan
     dataset["energy_residual"] = (("Omega", "initial"), residual, {"units": "1"})
     worst = summarise({"": dataset})["analyses"][""]["trust"]["energy_residual"]
-    assert worst == {"worst": 3e-9, "at": "Omega = 1.2, initial = far", "units": "1"}
+    known = {"worst": 3e-9, "at": "Omega = 1.2, initial = far", "units": "1"}
+    assert worst == known | {"without": 1, "of": 91}  # one of 92 points failed, one has no number
     text = "\n".join(summary_lines(summarise({"": dataset})))
-    assert "3e-09 at Omega = 1.2, initial = far" in text
+    assert "3e-09 at Omega = 1.2, initial = far, no number at 1 of 91 points" in text
+    dataset["energy_residual"][:] = np.nan
+    text = "\n".join(summary_lines(summarise({"": dataset})))
+    assert "energy_residual      no number at 91 of 91 points" in text
 
 
 def test_show_as_json_is_plain_and_versioned(stored):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.errors import StorageError
+from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.plate import ModeNotFoundError
 
 if TYPE_CHECKING:
@@ -29,20 +31,58 @@ def execute(request: Request) -> Outcome:
         )
 
 
+def execute_all(requests: Sequence[Request]) -> list[Outcome]:
+    """`execute` each of the points of one analysis: at once those that can be, as the same."""
+    outcomes: dict[int, Outcome] = {}
+    blocks: dict[Hashable, list[int]] = {}
+    for place, request in enumerate(requests):
+        blocks.setdefault(request.setup.key, []).append(place)
+    for places in blocks.values():
+        block = [requests[place] for place in places]
+        try:
+            answered = answers(block)
+        except Exception:  # of one of them: which, and what, is found alone
+            answered = [execute(request) for request in block]
+        outcomes |= zip(places, answered, strict=True)
+    return [outcomes[place] for place in range(len(requests))]
+
+
 def answer(request: Request) -> Outcome:
     """Run one point; what goes wrong is raised."""
+    (outcome,) = answers([request])
+    return outcome
+
+
+def answers(requests: Sequence[Request]) -> list[Outcome]:
+    """Run points that differ in parameters and starts alone; what goes wrong is raised."""
     from fiv_cli.analyses import get_analysis
     from fiv_cli.dynamics.system import build_system
 
-    analysis = get_analysis(request.analysis)
+    analysis, setup = get_analysis(requests[0].analysis), requests[0].setup
     if not analysis.generated:
-        return analysis.run(request.setup, request)
-    system = build_system(request.setup)
-    singular = request.setup.model.singular
-    reason, message = singular(system.known(request.parameters), system.setup.options)
-    if reason:
-        return Outcome(status="failed", reason=reason, message=message)
-    return analysis.run(system, request)
+        return [analysis.run(setup, request) for request in requests]
+    system = build_system(setup)
+    singular = [
+        setup.model.singular(system.known(request.parameters), setup.options)
+        for request in requests
+    ]
+    sound = [request for request, (no, _) in zip(requests, singular, strict=True) if not no]
+    if analysis.in_blocks:
+        found = iter(analysis.run(system, sound) if sound else ())
+    else:
+        found = (_sound(analysis.run(system, request)) for request in sound)
+    return [
+        Outcome(status="failed", reason=reason, message=message) if reason else next(found)
+        for reason, message in singular
+    ]
+
+
+def _sound(outcome: Outcome) -> Outcome:
+    """The outcome; a failure where its motion went on to its end and its energies are no number."""
+    residual = outcome.values.get("energy_residual", 0.0)
+    if outcome.status != "ok" or outcome.reason in ENDED_EARLY or not math.isnan(residual):
+        return outcome
+    return Outcome(status="failed", reason="no_number", message="energy_residual is no number")
 
 
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:

@@ -302,3 +302,27 @@ def _concatenated(outcomes: Sequence[Outcome], sizes: Array, variable: Variable)
         for outcome, size in zip(outcomes, sizes, strict=True)
     ]
     return np.concatenate(rows) if rows else empty
+
+
+def to_plain(value: Any) -> Any:
+    """Nested dicts, lists, numbers and arrays as JSON data without loss."""
+    if isinstance(value, np.ndarray):
+        return {"__array__": value.tolist(), "dtype": value.dtype.str, "shape": list(value.shape)}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [to_plain(item) for item in value]
+    return value
+
+
+def from_plain(value: Any) -> Any:
+    """Inverse of `to_plain` (tuples come back as lists)."""
+    if isinstance(value, dict) and "__array__" in value:
+        return np.array(value["__array__"], value["dtype"]).reshape(value["shape"])
+    if isinstance(value, dict):
+        return {key: from_plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [from_plain(item) for item in value]
+    return value
