@@ -240,7 +240,7 @@ def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
     return Outcome(outcome.status, outcome.reason, values, rows, outcome.message)
 
 
-def _sums_up(name: str, value: object, columns: _Columns) -> bool:
+def _sums_up(name: str, value: Any, columns: _Columns) -> bool:
     """Whether a value is the summary of what a ragged variable holds row by row: not stored.
 
     Raises
