@@ -161,7 +161,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_section_points",
-        "the motion never met the section: choose another, { zero = STATE } where nothing sticks",
+        "the motion never met the section: leave it out, and the motion chooses one that it has; "
+        'or name another, such as section = { zero = "x_dot" } for a displacement x',
     ),
     Reason(
         "window_too_long",
@@ -216,6 +217,9 @@ REASONS: tuple[Reason, ...] = (
     ),
 )
 
+# Reasons of motions that ended: answers, without what a motion has at its end.
+ENDED_EARLY = ("diverged", "contact_lost")
+
 STATUS = FlagTable(
     {"ok": 0, "pending": 1, "failed": 2, "budget": 3, "not_reached": 4, NOT_COMPUTED: 5},
     fill="pending",
@@ -265,6 +269,10 @@ CYCLE_END = FlagTable(
 GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
+SECTION = FlagTable(
+    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2},
+    fill=NOT_COMPUTED,
+)
 COMPUTED = FlagTable(
     {
         NOT_COMPUTED: -1,
@@ -287,6 +295,7 @@ TABLES: Mapping[str, FlagTable] = {
     "complete": COMPLETE,
     "cycle_end": CYCLE_END,
     "goes_on": GOES_ON,
+    "section": SECTION,
     "computed": COMPUTED,
     "answer": ANSWER,
     "followed": FOLLOWED,

@@ -7,16 +7,18 @@ import pytest
 from motions import motion
 from scipy.linalg import expm
 
+from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion
-from fiv_cli.dynamics.system import build_system
 from fiv_cli.dynamics.settings import Section
+from fiv_cli.dynamics.system import build_system
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
 
 BELT = get_model("belt-1dof")
+AT_REST = ("equilibrium", "eigenvalues")
 MAXWELL = Law(
     name="maxwell",
     title="a spring of stiffness sigma in series with a damper: F_T = sigma z, z' = v - z/tau",
@@ -63,7 +65,7 @@ def test_lugre_stick_slip_is_that_of_the_published_example() -> None:
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_dahl_yields_exponentially_over_a_stated_slip(direction: float) -> None:
-    """Thesis 2.11 at a constant slip velocity v: z = (mu_k/sigma_0) (1 - exp(-sigma_0 v t/mu_k))."""
+    """Thesis 2.11 at constant v: z = (mu_k/sigma_0) (1 - exp(-sigma_0 v t/mu_k))."""
     heavy = {"m": 1e15, "k": 0.0, "v": direction * 0.02, "mu_k": 0.3, "sigma_0": 50.0}
     begun = motion("belt-1dof", "dahl", {}, **heavy)
     begun.run(0.4)
@@ -96,6 +98,23 @@ def test_stiff_laws_tend_to_the_set_valued_one(
     Beside it tanh has creep, of first order, in these steepnesses the larger part.
     """
     exact = periods("stribeck")
-    errors = np.array([abs(periods(law, **{stiffness: value}) - exact) for value in values])
+    others = {"sigma_1": 10.0} if law == "lugre" else {}
+    found = [periods(law, **{stiffness: value}, **others) for value in values]
+    errors = np.abs(np.array(found) - exact)
     assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(order, abs=0.03)
     assert errors[-1] < 1e-2
+
+
+def test_steady_sliding_and_its_modes_tend_to_those_of_the_set_valued_law() -> None:
+    """The slide is Stribeck's exactly; the growth rate tends to Stribeck's at first order."""
+    given = {"v": 0.4, "mu_s": 0.6, "mu_k": 0.3, "v_s": 0.3, "delta": 2.0, "c": 0.1}
+    exact = {kind: api.analyse(BELT, "stribeck", kind, **given).values for kind in AT_REST}
+    errors = []
+    for sigma_0 in (1e3, 2e3, 4e3):
+        bristles = given | {"sigma_0": sigma_0, "sigma_1": 0.0}
+        found = {kind: api.analyse(BELT, "lugre", kind, **bristles).values for kind in AT_REST}
+        assert found["equilibrium"]["complete"] == "certified"
+        x, x_exact = found["equilibrium"]["equilibrium"], exact["equilibrium"]["equilibrium"]
+        np.testing.assert_allclose(x, x_exact, rtol=1e-14)
+        errors.append(found["eigenvalues"]["growth_rate"] - exact["eigenvalues"]["growth_rate"])
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(1.0, abs=0.01)

@@ -72,7 +72,7 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     (ax,) = draw(branches, figure).axes
     drawn = [line for line in ax.lines if len(line.get_xdata())]
     dashes = [line.get_linestyle() for line in drawn if line.get_marker() == "None"]
-    assert dashes == ["-", "--"] * 4  # least and greatest value of two branches
+    assert dashes == ["-", "-", "--", "--"] * 2  # least and greatest value of two branches
     grazing = [line for line in drawn if line.get_marker() == "X"]
     highest = np.repeat(branches["cycle_highest"].values, 2)
     np.testing.assert_array_equal([line.get_xdata()[0] for line in grazing], highest)

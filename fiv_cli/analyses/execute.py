@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import traceback
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.errors import StorageError
+from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.plate import ModeNotFoundError
 
 if TYPE_CHECKING:
@@ -68,11 +70,19 @@ def answers(requests: Sequence[Request]) -> list[Outcome]:
     if analysis.in_blocks:
         found = iter(analysis.run(system, sound) if sound else ())
     else:
-        found = (analysis.run(system, request) for request in sound)
+        found = (_sound(analysis.run(system, request)) for request in sound)
     return [
         Outcome(status="failed", reason=reason, message=message) if reason else next(found)
         for reason, message in singular
     ]
+
+
+def _sound(outcome: Outcome) -> Outcome:
+    """The outcome; a failure where its motion went on to its end and its energies are no number."""
+    residual = outcome.values.get("energy_residual", 0.0)
+    if outcome.status != "ok" or outcome.reason in ENDED_EARLY or not math.isnan(residual):
+        return outcome
+    return Outcome(status="failed", reason="no_number", message="energy_residual is no number")
 
 
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:

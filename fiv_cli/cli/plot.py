@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.names import listed
 
 if TYPE_CHECKING:
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fiv_cli.case.case import FigureSpec
+
+    Sources = list[tuple[Path, dict[str, xr.Dataset]]]
 
 
 @click.command("plot")
@@ -48,7 +50,7 @@ def command(
     if bool(files) == bool(laws):
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
     figures = _of_laws(laws) if laws else _of_files(files, name)
-    for path, figure in _with_paths(list(figures), output):
+    for path, figure in _with_paths(figures, output):
         _write(path, figure)
 
 
@@ -67,8 +69,30 @@ def _of_laws(laws: Sequence[str]) -> list[tuple[Path, Figure]]:
     return [(Path("runs") / f"law-{words}.png", draw_laws(laws))]
 
 
-def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Figure]]:
-    """(default path, figure) of every figure; those that overlay are drawn once for all files."""
+def _of_files(files: Sequence[Path], name: str | None) -> list[tuple[Path, Figure]]:
+    """(default path, figure) of every figure; those that overlay are drawn once for all files.
+
+    One that would be empty is left out and says why on stderr.
+
+    Raises
+    ------
+    EmptyFigureError : there is no other
+    """
+    drawn, empty = [], []
+    for default, sources, figure in _asked(files, name):
+        try:
+            drawn.append((default, _drawn(sources, figure)))
+        except EmptyFigureError as error:
+            empty.append(EmptyFigureError(f"{default}: not written: {error}"))
+    if empty and not drawn:
+        raise empty[0]
+    for left_out in empty:
+        click.echo(left_out, err=True)
+    return drawn
+
+
+def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sources, FigureSpec]]:
+    """(default path, what it is drawn from, figure) of every figure that is asked for."""
     from fiv_cli.plots.drawing import KINDS
     from fiv_cli.reading.datasets import read_analyses
 
@@ -77,12 +101,12 @@ def _of_files(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, F
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if not KINDS[figure.kind].overlays or len(files) == 1:
-                yield default, _drawn([(file, source)], figure)
+                yield default, [(file, source)], figure
             elif number == 0:
-                yield default, _drawn(sources, figure)
+                yield default, sources, figure
 
 
-def _drawn(sources: Sequence[tuple[Path, dict[str, xr.Dataset]]], figure: FigureSpec) -> Figure:
+def _drawn(sources: Sources, figure: FigureSpec) -> Figure:
     """One figure of all files; UsageError names the first, and what it can be drawn as."""
     from fiv_cli.plots import draw
     from fiv_cli.plots.drawing import kinds_that_suit
@@ -90,6 +114,8 @@ def _drawn(sources: Sequence[tuple[Path, dict[str, xr.Dataset]]], figure: Figure
     (file, source), *others = sources
     try:
         return draw([(f.stem, s) for f, s in sources] if others else source, figure)
+    except EmptyFigureError:
+        raise
     except UsageError as error:
         kinds = listed(kinds_that_suit(source))
         raise UsageError(f"{file}: {error}\nit can be drawn with --figure {kinds}") from None

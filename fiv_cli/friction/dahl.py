@@ -28,10 +28,10 @@ LAW = Law(
     reference="thesis 2.11",
     numerics_version=1,
     parameters=(POSITIVE_MU_K, SIGMA_0),
-    force=lambda slip, p: p["sigma_0"] * slip.states["z"] * slip.N,
+    force=lambda slip, p: p["sigma_0"] * slip.states["deflection"] * slip.N,
     capacity=None,
-    states={"z": "m"},
+    states={"deflection": "m"},
     rates=lambda slip, p: {
-        "z": slip.v - p["sigma_0"] * slip.states["z"] * slip.speed / p["mu_k"],
+        "deflection": slip.v - p["sigma_0"] * slip.states["deflection"] * slip.speed / p["mu_k"],
     },
 )

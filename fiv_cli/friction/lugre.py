@@ -35,13 +35,13 @@ def _bending(slip: Slip, p: Mapping[str, Expr]) -> Expr:
 
     fall = sympy.exp(-((slip.speed / p["v_s"]) ** p["delta"]))
     steady = p["mu_k"] + (p["mu_s"] - p["mu_k"]) * fall
-    return slip.v - p["sigma_0"] * slip.states["z"] * slip.speed / steady
+    return slip.v - p["sigma_0"] * slip.states["deflection"] * slip.speed / steady
 
 
 def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     """F_T in N."""
     damping = p["sigma_1"] * _bending(slip, p) + p["sigma_2"] * slip.v
-    return (p["sigma_0"] * slip.states["z"] + damping) * slip.N
+    return (p["sigma_0"] * slip.states["deflection"] + damping) * slip.N
 
 
 LAW = Law(
@@ -55,13 +55,13 @@ LAW = Law(
         V_S,
         exponent(2.0),
         SIGMA_0,
-        Parameter("sigma_1", r"\sigma_1", "s m-1", 10.0, "damping of the bristles", "2.13", 0.0),
+        Parameter("sigma_1", r"\sigma_1", "s m-1", 0.1, "damping of the bristles", "2.13", 0.0),
         Parameter("sigma_2", r"\sigma_2", "s m-1", 0.0, "viscous friction", "2.13", 0.0),
     ),
     force=force,
     capacity=None,
-    states={"z": "m"},
-    rates=lambda slip, p: {"z": _bending(slip, p)},
+    states={"deflection": "m"},
+    rates=lambda slip, p: {"deflection": _bending(slip, p)},
     structural=("delta",),
     requirements=(FALLING,),
 )

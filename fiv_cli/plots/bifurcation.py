@@ -1,18 +1,25 @@
-"""Bifurcation diagram: what the motion passes at the Poincaré section, against a parameter."""
+"""Bifurcation diagram: what the motion passes at the Poincaré section, against a parameter.
+
+A point at rest is drawn at its value. Cycles that are unstable, which no motion shows, come from a
+`cycle` analysis of the same case, or from the dataset of a branch that is drawn with it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import branch, labels, points, style
 from fiv_cli.reading import select
+from fiv_cli.reading.datasets import is_class
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 DEFAULT = "section_value"
@@ -24,48 +31,114 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """Dots of every layer; one colour per start, branch or further axis."""
-    figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
+    """Marks of every layer, one sort for each start or further axis; unstable cycles dashed."""
     name = points.one_variable(settings, DEFAULT)
     clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
-    count = sum(y.size for _, _, y in clouds)
-    places = points.positions(points.abscissa(layers[0].dataset, settings))
-    looks: dict[str, Any] = {
-        "ms": style.dot_size(places.size),
-        "rasterized": count > style.MANY_MARKS,
-    }
-    entries = points.entries([label for label, _, _ in clouds])
-    for (_, x, y), entry in zip(clouds, entries, strict=True):
-        ax.plot(x, y, ".", mew=0, ls="none", color=entry.colour, label=entry.label, **looks)
-    # The axis reaches over the whole grid: where there are no dots nothing moves.
-    ends = np.column_stack([[places.min(), places.max()], [0.0, 0.0]])
-    ax.update_datalim(ends, updatey=False)
-    ax.autoscale_view()
-    ax.set_ylabel(labels.axis_label(layers[0].dataset[name]))
-    points.dress(ax, layers, settings)
-    return figure
-
-
-def _clouds(
-    layer: points.Layer, name: str, settings: points.Settings
-) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """(label, x, y) of each line of points of one dataset."""
-    dataset = layer.dataset
-    sizes = select.row_sizes(dataset, name) if name in dataset else None
-    if sizes is None:
+    shown = [layer for layer in layers if name in layer.dataset]
+    if not shown:
         raise UsageError(
             f"{name}: no values at a section in this dataset\n"
             "a bifurcation diagram needs a response analysis; draw another variable as a curve"
         )
+    first = shown[0].dataset
+    points.refuse_empty(first, any(cloud.y.size or cloud.rest_y.size for cloud in clouds), name)
+    figure, (ax,) = style.new_panels(1, 1, points.title(first))
+    _mark(ax, clouds, style.dot_size(points.abscissa(first, settings).size))
+    _dash_unstable(ax, layers, points.abscissa(first, settings), _observed(first[name]))
+    ax.set_ylabel(labels.axis_label(first[name]))
+    points.dress(ax, shown, settings)
+    return figure
+
+
+@dataclass(frozen=True)
+class _Cloud:
+    """One line of points: what their motions pass at the section, and where they are at rest."""
+
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+    rest_x: np.ndarray
+    rest_y: np.ndarray
+
+
+def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterator[_Cloud]:
+    """The lines of points of one dataset, a line for each start and value of the other axes."""
+    dataset = layer.dataset
+    sizes = select.row_sizes(dataset, name) if name in dataset else None
+    if sizes is None:
+        return
     axis = points.abscissa(dataset, settings)
-    dim = str(axis.dims[0])
-    dims = [str(d) for d in sizes.dims]
+    dim, dims = str(axis.dims[0]), [str(d) for d in sizes.dims]
     place = dict(zip(dims, np.unravel_index(select.row_of_each(sizes), sizes.shape), strict=True))
-    x, y = points.positions(axis)[place[dim]], dataset[name].values
-    clouds = []
+    x, y, rest = points.positions(axis), dataset[name].values, _rest(dataset, name)
     for line in points.lines(dataset, [dim], dims):
         belongs = np.logical_and.reduce(
             [place[d] == index for d, index in line.index.items()], initial=True
         ) & np.ones(y.shape, bool)
-        clouds.append((points.joined(layer.label, line.label), x[belongs], y[belongs]))
-    return clouds
+        still = rest.isel(line.index).values
+        known = np.isfinite(still)
+        label = points.joined(layer.label, line.label)
+        yield _Cloud(label, x[place[dim][belongs]], y[belongs], x[known], still[known])
+
+
+def _observed(variable: xr.DataArray) -> str:
+    """The state that a variable at the section is about: the first of its words."""
+    return str(variable.attrs.get("long_name", "")).split(" ")[0]
+
+
+def _rest(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Where each point rests, NaN where it does not."""
+    extreme = f"{_observed(dataset[name])}_max"
+    if extreme not in dataset or "attractor" not in dataset:
+        return dataset["status"] * np.nan
+    return dataset[extreme].where(is_class(dataset["attractor"], ("equilibrium",)))
+
+
+def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
+    """Marks that show through one another: what comes first is the widest."""
+    entries = points.entries([cloud.label for cloud in clouds])
+    many = sum(cloud.y.size for cloud in clouds) > style.MANY_MARKS
+    fine = 0.5 * size if many else size  # what lies within a cloud is not to be hidden
+    sorts = 1 + max(entry.number for entry in entries)
+    for cloud, entry in zip(clouds, entries, strict=True):
+        later = sorts - 1 - entry.number
+        look = style.mark_of(entry.number, sorts, fine) | {"color": entry.colour, "ls": "none"}
+        ax.plot(cloud.x, cloud.y, label=entry.label, rasterized=many, **look)
+        ax.plot(
+            cloud.rest_x, cloud.rest_y, "_", ms=size * (2.0 + 1.2 * later), mew=1.2 + 0.6 * later,
+            color=entry.colour,
+        )  # fmt: skip
+    if any(cloud.rest_x.size for cloud in clouds):
+        ax.plot([], [], "_", ms=4.0, mew=1.2, color=style.BLACK, label="at rest")
+
+
+# --- unstable cycles ------------------------------------------------------------------------------
+def _dash_unstable(
+    ax: Axes, layers: Sequence[points.Layer], axis: xr.DataArray, observed: str
+) -> None:
+    """The least and the greatest of every unstable cycle along `axis`."""
+    label: str | None = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}$"
+    for dataset in (one for layer in layers for one in (layer.dataset, *layer.beside)):
+        for x, extremes in _unstable(dataset, axis, observed):
+            for height in extremes:
+                ax.plot(x, height, "--", lw=0.9, color=style.BLACK, zorder=1.5, label=label)
+                label = None
+
+
+def _unstable(
+    dataset: xr.Dataset, axis: xr.DataArray, observed: str
+) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
+    """Places and both extremes of unstable cycles: stretches of a branch, or points of the grid."""
+    if branch.suits(dataset) and branch.is_of(dataset, str(axis.name), observed):
+        for line in points.lines(dataset, [], points.grid_dims(dataset)):
+            for word, x, extremes in branch.stretches(dataset, line.index):
+                if word == "unstable":
+                    yield x, extremes
+    elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
+        unstable = is_class(dataset["stable"], ("unstable",))
+        dim = str(axis.dims[0])
+        for line in points.lines(dataset, [dim], points.grid_dims(dataset)):
+            part, mask = dataset.isel(line.index), unstable.isel(line.index)
+            extremes = [part[f"{observed}_{end}"].where(mask).values for end in ("min", "max")]
+            if mask.any():
+                yield points.positions(dataset.coords[str(axis.name)]), extremes

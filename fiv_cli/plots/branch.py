@@ -72,19 +72,33 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry) -> None:
     """One branch: both extremes, in pieces of one stability, and its marks."""
     row = _rows(dataset, ALONG, index)
-    value = dataset[ALONG].values[row]
-    stability = class_names(dataset["branch_stable"])[row]
-    for number, name in enumerate(EXTREMES):
-        height = dataset[name].values[row]
-        for piece in _pieces(stability):
-            dash = DASHES.get(str(stability[piece.start]), "-")
-            ax.plot(value[piece], height[piece], dash, color=entry.colour)
-        for place, at, mark in _marks(dataset, index, value):
+    for word, value, extremes in stretches(dataset, index):
+        for height in extremes:
+            ax.plot(value, height, DASHES.get(word, "-"), color=entry.colour)
+    for place, at, mark in _marks(dataset, index, dataset[ALONG].values[row]):
+        for name in EXTREMES:
+            height = dataset[name].values[row]
             ax.plot(
                 at, height[place], mark, color=entry.colour, mec="white", mew=0.4, ms=6, zorder=4
             )
-        if number == 0:
-            ax.plot([], [], "-", color=entry.colour, label=entry.label)
+    ax.plot([], [], "-", color=entry.colour, label=entry.label)
+
+
+def is_of(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
+    """Whether the branch runs along `parameter` and tells the extremes of `observed`."""
+    words = [str(dataset[name].attrs.get("long_name", "")) for name in (ALONG, EXTREMES[0])]
+    return words[0].startswith(f"{parameter} ") and f" {observed} " in words[1]
+
+
+def stretches(
+    dataset: xr.Dataset, index: Mapping[str, int]
+) -> Iterator[tuple[str, np.ndarray, list[np.ndarray]]]:
+    """Stability, values of the parameter and both extremes of each piece of a branch."""
+    row = _rows(dataset, ALONG, index)
+    stability = class_names(dataset["branch_stable"])[row]
+    for piece in _pieces(stability):
+        value, *extremes = (dataset[name].values[row][piece] for name in (ALONG, *EXTREMES))
+        yield str(stability[piece.start]), value, extremes
 
 
 def _length(dataset: xr.Dataset, index: Mapping[str, int]) -> int:

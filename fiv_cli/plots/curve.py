@@ -13,7 +13,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, headlines, numbers, width_of
+from fiv_cli.reading.datasets import flag_names, headlines, numbers, unknown_points, width_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,10 +22,18 @@ if TYPE_CHECKING:
 
 CLASS_SHIFT = 0.06
 
-# The pairs of classes that tell crossings apart, and how they are put into words. To a question
-# about a number motions of one class may give two answers; then these tell.
+# The pairs of classes that tell crossings apart. To a question about a number motions of one class
+# may give two answers; then these tell.
 CLASSES, ANSWERS = ("class_below", "class_above"), ("answer_below", "answer_above")
-SORTS = {("crossing_kind", "crossing_direction"): "{} {}", CLASSES: "{} to {}", ANSWERS: "{} to {}"}
+SORTS = (("crossing_kind", "crossing_direction"), CLASSES, ANSWERS)
+# What becomes of a sliding equilibrium as the parameter rises.
+BECOMES = {
+    "to_stable": "a mode turns stable",
+    "to_unstable": "a mode turns unstable",
+    "lost": "the equilibrium ends",
+    "gained": "an equilibrium begins",
+}
+DASHES = ("-", "--", ":", "-.")
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -34,24 +42,42 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """Lines of every layer; points without an answer are marked along the lower edge."""
-    figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
+    """Lines of every layer; undecided points are hollow and no line leads through them."""
     names = variables_of(layers[0].dataset, settings)
     curves = [c for layer in layers for name in names for c in _curves(layer, name, settings)]
+    anything = any(np.isfinite(curve.y).any() for curve in curves)
+    points.refuse_empty(layers[0].dataset, anything, names[0])
+    figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
     entries = points.entries(
         [points.joined(curve.name if len(names) > 1 else "", curve.label) for curve in curves]
     )
     classes = bool(flag_names(layers[0].dataset[names[0]].attrs))
+    apart = classes or not select.is_numeric(points.abscissa(layers[0].dataset, settings))
+    for dash, sort in {curve.dash: curve.sort for curve in curves if curve.sort}.items():
+        ax.plot([], [], dash, color=style.BLACK, label=sort)
     for curve, entry in zip(curves, entries, strict=True):
-        # lines of classes lie on one another: each is moved a little, and there is no in-between
-        y = curve.y + classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
-        mark = "." if classes or entry.scattered else ".-"
-        ax.plot(curve.x, y, mark, ms=3, color=entry.colour, label=entry.label)
-        if curve.width is not None:
-            ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
+        # lines of classes lie on one another: each is moved a little
+        shift = classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
+        _plot(ax, curve, shift, entry, apart or entry.scattered)
     _name_values(ax, [layers[0].dataset[name] for name in names])
     points.dress(ax, layers, settings)
     return figure
+
+
+def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:
+    """One line; without lines between points that stand `apart`."""
+    y, mark = curve.y + shift, "." if apart else f".{curve.dash}"
+    known = np.where(curve.open, np.nan, y)
+    ax.plot(
+        curve.x, known, mark, ms=3, color=entry.colour, label=None if curve.sort else entry.label
+    )
+    if curve.sort:  # the colour alone
+        ax.plot([], [], ".-", ms=3, color=entry.colour, label=entry.label)
+    if curve.open.any():
+        at = curve.open
+        ax.plot(curve.x[at], y[at], "o", ms=3, color=entry.colour, mfc="none", mew=0.6)
+    if curve.width is not None:
+        ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
 
 
 def _headlines(dataset: xr.Dataset) -> list[str]:
@@ -72,13 +98,20 @@ def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
 
 @dataclass(frozen=True)
 class _Curve:
-    """One line: the words for its variable, those for its place, its points and their width."""
+    """One line: the words for its variable, those for its place, its points and their width.
+
+    `open` are the points whose class is undecided: their numbers are those of some stretch of time.
+    `sort` is what a dash means, where colours mean another thing.
+    """
 
     name: str
     label: str
     x: np.ndarray
     y: np.ndarray
+    open: np.ndarray
     width: np.ndarray | None = None
+    dash: str = "-"
+    sort: str = ""
 
 
 def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_Curve]:
@@ -95,31 +128,33 @@ def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_
     x, words = points.positions(axis), labels.axis_label(dataset[name])
     if "crossing" in array.dims and _sorting(dataset):
         return _by_sort(layer, array, x, dim)
-    return [
-        _Curve(words, points.joined(layer.label, line.label), x, array.isel(line.index).values)
-        for line in points.lines(dataset, [dim], [str(d) for d in array.dims])
-    ]
+    unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
+    curves = []
+    for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
+        y, open_ = (one.isel(line.index).values for one in (array, unsure & array.notnull()))
+        curves.append(_Curve(words, points.joined(layer.label, line.label), x, y, open_))
+    return curves
 
 
 def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) -> list[_Curve]:
-    """Lines of crossings of one kind and direction.
-
-    The label says the kind and the direction, where there are several.
-    """
+    """Lines of crossings of one sort: a colour for each or, where colours tell lines, a dash."""
     dataset, words = layer.dataset, labels.axis_label(layer.dataset[str(array.name)])
     sorts, widths, modes = _sorts(dataset), _widths(dataset, array), _modes(dataset, array)
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
     for line in points.lines(dataset, [dim], along):
-        for sort, mask in sorts.items():
-            label = points.joined(layer.label, line.label, sort if len(sorts) > 1 else "")
+        label = points.joined(layer.label, line.label)
+        for number, (sort, mask) in enumerate(sorts.items() if len(sorts) > 1 else [("", True)]):
+            dashed = (DASHES[number % len(DASHES)], sort) if label else ("-", "")
             kept, known, mode = (
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
                 for part in (array, widths, modes)
             )
             for places in _joined(kept, mode):
                 at = tuple(np.array(places).T)
-                curves.append(_Curve(words, label, x[at[0]], kept[at], known[at]))
+                unsure = np.zeros(len(places), bool)
+                found = (x[at[0]], kept[at], unsure, known[at])
+                curves.append(_Curve(words, label or sort, *found, *dashed))
     return curves
 
 
@@ -169,7 +204,7 @@ def _is_of_a_number(dataset: xr.Dataset) -> bool:
 
 
 def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
-    """What crossings there are (``jump to stable``) -> which ones are of that kind."""
+    """What crossings there are (``a mode turns stable``) -> which ones are of that sort."""
     pair = _sorting(dataset)
     if pair is None:
         return {}
@@ -179,9 +214,15 @@ def _sorts(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     for kind, direction in product(*tables):
         mask = (first == kind) & (second == direction)
         if bool(mask.any()) and NOT_COMPUTED not in (tables[0][kind], tables[1][direction]):
-            words = SORTS[pair].format(tables[0][kind], tables[1][direction])
-            sorts[words.replace("_", " ")] = mask
+            sorts[_sort_words(tables[0][kind], tables[1][direction])] = mask
     return sorts
+
+
+def _sort_words(first: str, second: str) -> str:
+    """What happens at a crossing, or what is below and above it."""
+    if second in BECOMES:
+        return BECOMES[second] + ", at a jump" * (first == "jump")
+    return f"{first} below, {second} above".replace("_", " ")
 
 
 def _name_values(ax: Axes, variables: Sequence[xr.DataArray]) -> None:

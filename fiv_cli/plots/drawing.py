@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -163,10 +163,10 @@ def draw(
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
     settings = _checked(figure)
     if "take" in settings:
-        layers = [Layer(layer.label, _taken(layer.dataset, settings)) for layer in layers]
+        layers = [replace(one, dataset=_taken(one.dataset, settings)) for one in layers]
         settings = {**settings, "variable": settings["take"]["what"]}
     if "title" in settings:
-        layers = [Layer(layer.label, _retitled(layer.dataset, figure)) for layer in layers]
+        layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
     with style.looks(axis):
         return kind.draw(layers, settings)
 
@@ -201,7 +201,19 @@ def _layer(label: str, source: Source, figure: FigureSpec, kind: Kind) -> Layer:
     named = [analyses[wanted]] if wanted in analyses else list(analyses.values())
     # a dataset that no figure of the kind suits is drawn anyway: the kind says what it lacks
     dataset = next((d for d in named if _holds(d, figure) and kind.suits(d)), named[0])
-    return Layer(label, select.subset(dataset, figure.settings.get("select", {})))
+    selection = figure.settings.get("select", {})
+    beside = tuple(_selected(d, selection) for d in analyses.values() if d is not dataset)
+    return Layer(label, select.subset(dataset, selection), beside)
+
+
+def _selected(dataset: xr.Dataset, selection: Mapping[str, Any]) -> xr.Dataset:
+    """An analysis beside the one that is drawn, narrowed as far as it has these axes."""
+    known = select.axis_names(dataset)
+    own = {name: wanted for name, wanted in selection.items() if name.replace(".", "_") in known}
+    try:
+        return select.subset(dataset, own)
+    except select.SelectionError:  # it has other starts
+        return dataset
 
 
 def _holds(dataset: xr.Dataset, figure: FigureSpec) -> bool:

@@ -19,6 +19,11 @@ GREEK = frozenset(
         *("Gamma", "Delta", "Theta", "Lambda", "Xi", "Sigma", "Phi", "Psi", "Omega"),
     )
 )
+# A name among words: Greek, with a number or a subscript, or a letter alone that is no word.
+NAME = re.compile(
+    rf"(?<![\w\\-])(?:(?:{'|'.join(sorted(GREEK))})\w*|[A-Za-z]\d+\w*|[A-Za-z]_\w+|[B-HJ-Zb-hj-z])(?![\w-])"
+)
+FORMULA = re.compile(r"\w+ ?/ ?(?:\(|sqrt)")
 # The thesis writes the angle with the open form of the letter.
 VARIANTS = {"phi": r"\varphi"}
 
@@ -31,32 +36,45 @@ def axis_label(variable: xr.DataArray, name: str = "") -> str:
     r"""What stands at an axis: ``disc speed $\Omega$ (rad/s)``, or ``$\varphi$ (rad)``."""
     name = name or str(variable.name)
     meaning = str(variable.attrs.get("long_name", ""))
-    words = _with_symbols(meaning) if 0 < len(meaning) <= LONGEST_MEANING else ""
+    words = with_symbols(meaning) if 0 < len(meaning) <= LONGEST_MEANING else ""
     if has_symbol(variable, name):
-        words = f"{words} ${symbol(variable, name)}$".strip()
+        own = f"${symbol(variable, name)}$"
+        before, formula, after = words.partition(" $") if words.endswith("$") else (words, "", "")
+        words = f"{before} {own} = ${after}" if formula else f"{words} {own}".strip()
     words = words or name.replace("_", " ")
     unit = unit_text(str(variable.attrs.get("units", "1")))
     return f"{words} ({unit})" if unit else words
 
 
-def _with_symbols(words: str) -> str:
-    """Names of states and parameters among the words as symbols: ``phi at the section``."""
-    return " ".join(
-        f"${symbol_of_name(word)}$" if word.split("_")[0] in GREEK else word
-        for word in words.split()
-    )
+def with_symbols(words: str) -> str:
+    """Names of states and parameters among the words as symbols: ``x1 at the section``.
+
+    From the first sign of a formula on (``c2 / (2 sqrt(m2 k2))``) all is one formula.
+    """
+    formula = FORMULA.search(words)
+    if formula:
+        begin = formula.start()
+        roots = re.sub(r"sqrt\(([^()]*)\)", r"\\sqrt{\1}", words[begin:])
+        inside = NAME.sub(lambda match: symbol_of_name(match[0]), roots)
+        return f"{with_symbols(words[:begin])}${inside}$"
+    return NAME.sub(lambda match: f"${symbol_of_name(match[0])}$", words)
 
 
 def short_label(variable: xr.DataArray, name: str = "") -> str:
     r"""Symbol and unit alone, for narrow axes: ``$\dot{\varphi}$ (rad/s)``."""
     unit = unit_text(str(variable.attrs.get("units", "1")))
-    words = f"${symbol(variable, name or str(variable.name))}$"
+    words = quantity(variable, name or str(variable.name))
     return f"{words} ({unit})" if unit else words
+
+
+def quantity(variable: xr.DataArray, name: str) -> str:
+    """The symbol of a quantity or, where it goes by words, these."""
+    return f"${symbol(variable, name)}$" if has_symbol(variable, name) else name.replace("_", " ")
 
 
 def has_symbol(variable: xr.DataArray, name: str) -> bool:
     """Whether the quantity goes by a symbol rather than by words."""
-    stem, *subscripts = name.removesuffix("_dot").split("_")
+    stem, *subscripts = name.removesuffix("_dot").partition("_over_")[0].split("_")
     letters = stem.rstrip("0123456789")
     short = len(letters) == 1 and all(len(word) <= LONGEST_SUBSCRIPT for word in subscripts)
     return "symbol" in variable.attrs or letters in GREEK or short
@@ -71,14 +89,19 @@ def symbol_of_name(name: str) -> str:
     r"""LaTeX of an ASCII name: ``mu_k`` is ``\mu_{k}``, ``phi_dot`` is ``\dot{\varphi}``."""
     if name.endswith("_dot"):
         return rf"\dot{{{symbol_of_name(name.removesuffix('_dot'))}}}"
+    if "_over_" in name:
+        return "/".join(map(symbol_of_name, name.split("_over_")))
     stem, *subscripts = name.split("_")
     letters, digits = re.fullmatch(r"(.*?)(\d*)", stem).groups()  # type: ignore[union-attr]
     subscripts = [digits, *subscripts] if digits else subscripts
-    letters = VARIANTS.get(letters, f"\\{letters}" if letters in GREEK else _upright(letters))
-    return f"{letters}_{{{','.join(map(_upright, subscripts))}}}" if subscripts else letters
+    letters = _letters(letters)
+    return f"{letters}_{{{','.join(map(_letters, subscripts))}}}" if subscripts else letters
 
 
-def _upright(word: str) -> str:
+def _letters(word: str) -> str:
+    """One part of a name: Greek, a letter, a number, or a word set upright."""
+    if word in GREEK:
+        return VARIANTS.get(word, f"\\{word}")
     return word if len(word) <= 1 or word.isdigit() else rf"\mathrm{{{word}}}"
 
 
@@ -106,11 +129,11 @@ def _power(base: str, power: int) -> str:
 def value_label(axis: xr.DataArray, value: float | str) -> str:
     r"""One value of an axis: ``$N_0$ = 30 N``, ``$\beta$ = 15 deg``, or the label itself."""
     if axis.dtype.kind not in "fiu":
-        return str(value)
+        return str(value) if any(map(str.isalpha, str(value))) else f"{axis.name} {value}"
     number, unit = float(value), unit_text(str(axis.attrs.get("units", "1")))
     if unit == "rad" and _whole_degrees(axis.values):
         number, unit = round(np.degrees(number)), "deg"
-    return f"${symbol(axis, str(axis.name))}$ = {number:.6g} {unit}".rstrip()
+    return f"{quantity(axis, str(axis.name))} = {number:.6g} {unit}".rstrip()
 
 
 def _whole_degrees(angles: np.ndarray) -> bool:

@@ -109,10 +109,8 @@ def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> s
 
 
 def _words(array: xr.DataArray, level: float) -> str:
-    name = str(array.name)
-    stem = f"${labels.symbol(array, name)}$" if labels.has_symbol(array, name) else name
     unit = labels.unit_text(str(array.attrs.get("units", "1")))
-    return f"{stem.replace('_', ' ') if stem == name else stem} = {level:g} {unit}".rstrip()
+    return f"{labels.quantity(array, str(array.name))} = {level:g} {unit}".rstrip()
 
 
 def _range(places: np.ndarray) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
 from fiv_cli.reading import select
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 MOST_ENTRIES_INSIDE = 6
 MOST_ENTRIES_IN_COLUMN = 20
 MOST_ENTRIES = 2 * MOST_ENTRIES_IN_COLUMN
+TICK_LETTERS = 84  # that stand side by side under a panel
+MOST_TICKS = 24
 
 # The number that a random start's label ends with.
 RANDOM_MEMBER = re.compile(r"-\d{3,}(?=,|$)")
@@ -54,10 +56,14 @@ class Settings(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Layer:
-    """One dataset of a figure; `label` tells it from the others when there are several."""
+    """One dataset of a figure; `label` tells it from the others when there are several.
+
+    `beside` are the other analyses of its case, narrowed to what the figure selects.
+    """
 
     label: str
     dataset: xr.Dataset
+    beside: tuple[xr.Dataset, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -138,11 +144,21 @@ def positions(axis: xr.DataArray) -> np.ndarray:
 
 
 def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
-    """Label and, for an axis of names, ticks."""
+    """Label and, for an axis of names, ticks: of many names as many as there is room for."""
     spine = ax.xaxis if which == "x" else ax.yaxis
     spine.set_label_text(labels.axis_label(axis))
     if not select.is_numeric(axis):
-        spine.set_ticks(np.arange(axis.size), labels=[str(value) for value in axis.values])
+        words = [str(value) for value in axis.values]
+        room = TICK_LETTERS // (2 + max(map(len, words))) if which == "x" else MOST_TICKS
+        kept = np.arange(0, axis.size, -(-axis.size // max(1, room)))
+        spine.set_ticks(kept, labels=[words[place] for place in kept])
+
+
+def reach(ax: Axes, axis: xr.DataArray) -> None:
+    """Let the abscissa reach over the whole grid, also where there is nothing to draw."""
+    places = positions(axis)
+    ax.update_datalim([(places.min(), 0.0), (places.max(), 0.0)], updatey=False)
+    ax.autoscale_view()
 
 
 def scale(ax: Axes, settings: Settings) -> None:
@@ -254,16 +270,39 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {name: mask for name, mask in kinds.items() if bool(mask.any())}
 
 
+def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
+    """UsageError where there is not anything to draw: says why.
+
+    A figure without a single value is not written.
+    """
+    if not anything:
+        size, why = dataset["status"].size, gaps(dataset)
+        counts = ", ".join(f"{kind} {int(mask.sum())}" for kind, mask in why.items())
+        raise EmptyFigureError(
+            f"{name}: nothing to draw, none of the {size} points has a value"
+            f"{f' ({counts})' if counts else ''}\nnext: `fiv show FILE.nc` says why, with reasons"
+        )
+
+
 def dress(ax: Axes, layers: Sequence[Layer], settings: Settings) -> None:
     """The axis that the layers are drawn against, their gaps, and a legend."""
-    dress_axis(ax, abscissa(layers[0].dataset, settings), "x")
+    axis = abscissa(layers[0].dataset, settings)
+    dress_axis(ax, axis, "x")
+    reach(ax, axis)
     for layer in layers:
         mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings))
     scale(ax, settings)
     legend(ax)
 
 
-GAP_MARKS = {"undecided": ("x", "#777777"), "failed": ("X", style.BLACK)}
+GAP_MARKS = {
+    "undecided": ("x", "#777777"),
+    "failed": ("X", style.BLACK),
+    "budget": ("v", style.VERMILLION),
+    "not reached": ("|", style.PURPLE),
+    "not computed": ("_", style.GREY),
+    "pending": (".", style.SKY),
+}
 
 
 def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
@@ -271,7 +310,7 @@ def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
     dim = str(axis.dims[0])
     for level, (name, mask) in enumerate(gaps(dataset).items()):
         anywhere = mask.any([d for d in mask.dims if d != dim])
-        marker, colour = GAP_MARKS.get(name, ("|", style.PURPLE))
+        marker, colour = GAP_MARKS[name]
         x = positions(axis)[anywhere.values]
         height = np.full(x.shape, 0.02 + 0.03 * level)
         ax.plot(

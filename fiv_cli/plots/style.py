@@ -31,6 +31,8 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
     "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
 )  # fmt: skip
 GREY = "#BBBBBB"
+# Marks and their sizes, of dots: the first are seen around those that lie on them.
+MARKS = (("o", 1.5), ("+", 1.2), ("x", 0.8), ("s", 0.5))
 LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 
 CLASSES = {
@@ -160,6 +162,14 @@ def dot_size(columns: int) -> float:
     if columns < 60:
         return 3.5
     return 2.2 if columns < 400 else 1.2
+
+
+def mark_of(number: int, count: int, size: float) -> dict[str, Any]:
+    """The mark of one of `count` sorts of points, each of which shows through those after it."""
+    if count == 1 or number >= len(MARKS):
+        return {"marker": ".", "ms": size, "mew": 0.0}
+    marker, wide = MARKS[number]
+    return {"marker": marker, "ms": wide * size, "mfc": "none", "mew": 0.25 * size}
 
 
 def line_colours(count: int) -> list[ColorType]:

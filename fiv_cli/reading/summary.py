@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.analyses.variables import Role, Variable
+from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.data.refined import described
-from fiv_cli.flags import NOT_COMPUTED, REASON, advice
+from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
 from fiv_cli.reading import over_laws, select
 from fiv_cli.reading.claims import point_name
-from fiv_cli.reading.datasets import flag_names, numbers, variables_in
+from fiv_cli.reading.datasets import flag_names, is_class, numbers, variables_in
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # Labels of an axis that are all listed; of more, the first and the last.
 MOST_NAMES = 8
+
+OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
 
 GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source")
 
@@ -120,18 +122,29 @@ def _range(variable: xr.DataArray) -> dict[str, Any]:
 
 
 def _worst(dataset: xr.Dataset, variable: Variable) -> dict[str, Any]:
-    """The worst value and the point where it occurs; nothing where none is known."""
+    """The worst value and the point where it occurs; how many points that want it have none."""
     name = variable.name
     values = numbers(dataset[name])
     ragged = select.row_sizes(dataset, name)
     flat = np.abs(values.values.ravel())
+    facts = _lacking(dataset, values) if name in OF_EVERY_MOTION else {}
     if not np.isfinite(flat).any():
-        return {}
+        return facts
     place = int(np.nanargmin(flat) if variable.margin else np.nanargmax(flat))
     row = values if ragged is None else ragged
     index = place if ragged is None else int(select.row_of_each(ragged)[place])
     units = str(values.attrs.get("units", dataset[name].attrs.get("units", "1")))
-    return {"worst": float(flat[place]), "at": point_name(row, index), "units": units}
+    return {**facts, "worst": float(flat[place]), "at": point_name(row, index), "units": units}
+
+
+def _lacking(dataset: xr.Dataset, values: xr.DataArray) -> dict[str, int]:
+    """How many points whose motion went on to its end have no value, of how many; if any."""
+    status = dataset["status"]
+    if not set(values.dims) <= set(status.dims):
+        return {}
+    went_on = is_class(status, ("ok",)) & ~is_class(dataset.get("reason", status), ENDED_EARLY)
+    without = int((went_on & values.isnull()).sum())
+    return {"without": without, "of": int(went_on.sum())} if without else {}
 
 
 def lines(summary: Mapping[str, Any]) -> list[str]:
@@ -187,8 +200,13 @@ def _trust_lines(trust: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def _trust_line(name: str, worst: Mapping[str, Any]) -> str:
-    place = f" at {worst['at']}" if worst["at"] else ""
-    return f"    {name:<20} {worst['worst']:.6g}{_unit(worst)}{place}"
+    parts = []
+    if "worst" in worst:
+        place = f" at {worst['at']}" if worst["at"] else ""
+        parts = [f"{worst['worst']:.6g}{_unit(worst)}{place}"]
+    if "without" in worst:
+        parts.append(f"no number at {worst['without']} of {worst['of']} points: mistrust them")
+    return f"    {name:<20} {', '.join(parts)}"
 
 
 def _unit(facts: Mapping[str, Any]) -> str:

@@ -24,8 +24,7 @@ from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Request, Start
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
-from fiv_cli.data.block import Block, pack
-from fiv_cli.data.shard import from_plain, to_plain
+from fiv_cli.data.block import Block, from_plain, pack, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
 from fiv_cli.sweep.requests import (

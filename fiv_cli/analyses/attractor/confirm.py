@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.attractor.grounds import CLOSED, NEIGHBOUR, REACH
+from fiv_cli.analyses.attractor.grounds import CLOSED, NEIGHBOUR, REACH, STRAIGHT
 from fiv_cli.analyses.cycles.first_guess import guess_between
 from fiv_cli.analyses.cycles.periodic import (
     RANK,
@@ -56,15 +56,22 @@ class Confirmed:
     multipliers: NDArray[np.complex128]
 
 
-def confirm(problem: Problem, motion: Motion, period: float) -> Confirmed | None:
-    """The cycle that `motion`, which repeats after `period` (s), comes to; None: it is not sure."""
+def confirm(
+    problem: Problem, motion: Motion, period: float, from_afar: bool = False
+) -> Confirmed | None:
+    """The cycle that `motion`, which repeats after `period` (s), comes to; None: it is not sure.
+
+    Parameters
+    ----------
+    from_afar : whether the motion hardly repeats yet, so that the way there must be straight
+    """
     here = anchor_at(problem, motion)
     now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
     guess = guess_between(problem, lambda: begin(problem, here), now, now + period)
     if guess is None:
         return None
     scales = _scales(guess.scales, len(problem.system.coordinates))
-    return _closed(problem, shooting(problem, guess.anchor, guess.period, scales))
+    return _closed(problem, shooting(problem, guess.anchor, guess.period, scales), from_afar)
 
 
 def _scales(extents: Vector, n_coordinates: int) -> Vector:
@@ -74,41 +81,54 @@ def _scales(extents: Vector, n_coordinates: int) -> Vector:
     return np.concatenate(floors)
 
 
-def _closed(problem: Problem, conditions: Shooting) -> Confirmed | None:
+def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Confirmed | None:
     unknowns = conditions.start
     first = found = conditions.around(problem, unknowns)
-    for _ in range(DERIVATIVES):
+    way = None  # of the first step
+    for number in range(DERIVATIVES):
         if found is None or first is None:
             return None
         derived = found
         inverse = np.asarray(np.linalg.pinv(conditions.jacobian(found), rcond=RANK), np.float64)
-        unknowns, found, settled = _chords(problem, conditions, unknowns, found, inverse)
-        if settled and found is not None:
-            moved = float(np.max(np.abs(unknowns - conditions.start)))
-            last = derived if moved <= ON_IT else conditions.around(problem, unknowns)
+        if way is None:
+            way = -inverse @ conditions.values(found, unknowns)
+            if from_afar and np.max(np.abs(way)) > (1.0 + STRAIGHT) * NEIGHBOUR:
+                return None
+        enough = SETTLED if from_afar and number == 0 else CLOSED
+        unknowns, found, last_step = _chords(problem, conditions, unknowns, found, inverse)
+        if last_step <= enough and found is not None:
+            moved = unknowns - conditions.start
+            if from_afar and not _is_straight(way, moved):
+                return None
+            is_near = float(np.max(np.abs(moved))) <= ON_IT
+            last = derived if is_near else conditions.around(problem, unknowns)
             return None if last is None else _own(problem, conditions, unknowns, first, last)
         found = conditions.around(problem, unknowns)
     return None
 
 
+def _is_straight(way: Vector, moved: Vector) -> bool:
+    """Whether the first step led to the cycle, so that the return map is linear up to there."""
+    beside, whole = np.max(np.abs(way - moved)), np.max(np.abs(moved))
+    return bool(beside <= max(STRAIGHT * whole, ON_IT))
+
+
 def _chords(
     problem: Problem, conditions: Shooting, unknowns: Vector, found: Passage, inverse: Vector
-) -> tuple[Vector, Passage | None, bool]:
-    """Steps with one derivative: the unknowns, the motion from there, whether they have settled."""
+) -> tuple[Vector, Passage | None, float]:
+    """Steps with one derivative: the unknowns, the motion from there, the size of the last step."""
     last = np.inf
     for _ in range(CHORDS):
         step = -inverse @ conditions.values(found, unknowns)
         size = float(np.max(np.abs(step)))
-        if size <= SETTLED:
-            return unknowns, found, True
-        if not size <= SLOW * last and last < np.inf:
-            return unknowns, found, size <= CLOSED
+        if size <= SETTLED or (not size <= SLOW * last and last < np.inf):
+            return unknowns, found, size
         unknowns = unknowns + step
         moved = conditions.around(problem, unknowns, tangents=False)
         if moved is None:
-            return unknowns, None, False
+            return unknowns, None, np.inf
         found, last = moved, size
-    return unknowns, found, last <= CLOSED
+    return unknowns, found, last
 
 
 def _own(

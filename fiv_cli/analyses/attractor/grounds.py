@@ -27,7 +27,8 @@ closes the motion within `CLOSED` of its extent (`cycle_residual`), over the sam
 contacts, no further away than `REACH` times what the contraction leaves of the gap, nor than
 `NEIGHBOUR` of the extent; and every nontrivial multiplier is below 1. A cycle that fails is none
 of the motion's own: it runs on, and the next attempt waits for `CLOSER` (as close as SETTLED), or
-for twice the time.
+for twice the time. Where the section repeats to `EARLY` only, the return map must be linear as far
+as the cycle besides: the first step of Newton's method leads there, but for `STRAIGHT` of the way.
 
 *Quasi-periodic, chaotic.* The set of section points is stationary: means and spreads of its halves
 differ by no more than `WANDERING` times what their partial sums explain, or `NEGLIGIBLE` of the
@@ -47,6 +48,8 @@ FALLEN = 0.5  # share to which the level falls meanwhile
 
 # --- periodic
 NEARLY = 1e-5  # repetition of the section, over its values, at which a cycle is first looked for
+EARLY = (3e-3, 1e-3, 3e-4, 1e-4)  # ... or at which one is, where the way there is straight
+STRAIGHT = 0.1  # share of the way to a cycle by which the first step of Newton's method misses it
 CLOSER = 1e-2  # ... and, after an attempt that failed, this share of the last one
 CLOSED = 1e-7  # what a cycle may miss itself by after a period, over its extent
 REACH = 10.0  # distance to the cycle over what the contraction leaves of the gap

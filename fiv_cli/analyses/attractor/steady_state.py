@@ -25,6 +25,7 @@ from fiv_cli.analyses.attractor.confirm import Confirmed, confirm
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
     CLOSER,
+    EARLY,
     GROWN,
     HURWITZ,
     NEARLY,
@@ -34,6 +35,14 @@ from fiv_cli.analyses.attractor.grounds import (
 )
 from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
 from fiv_cli.analyses.attractor.lyapunov import Exponent
+from fiv_cli.analyses.attractor.own_section import (
+    OWN,
+    first_section,
+    is_missed,
+    own_section,
+    recorded,
+    tells_more,
+)
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
 from fiv_cli.analyses.base import Outcome, Request, Section
@@ -47,7 +56,6 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.cycles.periodic import (
-    aim_phase,
     begin,
     extents,
     floquet,
@@ -66,20 +74,50 @@ CHUNK = 16  # section points between two looks at the return map
 BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
 KEPT = 4096  # section points kept
 SHOWN = 512  # section values stored of a motion that is not periodic
+PASSAGES = 4  # along a cycle that an early attempt takes, for each state
+ATTEMPT = 8000  # steps of one state that it costs beside them
 SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
 
 def steady_state(system: System, request: Request) -> Outcome:
     """The steady state that the start leads to."""
     unexcited = sliding(system, request.parameters)
-    solutions = equilibria(unexcited)
-    motion = start_motion(system, request, next(iter(solutions), None))
+    rests = Rests(unexcited, equilibria(unexcited))
+    if request.settings["section"].kind == OWN:
+        return _at_own_section(system, request, rests)
+    return _followed(system, request, rests, request.settings["section"])
+
+
+def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
+    """The same where the motion chooses the section: what a case that names that one is told."""
+    observed = request.settings["observe"] or system.state_names[0]
+    section = first_section(system, observed)
+    response = _response(system, request, rests, section)
+    if isinstance(response, Outcome):
+        return response
+    outcome = response.outcome()
+    if is_missed(outcome):
+        other = own_section(response.motion, observed, response.patience)
+        found = _followed(system, request, rests, other)
+        if tells_more(found, outcome):
+            section, outcome = other, found
+    return recorded(outcome, section)
+
+
+def _followed(system: System, request: Request, rests: Rests, section: Section) -> Outcome:
+    response = _response(system, request, rests, section)
+    return response if isinstance(response, Outcome) else response.outcome()
+
+
+def _response(
+    system: System, request: Request, rests: Rests, section: Section
+) -> _Response | Outcome:
+    """The run from the start, judged by `section`, or the outcome that says why there is none."""
+    motion = start_motion(system, request, rests.first)
     if isinstance(motion, Outcome):
         return motion
-    begun = motion.y[: 2 * len(system.coordinates)].copy()
-    outcome = _Response(system, request, Rests(unexcited, solutions), motion).outcome()
-    outcome.values["initial_state"] = begun
-    return outcome
+    judged = replace(request, settings={**request.settings, "section": section})
+    return _Response(system, judged, rests, motion)
 
 
 def from_least(values: Vector) -> Vector:
@@ -143,6 +181,7 @@ class _Response:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
         self.rests, self.motion = rests, motion
+        self.begun = motion.y[: 2 * len(system.coordinates)].copy()
         self.excitation = self.problem.excitation
         self.patience = self._patience()
         self.last_event = motion.time
@@ -156,6 +195,7 @@ class _Response:
         self.exponent_error = 0.0
         self.nearness = NEARLY  # repetition of the section that is worth an attempt to close it
         self.waiting_until = 0.0  # ... and the time before which it is not
+        self.n_early = 0  # attempts before that
         self.is_unconfirmed = False  # the section repeated, and no cycle was found
         self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
 
@@ -195,6 +235,7 @@ class _Response:
             answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
         answer.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
+        answer.values["initial_state"] = self.begun
         self._add_reference(answer)
         return answer
 
@@ -250,7 +291,6 @@ class _Response:
         ahead = slice(self.count, self.count + CHUNK)
         room = (self.times[ahead], self.points[ahead])
         events = self.motion.n_events
-        aim_phase(self.motion, section, self._strobe_period())
         self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
         if self.motion.n_events != events:
@@ -372,17 +412,43 @@ class _Response:
         if self.motion.time < self.waiting_until:
             return None
         points = self._map_points()
+        answer = self._early_cycle(points, section)
+        if answer is not None:
+            return answer
         multiplicity = settled_period(points, self.nearness, remaining=np.inf)
         if lasting and not multiplicity:
             multiplicity = lasting_period(points)
         if not multiplicity:
             return None
-        span = self.times[self.count - 1] - self.times[self.count - 1 - multiplicity]
-        cycle = confirm(self.problem, self.motion, float(span))
+        cycle = confirm(self.problem, self.motion, self._span(multiplicity))
         answer = None if cycle is None else self._measured_cycle(cycle, multiplicity, section)
         if answer is None:
             self._wait()
         return answer
+
+    def _span(self, multiplicity: int) -> float:
+        """Time that so many section points last took, s."""
+        return float(self.times[self.count - 1] - self.times[self.count - 1 - multiplicity])
+
+    def _early_cycle(self, points: NDArray[np.float64], section: Section) -> Outcome | None:
+        """The cycle that the section points are still far from, where the way there is straight.
+
+        An attempt is made where the motion has cost as much since the last one.
+        """
+        n, attempts = len(self.motion.y), self.n_early
+        if attempts == len(EARLY) or n * self.motion.n_steps < ATTEMPT * (attempts + 1):
+            return None
+        multiplicity = settled_period(points, EARLY[attempts], remaining=np.inf)
+        if not multiplicity or self.motion.time < n * PASSAGES * self._span(multiplicity):
+            return None
+        self.n_early += 1
+        for share in range(1, multiplicity + 1):
+            if multiplicity % share == 0:
+                cycle = confirm(self.problem, self.motion, self._span(share), from_afar=True)
+                answer = None if cycle is None else self._measured_cycle(cycle, share, section)
+                if answer is not None:
+                    return answer
+        return None
 
     def _wait(self) -> None:
         """No cycle yet: wait until the section repeats more closely, at last for longer."""
@@ -434,7 +500,6 @@ class _Response:
         self, count: int, section: Section, measuring: bool = False
     ) -> NDArray[np.float64]:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
-        aim_phase(self.motion, section, self._strobe_period())
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
             until, section, (times, points), None, measuring, self._strobe_period()
