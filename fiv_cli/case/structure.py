@@ -180,8 +180,10 @@ class InitialTable(Table):
     from_label: str | None = Field(
         default=None, alias="from", description="label of the start of the first point"
     )
-    on_loss: Literal["stop", "restart"] = Field(
-        default="stop", description="what follows when the class of motion is lost"
+    on_loss: Literal["stop", "restart", "go-on"] = Field(
+        default="stop",
+        description="what follows where the class of motion is lost: nothing, the start anew, or "
+        "the motion as it then is, of whatever class",
     )
 
 

@@ -219,7 +219,8 @@ def start_axes(template: Template, values: Values) -> dict[str, float]:
 
 def continued_start(entry: StartEntry, carried: Mapping[str, Any]) -> Start:
     """The start of a point that continues from its neighbour."""
-    return Start(entry.label, "continue", dict(entry.spec.offset), carried)
+    from_rest = entry.spec.on_loss == "go-on"
+    return Start(entry.label, "continue", dict(entry.spec.offset), carried, from_rest=from_rest)
 
 
 def _offset(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
