@@ -537,6 +537,25 @@ def test_newton_asks_for_a_jacobian_only_where_a_step_is_taken_from() -> None:
     assert np.all(np.diff(np.abs(taken)) < 0.0)
 
 
+def test_newton_with_a_derivative_from_nearby_takes_none_of_its_own() -> None:
+    """... where that does; from afar it does. And a root beyond its reach is none."""
+    derived = []
+
+    def circle_and_line(u: Any) -> Any:
+        def jacobian() -> Any:
+            derived.append(u)
+            return np.array([2 * u, [1.0, -1.0]])
+
+        return np.array([u @ u - 2.0, u[0] - u[1]]), jacobian
+
+    nearby, start = np.linalg.inv([[2.4, 1.8], [1.0, -1.0]]), np.array([1.1, 0.95])
+    np.testing.assert_allclose(newton(circle_and_line, start, nearby), [1.0, 1.0], atol=1e-9)
+    assert not derived
+    np.testing.assert_allclose(newton(circle_and_line, start, -nearby), [1.0, 1.0], atol=1e-9)
+    assert derived
+    assert newton(circle_and_line, start, nearby, reach=0.1) is None
+
+
 def test_near_returns_are_ranked_by_their_distance() -> None:
     """A spiral out of an unstable period two: its own returns come first, early ones."""
     times = np.arange(20.0)

@@ -125,7 +125,7 @@ def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
         "multiplicity": len(cycle.points),
         "stable": _stability(cycle),
         "residual": cycle.residual,
-        "n_events": len(cycle.times),
+        "n_events": len(cycle.around.times),
         **floquet(cycle.multipliers),
     }
     for name, least, greatest in zip(names, *cycle.extremes, strict=True):
