@@ -8,7 +8,7 @@ from typing import Any
 
 from fiv_cli.case.case import Axis, StartSpec
 from fiv_cli.case.form import Form
-from fiv_cli.case.physics import Physics, note_no_axis, note_no_state
+from fiv_cli.case.physics import Physics, counterpart, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import InitialTable
 from fiv_cli.notation.names import ascii_name, axis_name, listed
@@ -97,7 +97,8 @@ def _state(
         if named in parameters:
             found[name] = named
         elif named.isidentifier():
-            report.unknown(key_place, f"there is no parameter {named!r}", named, parameters)
+            message, hint = f"there is no parameter {named!r}", counterpart(named, physics.table())
+            report.unknown(key_place, message, named, parameters, hint)
         else:
             found |= _numbers({name: value}, physics, place, report)
     return found

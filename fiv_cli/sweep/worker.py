@@ -15,7 +15,7 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -24,8 +24,7 @@ from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Request, Start
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
-from fiv_cli.data.block import Block, pack
-from fiv_cli.data.shard import from_plain, to_plain
+from fiv_cli.data.block import Block, from_plain, pack, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
 from fiv_cli.sweep.requests import (
@@ -40,6 +39,8 @@ from fiv_cli.sweep.requests import (
 )
 
 EXECUTOR = "fiv_cli.analyses.execute:execute"
+EXECUTOR_OF_BLOCKS = "fiv_cli.analyses.execute:execute_all"
+BLOCK = 64  # points of a linear analysis that are run at once
 UNDECIDED = "undecided"  # the class of a motion that could not be told
 
 _PR_SET_PDEATHSIG = 1
@@ -137,7 +138,9 @@ def run_task(task: Task) -> Result:
     states: dict[int, ChainState] = {}
     carries: dict[int, dict[str, Any]] = {}
     with _Pulse(task) as pulse:
-        for number, segment in enumerate(task.segments):
+        if _is_run_in_blocks(task):
+            outcomes, keys = _run_in_blocks(task, pulse)
+        for number, segment in enumerate(() if outcomes else task.segments):
             ran = list(_run_segment(task.template, segment, execute, pulse))
             outcomes += [outcome for outcome, _, _ in ran]
             keys += [key for _, key, _ in ran]
@@ -147,6 +150,47 @@ def run_task(task: Task) -> Result:
                 carries[len(outcomes) - 1] = last.plain()
     block = pack(outcomes, keys, task.variables, carries)
     return Result(block, time.perf_counter() - begun, states)
+
+
+def _is_run_in_blocks(task: Task) -> bool:
+    """Whether all points can be run at once: no start, no limit to the time of each."""
+    return task.template.linear and task.executor == EXECUTOR and task.time_limit is None
+
+
+def _run_in_blocks(task: Task, pulse: _Pulse) -> tuple[list[Outcome], list[bytes]]:
+    """Outcomes and keys of points that start from nothing."""
+    template, execute = task.template, imported(EXECUTOR_OF_BLOCKS)
+    points = [values for segment in task.segments for values in segment.values]
+    outcomes: list[Outcome] = []
+    for first in range(0, len(points), BLOCK):
+        ending.heed()
+        block = points[first : first + BLOCK]
+        for _ in block:
+            pulse.beat()
+        outcomes += _outcomes_of(template, block, execute)
+    return outcomes, [point_key(template, values, None) for values in points]
+
+
+def _outcomes_of(
+    template: Template,
+    points: Sequence[Values],
+    execute: Callable[[Sequence[Request]], list[Outcome]],
+) -> list[Outcome]:
+    """The outcomes of points; an exception makes them failed points, never a lost task."""
+    try:
+        requests = [request_at(template, values, None) for values in points]
+        unmet = [exclusion(request, template.linear) for request in requests]
+        asked = [request for request, fault in zip(requests, unmet, strict=True) if fault is None]
+        found = iter(execute(asked))
+        return [
+            Outcome("not_computed", fault.reason)
+            if fault is not None
+            else _placed(next(found), request, template)
+            for request, fault in zip(requests, unmet, strict=True)
+        ]
+    except Exception as error:
+        message = f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
+        return [Outcome("failed", "internal_error", message=message) for _ in points]
 
 
 def lost_point(task: Task, reason: str, message: str) -> Result:

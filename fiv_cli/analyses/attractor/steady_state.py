@@ -56,7 +56,6 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.cycles.periodic import (
-    aim_phase,
     begin,
     extents,
     floquet,
@@ -292,7 +291,6 @@ class _Response:
         ahead = slice(self.count, self.count + CHUNK)
         room = (self.times[ahead], self.points[ahead])
         events = self.motion.n_events
-        aim_phase(self.motion, section, self._strobe_period())
         self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
         if self.motion.n_events != events:
@@ -502,7 +500,6 @@ class _Response:
         self, count: int, section: Section, measuring: bool = False
     ) -> NDArray[np.float64]:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
-        aim_phase(self.motion, section, self._strobe_period())
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
             until, section, (times, points), None, measuring, self._strobe_period()

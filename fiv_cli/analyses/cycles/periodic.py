@@ -548,7 +548,6 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
     motion, displacements = begin(problem, anchor, MOST_EVENTS), len(problem.system.coordinates)
     times, points = np.zeros(MOST_EVENTS), np.zeros((MOST_EVENTS, len(motion.y)))
     motion.start_measuring(np.zeros(displacements))
-    aim_phase(motion, problem.section, problem.excitation)
     sections = problem.section, (times, points), None, True, problem.excitation or period
     around = _gone_on(motion, period, True, *sections)
     if around.stop != Stop.REACHED or not np.all(np.isfinite(around.monodromy)):
@@ -566,14 +565,6 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
         points=points[: motion.n_sections].copy(),
         extremes=extremes,
     )
-
-
-def aim_phase(motion: Motion, section: Section, period: float | None) -> None:
-    """Set the next instant of a stroboscopic section."""
-    if section.kind == "phase" and period is not None:
-        offset = section.phase / (2 * np.pi) * period
-        turns = np.floor((motion.time - offset) / period + 1e-9) + 1
-        motion.frame.next_phase = offset + turns * period
 
 
 def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:
