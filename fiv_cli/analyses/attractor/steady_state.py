@@ -373,7 +373,8 @@ class _Response:
         }
         for name, value in zip(self.system.motions, state, strict=False):
             values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": abs(value)}
-        return Outcome(values=values, carry=self._carry("equilibrium"))
+        carry = self._carry("equilibrium") | {"state": state.tolist()}
+        return Outcome(values=values, carry=carry)
 
     def _per_contact(self, value: float) -> Any:
         count = self.system.n_contacts
