@@ -71,6 +71,7 @@ class Record:
     Attributes
     ----------
     status, reason : (size,) codes; pending where nothing is stored
+    told : (size,) codes of the class that the analysis tells of each point
     ran : (size,) points run now; one that failed is tried again in another run, not in this one
     shards : the stored blocks, in order
     states : position -> state of the chain after that point
@@ -81,6 +82,7 @@ class Record:
 
     status: NDArray[np.int8]
     reason: NDArray[np.int8]
+    told: NDArray[np.int8]
     ran: NDArray[np.bool_]
     classes: NDArray[np.int32]
     shards: list[Shard] = field(default_factory=list)
@@ -191,7 +193,9 @@ class Journal:
         record.shards.append(Shard(path, positions, kept))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
-        maps = self.plan.analyses[index].maps
+        layout, maps = self.plan.analyses[index].layout, self.plan.analyses[index].maps
+        if layout.told is not None and layout.told.name in block.values:
+            record.told[positions[placed]] = block.values[layout.told.name][placed]
         if maps is not None:
             record.classes[positions[placed]] = maps.classes_of(block)[placed]
         for row, state in states.items():
@@ -292,6 +296,7 @@ def _empty_record(analysis: AnalysisPlan) -> Record:
     return Record(
         status=np.full(size, PENDING, np.int8),
         reason=np.zeros(size, np.int8),
+        told=np.full(size, -1, np.int8),
         ran=np.zeros(size, bool),
         classes=np.zeros(0 if analysis.maps is None else size, np.int32),
     )
