@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LONGEST_LINE = 4000  # characters of a line that are shown
+LONG_LIST = 80  # characters of what is allowed that are not said twice
 
 
 def printable(text: str) -> str:
@@ -127,8 +128,10 @@ class CaseError(InputError):
         count = len(alike)
         noun = "problem" if count == 1 else "problems"
         lines = [f"{self.source}: {count} {noun}; nothing was computed"]
+        listed: set[str] = set()  # long lists that stand above
         for problem, *others in alike:
-            lines.extend(self._describe(problem))
+            lines.extend(self._describe(problem, problem.allowed in listed))
+            listed |= {problem.allowed} if len(problem.allowed) > LONG_LIST else set()
             if others:
                 lines.append(f"      likewise: {', '.join(map(_place, others))}")
         return [*lines, f"next: correct {self._what_to_correct()}"]
@@ -143,7 +146,7 @@ class CaseError(InputError):
         what = "the file and what --set says" if any(overrides) else "the file"
         return f"{what}, then `fiv check {self.source}`"
 
-    def _describe(self, problem: Problem) -> list[str]:
+    def _describe(self, problem: Problem, listed: bool) -> list[str]:
         place = self.source
         if problem.line is not None:
             place += f":{problem.line}"
@@ -151,7 +154,7 @@ class CaseError(InputError):
             place += f":{problem.column}"
         lines = [f"  {place}: {problem.key}: {problem.message}"]
         if problem.allowed:
-            lines.append(f"      allowed: {problem.allowed}")
+            lines.append(f"      allowed: {'as above' if listed else problem.allowed}")
         if problem.suggestion:
             lines.append(f"      {problem.suggestion}")
         return lines

@@ -95,7 +95,11 @@ REASONS: tuple[Reason, ...] = (
         "neutral_oscillation",
         "an undamped oscillation keeps the amplitude of its start: add damping or state the start",
     ),
-    Reason("class_changed", "the branch that was followed ended before this point"),
+    Reason(
+        "class_changed",
+        "the branch that was followed ended before this point; the motion is carried on whatever "
+        'its class with on_loss = "go-on", and begun anew with "restart"',
+    ),
     Reason(
         "jammed",
         "friction is too high for the slope of the contact: the algebraic normal force has no "
@@ -161,7 +165,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_section_points",
-        "the motion never met the section: choose another, { zero = STATE } where nothing sticks",
+        "the motion never met the section: leave it out, and the motion chooses one that it has; "
+        'or name another, such as section = { zero = "x_dot" } for a displacement x',
     ),
     Reason(
         "window_too_long",
@@ -268,6 +273,10 @@ CYCLE_END = FlagTable(
 GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
+SECTION = FlagTable(
+    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2},
+    fill=NOT_COMPUTED,
+)
 COMPUTED = FlagTable(
     {
         NOT_COMPUTED: -1,
@@ -290,6 +299,7 @@ TABLES: Mapping[str, FlagTable] = {
     "complete": COMPLETE,
     "cycle_end": CYCLE_END,
     "goes_on": GOES_ON,
+    "section": SECTION,
     "computed": COMPUTED,
     "answer": ANSWER,
     "followed": FOLLOWED,

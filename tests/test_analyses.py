@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from inspect import signature
+from itertools import product
 from math import atan, cos, pi, sin, sqrt
 from typing import Any
 
@@ -12,7 +14,7 @@ from motions import TIGHT, defaults, motion, system
 from small_models import TWO_MASSES
 
 from fiv_cli.analyses import all_analyses, execute, get_analysis
-from fiv_cli.analyses.base import Later, Outcome, Request, Section, SolverSettings, Start
+from fiv_cli.analyses.base import Later, Outcome, Request, Section, SolverSettings, Start, Varied
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
@@ -452,6 +454,43 @@ def test_an_exception_is_an_outcome() -> None:
     assert "KeyError" in found.message
 
 
+ROOTS = {"system": "original"}
+AT_ONCE = (
+    ("pin-on-disc", "coulomb", "equilibrium", ROOTS, {"Omega": [2.0, 0.0, 5.0], "k1": [20.0, 2e3]}),
+    ("flutter-2dof", "coulomb", "eigenvalues", {**ROOTS, "at_equilibrium": 1},
+     {"c1": [0.0, 0.1], "mu_k": [0.3, 1.2, 2.5], "v": [1.0, 0.0]}),
+    ("excited-2dof", "coulomb", "eigenvalues", {"system": "averaged", "at_equilibrium": 1},
+     {"A_b": [1.0, 40.0], "v": [0.1, 2.0]}),
+    ("flutter-2dof", "coulomb", "critical",
+     {**ROOTS, "parameter": Varied("mu_k"), "bracket": (0.0, 3.0)},
+     {"c1": [0.0, 0.1], "alpha1": [-np.pi / 4, np.pi / 4]}),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "law", "kind", "settings", "grid"), AT_ONCE)
+def test_points_run_at_once_are_answered_as_alone(
+    model: str, law: str, kind: str, settings: dict[str, Any], grid: dict[str, list[float]]
+) -> None:
+    """To the last bit, one that breaks its equations included."""
+    setup, known = Setup.of(model, law), defaults(model, law)
+    points = [
+        {**known, **dict(zip(grid, values, strict=True))} for values in product(*grid.values())
+    ]
+    requests = [execute.Request(setup, point, kind, settings) for point in points]
+    alone = [execute.execute(request) for request in requests]
+    assert len({repr(found.values) for found in alone}) > 1
+    for given, expected in (
+        (requests, alone),
+        ([replace(requests[0], parameters={}), *requests], [None, *alone]),
+    ):
+        for found, one in zip(execute.execute_all(given), expected, strict=True):
+            if one is None:
+                assert found.reason == "internal_error"
+            else:
+                assert (found.status, found.reason) == (one.status, one.reason)
+                np.testing.assert_equal(found.values, one.values)
+
+
 def test_a_request_gives_what_the_analysis_gives() -> None:
     parameters = defaults("belt-1dof", "coulomb")
     settings = {"section": Section("event"), "observe": None, "t_max": 1000.0, "transient": 0.0,
@@ -483,7 +522,8 @@ def test_what_computes_an_analysis_takes_what_every_analysis_is_given(kind: str)
     analysis = get_analysis(kind)
     run = analysis.run.function if isinstance(analysis.run, Later) else analysis.run
     of = "system" if analysis.generated else "setup"
-    assert list(signature(run).parameters) == [of, "request"]
+    asked = "requests" if analysis.in_blocks else "request"
+    assert list(signature(run).parameters) == [of, asked]
 
 
 @pytest.mark.parametrize(

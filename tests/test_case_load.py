@@ -539,7 +539,8 @@ section = {text}
         assert any(fragment in problem.message for problem in problems(self.section(text)))
 
     def test_a_law_that_never_sticks_has_no_stick_event(self) -> None:
-        text = belt("[friction]", 'law = "tanh"').replace('"history"\nt_end = 30', '"response"')
+        asked = '"response"\nsection = { event = "slip->stick" }'
+        text = belt("[friction]", 'law = "tanh"').replace('"history"\nt_end = 30', asked)
         assert 'zero = "x_dot"' in only_problem(text).suggestion
 
 

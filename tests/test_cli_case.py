@@ -210,7 +210,7 @@ class TestModels:
         assert run(["models", name]) == 0
         out = capsys.readouterr().out
         for parameter in model.parameters:
-            assert re.search(rf"^{parameter.name} +\S+ +{parameter.unit} ", out, re.MULTILINE)
+            assert re.search(rf"^{parameter.name} .*\S+ +{parameter.unit} ", out, re.MULTILINE)
         for state in model.states(model.default_options()):
             assert f"  {state.name}'' = " in out
         assert ("|F_T| <= " in out) == bool(model.contacts)

@@ -13,7 +13,7 @@ from motions import defaults, system
 
 from fiv_cli.analyses.base import Outcome, Varied
 from fiv_cli.analyses.rest import crossings
-from fiv_cli.analyses.rest.crossings import Crossing, Sample, ScanTooLong, find_crossings
+from fiv_cli.analyses.rest.crossings import Crossing, Sample, side_by_side
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import modes_at
 from fiv_cli.api import analyse
@@ -232,6 +232,15 @@ def test_what_follows_the_parameter_moves_with_it() -> None:
 
 
 # --- the scan, on modes that are known -----------------------------------------------------------
+def find_crossings(
+    probe: Callable[[float], Sample], low: float, high: float
+) -> list[Crossing] | None:
+    """What one scan finds."""
+    scans = [crossings.find_crossings(low, high)]
+    (found,) = side_by_side(scans, lambda asked: [probe(at) for _, at in asked])
+    return found
+
+
 def probe_of(*eigenvalues: Callable[[float], complex]) -> Callable[[float], Sample]:
     """Uncoupled modes: each eigenvalue and, where it is complex, its conjugate."""
 
@@ -350,8 +359,11 @@ def test_the_ends_of_the_equilibrium() -> None:
 
 def test_what_cannot_be_resolved_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(crossings, "MOST_SAMPLES", 100)
-    with pytest.raises(ScanTooLong):
-        find_crossings(probe_of(lambda s: complex(sin(300.0 * s), 3.0)), 0.0, 1.0)
+    rough, smooth = (probe_of(lambda s, k=k: complex(sin(k * s), 3.0)) for k in (300.0, 4.0))
+    assert find_crossings(rough, 0.0, 1.0) is None
+    scans = [crossings.find_crossings(0.5, 1.0) for _ in range(2)]
+    found = side_by_side(scans, lambda asked: [(rough, smooth)[place](at) for place, at in asked])
+    assert found[0] is None and [c.value for c in found[1]] == pytest.approx([pi / 4], rel=1e-12)
 
 
 # --- case files -----------------------------------------------------------------------------------

@@ -104,8 +104,8 @@ def test_no_real_solution_is_missed_by_the_polynomial(seed: int) -> None:
     seen: list[Any] = []
     for _ in range(30):
         start = np.append(rng.uniform(-4.0, 4.0, 2), (0.0, 0.0))
-        solution = _newton(state, start)
-        if solution is not None and not any(np.allclose(solution, y, rtol=1e-6) for y in seen):
+        (solution,) = _newton(state[None], start[None])
+        if np.isfinite(solution).all() and not any(np.allclose(solution, y, 1e-6) for y in seen):
             seen.append(solution)
     assert 1 <= len(seen) <= n_real
     held = [y for y in seen if state.contact_forces(y)[0, 0] >= 0.0]

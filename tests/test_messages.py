@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from fiv_cli.cli.main import run
+from fiv_cli.models import all_models
 
 CASE = """\
 schema = 1
@@ -135,3 +137,37 @@ def test_a_case_and_its_dataset_are_told_apart(capsys: pytest.CaptureFixture[str
     ):
         assert run(arguments) == 2
         assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "advice"),
+    [
+        ("N0 =", "F =", "here it is 'N0' (normal preload)"),
+        ("N0 =", "preload =", "here it is 'N0' (normal preload)"),
+        ("N0 =", "mu =", "did you mean 'mu_s'? It stands in [friction]"),
+        ("N0 =", "mu_k =", "'mu_k' stands in [friction]: write it there"),
+        ("\nOmega =", "\nv =", "here it is 'Omega' (disc speed)"),
+        ('"Omega"', '"v"', "here it is 'Omega' (disc speed)"),
+        ('"equilibrium"', '"critical"\nparameter = "F"\nbracket = [1, 2]', "here it is 'N0'"),
+    ],
+)
+def test_the_name_of_another_model_leads_to_the_one_here(
+    old: str, new: str, advice: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert advice in checked(capsys, old, new)
+
+
+def test_a_long_list_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    said = checked(capsys, "N0 =", "N00 = 1, J = 1, N0 =")
+    assert said.count("J_c, J_L, k1") == 1 and said.count("allowed: as above") == 1
+
+
+def test_every_model_says_which_parameter_is_its_preload_and_its_speed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for model in all_models().values():
+        roles = [parameter.role for parameter in model.parameters]
+        assert model.contacts == 0 or {"preload", "speed"} <= set(roles)
+        assert roles.count("speed") <= 1
+    assert run(["models", "pin-on-disc"]) == 0
+    assert re.search(r"^N0 +preload +N_0 ", capsys.readouterr().out, re.MULTILINE)

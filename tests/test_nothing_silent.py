@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ import synthetic_datasets as data
 from small_models import TWO_MASSES
 
 from fiv_cli import api
+from fiv_cli.cli.main import run as fiv
+from fiv_cli.flags import advice
 from fiv_cli.models.base import Equations, Options
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
 
@@ -30,6 +33,48 @@ MISTAKEN = replace(TWO_MASSES, name="mistaken", equations=_mistaken)
 def test_energies_that_are_no_number_fail_the_point(kind: str, settings: Any) -> None:
     found = api.analyse(MISTAKEN, "coulomb", kind, {"x1": 0.3}, settings, N2=8.0)
     assert (found.status, found.reason, found.values) == ("failed", "no_number", {})
+
+
+# --- what a run ends with -------------------------------------------------------------------------
+CHAIN = """
+schema = 1
+[model]
+name = "pin-on-disc"
+parameters = { N0 = "30 N" }
+[grid]
+Omega = [1.5, 2.5, 4.5, 6.5, 8.5]
+[[initial]]
+label = "far"
+kind = "state"
+state = { phi_dot = "Omega" }
+[[initial]]
+label = "followed"
+kind = "continue"
+along = "Omega"
+from = "far"
+[[analysis]]
+kind = "response"
+section = { event = "stick->slip" }
+"""
+
+
+def test_a_run_ends_with_its_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Classes and reasons with their counts, what to change, and where chains ended."""
+    case, output = tmp_path / "chain.toml", str(tmp_path / "chain.nc")
+    case.write_text(CHAIN)
+    assert fiv(["run", str(case), "-o", output, "--workers", "1"]) == 0
+    told = capsys.readouterr().err
+    assert "  response: periodic 6, equilibrium 2\n" in told
+    assert "WARNING: 2 points of response lie behind the end of what was followed" in told
+    assert 'on_loss = "restart"' in told
+    hasty = [*("run", str(case), "--set", "analysis.0.t_max=2.0"), "-o", f"{output}2.nc"]
+    assert fiv([*hasty, "--workers", "1"]) == 0
+    told = capsys.readouterr().err
+    assert "  response: undecided 7, equilibrium 3\n" in told
+    assert f"    time_budget 6: {advice('time_budget')}\n" in told
+    assert "WARNING: 7 of 10 points of response have no answer" in told
+    assert fiv([*hasty, "-q"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 # --- claims on points without a class -----------------------------------------------------------

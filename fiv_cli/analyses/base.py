@@ -74,6 +74,8 @@ class Start:
     values : state name -> SI value; velocities carry the suffix ``_dot``
     carried : what the neighbour's `Outcome.carry` held, for "continue"
     named : state -> parameter whose value it takes, among `values`
+    from_rest : whether a motion that came to rest goes on from there, plus `values`, and not from
+        the equilibrium that this point has
     """
 
     label: str
@@ -81,6 +83,7 @@ class Start:
     values: Mapping[str, float] = field(default_factory=dict)
     carried: Mapping[str, Any] | None = None
     named: Mapping[str, str] = field(default_factory=dict)
+    from_rest: bool = False
 
     def at(self, parameters: Mapping[str, float]) -> Start:
         """The same start where the parameters have other values."""
@@ -150,13 +153,13 @@ class Later:
     place: str
 
     @property
-    def function(self) -> Callable[..., Outcome]:
+    def function(self) -> Callable[..., Any]:
         """The function."""
         module, name = self.place.split(":")
-        found: Callable[..., Outcome] = getattr(import_module(module), name)
+        found: Callable[..., Any] = getattr(import_module(module), name)
         return found
 
-    def __call__(self, *arguments: object) -> Outcome:
+    def __call__(self, *arguments: object) -> Any:
         return self.function(*arguments)
 
 
@@ -177,6 +180,8 @@ class Analysis:
     constant : whether parameters may all be constant in time
     counterpart : the kind that is meant where they vary, or do not; "" where there is none
     unsuited : model -> why it cannot be analysed so; empty where it can
+    in_blocks : whether `run` takes requests that differ in their parameters alone, and answers in
+        a list
     generated : whether `run` takes a compiled system; otherwise its `Setup` is enough
     chains : whether a point may continue from its neighbour along an axis
     recorded : whether `run` follows a motion and no more, so that tangents are not needed nor,
@@ -189,10 +194,11 @@ class Analysis:
     title: str
     settings: tuple[Setting, ...]
     variables: Callable[[Subject], Sequence[Variable]]
-    run: Callable[..., Outcome]
+    run: Callable[..., Any]
     _: KW_ONLY
     uses_starts: bool = True
     linear: bool = False
+    in_blocks: bool = False
     varying: bool = False
     constant: bool = True
     counterpart: str = ""

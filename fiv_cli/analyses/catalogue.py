@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 
 from fiv_cli.analyses import all_analyses, get_analysis
-from fiv_cli.analyses.base import Analysis, Settings, Varied
+from fiv_cli.analyses.base import Analysis, Section, Settings, Varied
 from fiv_cli.analyses.variables import COMPUTED, REASON, STATUS, Subject, Variable
 from fiv_cli.models.base import Model, Options, Parameter, State
 
@@ -36,7 +36,7 @@ def variables_of(
 
 ALL_ASKED: Settings = {
     "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
-    "system": "averaged",
+    "system": "averaged", "section": Section("own"),
 }  # fmt: skip
 """Settings under which every analysis has all the variables that it can have."""
 

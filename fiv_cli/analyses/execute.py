@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -31,20 +31,50 @@ def execute(request: Request) -> Outcome:
         )
 
 
+def execute_all(requests: Sequence[Request]) -> list[Outcome]:
+    """`execute` each of the points of one analysis: at once those that can be, as the same."""
+    outcomes: dict[int, Outcome] = {}
+    blocks: dict[Hashable, list[int]] = {}
+    for place, request in enumerate(requests):
+        blocks.setdefault(request.setup.key, []).append(place)
+    for places in blocks.values():
+        block = [requests[place] for place in places]
+        try:
+            answered = answers(block)
+        except Exception:  # of one of them: which, and what, is found alone
+            answered = [execute(request) for request in block]
+        outcomes |= zip(places, answered, strict=True)
+    return [outcomes[place] for place in range(len(requests))]
+
+
 def answer(request: Request) -> Outcome:
     """Run one point; what goes wrong is raised."""
+    (outcome,) = answers([request])
+    return outcome
+
+
+def answers(requests: Sequence[Request]) -> list[Outcome]:
+    """Run points that differ in parameters and starts alone; what goes wrong is raised."""
     from fiv_cli.analyses import get_analysis
     from fiv_cli.dynamics.system import build_system
 
-    analysis = get_analysis(request.analysis)
+    analysis, setup = get_analysis(requests[0].analysis), requests[0].setup
     if not analysis.generated:
-        return analysis.run(request.setup, request)
-    system = build_system(request.setup)
-    singular = request.setup.model.singular
-    reason, message = singular(system.known(request.parameters), system.setup.options)
-    if reason:
-        return Outcome(status="failed", reason=reason, message=message)
-    return _sound(analysis.run(system, request))
+        return [analysis.run(setup, request) for request in requests]
+    system = build_system(setup)
+    singular = [
+        setup.model.singular(system.known(request.parameters), setup.options)
+        for request in requests
+    ]
+    sound = [request for request, (no, _) in zip(requests, singular, strict=True) if not no]
+    if analysis.in_blocks:
+        found = iter(analysis.run(system, sound) if sound else ())
+    else:
+        found = (_sound(analysis.run(system, request)) for request in sound)
+    return [
+        Outcome(status="failed", reason=reason, message=message) if reason else next(found)
+        for reason, message in singular
+    ]
 
 
 def _sound(outcome: Outcome) -> Outcome:

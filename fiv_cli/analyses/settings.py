@@ -514,6 +514,8 @@ class SectionSetting(TableSetting):
         kinds = [kind for kind in ("event", "zero", "phase") if value[kind] is not None]
         if len(kinds) != 1:
             raise ValueError("a section is given by one of event, zero and phase")
+        if value["event"] == "any":
+            return Section("own")
         return Section(
             kind=kinds[0],
             event=value["event"] or "slip->stick",
@@ -526,10 +528,29 @@ class SectionSetting(TableSetting):
     def check(self, value: Section, known: Known) -> Iterable[Refusal]:
         """A section that the model can never pass through."""
         checks = {"event": _check_event, "zero": _check_velocity, "phase": _check_phase}
-        return checks[value.kind](value, known)
+        return checks[value.kind](value, known) if value.kind in checks else ()
 
     def example(self, model: Model, varied: Parameter) -> str:
         return '{ event = "slip->stick" }'
+
+
+@dataclass(frozen=True)
+class OwnSectionSetting(SectionSetting):
+    """A section that may be left to the motion."""
+
+    form: ClassVar[str] = f'{{ event = "any" }}, {SectionSetting.form}'
+    keys: ClassVar[tuple[Setting, ...]] = (
+        Choice(
+            "event",
+            "a transition of a contact; any: the first that the motion has, or where nothing "
+            "sticks the points at which `observe` turns back",
+            choices=("any", "slip->stick", "stick->slip"),
+        ),
+        *SectionSetting.keys[1:],
+    )
+
+    def example(self, model: Model, varied: Parameter) -> str:
+        return '{ event = "any" }'
 
 
 def _check_event(section: Section, known: Known) -> Iterator[Refusal]:

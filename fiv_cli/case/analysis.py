@@ -13,7 +13,7 @@ from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import read_settings
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.form import Form
-from fiv_cli.case.physics import Physics
+from fiv_cli.case.physics import Physics, counterpart
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import AnalysisTable
 from fiv_cli.models.base import leaders
@@ -88,7 +88,9 @@ def _analysis(
     known = _surroundings(physics, axes, given.get("parameter"))
     found = read_settings(analysis.settings, given, known, f"the analysis {analysis.kind!r}")
     for one in found.refusals:
-        hint = one.suggestion or _where_it_belongs(str(one.place[0]), analysis)
+        named = given.get("parameter") if one.of_name and one.place == ("parameter",) else None
+        hint = counterpart(str(named), known.varying()) or one.suggestion
+        hint = hint or _where_it_belongs(str(one.place[0]), analysis)
         report.add((*place, *one.place), one.message, one.allowed, hint, one.of_name)
     return AnalysisSpec(name, analysis.kind, found.value)
 

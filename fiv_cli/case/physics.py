@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from fiv_cli.case.form import Form
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import FrictionTable, ModelTable
-from fiv_cli.friction import TANH_OF, get_law, laws_of
+from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
-from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,23 @@ def note_no_axis(
 def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Report) -> None:
     """Note that nothing is called `name` that could be an axis of some case."""
     message = f"there is nothing called {name!r} to vary"
-    report.unknown(place, message, name, physics.what_varies())
+    hint = counterpart(name, physics.table())
+    report.unknown(place, message, name, physics.what_varies(), hint)
+
+
+def counterpart(name: str, known: Mapping[str, Parameter]) -> str:
+    """Which of the `known` parameters another model, or a word such as "preload", means by `name`.
+
+    >>> counterpart("F", {p.name: p for p in all_models()["pin-on-disc"].parameters})
+    "here it is 'N0' (normal preload)"
+    """
+    tables = [model.parameters for model in all_models().values()]
+    tables += [law.parameters for law in all_laws().values()]
+    meant = {p.role for table in tables for p in table if p.name == name} | {name}
+    here = [p for p in known.values() if p.role in meant - {""}]
+    alike = [p for p in known.values() if p.name.lower() == name.lower() and p not in here]
+    said = " or ".join(f"{p.name!r} ({p.meaning})" for p in [*here, *alike])
+    return f"here it is {said}" if here else ""
 
 
 def note_no_state(name: str, place: Path, physics: Physics, report: Report) -> None:
@@ -174,6 +190,12 @@ def _known_law(model: Model, name: object, of: str | None = None) -> str | None:
         return resolve_law(model, name, of)
     except ValueError:
         return None
+
+
+def _in_another(name: str, elsewhere: Mapping[str, str]) -> str:
+    """The parameter of another table, name -> table, that is nearly called `name`."""
+    near = nearest(name, elsewhere)
+    return f"did you mean {near!r}? It stands in [{elsewhere[near]}]" if near else ""
 
 
 class _Reader:
@@ -287,6 +309,7 @@ class _Reader:
                 meanings = {other: parameter.meaning for other, parameter in known.items()}
                 home = elsewhere.get(name)
                 hint = f"{name!r} stands in [{home}]: write it there" if home else ""
+                hint = hint or counterpart(name, known) or _in_another(name, elsewhere)
                 self.report.unknown(place, f"unknown parameter {name!r}", name, meanings, hint)
             elif name in found:
                 self.report.add(place, f"{name} is given twice")

@@ -155,10 +155,10 @@ def _print_law(law: Law) -> None:
 
 def _print_parameters(title: str, parameters: tuple[Parameter, ...]) -> None:
     rows = [
-        (p.name, p.symbol, p.unit, _default(p), _range(p), p.meaning, p.equation)
+        (p.name, p.role, p.symbol, p.unit, _default(p), _range(p), p.meaning, p.equation)
         for p in parameters
     ]
-    columns = ("name", "symbol", "unit", "default", "range", "meaning", "equation")
+    columns = ("name", "role", "symbol", "unit", "default", "range", "meaning", "equation")
     print_table(title, columns, rows)
 
 

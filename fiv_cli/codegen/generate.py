@@ -311,9 +311,10 @@ def _from_json(key: str, content: dict[str, Any]) -> Generated:
 
 
 def _object_name(text: str) -> str:
-    from fiv_cli.codegen import assembly, lower
+    from fiv_cli.codegen import lower
 
-    source = cache.source_of(Path(assembly.__file__), Path(lower.__file__))
+    own = Path(lower.__file__)
+    source = cache.source_of(own.with_name("assembly.py"), own)
     return cache.content_key([text, source, lower.machine_description()]) + ".o"
 
 

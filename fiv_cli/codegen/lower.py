@@ -10,8 +10,6 @@ from functools import cache
 
 import llvmlite.binding as llvm
 
-from fiv_cli.codegen.assembly import assembly, is_piece
-
 # Texts of more characters are compiled the quick way, in a third of the time. The numbers are the
 # same, a step takes up to 1.15 times as long.
 LARGE = 1_500_000
@@ -52,6 +50,8 @@ def fuses() -> bool:
 
 def compile_text(text: str) -> bytes:
     """Object code of every function in `text`."""
+    from fiv_cli.codegen.assembly import assembly
+
     machine = target_machine(effort=0 if len(text) > LARGE else 2)
     module = llvm.parse_assembly(assembly(text, fuses()))
     module.verify()
@@ -77,6 +77,8 @@ def load_object(code: bytes) -> llvm.ExecutionEngine:
 
 def _optimise(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
     """Simplify every function that is not a piece."""
+    from fiv_cli.codegen.assembly import is_piece
+
     options = llvm.create_pipeline_tuning_options(speed_level=1)
     builder = llvm.create_pass_builder(machine, options)
     passes = builder.getFunctionPassManager()

@@ -230,7 +230,7 @@ def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
     values = {
         name: _column(columns, name, False).converted(value)
         for name, value in outcome.values.items()
-        if (name, True) not in columns  # a summary of what a ragged variable holds row by row
+        if not _sums_up(name, value, columns)
     }
     rows = {
         name: _column(columns, name, True).converted(value)
@@ -238,6 +238,21 @@ def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
     }
     _check_rows(rows, columns)
     return Outcome(outcome.status, outcome.reason, values, rows, outcome.message)
+
+
+def _sums_up(name: str, value: Any, columns: _Columns) -> bool:
+    """Whether a value is the summary of what a ragged variable holds row by row: not stored.
+
+    Raises
+    ------
+    TypeError
+        it is the rows themselves.
+    """
+    if (name, True) not in columns:
+        return False
+    if np.ndim(value) > 0:
+        raise TypeError(f"{name} is ragged: it goes into Outcome.ragged, not into Outcome.values")
+    return True
 
 
 def _column(columns: _Columns, name: str, ragged: bool) -> _Column:
@@ -302,3 +317,27 @@ def _concatenated(outcomes: Sequence[Outcome], sizes: Array, variable: Variable)
         for outcome, size in zip(outcomes, sizes, strict=True)
     ]
     return np.concatenate(rows) if rows else empty
+
+
+def to_plain(value: Any) -> Any:
+    """Nested dicts, lists, numbers and arrays as JSON data without loss."""
+    if isinstance(value, np.ndarray):
+        return {"__array__": value.tolist(), "dtype": value.dtype.str, "shape": list(value.shape)}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [to_plain(item) for item in value]
+    return value
+
+
+def from_plain(value: Any) -> Any:
+    """Inverse of `to_plain` (tuples come back as lists)."""
+    if isinstance(value, dict) and "__array__" in value:
+        return np.array(value["__array__"], value["dtype"]).reshape(value["shape"])
+    if isinstance(value, dict):
+        return {key: from_plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [from_plain(item) for item in value]
+    return value

@@ -11,11 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
-import xarray as xr
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MOST_DEFLATED = 1040
 """Deflate makes nothing smaller by more than this."""
@@ -103,6 +105,8 @@ def _members(group: h5py.Group) -> Iterator[tuple[str, h5py.Dataset | h5py.Group
 
 def _dataset(group: h5py.Group) -> xr.Dataset:
     """The variables of one group, decoded: texts from characters, NaN where nothing was filled."""
+    import xarray as xr
+
     nodes = {n: node for n, node in _members(group) if isinstance(node, h5py.Dataset)}
     numbered = {int(n.attrs["_Netcdf4Dimid"]): name for name, n in nodes.items() if n.is_scale}
     variables = {

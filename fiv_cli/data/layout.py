@@ -8,7 +8,7 @@ from math import prod
 
 from fiv_cli.analyses.base import Settings
 from fiv_cli.analyses.catalogue import variables_of
-from fiv_cli.analyses.variables import Variable
+from fiv_cli.analyses.variables import Role, Variable
 from fiv_cli.case.case import Axis
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
@@ -72,6 +72,12 @@ class Layout:
     def size(self) -> int:
         """Number of points."""
         return prod(self.shape)
+
+    @property
+    def told(self) -> Variable | None:
+        """The variable that tells the class of each point; None where there is none."""
+        classes = (v for v in self.variables if v.role is Role.CLASS and v.one_per_point)
+        return next(classes, None)
 
     @property
     def variables(self) -> tuple[Variable, ...]:

@@ -12,8 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
-from xarray.backends import NetCDF4DataStore
 
 from fiv_cli import ending
 from fiv_cli.analyses.variables import INT_FILL
@@ -26,6 +24,7 @@ from fiv_cli.notation.names import suggest
 
 if TYPE_CHECKING:
     import netCDF4
+    import xarray as xr
 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed."""
@@ -153,6 +152,7 @@ class _Later:
 def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:
     """All groups into one file that is opened once: each opening reads all that it has."""
     import netCDF4
+    import xarray as xr
 
     clean = {name: to_attribute(v) for name, v in attributes.items() if v is not None}
     later = _Later()
@@ -182,6 +182,8 @@ def _caches(small: bool) -> Iterator[None]:
 
 
 def _define(group: netCDF4.Dataset, dataset: xr.Dataset, later: _Later) -> None:
+    from xarray.backends import NetCDF4DataStore
+
     encoding = {str(name): _encoding(variable) for name, variable in dataset.variables.items()}
     dataset.dump_to_store(NetCDF4DataStore(group), encoding=encoding, writer=later)
 
@@ -207,6 +209,8 @@ def _fill(variable: xr.Variable) -> float | np.int32 | None:
 def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
     """Read back what was written, one variable at a time."""
     import netCDF4
+    import xarray as xr
+    from xarray.backends import NetCDF4DataStore
 
     with netCDF4.Dataset(path) as file:
         for name, dataset in datasets.items():

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import COMPUTED as RUN
-from fiv_cli.data.assemble import attributes_of
 from fiv_cli.flags import COMPUTED, NOT_COMPUTED, STATUS, reason_code
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _SAMPLED = [COMPUTED.codes["sampled"], COMPUTED.codes["sampled_and_mislabelled"]]
 
@@ -31,6 +32,8 @@ def fill_in(
     classes : (size,) class of each point
     origins : (size,) codes of `flags.COMPUTED`
     """
+    from fiv_cli.data.assemble import attributes_of
+
     filled = (origins == COMPUTED.codes["filled_in"]).reshape(dataset["status"].shape)
     filled_in = dataset.copy()
     for name, value in (
@@ -41,7 +44,7 @@ def fill_in(
         known = dataset[name]
         filled_in[name] = known.copy(data=np.where(filled, value, known.values).astype(known.dtype))
     which = origins.reshape(filled.shape)
-    filled_in[RUN.name] = xr.Variable(dataset["status"].dims, which, attributes_of(RUN))
+    filled_in[RUN.name] = (dataset["status"].dims, which, attributes_of(RUN))
     return filled_in
 
 

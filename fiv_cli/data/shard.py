@@ -21,7 +21,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from fiv_cli.data.block import Array, Block
+from fiv_cli.data.block import Array, Block, from_plain, to_plain
 from fiv_cli.data.hdf5 import refuse_what_fiv_does_not_write
 from fiv_cli.errors import StorageError
 from fiv_cli.files import write_whole
@@ -203,27 +203,3 @@ def _json_array(rows: Mapping[int, Any]) -> Array:
 def _from_json(array: Array) -> dict[int, Any]:
     rows = json.loads(array.tobytes().decode())
     return {int(row): from_plain(value) for row, value in rows.items()}
-
-
-def to_plain(value: Any) -> Any:
-    """Nested dicts, lists, numbers and arrays as JSON data without loss."""
-    if isinstance(value, np.ndarray):
-        return {"__array__": value.tolist(), "dtype": value.dtype.str, "shape": list(value.shape)}
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, Mapping):
-        return {str(key): to_plain(item) for key, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [to_plain(item) for item in value]
-    return value
-
-
-def from_plain(value: Any) -> Any:
-    """Inverse of `to_plain` (tuples come back as lists)."""
-    if isinstance(value, dict) and "__array__" in value:
-        return np.array(value["__array__"], value["dtype"]).reshape(value["shape"])
-    if isinstance(value, dict):
-        return {key: from_plain(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [from_plain(item) for item in value]
-    return value

@@ -16,8 +16,8 @@ class Section:
 
     Attributes
     ----------
-    kind : "event" (a transition), "zero" (a velocity passes zero, or comes to rest there) or
-        "phase" (stroboscopic)
+    kind : "event" (a transition), "zero" (a velocity passes zero, or comes to rest there),
+        "phase" (stroboscopic) or "own" (one that the motion has)
     event : "slip->stick" or "stick->slip" when kind is "event"
     state : velocity state, e.g. ``x1_dot``, when kind is "zero"
     direction : "up", "down" or "both" when kind is "zero"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from math import prod
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
 from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.memory import address_of, call_generated, generated_function
+from fiv_cli.codegen.memory import WORD, address_of, generated_function
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.schedule import rate_of
 
@@ -106,42 +107,41 @@ class System:
 
     # --- generated functions, called from Python --------------------------------------------------
     def coefficients(self, parameters: Vector) -> Vector:
-        """What depends on parameters alone, as generated code reads it."""
-        coefficients = np.zeros(max(self.generated.n_coefficients, 1))
+        """What depends on parameters alone, as generated code reads it; shape (..., terms)."""
+        shape = *parameters.shape[:-1], max(self.generated.n_coefficients, 1)
+        coefficients = np.zeros(shape)
         fill = self.tables.numbers["fill_coefficients"]
-        call_generated(fill, coefficients, 0.0, parameters, coefficients)
+        call_rows(fill, coefficients, 0.0, parameters, coefficients)
         return coefficients
 
     def field(self, index: int, coefficients: Vector, time: float, y: Vector) -> FieldOutput:
-        """What a contact state makes of a state."""
-        tables, n = self.tables, len(y)
-        out = np.zeros(self.outputs_width)
-        call_generated(tables.field[index], coefficients, time, y, out)
+        """What a contact state makes of a state, or of each of some, (..., n_states)."""
+        tables, n = self.tables, y.shape[-1]
+        out = np.zeros((*y.shape[:-1], self.outputs_width))
+        call_rows(tables.field[index], coefficients, time, y, out)
         contacts, energies = tables.contact_place[index], tables.energy_place[index]
+        forces = out[..., contacts:energies]
         return FieldOutput(
-            out[:n],
-            out[n : 2 * n],
-            out[2 * n : 2 * n + tables.n_guards[index]],
-            out[contacts:energies].reshape(-1, PER_CONTACT),
-            out[energies : energies + len(ENERGY_OUTPUTS)],
+            out[..., :n],
+            out[..., n : 2 * n],
+            out[..., 2 * n : 2 * n + tables.n_guards[index]],
+            forces.reshape(*y.shape[:-1], self.n_contacts, PER_CONTACT),
+            out[..., energies : energies + len(ENERGY_OUTPUTS)],
         )
 
     def linearised(
         self, index: int, coefficients: Vector, time: float, y: Vector, places: Sequence[int]
     ) -> NDArray[np.float64]:
         """Tangents along these entries of the state as a contact state lets them be, and their
-        rates, by differentiated code; shape (entries, n_states, 2)."""
-        n, count = len(y), len(places)
-        joined, series = np.zeros((count, 2 * n)), np.zeros((count, 2 * n, JACOBIAN_ORDER + 1))
-        joined[:, :n] = y
-        joined[range(count), [n + place for place in places]] = 1.0
-        linearised_flow, terms = generated_function(self.jacobians[index]), address_of(coefficients)
-        at, out = address_of(joined), address_of(series)
-        for row in range(count):
-            linearised_flow(
-                terms, time, at + row * joined.strides[0], out + row * series.strides[0]
-            )
-        return series[:, n:]
+        rates, by differentiated code; shape (..., entries, n_states, 2)."""
+        *rows, n = y.shape
+        count = len(places)
+        joined = np.zeros((*rows, count, 2 * n))
+        series = np.zeros((*rows, count, 2 * n, JACOBIAN_ORDER + 1))
+        joined[..., :n] = y[..., None, :]
+        joined[..., range(count), [n + place for place in places]] = 1.0
+        call_rows(self.jacobians[index], coefficients, time, joined, series)
+        return series[..., n:, :]
 
     def parameter_values(self, parameters: Mapping[str, float]) -> tuple[float, ...]:
         """Parameters in generated order; the slip signs and the sector follow them there."""
@@ -174,6 +174,11 @@ class System:
             known |= self.setup.model.derived.values(known, self.setup.options)
         return known | {rate_of(name): 0.0 for name in self.setup.schedule.names}
 
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """The displacements and velocities: the states but for those of the friction law."""
+        return self.state_names[: 2 * len(self.coordinates)]
+
     @cached_property
     def places(self) -> Mapping[str, int]:
         """Name of an entry of the state vector -> its place."""
@@ -186,6 +191,24 @@ class System:
             if name in self.places:
                 vector[self.places[name]] = value
         return vector
+
+
+def call_rows(
+    address: int, coefficients: Vector, time: float, states: Vector, out: NDArray[np.float64]
+) -> None:
+    """Call the generated function at `address` for every state of an array (..., n_states).
+
+    Coefficients that stand for several states, one after the other, are given once.
+    """
+    count = prod(states.shape[:-1])
+    if count == 0:
+        return
+    function, held = generated_function(address), count // prod(coefficients.shape[:-1])
+    terms, at, into = address_of(coefficients), address_of(states), address_of(out)
+    wide, deep = WORD * coefficients.shape[-1], states.nbytes // count
+    long = out.nbytes // count
+    for row in range(count):
+        function(terms + row // held * wide, time, at + row * deep, into + row * long)
 
 
 class FieldOutput(NamedTuple):

@@ -20,8 +20,12 @@ from fiv_cli.models.base import Parameter, Requirement
 if TYPE_CHECKING:
     from sympy import Expr
 
-MU_K = Parameter("mu_k", r"\mu_k", "1", 0.3, "coefficient of kinetic friction", "3.5", minimum=0.0)
-MU_S = Parameter("mu_s", r"\mu_s", "1", 0.4, "coefficient of static friction", "3.9", minimum=0.0)
+MU_K = Parameter(
+    "mu_k", r"\mu_k", "1", 0.3, "coefficient of kinetic friction", "3.5", 0.0, role="friction"
+)
+MU_S = Parameter(
+    "mu_s", r"\mu_s", "1", 0.4, "coefficient of static friction", "3.9", 0.0, role="friction"
+)
 
 FALLING = Requirement(
     ("mu_k", "mu_s"),

@@ -107,6 +107,7 @@ LAW = Law(
             "4.5",
             0.0,
             default_from="mu_s",
+            role="friction",
         ),
         Parameter("alpha", r"\alpha", "s m-1", 1.0, "rate of the fall", "4.5", 0.0),
     ),

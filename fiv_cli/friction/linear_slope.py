@@ -19,7 +19,15 @@ LAW = Law(
     numerics_version=1,
     parameters=(
         Parameter("F0", "F_0", "N", 10.0, "friction force at zero slip speed", "3.2", 0.0),
-        Parameter("alpha_0", r"\alpha_0", "N s m-1", -0.1, "slope of the friction force", "3.2"),
+        Parameter(
+            "alpha_0",
+            r"\alpha_0",
+            "N s m-1",
+            -0.1,
+            "slope of the friction force",
+            "3.2",
+            role="fall",
+        ),
     ),
     force=lambda slip, p: slip.sign * (p["F0"] + p["alpha_0"] * slip.speed),
     capacity=lambda N, p: p["F0"],

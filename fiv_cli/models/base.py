@@ -31,6 +31,13 @@ if TYPE_CHECKING:
 
 Options = Mapping[str, str]
 
+ROLES_OF_UNITS = (
+    dict.fromkeys(("N m-1", "N m", "N m-3"), "stiffness")
+    | dict.fromkeys(("N s m-1", "N m s"), "damping")
+    | {"kg": "mass", "kg m2": "inertia", "m": "length", "rad": "angle"}
+)
+"""What a parameter in this unit is, unless it says otherwise."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -48,6 +55,8 @@ class Parameter:
     default_from : name of the parameter whose value is the default
     integer : only whole numbers are allowed
     exclusive : the range is open at `minimum`
+    role : what it is in any model (``"preload"``), so that another model's name for it leads to
+        this one; what its unit says when left out
     """
 
     name: str
@@ -61,6 +70,11 @@ class Parameter:
     exclusive: bool = False
     integer: bool = False
     default_from: str | None = None
+    role: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.role:
+            object.__setattr__(self, "role", ROLES_OF_UNITS.get(self.unit, ""))
 
     @property
     def allowed(self) -> str:

@@ -23,9 +23,11 @@ PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", "3.1", 0.0, exclusive=True),
     Parameter("k", "k", "N m-1", 1.0, "stiffness of the spring", "3.1", 0.0, exclusive=True),
     Parameter("c", "c", "N s m-1", 0.0, "damping coefficient", "3.1", 0.0),
-    Parameter("N", "N", "N", 10.0, "normal force", "3.5", 0.0),
-    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "3.6"),
-    Parameter("u0", "u_0", "m", 0.0, "amplitude of the base's motion", "3.10", 0.0),
+    Parameter("N", "N", "N", 10.0, "normal force", "3.5", 0.0, role="preload"),
+    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "3.6", role="speed"),
+    Parameter(
+        "u0", "u_0", "m", 0.0, "amplitude of the base's motion", "3.10", 0.0, role="amplitude"
+    ),
     Parameter(
         "omega",
         r"\omega",
@@ -35,6 +37,7 @@ PARAMETERS = (
         "3.10",
         0.0,
         exclusive=True,
+        role="frequency",
     ),
 )
 

@@ -23,9 +23,11 @@ PARAMETERS = (
     Parameter("m2", "m_2", "kg", 1.0, "mass at the end", "3.14", 0.0, exclusive=True),
     Parameter("k1", "k_1", "N m-1", 2.0, "stiffness wall to mass 1", "3.13", 0.0),
     Parameter("k2", "k_2", "N m-1", 1.0, "stiffness mass 1 to mass 2", "3.13", 0.0, exclusive=True),
-    Parameter("N", "N", "N", 20.0, "normal force of each contact", "3.15", 0.0),
-    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "3.15"),
-    Parameter("D", "D", "1", 0.3, "damping ratio c2 / (2 sqrt(m2 k2))", "Figure 3.9", 0.0),
+    Parameter("N", "N", "N", 20.0, "normal force of each contact", "3.15", 0.0, role="preload"),
+    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "3.15", role="speed"),
+    Parameter(
+        "D", "D", "1", 0.3, "damping ratio c2 / (2 sqrt(m2 k2))", "Figure 3.9", 0.0, role="damping"
+    ),
     Parameter("c1_over_c2", "c_1/c_2", "1", 1.0, "ratio of the damping coefficients", "3.13", 0.0),
 )
 

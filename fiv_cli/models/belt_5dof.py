@@ -64,8 +64,8 @@ PARAMETERS = (
     Parameter("k_nl", "k_{nl}", "N m-3", 1e4, "contact stiffness, cubic part", "6.2", 0.0),
     Parameter("l1", "l_1", "m", 0.2, "distance of the first wheel", "6.1"),
     Parameter("l2", "l_2", "m", 0.2, "distance of the second wheel", "6.1"),
-    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "6.3"),
-    Parameter("F", "F", "N", 200.0, "preload", "6.1", 0.0),
+    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "6.3", role="speed"),
+    Parameter("F", "F", "N", 200.0, "preload", "6.1", 0.0, role="preload"),
 )
 
 ROTATION = State("phi", r"\varphi", "rad", "rotation of the belt")

@@ -63,12 +63,14 @@ ON_THE_DISC = Requirement(
     "no_plate",
 )
 
-SPEED = Parameter("Omega", r"\Omega", "rad s-1", 10.0, "disc speed", "4.3")
+SPEED = Parameter("Omega", r"\Omega", "rad s-1", 10.0, "disc speed", "4.3", role="speed")
 
 
 def damping_ratio(default: float) -> Parameter:
     """xi with the default of a model."""
-    return Parameter("xi", r"\xi", "1", default, "damping ratio of the disc's modes", "6.41", 0.0)
+    return Parameter(
+        "xi", r"\xi", "1", default, "damping ratio of the disc's modes", "6.41", 0.0, role="damping"
+    )
 
 
 def read_modes(value: object) -> str:

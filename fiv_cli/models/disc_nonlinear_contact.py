@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 PARAMETERS = (
     *compliant_disc.parameters(0.1),
     Parameter("k_nl", "k_{nl}", "N m-3", 1e6, "contact stiffness, cubic part", "6.25", 0.0),
-    Parameter("F", "F", "N", 1000.0, "preload", "6.22", 0.0),
-    Parameter("Omega", r"\Omega", "rad s-1", 10.0, "disc speed", "6.24"),
+    Parameter("F", "F", "N", 1000.0, "preload", "6.22", 0.0, role="preload"),
+    Parameter("Omega", r"\Omega", "rad s-1", 10.0, "disc speed", "6.24", role="speed"),
     disc.damping_ratio(1e-4),
 )
 

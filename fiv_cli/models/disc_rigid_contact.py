@@ -31,8 +31,8 @@ PARAMETERS = (
     Parameter("c_z", "c_z", "N s m-1", 0.1, "transverse damping of the slider", "4.18", 0.0),
     Parameter("K_phi", r"r_0^2k_\varphi", "N m", 2000.0, "in-plane stiffness", "4.4", 0.0),
     Parameter("C_phi", r"r_0^2c_\varphi", "N m s", 0.1, "in-plane damping", "4.4", 0.0),
-    Parameter("N0", "N_0", "N", 500.0, "normal preload", "4.18", 0.0),
-    Parameter("Omega", r"\Omega", "rad s-1", 6.283185, "disc speed", "4.3"),
+    Parameter("N0", "N_0", "N", 500.0, "normal preload", "4.18", 0.0, role="preload"),
+    Parameter("Omega", r"\Omega", "rad s-1", 6.283185, "disc speed", "4.3", role="speed"),
     disc.damping_ratio(0.0),
 )
 

@@ -35,10 +35,22 @@ PARAMETERS = (
     Parameter("alpha2", r"\alpha_2", "rad", pi / 4, "inclination of spring k2", "5.2"),
     Parameter("c1", "c_1", "N s m-1", 1e-3, "damping coefficient along spring k1", "5.2", 0.0),
     Parameter("c2", "c_2", "N s m-1", 1e-3, "damping coefficient along spring k2", "5.2", 0.0),
-    Parameter("F", "F", "N", 2.0, "preload", "5.1", 0.0),
-    Parameter("v", "v", "m s-1", 0.3, "belt velocity", "5.3"),
-    Parameter("A_b", "A_b", "N", 0.0, "amplitude of the tangential force", "5.1", 0.0),
-    Parameter("R", "R", "1", 20.0, "frequency ratio omega/sqrt(k1/m)", "5.5", 0.0, exclusive=True),
+    Parameter("F", "F", "N", 2.0, "preload", "5.1", 0.0, role="preload"),
+    Parameter("v", "v", "m s-1", 0.3, "belt velocity", "5.3", role="speed"),
+    Parameter(
+        "A_b", "A_b", "N", 0.0, "amplitude of the tangential force", "5.1", 0.0, role="amplitude"
+    ),
+    Parameter(
+        "R",
+        "R",
+        "1",
+        20.0,
+        "frequency ratio omega/sqrt(k1/m)",
+        "5.5",
+        0.0,
+        exclusive=True,
+        role="frequency",
+    ),
 )
 
 

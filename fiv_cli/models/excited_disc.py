@@ -32,11 +32,23 @@ if TYPE_CHECKING:
 
 PARAMETERS = (
     *compliant_disc.parameters(5.0),
-    Parameter("F", "F", "N", 100.0, "preload", "5.17", 0.0),
-    Parameter("Omega", r"\Omega", "rad s-1", 5.0, "disc speed", "5.24"),
+    Parameter("F", "F", "N", 100.0, "preload", "5.17", 0.0, role="preload"),
+    Parameter("Omega", r"\Omega", "rad s-1", 5.0, "disc speed", "5.24", role="speed"),
     disc.damping_ratio(0.0),
-    Parameter("A", "A", "N", 0.0, "amplitude of the tangential force", "5.16", 0.0),
-    Parameter("R", "R", "1", 22.0, "frequency ratio omega/omega_cr", "5.32", 0.0, exclusive=True),
+    Parameter(
+        "A", "A", "N", 0.0, "amplitude of the tangential force", "5.16", 0.0, role="amplitude"
+    ),
+    Parameter(
+        "R",
+        "R",
+        "1",
+        22.0,
+        "frequency ratio omega/omega_cr",
+        "5.32",
+        0.0,
+        exclusive=True,
+        role="frequency",
+    ),
 )
 
 

@@ -28,8 +28,8 @@ PARAMETERS = (
     Parameter("alpha2", r"\alpha_2", "rad", pi / 6, "inclination of spring k2", "3.23"),
     Parameter("c1", "c_1", "N s m-1", 0.0, "horizontal damping coefficient", "3.22", 0.0),
     Parameter("c2", "c_2", "N s m-1", 0.0, "vertical damping coefficient", "3.22", 0.0),
-    Parameter("F", "F", "N", 1.0, "preload", "3.22", 0.0),
-    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "3.1.3"),
+    Parameter("F", "F", "N", 1.0, "preload", "3.22", 0.0, role="preload"),
+    Parameter("v", "v", "m s-1", 1.0, "belt velocity", "3.1.3", role="speed"),
 )
 
 

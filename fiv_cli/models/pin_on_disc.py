@@ -59,8 +59,10 @@ PARAMETERS = (
     _length("l1", "l_1", "free length of spring k1 (not in the expanded equations)"),
     _length("l2", "l_2", "free length of spring k2"),
     _length("l3", "l_3", "free length of spring k3 (not in the expanded equations)"),
-    Parameter("N0", "N_0", "N", 30.0, "normal preload", "7.17", 0.0),
-    Parameter("Omega", r"\Omega", "rad s-1", 2.0, "disc speed", "7.14", 0.0, exclusive=True),
+    Parameter("N0", "N_0", "N", 30.0, "normal preload", "7.17", 0.0, role="preload"),
+    Parameter(
+        "Omega", r"\Omega", "rad s-1", 2.0, "disc speed", "7.14", 0.0, exclusive=True, role="speed"
+    ),
     Parameter("beta", r"\beta", "rad", 0.0, "span of the sector", "7.4", 0.0, 2 * pi),
     Parameter("psi_a", r"\psi_a", "rad", 0.0, "start of the sector on the disc", "7.4"),
     Parameter("mu_s_2", r"\mu_{s,2}", "1", 0.3, "static friction on the sector", "7.4", 0.0),

@@ -16,12 +16,11 @@ import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.data.assemble import Placed
 from fiv_cli.data.block import Block, fault_of_block
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
@@ -30,6 +29,9 @@ from fiv_cli.sweep.borders import BLANK
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
 from fiv_cli.sweep.refine import Stage
 from fiv_cli.sweep.worker import ChainState
+
+if TYPE_CHECKING:
+    from fiv_cli.data.assemble import Placed
 
 Positions = NDArray[np.int64]
 
@@ -69,6 +71,7 @@ class Record:
     Attributes
     ----------
     status, reason : (size,) codes; pending where nothing is stored
+    told : (size,) codes of the class that the analysis tells of each point
     ran : (size,) points run now; one that failed is tried again in another run, not in this one
     shards : the stored blocks, in order
     states : position -> state of the chain after that point
@@ -79,6 +82,7 @@ class Record:
 
     status: NDArray[np.int8]
     reason: NDArray[np.int8]
+    told: NDArray[np.int8]
     ran: NDArray[np.bool_]
     classes: NDArray[np.int32]
     shards: list[Shard] = field(default_factory=list)
@@ -189,7 +193,9 @@ class Journal:
         record.shards.append(Shard(path, positions, kept))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
-        maps = self.plan.analyses[index].maps
+        layout, maps = self.plan.analyses[index].layout, self.plan.analyses[index].maps
+        if layout.told is not None and layout.told.name in block.values:
+            record.told[positions[placed]] = block.values[layout.told.name][placed]
         if maps is not None:
             record.classes[positions[placed]] = maps.classes_of(block)[placed]
         for row, state in states.items():
@@ -290,6 +296,7 @@ def _empty_record(analysis: AnalysisPlan) -> Record:
     return Record(
         status=np.full(size, PENDING, np.int8),
         reason=np.zeros(size, np.int8),
+        told=np.full(size, -1, np.int8),
         ran=np.zeros(size, bool),
         classes=np.zeros(0 if analysis.maps is None else size, np.int32),
     )

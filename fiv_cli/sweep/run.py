@@ -17,14 +17,12 @@ import fiv_cli
 from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
-from fiv_cli.data.assemble import assemble
-from fiv_cli.data.netcdf import write_datasets
 from fiv_cli.data.provenance import provenance
-from fiv_cli.data.refined import fill_in
 from fiv_cli.errors import StoreMismatchError
 from fiv_cli.files import append_line, leftovers
 from fiv_cli.flags import STATUS
 from fiv_cli.sweep import journal as store
+from fiv_cli.sweep.answer import Answer, answers
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.lock import hold
 from fiv_cli.sweep.output import check_output, run_folder
@@ -50,6 +48,7 @@ class Summary:
     counts : status -> number of points, over all analyses
     ran : points run now
     seconds : wall-clock time
+    answers : what each analysis has found
     errors : (what, command that runs the point alone), the first distinct ones
     refined : of each refined analysis, how many of its points were run
     ignored : shards that could not be used, and why
@@ -59,6 +58,7 @@ class Summary:
     counts: dict[str, int]
     ran: int
     seconds: float
+    answers: tuple[Answer, ...] = ()
     errors: tuple[tuple[str, str], ...] = ()
     refined: tuple[str, ...] = ()
     ignored: tuple[tuple[Path, str], ...] = ()
@@ -77,6 +77,7 @@ class Summary:
         lines.append(
             f"{self.output}: {counted(total)}: {counts} ({self.ran} run now, {self.seconds:.1f} s)"
         )
+        lines += [line for answer in self.answers for line in answer.lines()]
         for what, command in self.errors:
             lines += [f"  {what}", f"    alone: {command}"]
         return lines + [f"  {line}" for line in self.refined]
@@ -121,6 +122,8 @@ def _run_all(scheduler: Scheduler) -> None:
 
 def write_dataset(journal: Journal, output: Path) -> None:
     """Assemble the dataset from the shards of a journal, unless it is there already."""
+    from fiv_cli.data.netcdf import write_datasets
+
     case = journal.plan.case
     attributes = provenance(case, fingerprint(case))
     sources = made_from(journal.shards(), attributes)
@@ -136,6 +139,9 @@ def write_dataset(journal: Journal, output: Path) -> None:
 
 def _assembled(journal: Journal, index: int) -> xr.Dataset:
     """The dataset of one analysis, what its borders enclose filled in."""
+    from fiv_cli.data.assemble import assemble  # xarray: imported when all is computed
+    from fiv_cli.data.refined import fill_in
+
     analysis, stage = journal.plan.analyses[index], journal.records[index].stage
     dataset = assemble(analysis.layout, partial(journal.blocks, index))
     maps = analysis.maps
@@ -229,6 +235,7 @@ def _summed_up(journal: Journal, output: Path, ran: int, seconds: float) -> Summ
         counts=count_statuses(journal),
         ran=ran,
         seconds=seconds,
+        answers=tuple(answers(journal)),
         errors=tuple(_errors(journal)),
         refined=tuple(refinements(journal)),
         ignored=tuple(journal.ignored),

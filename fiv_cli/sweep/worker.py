@@ -15,7 +15,7 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -24,8 +24,7 @@ from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Request, Start
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
-from fiv_cli.data.block import Block, pack
-from fiv_cli.data.shard import from_plain, to_plain
+from fiv_cli.data.block import Block, from_plain, pack, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
 from fiv_cli.sweep.requests import (
@@ -40,6 +39,8 @@ from fiv_cli.sweep.requests import (
 )
 
 EXECUTOR = "fiv_cli.analyses.execute:execute"
+EXECUTOR_OF_BLOCKS = "fiv_cli.analyses.execute:execute_all"
+BLOCK = 64  # points of a linear analysis that are run at once
 UNDECIDED = "undecided"  # the class of a motion that could not be told
 
 _PR_SET_PDEATHSIG = 1
@@ -137,7 +138,9 @@ def run_task(task: Task) -> Result:
     states: dict[int, ChainState] = {}
     carries: dict[int, dict[str, Any]] = {}
     with _Pulse(task) as pulse:
-        for number, segment in enumerate(task.segments):
+        if _is_run_in_blocks(task):
+            outcomes, keys = _run_in_blocks(task, pulse)
+        for number, segment in enumerate(() if outcomes else task.segments):
             ran = list(_run_segment(task.template, segment, execute, pulse))
             outcomes += [outcome for outcome, _, _ in ran]
             keys += [key for _, key, _ in ran]
@@ -149,14 +152,56 @@ def run_task(task: Task) -> Result:
     return Result(block, time.perf_counter() - begun, states)
 
 
+def _is_run_in_blocks(task: Task) -> bool:
+    """Whether all points can be run at once: no start, no limit to the time of each."""
+    return task.template.linear and task.executor == EXECUTOR and task.time_limit is None
+
+
+def _run_in_blocks(task: Task, pulse: _Pulse) -> tuple[list[Outcome], list[bytes]]:
+    """Outcomes and keys of points that start from nothing."""
+    template, execute = task.template, imported(EXECUTOR_OF_BLOCKS)
+    points = [values for segment in task.segments for values in segment.values]
+    outcomes: list[Outcome] = []
+    for first in range(0, len(points), BLOCK):
+        ending.heed()
+        block = points[first : first + BLOCK]
+        for _ in block:
+            pulse.beat()
+        outcomes += _outcomes_of(template, block, execute)
+    return outcomes, [point_key(template, values, None) for values in points]
+
+
+def _outcomes_of(
+    template: Template,
+    points: Sequence[Values],
+    execute: Callable[[Sequence[Request]], list[Outcome]],
+) -> list[Outcome]:
+    """The outcomes of points; an exception makes them failed points, never a lost task."""
+    try:
+        requests = [request_at(template, values, None) for values in points]
+        unmet = [exclusion(request, template.linear) for request in requests]
+        asked = [request for request, fault in zip(requests, unmet, strict=True) if fault is None]
+        found = iter(execute(asked))
+        return [
+            Outcome("not_computed", fault.reason)
+            if fault is not None
+            else _placed(next(found), request, template)
+            for request, fault in zip(requests, unmet, strict=True)
+        ]
+    except Exception as error:
+        message = f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
+        return [Outcome("failed", "internal_error", message=message) for _ in points]
+
+
 def lost_point(task: Task, reason: str, message: str) -> Result:
     """The result of a one-point task that cannot be run: a failed point."""
     (segment,) = task.segments
     entry = task.template.entries[segment.entry]
     key = point_key(task.template, segment.values[0], entry, segment.previous)
     outcome = Outcome("failed", reason, message=message)
-    continues = entry is not None and entry.spec.kind == "continue"
-    state = _next_state(outcome, segment.state) if continues else None
+    state = None
+    if entry is not None and entry.spec.kind == "continue":
+        state = _next_state(outcome, segment.state, entry)
     carries = {} if state is None else {0: state.plain()}
     states = {} if state is None else {0: state}
     return Result(pack([outcome], [key], task.variables, carries), 0.0, states)
@@ -189,7 +234,7 @@ def _run_segment(
         if entry is None or entry.spec.kind != "continue":
             yield outcome, key, None
             continue
-        state, previous = _next_state(outcome, state), key
+        state, previous = _next_state(outcome, state, entry), key
         yield outcome, key, state
 
 
@@ -244,9 +289,10 @@ def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
     return on_all_states(outcome, model, options, template.options, variables)
 
 
-def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
+def _next_state(outcome: Outcome, before: ChainState | None, entry: StartEntry) -> ChainState:
     """State of a chain after a point; the class is lost when it changes or nothing is carried.
 
+    A chain that goes on whatever its class ends only where nothing is carried.
     A point that is undecided, its motion going on when its time was up, ends nothing: the class
     followed stays that of the points before it. A point that failed for an outer reason is run
     again on resume; until then nothing behind it is run, so that what stands behind it never
@@ -255,7 +301,8 @@ def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
     attractor = str(outcome.values.get("attractor", ""))
     told = "" if attractor == UNDECIDED else attractor
     followed = "" if before is None or before.lost else before.attractor
-    changed = told != followed and "" not in (told, followed)
+    follows = entry.spec.on_loss != "go-on"
+    changed = follows and told != followed and "" not in (told, followed)
     lost = outcome.status != "ok" or outcome.carry is None or changed
     blocked = "" if before is None else before.blocked
     if outcome.status == "failed" and is_retried(outcome.reason):

@@ -35,6 +35,14 @@ from fiv_cli.analyses.attractor.grounds import (
 )
 from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
 from fiv_cli.analyses.attractor.lyapunov import Exponent
+from fiv_cli.analyses.attractor.own_section import (
+    OWN,
+    first_section,
+    is_missed,
+    own_section,
+    recorded,
+    tells_more,
+)
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
 from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, show_levels, watch_over
@@ -49,7 +57,6 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.cycles.periodic import (
-    aim_phase,
     begin,
     extents,
     floquet,
@@ -74,14 +81,42 @@ SAME_PERIOD = 1e-6  # share by which the period at the section may differ from t
 def steady_state(system: System, request: Request) -> Outcome:
     """The steady state that the start leads to."""
     unexcited = sliding(system, request.parameters)
-    solutions = equilibria(unexcited)
-    motion = start_motion(system, request, next(iter(solutions), None))
+    rests = Rests(unexcited, equilibria(unexcited))
+    if request.settings["section"].kind == OWN:
+        return _at_own_section(system, request, rests)
+    return _followed(system, request, rests, request.settings["section"])
+
+
+def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
+    """The same where the motion chooses the section: what a case that names that one is told."""
+    observed = request.settings["observe"] or system.state_names[0]
+    section = first_section(system, observed)
+    response = _response(system, request, rests, section)
+    if isinstance(response, Outcome):
+        return response
+    outcome = response.outcome()
+    if is_missed(outcome):
+        other = own_section(response.motion, observed, response.patience)
+        found = _followed(system, request, rests, other)
+        if tells_more(found, outcome):
+            section, outcome = other, found
+    return recorded(outcome, section)
+
+
+def _followed(system: System, request: Request, rests: Rests, section: Section) -> Outcome:
+    response = _response(system, request, rests, section)
+    return response if isinstance(response, Outcome) else response.outcome()
+
+
+def _response(
+    system: System, request: Request, rests: Rests, section: Section
+) -> _Response | Outcome:
+    """The run from the start, judged by `section`, or the outcome that says why there is none."""
+    motion = start_motion(system, request, rests.first)
     if isinstance(motion, Outcome):
         return motion
-    begun = motion.y[: 2 * len(system.coordinates)].copy()
-    outcome = _Response(system, request, Rests(unexcited, solutions), motion).outcome()
-    outcome.values["initial_state"] = begun
-    return outcome
+    judged = replace(request, settings={**request.settings, "section": section})
+    return _Response(system, judged, rests, motion)
 
 
 def from_least(values: Vector) -> Vector:
@@ -145,6 +180,7 @@ class _Response:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
         self.rests, self.motion = rests, motion
+        self.begun = motion.y[: 2 * len(system.coordinates)].copy()
         self.excitation = self.problem.excitation
         self.patience = self._patience()
         ways = rests.unexcited.parameters[-1 - system.n_contacts : -1]
@@ -197,6 +233,7 @@ class _Response:
             answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
         answer.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
+        answer.values["initial_state"] = self.begun
         self._add_reference(answer)
         return answer
 
@@ -325,9 +362,10 @@ class _Response:
             "transient_used": self.motion.time,
             "energy_residual": 0.0,
         }
-        for name, value in zip(self.system.state_names, state, strict=True):
+        for name, value in zip(self.system.motions, state, strict=False):
             values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": abs(value)}
-        return Outcome(values=values, carry=self._carry("equilibrium"))
+        carry = self._carry("equilibrium") | {"state": state.tolist()}
+        return Outcome(values=values, carry=carry)
 
     def _per_contact(self, value: float) -> Any:
         count = self.system.n_contacts
@@ -453,7 +491,6 @@ class _Response:
         self, count: int, section: Section, measuring: bool = False
     ) -> NDArray[np.float64]:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
-        aim_phase(self.motion, section, self.watch.interval)
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
             until, section, (times, points), None, measuring, self.watch.interval
@@ -488,7 +525,7 @@ class _Response:
         }
         if self.rests.first is None:
             values["L_s"] = float("nan")
-        for i, name in enumerate(self.system.state_names):
+        for i, name in enumerate(self.system.motions):
             values[f"{name}_min"] = float(measures.least[i])
             values[f"{name}_max"] = float(measures.greatest[i])
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))

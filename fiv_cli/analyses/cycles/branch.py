@@ -32,18 +32,20 @@ from fiv_cli.analyses.cycles.periodic import (
     begin,
     close,
     describe,
+    inverse_of,
     newton,
     passage,
     shooting,
     to_longest_piece,
 )
-from fiv_cli.dynamics.motion import Stop
+from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import Vector
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.1, 1e-10  # lengths of a step along the branch
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen
+REACH = 10.0  # times ASTRAY: a cycle that seems to lie further off is not looked for
 DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
 MOST_POINTS = 400
 TRIES = 5  # steps tried, per point allowed
@@ -52,6 +54,7 @@ BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions ar
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
+AHEAD = 0.2  # distance from there within which it is looked for
 NEARBY = 4.0  # steps within which what lies beyond a change must have been found
 AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value
@@ -128,6 +131,7 @@ class Point:
     frame : the conditions it was found by
     unknowns : its unknowns in `frame`, and the parameter over the extent of the bracket
     tangent : direction of the branch in these unknowns, of length one
+    inverse : of the conditions' derivative, for steps across any direction but the branch's
     """
 
     value: float
@@ -135,6 +139,7 @@ class Point:
     frame: Shooting
     unknowns: Vector
     tangent: Vector
+    inverse: Matrix
 
     @property
     def slope(self) -> float:
@@ -176,52 +181,39 @@ def _conditions(line: Continuation, frame: Shooting, unknowns: Vector) -> Equati
     """The closing conditions and their Jacobian, the derivative by the parameter last."""
     own, value = unknowns[:-1], _within(line, float(unknowns[-1] * line.span))
     here = line.holding(value)
-    found = None if here is None else frame.around(here, own)
-    if found is None:
+    found = None if here is None else frame.around(here, own, tangents=False)
+    if here is None or found is None:
         return None
 
     def jacobian() -> Matrix | None:
-        slope = _by_parameter(line, frame, own, value, found)
-        return None if slope is None else np.column_stack([frame.jacobian(found), slope])
+        along = frame.around(here, own)
+        return None if along is None else _jacobian(line, frame, own, value, along)
 
-    return frame.values(found, own), jacobian
+    return Equations(frame.values(found, own), jacobian, found)
 
 
-def _by_parameter(
+def _jacobian(
     line: Continuation, frame: Shooting, own: Vector, value: float, here: Passage
-) -> Vector | None:
-    """Derivative of the closing conditions by the parameter over the bracket's extent.
+) -> Matrix | None:
+    """Derivative of the closing conditions by `own` and by the parameter over the bracket's extent.
 
-    By central differences; to one side where the other side's events are others.
+    The last by a difference to the side where the events are the same; None where there is none.
     """
-    sides: list[tuple[float, Vector]] = []
-    for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
-        beside = line.holding(value + shift)
-        if beside is not None:
-            found = frame.around(beside, own, tangents=False)
-            if found is not None and found.events == here.events:
-                sides.append((shift, frame.values(found, own)))
-    if not sides:
-        return None
-    if len(sides) == 1:
-        sides.append((0.0, frame.values(here, own)))
-    (low, before), (high, after) = sides
-    return (after - before) / (high - low) * line.span
+    for shift in (DIFFERENCE * line.span, -DIFFERENCE * line.span):
+        there = line.holding(value + shift)
+        beside = None if there is None else frame.around(there, own, tangents=False)
+        if beside is not None and beside.events == here.events:
+            slope = (frame.values(beside, own) - frame.values(here, own)) / shift * line.span
+            return np.column_stack([frame.jacobian(here), slope])
+    return None
 
 
-def _direction(jacobian: Matrix, before: Vector) -> Vector | None:
-    """Unit vector along the branch that goes on the way that `before` went.
-
-    None where the way is none, or the branch has no direction to rounding.
-    """
-    if not np.all(np.isfinite(jacobian)):
-        return None
-    bordered = np.vstack([jacobian, before])
-    wanted = np.zeros(len(bordered))
-    wanted[-1] = 1.0
-    along = np.linalg.lstsq(bordered, wanted, rcond=None)[0]
-    length = float(np.linalg.norm(along))
-    return np.asarray(along / length, np.float64) if 0.0 < length < np.inf else None
+def _across(inverse: Matrix, tangent: Vector, row: Vector) -> Matrix:
+    """What solves the conditions together with `row`, from what does with another one."""
+    share = tangent / (row @ tangent)
+    bordered = inverse - np.outer(share, row @ inverse)
+    bordered[:, -1] = share
+    return bordered
 
 
 def first_point(line: Continuation, cycle: Cycle, value: float, rising: bool) -> Point | None:
@@ -254,13 +246,14 @@ def _corrected(
         found = _conditions(line, here.frame, unknowns)
         if found is None:
             return None
-        away = float(across @ (unknowns - foreseen))
-        return np.append(found[0], away), lambda: _with_row(found[1](), across)
+        values = np.append(found.values, across @ (unknowns - foreseen))
+        return Equations(values, lambda: _with_row(found.jacobian(), across), found.around)
 
-    unknowns = newton(conditions, foreseen)
-    if unknowns is None or float(np.linalg.norm(unknowns - foreseen)) > astray:
+    bordered = _across(here.inverse, here.tangent, across)
+    root = newton(conditions, foreseen, bordered, REACH * astray)
+    if root is None or float(np.linalg.norm(root[0] - foreseen)) > astray:
         return None
-    return _point(line, here, unknowns)
+    return _point(line, here, *root)
 
 
 def _with_row(jacobian: Matrix | None, row: Vector) -> Matrix | None:
@@ -268,25 +261,24 @@ def _with_row(jacobian: Matrix | None, row: Vector) -> Matrix | None:
     return None if jacobian is None else np.vstack([jacobian, row])
 
 
-def _point(line: Continuation, before: Point, unknowns: Vector) -> Point | None:
+def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations) -> Point | None:
     """The cycle with these unknowns in the frame of `before`, in a frame of its own."""
     frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
     problem = line.at(value)
     anchor = frame.anchor_of(unknowns[:-1])
     period = frame.period_of(problem, unknowns[:-1])
-    around = passage(problem, anchor, period, tangents=False)
-    if around.stop != Stop.REACHED:
+    shift = to_longest_piece(found.around.times, period)
+    motion, behind = (
+        _later(there, at, _same_phase(problem, there, shift))
+        for there, at in ((problem, anchor), (line.at(before.value), frame.anchor))
+    )
+    moved = describe(problem, anchor_at(problem, motion), period) if motion and behind else None
+    if motion is None or behind is None or moved is None:
         return None
-    shift = to_longest_piece(around.times, period)
-    way = _transported(line, before, unknowns, anchor, shift)
-    motion = begin(problem, anchor)
-    motion.run(motion.time + shift)
-    moved = describe(problem, anchor_at(problem, motion), period)
-    if moved is None or way is None:
-        return None
-    point = _framed(line, moved, value, way)
-    gone = float(unknowns[-1] - before.unknowns[-1])
-    return None if point is None else _unreversed(before, point, gone)
+    gone = unknowns - before.unknowns
+    way = [motion.y - behind.y, gone[len(frame.scales) : -1] * frame.period, gone[-1:] * line.span]
+    point = _framed(line, moved, value, np.concatenate(way))
+    return None if point is None else _unreversed(before, point, float(gone[-1]))
 
 
 def _unreversed(before: Point, point: Point, gone: float) -> Point:
@@ -308,27 +300,10 @@ def _within(line: Continuation, value: float) -> float:
     return value
 
 
-def _transported(
-    line: Continuation, before: Point, unknowns: Vector, anchor: Anchor, shift: float
-) -> Vector | None:
-    """Way from `before` to `unknowns` as change of the state a time `shift` later, of the period
-    and of the parameter, in physical units."""
-    frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
-    n = len(frame.scales)
-    way = unknowns - before.unknowns
-    state = way[:n] * frame.scales
-    change = DIFFERENCE * line.span
-    beside = line.holding(value + change)
-    if beside is None:
-        change, beside = -change, line.at(value - change)
-    here = line.at(value)
-    later = passage(here, anchor, shift)
-    shifted = passage(beside, anchor, _same_phase(here, beside, shift), tangents=False)
-    if later.stop != Stop.REACHED or shifted.stop != Stop.REACHED:
-        return None
-    slope = (shifted.state - later.state) / change
-    moved = later.monodromy @ state + slope * way[-1] * line.span
-    return np.concatenate([moved, way[n:-1] * frame.period, [way[-1] * line.span]])
+def _later(problem: Problem, anchor: Anchor, span: float) -> Motion | None:
+    """The motion through `anchor`, so much later; None where it does not last."""
+    motion = begin(problem, anchor)
+    return motion if motion.run(motion.time + span) == Stop.REACHED else None
 
 
 def _same_phase(here: Problem, beside: Problem, span: float) -> float:
@@ -342,8 +317,7 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     """The point of the branch at `cycle`, going on along `way` (physical units)."""
     frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
     unknowns = np.append(frame.start, value / line.span)
-    found = _conditions(line, frame, unknowns)
-    jacobian = None if found is None else found[1]()
+    jacobian = _jacobian(line, frame, frame.start, value, cycle.around)
     if jacobian is None:
         return None
     n = len(frame.scales)
@@ -352,8 +326,12 @@ def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Poin
     )
     if frame.normal is not None:  # the way along the flow is no way along the branch
         scaled[:n] -= (scaled[:n] @ frame.normal) * frame.normal
-    tangent = _direction(jacobian, scaled)
-    return None if tangent is None else Point(value, cycle, frame, unknowns, tangent)
+    gone = float(np.linalg.norm(scaled))
+    inverse = inverse_of(np.vstack([jacobian, scaled / gone])) if gone > 0.0 else None
+    length = 0.0 if inverse is None else float(np.linalg.norm(inverse[:, -1]))
+    if inverse is None or length == 0.0:
+        return None
+    return Point(value, cycle, frame, unknowns, inverse[:, -1] / length, inverse)
 
 
 # --- along the branch ----------------------------------------------------------------------------
@@ -556,7 +534,7 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
         beyond = _over_period(line, here, unknowns)
         if beyond.stop == Stop.CONTACT_LOST:
             return CONTACT_LOST
-        if beyond.stop != Stop.REACHED or beyond.events != here.cycle.events:
+        if beyond.stop != Stop.REACHED or beyond.events != here.cycle.around.events:
             return GRAZING
         if _jumps(line, here, unknowns):
             return GRAZING
@@ -624,12 +602,14 @@ def _round_corner(line: Continuation, here: Point) -> Point | None:
 
 def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
     """The nearest cycle to `guess`, where the motion has other events; None without one."""
-    value = float(guess[-1] * line.span)
-    there = line.holding(value)
-    around = here.frame.around(there, guess[:-1], tangents=False) if there is not None else None
-    if around is None or around.events == here.cycle.events:
+
+    def conditions(unknowns: Vector) -> Equations | None:
+        return _conditions(line, here.frame, unknowns)
+
+    first = conditions(guess)
+    if first is None or first.around.events == here.cycle.around.events:
         return None
-    unknowns = newton(lambda trial: _conditions(line, here.frame, trial), guess)
-    if unknowns is None or np.linalg.norm(unknowns - here.unknowns) > LONGEST:
+    root = newton(conditions, guess, reach=AHEAD)
+    if root is None or np.linalg.norm(root[0] - here.unknowns) > LONGEST:
         return None
-    return _point(line, here, unknowns)
+    return _point(line, here, *root)

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,12 +35,15 @@ NEWTON_STEPS = 12
 CONVERGED = 1e-9  # last correction, relative to the motion's extent
 CLOSED = 1e-6  # what the conditions may be left with there: least squares also rest elsewhere
 SHORTENED = (1.0, 0.5, 0.25, 0.125)  # shares of a Newton step that are tried
+CHORDS = 8  # steps with one derivative
+SLOW = 0.3  # a step that leaves more than this of the conditions asks for another derivative
+SPENT = 1e-12  # what may be left to the next step, where the derivative is from elsewhere
 RANK = 1e-12  # singular values below this share of the largest count as zero
 AT_REST = 1e-7  # a motion of this extent, relative to its distance from zero, is an equilibrium
 SAME_POINT = 1e-6  # section points of one cycle lie further apart than this share of its extent
-MOST_POINTS = 256  # section points per period
-MOST_EVENTS = 4096  # events per period that are told apart
+MOST_EVENTS = 4096  # events, and section points, per period that are told apart
 PRESSED = 1e-3  # m, taken up at once
+NONE = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -131,8 +135,7 @@ def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int = 0) -
     return motion
 
 
-@dataclass(frozen=True)
-class Passage:
+class Passage(NamedTuple):
     """A motion along a stretch of time.
 
     Attributes
@@ -140,7 +143,7 @@ class Passage:
     begun : state at the beginning, as contact lets it be: a sticking contact has no slip velocity
     projection : derivative of `begun` by the state that was asked for
     state : at the end
-    rates : of the state at the end; NaN without tangents
+    rates : of the state at the end; shape (n_states,), or (0,) without tangents
     monodromy : derivative of the end by the beginning; shape (n_states, n_states), or (n_states,
         0) without tangents
     times : of the events, s from the beginning
@@ -161,20 +164,23 @@ class Passage:
 
 def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True) -> Passage:
     """Follow the motion through `anchor` for `span` seconds, with its tangents or without."""
-    motion = begin(problem, anchor, MOST_EVENTS)
-    motion.frame.n_ledger = 0
-    n = len(motion.y)
+    return _gone_on(begin(problem, anchor, MOST_EVENTS), span, tangents)
+
+
+def _gone_on(motion: Motion, span: float, tangents: bool, *watched: Any) -> Passage:
+    """What `motion` does in `span` seconds; `watched` is what `Motion.run` takes besides."""
     started, before = motion.time, motion.y.copy()
-    projection = _projection(motion) if tangents and motion.started else _identity(n)
+    identity = _identity(len(before))
+    projection = _projection(motion) if tangents and motion.started else identity
     if tangents:
-        motion.carry_tangents(_identity(n).copy())
-    stop = motion.run(started + span)
+        motion.carry_tangents(identity.copy())
+    stop = motion.run(started + span, *watched)
     ledger = motion.ledger
     return Passage(
         begun=before,
         projection=projection,
         state=motion.y.copy(),
-        rates=motion.rates() if tangents else np.full(n, np.nan),
+        rates=motion.rates() if tangents else NONE,
         monodromy=motion.tangents.T.copy(),
         times=ledger.times - started,
         events=tuple(event for event in _events(ledger) if not _bounces(event)),
@@ -224,9 +230,21 @@ def _bounces(event: Event) -> bool:
 
 
 # --- the closing conditions ----------------------------------------------------------------------
-# What must vanish, and its Jacobian, computed where a step of Newton's method is taken from there:
-# None where it has none.
-Equations = tuple[Vector, Callable[[], Matrix | None]]
+class Equations(NamedTuple):
+    """What must vanish somewhere.
+
+    Attributes
+    ----------
+    values : what should be zero
+    jacobian : gives its derivative, which costs as much as many motions; None where there is none
+    around : the motion over a period
+    """
+
+    values: Vector
+    jacobian: Callable[[], Matrix | None]
+    around: Passage
+
+
 Conditions = Callable[[Vector], Equations | None]
 
 
@@ -252,7 +270,7 @@ class Shooting:
     normal: Vector | None
     turns: int
 
-    @property
+    @cached_property
     def start(self) -> Vector:
         """The unknowns at the reference."""
         period = [] if self.normal is None else [1.0]
@@ -276,36 +294,41 @@ class Shooting:
         if not 0.2 * self.period < period < 5.0 * self.period:
             return None
         motion = passage(problem, self.anchor_of(unknowns), period, tangents)
-        finite = bool(np.all(np.isfinite(motion.monodromy)))
+        finite = bool(np.isfinite(motion.monodromy).all())
         return motion if finite and motion.stop == Stop.REACHED else None
 
     def values(self, motion: Passage, unknowns: Vector) -> Vector:
         """What must vanish: the gap after a period, what contact does not let be, and, where the
         period is free, the way along the flow."""
-        state, begun = unknowns[: len(self.scales)], motion.begun / self.scales
-        gap = np.concatenate([motion.state / self.scales - begun, begun - state])
-        if self.normal is None:
-            return gap
-        return np.append(gap, self.normal @ (begun - self.anchor.state / self.scales))
+        n, begun = len(self.scales), motion.begun / self.scales
+        parts = [motion.state / self.scales - begun, begun - unknowns[:n]]
+        if self.normal is not None:
+            parts.append(np.array([self.normal @ (begun - self.start[:n])]))
+        return np.concatenate(parts)
 
     def jacobian(self, motion: Passage) -> Matrix:
         """Derivative of `values` by the unknowns."""
+        n, free = len(self.scales), int(self.normal is not None)
+        found = np.zeros((2 * n + free, n + free))
         projection = motion.projection * self.scales / self.scales[:, None]
-        monodromy = motion.monodromy * self.scales / self.scales[:, None]
-        closing = np.vstack([monodromy - projection, projection - _identity(len(self.scales))])
-        if self.normal is None:
-            return closing
-        stretch = motion.rates / self.scales * self.period
-        last = np.concatenate([stretch, np.zeros_like(stretch)])
-        across = np.append(self.normal @ projection, 0.0)
-        return np.vstack([np.column_stack([closing, last]), across])
+        found[:n, :n] = motion.monodromy * self.scales / self.scales[:, None] - projection
+        found[n : 2 * n, :n] = projection - _identity(n)
+        if self.normal is not None:
+            found[:n, n] = motion.rates / self.scales * self.period
+            found[2 * n, :n] = self.normal @ projection
+        return found
 
     def conditions(self, problem: Problem, unknowns: Vector) -> Equations | None:
         """`values` and their Jacobian; None where the motion does not last a period."""
-        motion = self.around(problem, unknowns)
+        motion = self.around(problem, unknowns, tangents=False)
         if motion is None:
             return None
-        return self.values(motion, unknowns), lambda: self.jacobian(motion)
+
+        def jacobian() -> Matrix | None:
+            along = self.around(problem, unknowns)
+            return None if along is None else self.jacobian(along)
+
+        return Equations(self.values(motion, unknowns), jacobian, motion)
 
 
 def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Shooting:
@@ -319,40 +342,103 @@ def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) ->
     return Shooting(replace(anchor, state=motion.y.copy()), period, scales, normal, 0)
 
 
-def newton(conditions: Conditions, unknowns: Vector) -> Vector | None:
-    """Root of `conditions` near `unknowns`; None when Newton's method does not settle."""
-    found = conditions(unknowns)
-    matrix = None if found is None else found[1]()
-    if found is None or matrix is None:
+def newton(
+    conditions: Conditions, start: Vector, inverse: Matrix | None = None, reach: float = np.inf
+) -> tuple[Vector, Equations] | None:
+    """Root of `conditions` no further than `reach` from `start`, and the last ones looked at.
+
+    Newton's method; None where it finds none. Where a derivative from nearby is known, steps are
+    taken with it, corrected by what they do to the conditions (Broyden 1965), and with those that
+    follow it, as long as they go well; where it points out of reach, nothing is looked for.
+
+    Parameters
+    ----------
+    inverse : of the derivative known
+    """
+    here, equations, slow = start, conditions(start), 0.0 if inverse is None else SLOW
+
+    def bounded(trial: Vector) -> Equations | None:
+        return conditions(trial) if np.linalg.norm(trial - start) <= reach else None
+
+    if equations is None:
         return None
-    values, jacobian = found[0], matrix
+    if inverse is not None and np.linalg.norm(inverse @ equations.values) > reach:
+        return None
     for _ in range(NEWTON_STEPS):
-        if not np.isfinite(jacobian).all():
+        known = inverse_of(equations.jacobian()) if inverse is None else inverse
+        if known is None:
             return None
-        step = np.asarray(np.linalg.lstsq(jacobian, -values, rcond=RANK)[0], np.float64)
-        if np.max(np.abs(step)) <= CONVERGED:
-            return unknowns + step if np.max(np.abs(values)) <= CLOSED else None
-        step /= max(1.0, float(np.max(np.abs(step))))
-        moved = _shortened(conditions, unknowns, step, float(np.linalg.norm(values)))
-        if moved is None:
+        shares = SHORTENED if inverse is None else SHORTENED[:1]
+        here, equations, is_root = _chords(bounded, here, equations, known, shares, slow)
+        if equations is None:
             return None
-        unknowns, values, jacobian = moved
+        if is_root:
+            return here, equations
+        inverse = None
     return None
+
+
+def inverse_of(jacobian: Matrix | None) -> Matrix | None:
+    """Least squares as a matrix; None where there is no Jacobian."""
+    if jacobian is None or not np.isfinite(jacobian).all():
+        return None
+    return np.asarray(np.linalg.pinv(jacobian, rcond=RANK), np.float64)
+
+
+def _chords(
+    conditions: Conditions,
+    here: Vector,
+    equations: Equations,
+    inverse: Matrix,
+    shares: tuple[float, ...],
+    slow: float,
+) -> tuple[Vector, Equations | None, bool]:
+    """Steps with one derivative: where they lead, the equations there, whether that is the root.
+
+    No equations: they lead nowhere.
+
+    Parameters
+    ----------
+    shares : of the first step that are tried; several where the derivative is that of `here`
+    slow : share of the conditions beyond which what a step leaves asks for another derivative
+    """
+    left = 0.0 if shares is SHORTENED else 1.0
+    for _ in range(CHORDS):
+        values = equations.values
+        step = -inverse @ values
+        size = float(abs(step).max())
+        if size <= CONVERGED and size * left <= SPENT:
+            is_root = bool(abs(values).max() <= CLOSED)
+            return (here + step, equations, True) if is_root else (here, None, False)
+        moved = _shortened(conditions, here, step / max(1.0, size), shares, equations)
+        if moved is None:
+            return here, None if shares is SHORTENED else equations, False
+        taken, (here, equations), shares = moved[0] - here, moved, SHORTENED[:1]
+        left, change = _norm(equations) / float(np.linalg.norm(values)), equations.values - values
+        seen = taken @ inverse
+        if left > slow or not seen @ change > 0.0:
+            break
+        inverse = inverse + np.outer((taken - inverse @ change) / (seen @ change), seen)
+    return here, equations, False
 
 
 def _shortened(
-    conditions: Conditions, unknowns: Vector, step: Vector, before: float
-) -> tuple[Vector, Vector, Matrix] | None:
-    """The longest share of a step that improves the conditions, their values, their Jacobian."""
-    for share in SHORTENED:
-        trial = unknowns + share * step
-        found = conditions(trial)
-        if found is None or float(np.linalg.norm(found[0])) >= before:
-            continue
-        jacobian = found[1]()
-        if jacobian is not None:
-            return trial, found[0], jacobian
+    conditions: Conditions,
+    here: Vector,
+    step: Vector,
+    shares: tuple[float, ...],
+    equations: Equations,
+) -> tuple[Vector, Equations] | None:
+    """The longest share of a step that improves the conditions, and the equations there."""
+    for share in shares:
+        found = conditions(here + share * step)
+        if found is not None and _norm(found) < _norm(equations):
+            return here + share * step, found
     return None
+
+
+def _norm(equations: Equations) -> float:
+    return float(np.linalg.norm(equations.values))
 
 
 # --- cycles --------------------------------------------------------------------------------------
@@ -367,8 +453,7 @@ class Cycle:
     residual : what the motion misses itself by after a period, relative to its extent
     multipliers : Floquet multipliers, largest first; complex, shape (n_states,)
     autonomous : whether one of them, 1, is the direction of the flow
-    times : of the events, s from the anchor
-    events : as in `Passage`
+    around : the motion over a period
     points : states at the section, in order; shape (multiplicity, n_states)
     extremes : least and greatest value of every state; shape (2, n_states)
     """
@@ -378,12 +463,11 @@ class Cycle:
     residual: float
     multipliers: NDArray[np.complex128]
     autonomous: bool
-    times: Vector
-    events: tuple[Event, ...]
+    around: Passage
     points: Matrix
     extremes: Matrix
 
-    @property
+    @cached_property
     def nontrivial(self) -> NDArray[np.complex128]:
         """The multipliers without that of the flow's direction."""
         return self.multipliers[is_nontrivial(self.multipliers, self.autonomous)]
@@ -393,16 +477,16 @@ class Cycle:
         """Whether neighbours come nearer."""
         return bool(np.max(np.abs(self.nontrivial), initial=0.0) < 1.0)
 
-    @property
+    @cached_property
     def scales(self) -> Vector:
         """Extent of the motion in every state."""
         return extents(self.extremes)
 
-    @property
+    @cached_property
     def signature(self) -> tuple[Event, ...]:
         """Its events in order, whichever comes first."""
-        turned = [self.events[i:] + self.events[:i] for i in range(max(len(self.events), 1))]
-        return min(turned)
+        events = self.around.events
+        return min(events[i:] + events[:i] for i in range(max(len(events), 1)))
 
 
 def sorted_multipliers(monodromy: Matrix) -> NDArray[np.complex128]:
@@ -445,9 +529,10 @@ def is_at_rest(extremes: Matrix, n_coordinates: int) -> bool:
 def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cycle | None:
     """The cycle near a guess; None when there is none that Newton's method finds."""
     conditions = shooting(problem, anchor, period, scales)
-    root = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
-    if root is None:
+    found = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
+    if found is None:
         return None
+    root, _ = found
     cycle = describe(problem, conditions.anchor_of(root), conditions.period_of(problem, root))
     if cycle is None:
         return None
@@ -460,11 +545,15 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
 
     None where the motion does not last, or rests.
     """
-    around = passage(problem, anchor, period)
+    motion, displacements = begin(problem, anchor, MOST_EVENTS), len(problem.system.coordinates)
+    times, points = np.zeros(MOST_EVENTS), np.zeros((MOST_EVENTS, len(motion.y)))
+    motion.start_measuring(np.zeros(displacements))
+    sections = problem.section, (times, points), None, True, problem.excitation or period
+    around = _gone_on(motion, period, True, *sections)
     if around.stop != Stop.REACHED or not np.all(np.isfinite(around.monodromy)):
         return None
-    points, extremes = _watched(problem, anchor, period)
-    if is_at_rest(extremes, len(problem.system.coordinates)):
+    extremes = motion.measures.extremes
+    if is_at_rest(extremes, displacements):
         return None
     return Cycle(
         anchor=replace(anchor, state=around.begun),
@@ -472,33 +561,10 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
         residual=float(np.max(np.abs(around.state - around.begun) / extents(extremes))),
         multipliers=sorted_multipliers(around.monodromy),
         autonomous=problem.excitation is None,
-        times=around.times,
-        events=around.events,
-        points=points,
+        around=around,
+        points=points[: motion.n_sections].copy(),
         extremes=extremes,
     )
-
-
-def _watched(problem: Problem, anchor: Anchor, period: float) -> tuple[Matrix, Matrix]:
-    """Section points and extremes along a period."""
-    motion = begin(problem, anchor)
-    n = len(motion.y)
-    times, points = np.zeros(MOST_POINTS), np.zeros((MOST_POINTS, n))
-    motion.start_measuring(np.zeros(len(problem.system.coordinates)))
-    aim_phase(motion, problem.section, problem.excitation)
-    motion.run(
-        motion.time + period, problem.section, (times, points), None, True,
-        problem.excitation or period,
-    )  # fmt: skip
-    return points[: motion.n_sections].copy(), motion.measures.extremes
-
-
-def aim_phase(motion: Motion, section: Section, period: float | None) -> None:
-    """Set the next instant of a stroboscopic section."""
-    if section.kind == "phase" and period is not None:
-        offset = section.phase / (2 * np.pi) * period
-        turns = np.floor((motion.time - offset) / period + 1e-9) + 1
-        motion.frame.next_phase = offset + turns * period
 
 
 def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:

@@ -8,13 +8,13 @@ is off by a share of (natural frequency / excitation frequency)^2.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.rest.equilibria import Sliding, sliding
+from fiv_cli.analyses.rest.equilibria import Sliding, sliding_at
 from fiv_cli.dynamics.system import System, build_system
 from fiv_cli.friction.averaged import FAST_VELOCITY, averaged
 from fiv_cli.schedule import STEADY
@@ -26,16 +26,25 @@ LEAST_RATIO = 5.0
 ORDER = 1  # of the series: an averaged system is linearised, never integrated
 
 
-def averaged_sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
-    """The averaged system, sliding as the drive imposes at rest.
+def averaged_sliding(
+    system: System, points: Sequence[Mapping[str, float]]
+) -> Iterator[tuple[NDArray[np.intp], Sliding]]:
+    """The averaged systems, sliding as the drive imposes at rest, and which points are in each.
 
     The excitation reverses slip where its fast velocity is above the slip speed at rest: 5.15b;
     at equality it does not yet (5.15a).
     """
-    amplitude = fast_velocity(system, parameters)
-    speed = np.abs(rest_velocities(sliding(system, parameters))).max()
-    slow = averaged_system(system, bool(amplitude > speed))
-    return sliding(slow, {**parameters, FAST_VELOCITY.name: amplitude})
+    amplitudes = np.array([fast_velocity(system, parameters) for parameters in points])
+    speeds = np.abs(rest_velocities(sliding_at(system, points))).max(axis=-1)
+    known = [
+        {**parameters, FAST_VELOCITY.name: amplitude}
+        for parameters, amplitude in zip(points, amplitudes.tolist(), strict=True)
+    ]
+    for reversing in (False, True):
+        rows = np.flatnonzero((amplitudes > speeds) == reversing)
+        if len(rows) > 0:
+            slow = averaged_system(system, reversing)
+            yield rows, sliding_at(slow, [known[row] for row in rows])
 
 
 def fast_velocity(system: System, parameters: Mapping[str, float]) -> float:
@@ -46,9 +55,9 @@ def fast_velocity(system: System, parameters: Mapping[str, float]) -> float:
 
 
 def rest_velocities(state: Sliding) -> NDArray[np.float64]:
-    """Slip velocity of each contact while the model is at rest, m/s."""
-    at_rest = np.zeros(len(state.system.state_names))
-    return state.contact_forces(at_rest)[:, 2]
+    """Slip velocity of each contact while the model is at rest, m/s; shape (..., n_contacts)."""
+    at_rest = np.zeros((*state.parameters.shape[:-1], len(state.system.state_names)))
+    return state.contact_forces(at_rest)[..., 2]
 
 
 def averaged_system(

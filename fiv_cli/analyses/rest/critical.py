@@ -50,4 +50,5 @@ ANALYSIS = Analysis(
     Later("fiv_cli.analyses.rest.crossings:critical_values"),
     uses_starts=False,
     linear=True,
+    in_blocks=True,
 )

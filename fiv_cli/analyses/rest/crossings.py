@@ -7,20 +7,32 @@ mode. What stays unresolved down to `NARROWEST` is a singularity: there the numb
 modes (or the existence of the equilibrium) is bisected to rounding, and what the eigenvalues do
 across it tells a root (undamped flutter, where they branch) from a jump. Wherever a value without
 an equilibrium turns up in between (a critical speed of a disc), the piece is divided there.
+
+A scan is a generator: it hands out the values at which it wants the modes and is sent these, so
+that scans of many points advance side by side and what all of them want is computed at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, frequency_ratio
-from fiv_cli.analyses.rest.equilibria import equilibria, why_none
-from fiv_cli.analyses.rest.linearisation import NEUTRAL, free_jacobian, modes_at, sliding_system
+from fiv_cli.analyses.rest.equilibria import equilibria, equilibria_at, why_none
+from fiv_cli.analyses.rest.linearisation import (
+    NEUTRAL,
+    free_jacobian,
+    modes_at,
+    sliding_system,
+    sliding_systems,
+)
 from fiv_cli.analyses.rest.modes import matched
 from fiv_cli.dynamics.system import System
 
@@ -35,6 +47,7 @@ MARGIN = 2.0  # by which departures from a straight line must be smaller than wh
 MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
 JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
 HALVINGS = 64
+MOST_STEPS = 100  # of Brent's method
 NEIGHBOURS = 8  # numbers on each side of a root without frequency that are looked at
 ULP = float(np.finfo(float).eps)
 
@@ -109,7 +122,8 @@ class Crossing:
     above: int
 
 
-Probe = Callable[[float], Sample]
+Found = TypeVar("Found")
+Scan = Generator[Sequence[float], Sequence[Sample], Found]
 
 
 class ScanTooLong(Exception):
@@ -124,19 +138,63 @@ class _Hole(Exception):
         self.sample = sample
 
 
-def critical_values(system: System, request: Request) -> Outcome:
+def critical_values(system: System, requests: Sequence[Request]) -> list[Outcome]:
     """Every crossing inside the bracket by rising value, with its kind, direction and mode."""
-    parameters, settings = request.parameters, request.settings
+    settings = requests[0].settings
     varied, bracket, which = settings["parameter"], settings["bracket"], settings["system"]
 
-    def probe(at: float) -> Sample:
-        return _sample(system, varied.at(parameters, at), which, at)
+    def answer(asked: Sequence[tuple[int, float]]) -> list[Sample]:
+        points = [varied.at(requests[place].parameters, at) for place, at in asked]
+        return _samples(system, points, which, [at for _, at in asked])
 
-    try:
-        crossings = find_crossings(probe, *bracket)
-    except ScanTooLong:
+    scans = [find_crossings(*bracket) for _ in requests]
+    found = side_by_side(scans, answer)
+    ends = answer([(place, end) for place in range(len(requests)) for end in bracket])
+    return [
+        _outcome(system, request, crossings, pair)
+        for request, crossings, pair in zip(
+            requests, found, zip(ends[::2], ends[1::2], strict=True), strict=True
+        )
+    ]
+
+
+def side_by_side(
+    scans: Sequence[Scan[Found]], answer: Callable[[Sequence[tuple[int, float]]], list[Sample]]
+) -> list[Found | None]:
+    """What each scan finds; None of one that gives up.
+
+    Parameters
+    ----------
+    answer : the modes for each (place of the scan, value) that is asked for
+    """
+    found: list[Found | None] = [None] * len(scans)
+    wanted: dict[int, Sequence[float]] = dict.fromkeys(range(len(scans)), ())
+    while wanted:
+        asked = [(place, at) for place, values in wanted.items() for at in values]
+        samples = iter(answer(asked) if asked else ())
+        wanted, answered = {}, wanted
+        for place, values in answered.items():
+            given = list(islice(samples, len(values)))
+            try:
+                wanted[place] = scans[place].send(given) if given else next(scans[place])
+            except StopIteration as end:
+                found[place] = end.value
+            except ScanTooLong:
+                pass
+    return found
+
+
+def _outcome(
+    system: System,
+    request: Request,
+    crossings: Sequence[Crossing] | None,
+    ends: Sequence[Sample],
+) -> Outcome:
+    """What is told of a point."""
+    varied, bracket = request.settings["parameter"], request.settings["bracket"]
+    which, parameters = request.settings["system"], request.parameters
+    if crossings is None:
         return Outcome(status="failed", reason="not_converged")
-    ends = [probe(end) for end in bracket]
     if not crossings and not ends[0].exists:
         nowhere = sliding_system(system, varied.at(parameters, bracket[0]), which)
         return Outcome(status="failed", reason=why_none(nowhere))
@@ -176,14 +234,20 @@ def _reason(crossings: Sequence[Crossing], ratios: Sequence[float]) -> str:
     return "" if crossings else "no_crossing"
 
 
-def _sample(system: System, parameters: Mapping[str, float], which: str, at: float) -> Sample:
-    """The modes at the first equilibrium."""
-    state = sliding_system(system, parameters, which)
-    solutions = equilibria(state)
-    if not solutions:
-        return Sample(at, np.zeros(0, complex), np.zeros((0, 0), complex))
-    values, vectors = modes_at(state, solutions[0])
-    return Sample(at, values, vectors.T)
+def _samples(
+    system: System, points: Sequence[Mapping[str, float]], which: str, values: Sequence[float]
+) -> list[Sample]:
+    """The modes at the first equilibrium of each point, where the parameter has these values."""
+    nowhere = np.zeros(0, complex), np.zeros((0, 0), complex)
+    samples = [Sample(at, *nowhere) for at in values]
+    for rows, sliding in sliding_systems(system, points, which):
+        firsts = [one.states[:1] for one in equilibria_at(sliding)]
+        exist = [place for place, first in enumerate(firsts) if first]
+        if exist:
+            modes = modes_at(sliding[exist], np.array([firsts[place][0] for place in exist]))
+            for row, own, vectors in zip(rows[exist].tolist(), *modes, strict=True):
+                samples[row] = Sample(values[row], own, vectors.T)
+    return samples
 
 
 def _ratio(system: System, parameters: Mapping[str, float]) -> float:
@@ -195,82 +259,84 @@ def _ratio(system: System, parameters: Mapping[str, float]) -> float:
     return frequency_ratio(system, parameters, free_jacobian(state, solutions[0]))
 
 
-def _remembered(probe: Probe) -> Probe:
-    """`probe` with a memory, and a limit to how often it is asked."""
-    known: dict[float, Sample] = {}
-
-    def ask(at: float) -> Sample:
-        if at not in known:
-            if len(known) >= MOST_SAMPLES:
-                raise ScanTooLong
-            known[at] = probe(at)
-        return known[at]
-
-    return ask
-
-
-def find_crossings(probe: Probe, low: float, high: float) -> list[Crossing]:
+def find_crossings(low: float, high: float) -> Scan[list[Crossing]]:
     """Every crossing between `low` and `high`, in order.
 
     Raises
     ------
     ScanTooLong : the modes are too rough a function of the parameter
     """
-    probe = _remembered(probe)
-    scan = _Scan(probe, NARROWEST * (high - low))
-    left = probe(low)
-    for right in np.linspace(low, high, PIECES + 1)[1:]:
-        left = scan.piece(left, probe(float(right)))
+    scan = _Scan(NARROWEST * (high - low))
+    ends = np.linspace(low, high, PIECES + 1)
+    yield from scan.ask(*ends.tolist(), *((ends[:-1] + ends[1:]) / 2.0).tolist())
+    left, *others = yield from scan.ask(*ends.tolist())
+    for right in others:
+        left = yield from scan.piece(left, right)
     return sorted(scan.found, key=lambda crossing: crossing.value)
 
 
 class _Scan:
-    """Goes through a bracket from below, following the modes."""
+    """Goes through a bracket from below, following the modes, and remembers what it was told."""
 
-    def __init__(self, probe: Probe, narrowest: float) -> None:
-        self.probe = probe
+    def __init__(self, narrowest: float) -> None:
         self.narrowest = narrowest
+        self.known: dict[float, Sample] = {}
         self.found: list[Crossing] = []
 
-    def piece(self, left: Sample, right: Sample) -> Sample:
+    def ask(self, *values: float) -> Scan[list[Sample]]:
+        """The modes at these values, asked for where they are not known yet."""
+        new = [at for at in dict.fromkeys(values) if at not in self.known]
+        if len(self.known) + len(new) > MOST_SAMPLES:
+            raise ScanTooLong
+        if new:
+            self.known |= zip(new, (yield new), strict=True)
+        return [self.known[at] for at in values]
+
+    def piece(self, left: Sample, right: Sample) -> Scan[Sample]:
         """Find what lies between two samples; the right one with its modes in order."""
-        middle = self.probe((left.at + right.at) / 2.0).after(left)
+        (middle,) = yield from self.ask((left.at + right.at) / 2.0)
+        middle = middle.after(left)
         followed = right.after(middle)
         try:
             if _is_resolved(left, middle, followed):
-                self.found += self.roots(left, followed)
+                self.found += yield from self.roots(left, followed)
                 return followed
             if right.at - left.at <= self.narrowest and not _differs(middle, left, right):
-                self.found += self.singularity(left, followed)
+                self.found += yield from self.singularity(left, followed)
                 return followed
         except _Hole as hole:
             middle = hole.sample
-        return self.piece(self.piece(left, middle), right)
+        yield from self.ask((left.at + middle.at) / 2.0, (middle.at + right.at) / 2.0)
+        middle = yield from self.piece(left, middle)
+        return (yield from self.piece(middle, right))
 
-    def roots(self, left: Sample, right: Sample) -> list[Crossing]:
+    def roots(self, left: Sample, right: Sample) -> Scan[list[Crossing]]:
         """The roots of a resolved piece: one for each mode whose growth changes sign."""
-        if not left.exists:
-            return []
-        changed = (left.growing != right.growing) & (left.values.imag >= 0.0)
-        return [self.root(left, right, int(mode)) for mode in np.flatnonzero(changed)]
+        found: list[Crossing] = []
+        if left.exists:
+            changed = (left.growing != right.growing) & (left.values.imag >= 0.0)
+            for mode in np.flatnonzero(changed).tolist():
+                found.append((yield from self.root(left, right, mode)))
+        return found
 
-    def root(self, left: Sample, right: Sample, mode: int) -> Crossing:
+    def root(self, left: Sample, right: Sample, mode: int) -> Scan[Crossing]:
         """Where the real part of one mode, of opposite signs at the ends, is zero."""
-        from scipy.optimize import brentq
 
-        def eigenvalue(at: float) -> complex:
-            return complex(_solid(self.between(left, right, at)).values[mode])
+        def eigenvalue(at: float) -> Scan[complex]:
+            sample = yield from self.between(left, right, at)
+            return complex(_solid(sample).values[mode])
 
-        def rising(at: float) -> float:
-            growth = eigenvalue(at).real
+        def rising(at: float) -> Scan[float]:
+            growth = (yield from eigenvalue(at)).real
             return growth if right.growing[mode] else -growth
 
         resolution = 4.0 * ULP * max(abs(left.at), abs(right.at))
-        value = float(brentq(rising, left.at, right.at, xtol=resolution, rtol=4.0 * ULP))
-        frequency = abs(eigenvalue(value).imag)
+        value = yield from zero(rising, left.at, right.at, resolution)
+        frequency = abs((yield from eigenvalue(value)).imag)
         if frequency == 0.0:
-            self._look_for_a_hole(value)
-        low, high = _straddled(rising, value, resolution, left.at, right.at)
+            yield from self.look_for_a_hole(value)
+        low, high = yield from _straddled(rising, value, resolution, left.at, right.at)
+        below, above = yield from self.ask(low, high)
         return Crossing(
             value=value,
             width=high - low,
@@ -278,46 +344,94 @@ class _Scan:
             direction="to_unstable" if right.growing[mode] else "to_stable",
             mode=mode,
             frequency=frequency,
-            below=_count(self.probe(low)),
-            above=_count(self.probe(high)),
+            below=_count(below),
+            above=_count(above),
         )
 
-    def _look_for_a_hole(self, value: float) -> None:
+    def look_for_a_hole(self, value: float) -> Scan[None]:
         """Where an eigenvalue vanishes the stiffness is singular, and there may be no equilibrium.
 
         The hole may be as narrow as one floating-point number, which a root need not meet.
         """
-        for steps in range(-NEIGHBOURS, NEIGHBOURS + 1):
-            _solid(self.probe(value + steps * float(np.spacing(value))))
+        steps = range(-NEIGHBOURS, NEIGHBOURS + 1)
+        for sample in (yield from self.ask(*(value + k * float(np.spacing(value)) for k in steps))):
+            _solid(sample)
 
-    def between(self, left: Sample, right: Sample, at: float) -> Sample:
+    def between(self, left: Sample, right: Sample, at: float) -> Scan[Sample]:
         """The modes inside a resolved piece, where straight lines lead to them."""
         share = (at - left.at) / (right.at - left.at)
         near = left if share < 0.5 else right
         expected = (1.0 - share) * left.values + share * right.values
-        return self.probe(at).after(Sample(at, expected, near.vectors))
+        (sample,) = yield from self.ask(at)
+        return sample.after(Sample(at, expected, near.vectors))
 
-    def singularity(self, left: Sample, right: Sample) -> list[Crossing]:
+    def singularity(self, left: Sample, right: Sample) -> Scan[list[Crossing]]:
         """What changes across a piece that cannot be resolved."""
         if left.exists != right.exists:
-            low, high = self.bisected(left, right, lambda sample: sample.exists == left.exists)
-            return [_end(low, high)]
+            ends = yield from self.bisected(left, right, lambda one: one.exists == left.exists)
+            return [_end(*ends)]
         if left.unstable != right.unstable:
-            low, high = self.bisected(left, right, _same_count(left, right))
+            low, high = yield from self.bisected(left, right, _same_count(left, right))
             return [_branching(low.after(left), high)]
         return []
 
     def bisected(
         self, left: Sample, right: Sample, is_left: Callable[[Sample], bool]
-    ) -> tuple[Sample, Sample]:
+    ) -> Scan[tuple[Sample, Sample]]:
         """Two samples, as near as can be, between which `is_left` ceases to hold."""
         low, high = left, right
         for _ in range(HALVINGS):
-            middle = self.probe((low.at + high.at) / 2.0)
+            (middle,) = yield from self.ask((low.at + high.at) / 2.0)
             if middle.at in (low.at, high.at):
                 break
             low, high = (middle, high) if is_left(middle) else (low, middle)
         return low, high
+
+
+def zero(
+    function: Callable[[float], Scan[float]], low: float, high: float, resolution: float
+) -> Scan[float]:
+    """A zero of a function of opposite signs at both ends, by Brent's method.
+
+    R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4, in the order of
+    operations of `scipy.optimize.brentq`.
+    """
+    before, best = low, high
+    f_before = yield from function(before)
+    f_best = yield from function(best)
+    other, f_other, last, step = before, f_before, 0.0, 0.0
+    for _ in range(MOST_STEPS):
+        if f_before != 0.0 and f_best != 0.0 and (f_before < 0.0) != (f_best < 0.0):
+            other, f_other = before, f_before
+            last = step = best - before
+        if abs(f_other) < abs(f_best):
+            before, best, other = best, other, best
+            f_before, f_best, f_other = f_best, f_other, f_best
+        least = (resolution + 4.0 * ULP * abs(best)) / 2.0
+        half = (other - best) / 2.0
+        if f_best == 0.0 or abs(half) < least:
+            break
+        tried = math.inf
+        if abs(last) > least and abs(f_best) < abs(f_before):
+            tried = _interpolated(before, best, other, f_before, f_best, f_other)
+        is_short = 2.0 * abs(tried) < min(abs(last), 3.0 * abs(half) - least)
+        last, step = (step, tried) if is_short else (half, half)
+        before, f_before = best, f_best
+        best += step if abs(step) > least else math.copysign(least, half)
+        f_best = yield from function(best)
+    return best
+
+
+def _interpolated(
+    before: float, best: float, other: float, f_before: float, f_best: float, f_other: float
+) -> float:
+    """Step from the best value to where a straight line, or a parabola on its side, is zero."""
+    if before == other:
+        return -f_best * (best - before) / (f_best - f_before)
+    slope, other_slope = (f_before - f_best) / (before - best), (f_other - f_best) / (other - best)
+    bent = f_other * other_slope - f_before * slope
+    scale = other_slope * slope * (f_other - f_before)
+    return -f_best * bent / scale if scale != 0.0 else math.inf
 
 
 def _solid(sample: Sample) -> Sample:
@@ -396,15 +510,20 @@ def _same_count(left: Sample, right: Sample) -> Callable[[Sample], bool]:
 
 
 def _straddled(
-    rising: Callable[[float], float], value: float, step: float, lowest: float, highest: float
-) -> tuple[float, float]:
+    rising: Callable[[float], Scan[float]],
+    value: float,
+    step: float,
+    lowest: float,
+    highest: float,
+) -> Scan[tuple[float, float]]:
     """The narrowest interval about a root, doubled from `step`, across which `rising` rises.
 
     At a distance of rounding it may do anything.
     """
     for _ in range(HALVINGS):
         low, high = max(value - step, lowest), min(value + step, highest)
-        if rising(low) < 0.0 < rising(high):
+        below = yield from rising(low)
+        if below < 0.0 < (yield from rising(high)):
             return low, high
         step *= 2.0
     return lowest, highest

@@ -61,5 +61,6 @@ ANALYSIS = Analysis(
     Later("fiv_cli.analyses.rest.linearisation:eigenvalues_at"),
     uses_starts=False,
     linear=True,
+    in_blocks=True,
     figure="eigenvalues",
 )

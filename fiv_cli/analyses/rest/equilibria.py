@@ -11,17 +11,18 @@ The first equilibrium is the one that the unloaded system moves to as its loads 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics.arrays import BOUND
-from fiv_cli.dynamics.system import FieldOutput, System, Vector
+from fiv_cli.dynamics.system import FieldOutput, System, Vector, call_rows
 
 NEWTON_STEPS = 60
 CONVERGED = 1e-13  # last Newton step, relative to the solution
@@ -42,11 +43,13 @@ SPREAD = (-30.0, -10.0, -3.0, -1.0, -0.3, 0.3, 3.0, 10.0, 30.0)
 class Sliding:
     """The unexcited system, sliding in the direction that the drive imposes at rest.
 
+    At one point or, in rows, at several: what it is asked of a state it answers of each row.
+
     Attributes
     ----------
     system : the compiled system
-    parameters : parameter vector with slip signs
-    coefficients : generated coefficients
+    parameters : parameter vector with slip signs; shape (..., n_parameters)
+    coefficients : generated coefficients; shape (..., n_coefficients)
     index : contact state "all slip"
     moving : whether every contact has slip velocity at rest, as a sliding equilibrium needs
     """
@@ -55,28 +58,33 @@ class Sliding:
     parameters: Vector
     coefficients: Vector
     index: int
-    moving: bool
+    moving: NDArray[np.bool_]
+
+    def __getitem__(self, rows: Any) -> Sliding:
+        """At some of the points."""
+        taken = self.parameters[rows], self.coefficients[rows], self.index, self.moving[rows]
+        return Sliding(self.system, *taken)
 
     def field(self, y: Vector) -> FieldOutput:
         """Rates, forces and switching functions at y."""
         return self.system.field(self.index, self.coefficients, 0.0, y)
 
     def rates(self, y: Vector) -> Vector:
-        """dy/dt; shape (n_states,)."""
+        """dy/dt; shape (..., n_states)."""
         return self.field(y).rates
 
     def contact_forces(self, y: Vector) -> NDArray[np.float64]:
-        """(F_N, F_T, v_rel) per contact; shape (n_contacts, 3)."""
+        """(F_N, F_T, v_rel) per contact; shape (..., n_contacts, 3)."""
         return self.field(y).contacts
 
     def jacobian(self, y: Vector) -> NDArray[np.float64]:
-        """Exact derivative of `rates` (by differentiated code); shape (n, n)."""
-        return self.slopes(y, range(len(y)))
+        """Exact derivative of `rates` (by differentiated code); shape (..., n, n)."""
+        return self.slopes(y, range(y.shape[-1]))
 
     def slopes(self, y: Vector, columns: Sequence[int]) -> NDArray[np.float64]:
-        """Columns of `jacobian`; shape (n, number of columns)."""
+        """Columns of `jacobian`; shape (..., n, number of columns)."""
         found = self.system.linearised(self.index, self.coefficients, 0.0, y, columns)
-        return np.ascontiguousarray(found[:, :, 1]).T
+        return np.ascontiguousarray(found[..., 1]).swapaxes(-1, -2)
 
     @cached_property
     def statics(self) -> Statics:
@@ -85,12 +93,12 @@ class Sliding:
 
     @property
     def free(self) -> list[int]:
-        """See `free_coordinates`."""
-        return free_coordinates(self.system)
+        """Places of what an equilibrium has: see `free_coordinates`, then the states of laws."""
+        return _free(self.system)
 
     @property
     def free_rates(self) -> NDArray[np.intp]:
-        """Places of their accelerations among `rates`."""
+        """Places of their accelerations, and of the laws' rates, among `rates`."""
         return _free_rates(self.system)
 
 
@@ -114,22 +122,41 @@ def free_coordinates(system: System) -> list[int]:
 
 
 @cache
+def _free(system: System) -> list[int]:
+    return [*free_coordinates(system), *_internal(system)]
+
+
+@cache
 def _free_rates(system: System) -> NDArray[np.intp]:
-    return len(system.coordinates) + np.array(free_coordinates(system), np.intp)
+    accelerations = [len(system.coordinates) + place for place in free_coordinates(system)]
+    return np.array([*accelerations, *_internal(system)], np.intp)
+
+
+def _internal(system: System) -> range:
+    """Places of the states of the friction law."""
+    return range(len(system.motions), len(system.state_names))
 
 
 def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
     """The unexcited system in sliding."""
-    vector = system.parameter_vector(system.setup.model.unexcited(parameters))
-    state = Sliding(system, vector, system.coefficients(vector), 0, True)
-    velocities = state.contact_forces(np.zeros(len(system.state_names)))[:, 2]
-    moving = bool(((velocities != 0.0) | np.array(system.generated.smooth)).all())
-    backwards = velocities < 0.0
-    if not backwards.any():
-        return Sliding(system, vector, state.coefficients, 0, moving)
-    first = len(vector) - 1 - system.n_contacts
-    vector[first : first + system.n_contacts] = np.where(backwards, -1.0, 1.0)
-    return Sliding(system, vector, system.coefficients(vector), 0, moving)
+    return sliding_at(system, [parameters])[0]
+
+
+def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding:
+    """The same at several points, in rows."""
+    unexcited = system.setup.model.unexcited
+    vectors = np.array([system.parameter_vector(unexcited(point)) for point in points])
+    coefficients = system.coefficients(vectors)
+    state = Sliding(system, vectors, coefficients, 0, np.ones(len(points), bool))
+    at_rest = np.zeros((len(points), len(system.state_names)))
+    velocities = state.contact_forces(at_rest)[..., 2]
+    moving = ((velocities != 0.0) | np.array(system.generated.smooth)).all(axis=-1)
+    backwards = (velocities < 0.0).any(axis=-1)
+    if backwards.any():
+        first = vectors.shape[-1] - 1 - system.n_contacts
+        vectors[:, first:-1] = np.where(velocities < 0.0, -1.0, 1.0)
+        coefficients = system.coefficients(vectors)
+    return Sliding(system, vectors, coefficients, 0, moving)
 
 
 @dataclass(frozen=True)
@@ -165,28 +192,78 @@ def equilibria(state: Sliding) -> list[Vector]:
 
 def all_equilibria(state: Sliding) -> Equilibria:
     """Every sliding equilibrium, with what is known of those that are none."""
-    if not state.moving:
-        return Equilibria(reason="no_drive")
-    reduced = (_reduced(state, polynomial) for polynomial in _polynomials(state.system))
-    found = next((one for one in reduced if one is not None), None) or _search(state)
-    held = [y for y in found.states if _is_held(state, y)]
-    if not all(relative_residual(state, y) <= EXACT for y in held):
+    (found,) = equilibria_at(state[None])
+    return found
+
+
+Found = TypeVar("Found")
+
+
+def equilibria_at(points: Sliding) -> list[Equilibria]:
+    """`all_equilibria` at each of several points."""
+    found = [Equilibria(reason="no_drive")] * len(points.moving)
+    left = np.flatnonzero(points.moving)
+    for polynomial in _polynomials(points.system):
+        if len(left) > 0:
+            left = _enter(found, left, _reduced(points[left], polynomial))
+    if len(left) > 0:
+        _enter(found, left, _search(points[left]))
+    return _held(points, found)
+
+
+def _enter(
+    found: list[Found], rows: NDArray[np.intp], given: Sequence[Found | None]
+) -> NDArray[np.intp]:
+    """Put what is given of some rows in its place; the rows of which nothing is."""
+    for row, one in zip(rows.tolist(), given, strict=True):
+        if one is not None:
+            found[row] = one
+    return rows[[one is None for one in given]]
+
+
+def _held(points: Sliding, found: Sequence[Equilibria]) -> list[Equilibria]:
+    """What is left of all solutions where contacts may not pull, in order."""
+    owners = np.repeat(np.arange(len(found)), [len(one.states) for one in found])
+    n = len(points.system.state_names)
+    states = np.array([y for one in found for y in one.states]).reshape(-1, n)
+    at = points[owners]
+    held, exact = _is_held(at, states), relative_residual(at, states) <= EXACT
+    ends = np.cumsum([len(one.states) for one in found])[:-1]
+    parts = zip(found, np.split(held, ends), np.split(exact, ends), strict=True)
+    left = [_without_pulling(*part) for part in parts]
+    several = [row for row, one in enumerate(left) if len(one.states) > 1]
+    reached = _loaded_from_zero(points[several]) if several else ()
+    for row, first in zip(several, reached, strict=True):
+        left[row] = replace(left[row], states=_in_order(left[row].states, first))
+    return left
+
+
+def _without_pulling(
+    found: Equilibria, held: NDArray[np.bool_], exact: NDArray[np.bool_]
+) -> Equilibria:
+    """The solutions of a point in which no contact has to pull."""
+    if not exact[held].all():
         return Equilibria(reason="inexact_equilibrium")
-    pulling = len(found.states) - len(held)
-    reason = "" if held else "contact_would_pull" if pulling else found.reason
-    return Equilibria(_in_order(state, held), pulling, found.n_complex, found.certified, reason)
+    states = [y for y, is_held in zip(found.states, held.tolist(), strict=True) if is_held]
+    pulling = len(found.states) - len(states)
+    reason = "" if states else "contact_would_pull" if pulling else found.reason
+    return replace(found, states=states, pulling=pulling, reason=reason)
 
 
-def relative_residual(state: Sliding, y: Vector) -> float:
+def relative_residual(state: Sliding, y: Vector) -> NDArray[np.float64]:
     """What is left of the equations at `y` over the forces that balance there, the worst of all.
 
     The forces of an equation: what each displacement contributes, and the loads.
     """
     rows = state.free_rates
-    left = np.abs(state.rates(y)[rows])
-    forces = np.abs(state.slopes(y, state.free)[rows]) @ np.abs(y[state.free])
-    forces += np.abs(state.rates(np.zeros(len(y)))[rows])
-    return float(np.max(left / np.where(left > 0.0, forces, 1.0), initial=0.0))
+    left = np.abs(state.rates(y)[..., rows])
+    away = np.abs(y[..., state.free, None])
+    forces = (np.abs(state.slopes(y, state.free)[..., rows, :]) @ away)[..., 0]
+    forces += np.abs(state.rates(np.zeros(y.shape))[..., rows])
+    worst: NDArray[np.float64] = np.max(
+        left / np.where(left > 0.0, forces, 1.0), axis=-1, initial=0.0
+    )
+    return worst
 
 
 def why_none(state: Sliding) -> str:
@@ -194,10 +271,11 @@ def why_none(state: Sliding) -> str:
     return all_equilibria(state).reason
 
 
-def _is_held(state: Sliding, y: Vector) -> bool:
-    """Whether no unilateral contact has to pull."""
-    normal = state.contact_forces(y)[:, 0]
-    return bool(np.all((normal >= 0.0) | np.array(state.statics.bilateral)))
+def _is_held(points: Sliding, y: Vector) -> NDArray[np.bool_]:
+    """Whether no unilateral contact has to pull, at each point."""
+    normal = points.contact_forces(y)[..., 0]
+    held: NDArray[np.bool_] = ((normal >= 0.0) | np.array(points.statics.bilateral)).all(axis=-1)
+    return held
 
 
 # --- by one polynomial ----------------------------------------------------------------------------
@@ -241,43 +319,80 @@ def _polynomials(system: System) -> tuple[_Polynomial, ...]:
     )
 
 
-def _reduced(state: Sliding, polynomial: _Polynomial) -> Equilibria | None:
-    """Every root of the closure that is a real solution of the full equations.
+def _reduced(points: Sliding, polynomial: _Polynomial) -> list[Equilibria | None]:
+    """Every root of the closure that is a real solution of the full equations, at each point.
 
     None where the scalar does not determine the other unknowns at these parameters.
     """
-    values = np.zeros(polynomial.reduction.n_slots)
-    arguments = state.parameters[polynomial.arguments]
-    call_generated(polynomial.loaded.statics, values, 0.0, arguments, values)
-    if not values[polynomial.denominator].any() or not np.isfinite(values).all():
-        return None
-    roots = _roots(values[polynomial.closure])
-    nearly = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
-    found: list[Vector] = []
-    for scalar in np.sort(nearly).tolist():
-        _keep(found, _newton(state, _inserted(state, polynomial, values, arguments, scalar)))
-    missing = len(roots) - len(found)
+    values = np.zeros((len(points.moving), polynomial.reduction.n_slots))
+    arguments = np.ascontiguousarray(points.parameters[:, polynomial.arguments])
+    call_rows(polynomial.loaded.statics, values, 0.0, arguments, values)
+    told = values[:, polynomial.denominator].any(axis=1) & np.isfinite(values).all(axis=1)
+    reduced: list[Equilibria | None] = [None] * len(values)
+    rows = np.flatnonzero(told)
+    if len(rows) > 0:
+        _enter(reduced, rows, _solved_for(points[rows], polynomial, values[rows], arguments[rows]))
+    return reduced
+
+
+def _solved_for(
+    points: Sliding, polynomial: _Polynomial, values: Vector, arguments: Vector
+) -> list[Equilibria]:
+    """The solutions where the scalar determines the other unknowns."""
+    roots = _roots(values[:, polynomial.closure])
+    nearly = np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)
+    scalars = np.sort(np.where(nearly, roots.real, np.nan), axis=1)
+    owners, places = np.nonzero(np.isfinite(scalars))
+    at = scalars[owners, places]
+    starts = _inserted(points.system, polynomial, values[owners], arguments[owners], at)
+    found: list[list[Vector]] = [[] for _ in roots]
+    for owner, solution in zip(owners, _newton(points[owners], starts), strict=True):
+        _keep(found[owner], solution)
+    missing = np.isfinite(roots).sum(axis=1) - [len(solutions) for solutions in found]
+    return [
+        _counted(points[row : row + 1], polynomial, values[row], found[row], int(missing[row]))
+        for row in range(len(found))
+    ]
+
+
+def _counted(
+    point: Sliding, polynomial: _Polynomial, values: Vector, found: list[Vector], missing: int
+) -> Equilibria:
+    """The solutions of a point, and whether the missing ones are known to be complex."""
     certified = missing % 2 == 0 and not _undetermined(polynomial, values)
     n_complex = missing if certified else None
-    return Equilibria(found, 0, n_complex, certified, "" if found else _why_none(state))
+    return Equilibria(found, 0, n_complex, certified, "" if found else _why_none(point))
 
 
-def _why_none(state: Sliding) -> str:
+def _why_none(point: Sliding) -> str:
     """A singular stiffness without load, or nothing known."""
-    start = np.zeros(len(state.system.state_names))
-    stiffness = state.slopes(start, state.free)[state.free_rates]
-    singular = np.linalg.matrix_rank(stiffness) < len(state.free)
+    start = np.zeros((1, len(point.system.state_names)))
+    (stiffness,) = point.slopes(start, point.free)[:, point.free_rates]
+    singular = np.linalg.matrix_rank(stiffness) < len(point.free)
     return "singular_equilibrium" if singular else "no_equilibrium"
 
 
 def _roots(coefficients: Vector) -> NDArray[np.complex128]:
-    """Roots of a polynomial given from s^0 upwards: those of `numpy.roots`, sooner."""
-    falling = coefficients[::-1]
-    if not (falling[0] and falling[-1]):  # it is of a lower degree, or has zero as a root
-        return np.roots(falling).astype(complex)
-    companion = _shift(len(falling) - 1).copy()
-    companion[0] = -falling[1:] / falling[0]
-    return np.linalg.eigvals(companion).astype(complex)
+    """Roots of each polynomial given from s^0 upwards: those of `numpy.roots`, sooner.
+
+    Parameters
+    ----------
+    coefficients : shape (polynomials, degree + 1)
+
+    Returns
+    -------
+    (polynomials, degree): NaN behind those of a polynomial of a lower degree
+    """
+    falling = coefficients[:, ::-1]
+    roots = np.full((len(falling), coefficients.shape[1] - 1), np.nan, complex)
+    plain = (falling[:, 0] != 0.0) & (falling[:, -1] != 0.0)  # else lower, or zero is a root
+    companions = np.tile(_shift(roots.shape[1]), (int(plain.sum()), 1, 1))
+    companions[:, 0] = -falling[plain, 1:] / falling[plain, :1]
+    roots[plain] = np.linalg.eigvals(companions)
+    for row in np.flatnonzero(~plain):
+        found = np.roots(falling[row])
+        roots[row, : len(found)] = found
+    return roots
 
 
 @cache
@@ -286,29 +401,32 @@ def _shift(size: int) -> NDArray[np.float64]:
     return np.eye(size, k=-1)
 
 
-def _value(coefficients: Vector, at: float) -> float:
-    """A polynomial given from s^0 upwards, by Horner's rule."""
-    value = 0.0
-    for coefficient in reversed(coefficients.tolist()):
+def _value(coefficients: Vector, at: Vector) -> Vector:
+    """Polynomials given from s^0 upwards, each at a place of its own, by Horner's rule."""
+    value = np.zeros(len(at))
+    for coefficient in coefficients.T[::-1]:
         value = value * at + coefficient
     return value
 
 
 def _inserted(
-    state: Sliding, polynomial: _Polynomial, values: Vector, arguments: Vector, scalar: float
+    system: System, polynomial: _Polynomial, values: Vector, arguments: Vector, scalars: Vector
 ) -> Vector:
-    """State vector of the solution with this value of the scalar."""
+    """State vectors of the solutions with these values of the scalar."""
     reduction = polynomial.reduction
-    denominator = np.float64(_value(values[polynomial.denominator], scalar))
-    known = {reduction.scalar: scalar}
+    denominator = _value(values[:, polynomial.denominator], scalars)
+    known = {reduction.scalar: scalars}
     for name, slots in zip(reduction.unknowns, polynomial.numerators, strict=True):
-        known[name] = float(_value(values[slots], scalar) / denominator)
+        known[name] = _value(values[:, slots], scalars) / denominator
     if reduction.eliminated:
-        taken_out = np.zeros(len(reduction.eliminated))
-        solved = np.concatenate([arguments, list(known.values())])
-        call_generated(polynomial.loaded.eliminated, taken_out, 0.0, solved, taken_out)
-        known |= dict(zip(reduction.eliminated, taken_out.tolist(), strict=True))
-    return state.system.state_vector(known)
+        taken_out = np.zeros((len(scalars), len(reduction.eliminated)))
+        solved = np.column_stack([arguments, *known.values()])
+        call_rows(polynomial.loaded.eliminated, taken_out, 0.0, solved, taken_out)
+        known |= dict(zip(reduction.eliminated, taken_out.T, strict=True))
+    vectors = np.zeros((len(scalars), len(system.state_names)))
+    for name in known.keys() & system.places.keys():
+        vectors[:, system.places[name]] = known[name]
+    return vectors
 
 
 def _undetermined(polynomial: _Polynomial, values: Vector) -> bool:
@@ -318,7 +436,7 @@ def _undetermined(polynomial: _Polynomial, values: Vector) -> bool:
     """
     if len(polynomial.denominator) == 1:
         return False
-    roots = _roots(values[polynomial.denominator])
+    (roots,) = _roots(values[None, polynomial.denominator])
     real = roots[np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots)].real
     return any(
         all(_vanishes(values[slots], float(root)) for slots in polynomial.numerators)
@@ -332,53 +450,68 @@ def _vanishes(coefficients: Vector, at: float) -> bool:
 
 
 # --- by Newton's iteration ------------------------------------------------------------------------
-def _search(state: Sliding) -> Equilibria:
-    """What deflated Newton iterations find from a fixed set of starts."""
-    n = len(state.system.state_names)
-    found: list[Vector] = []
-    for first in (_loaded_from_zero(state), _newton(state, np.zeros(n))):
-        _keep(found, first)
-    if found:
-        one = state.system.state_vector(dict.fromkeys(state.system.coordinates, 1.0))
-        reach = found[0] if np.any(found[0]) else one
-        for factor in SPREAD:
-            near = _newton(state, factor * reach, found)
-            _keep(found, None if near is None else _newton(state, near))
-    return Equilibria(found, reason="" if found else _why_none(state))
+def _search(points: Sliding) -> list[Equilibria]:
+    """What deflated Newton iterations find from a fixed set of starts, at each point."""
+    found: list[list[Vector]] = [[] for _ in points.moving]
+    origin = np.zeros((len(found), len(points.system.state_names)))
+    for first in (_loaded_from_zero(points), _newton(points, origin)):
+        _keep_each(found, first)
+    rows = [row for row, solutions in enumerate(found) if solutions]
+    one = points.system.state_vector(dict.fromkeys(points.system.coordinates, 1.0))
+    reach = [found[row][0] if np.any(found[row][0]) else one for row in rows]
+    at, known = points[rows], [found[row] for row in rows]
+    for factor in SPREAD if rows else ():
+        _keep_each(known, _newton(at, _newton(at, factor * np.array(reach), known)))
+    return [
+        Equilibria(solutions, reason="" if solutions else _why_none(points[row : row + 1]))
+        for row, solutions in enumerate(found)
+    ]
 
 
 def _newton(
-    state: Sliding, start: Vector, known: Sequence[Vector] = (), kept: Vector | None = None
-) -> Vector | None:
-    """Root of the accelerations at zero velocity; None when Newton does not converge.
+    points: Sliding,
+    starts: Vector,
+    known: Sequence[Sequence[Vector]] = (),
+    kept: Vector | None = None,
+) -> Vector:
+    """Root of the accelerations at zero velocity at each point; NaN where Newton finds none.
 
     Parameters
     ----------
-    start : state vector
-    known : solutions to stay away from
-    kept : accelerations that stand on the right side instead of zero, shape (n_states,)
+    starts : state vectors, shape (points, n_states)
+    known : per point, solutions to stay away from
+    kept : accelerations that stand on the right side instead of zero, shape (points, n_states)
     """
-    free, rows = state.free, state.free_rates
-    y = state.field(start).state.copy()
-    last = np.inf
+    free, rows = points.free, points.free_rates
+    y = points.field(starts).state.copy()
+    found, at = np.full(y.shape, np.nan), np.arange(len(y))
+    kept, last = np.zeros(y.shape) if kept is None else kept, np.full(len(y), np.inf)
     for _ in range(NEWTON_STEPS):
-        matrix = state.slopes(y, free)[rows]
-        rest = state.rates(y) if kept is None else state.rates(y) - kept
-        try:
-            step = np.linalg.solve(matrix, rest[rows]).astype(float, copy=False)
-        except np.linalg.LinAlgError:
-            return None
-        if known:
-            step *= _deflation(step, y[free], [solution[free] for solution in known])
-        y[free] -= step
-        if not (np.abs(y) < BOUND).all():
-            return None
-        y = state.field(y).state.copy()
-        size = np.abs(step).max() / max(np.abs(y).max(), 1e-300)
-        if size <= CONVERGED or (size <= STALLED and size > last / 2.0):
-            return y
-        last = size
-    return None
+        step = _solved(points.slopes(y, free)[:, rows], (points.rates(y) - kept)[:, rows])
+        for row, place in enumerate(at.tolist() if known else ()):
+            step[row] *= _deflation(step[row], y[row, free], [one[free] for one in known[place]])
+        y[:, free] -= step
+        bounded = (np.abs(y) < BOUND).all(axis=1)
+        y = points.field(y).state.copy()
+        size = np.abs(step).max(axis=1) / np.maximum(np.abs(y).max(axis=1), 1e-300)
+        ended = (size <= CONVERGED) | ((size <= STALLED) & (size > last / 2.0))
+        found[at[bounded & ended]] = y[bounded & ended]
+        last, left = size, bounded & ~ended
+        if not left.any():
+            break
+        if not left.all():
+            points, at, y, kept, last = points[left], at[left], y[left], kept[left], last[left]
+    return found
+
+
+def _solved(matrices: NDArray[np.float64], right: Vector) -> Vector:
+    """Solutions of linear systems; NaN of the singular ones."""
+    with suppress(np.linalg.LinAlgError):
+        return np.linalg.solve(matrices, right[..., None])[..., 0].astype(float, copy=False)
+    if len(right) == 1:
+        return np.full(right.shape, np.nan)
+    alone = [_solved(matrices[row : row + 1], right[row : row + 1]) for row in range(len(right))]
+    return np.concatenate(alone)
 
 
 def _deflation(step: Vector, at: Vector, known: Iterable[Vector]) -> float:
@@ -396,9 +529,15 @@ def _deflation(step: Vector, at: Vector, known: Iterable[Vector]) -> float:
     return 1.0 / (1.0 + slope) if slope != -1.0 else 1.0
 
 
-def _keep(found: list[Vector], candidate: Vector | None) -> None:
-    """Add a solution unless it is there already."""
-    if candidate is not None and _is_new(candidate, found):
+def _keep_each(found: Sequence[list[Vector]], candidates: Vector) -> None:
+    """`_keep` at each point."""
+    for solutions, candidate in zip(found, candidates, strict=True):
+        _keep(solutions, candidate)
+
+
+def _keep(found: list[Vector], candidate: Vector) -> None:
+    """Add a solution (NaN: none) unless it is there already."""
+    if np.isfinite(candidate).all() and _is_new(candidate, found):
         found.append(candidate)
 
 
@@ -408,26 +547,20 @@ def _is_new(candidate: Vector, found: list[Vector]) -> bool:
 
 
 # --- which comes first ----------------------------------------------------------------------------
-def _in_order(state: Sliding, found: list[Vector]) -> list[Vector]:
-    """First the one that growing loads lead to, then by distance from it."""
-    if len(found) < 2:
-        return found
+def _in_order(found: list[Vector], reached: Vector) -> list[Vector]:
+    """First the one that growing loads lead to (NaN: that path ends), then by distance from it."""
     sizes = np.max(np.abs(found), axis=0)
-    scaled = np.array(found) / np.where(sizes > 0.0, sizes, 1.0)
-    reached = _loaded_from_zero(state)
-    origin = 0.0 if reached is None else reached / np.where(sizes > 0.0, sizes, 1.0)
+    sizes[sizes == 0.0] = 1.0
+    scaled, origin = np.array(found) / sizes, np.nan_to_num(reached) / sizes
     first = int(np.argmin(np.max(np.abs(scaled - origin), axis=1)))
     away = np.max(np.abs(scaled - scaled[first]), axis=1)
     return [found[i] for i in np.argsort(away, kind="stable")]
 
 
-def _loaded_from_zero(state: Sliding) -> Vector | None:
-    """Where the system at rest without loads goes as they grow; None where that path ends."""
-    y: Vector | None = np.zeros(len(state.system.state_names))
-    assert y is not None
-    unloaded = state.rates(y)
+def _loaded_from_zero(points: Sliding) -> Vector:
+    """Where each system at rest without loads goes as they grow; NaN where that path ends."""
+    y = np.zeros((len(points.moving), len(points.system.state_names)))
+    unloaded = points.rates(y)
     for share in np.linspace(1.0, 0.0, LOAD_STEPS + 1)[1:]:
-        y = _newton(state, y, kept=share * unloaded)
-        if y is None:
-            return None
+        y = _newton(points, y, kept=share * unloaded)
     return y

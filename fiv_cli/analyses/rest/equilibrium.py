@@ -5,6 +5,7 @@ How they are found, and when the set is certified to be complete, is told in ``e
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,17 +16,30 @@ from fiv_cli.analyses.rest.system_choice import SYSTEM
 from fiv_cli.analyses.variables import Subject, Variable, classes, count, trust
 
 if TYPE_CHECKING:
+    from fiv_cli.analyses.rest.equilibria import Equilibria, Sliding
     from fiv_cli.dynamics.system import System
 
 
-def run(system: System, request: Request) -> Outcome:
+def run(system: System, requests: Sequence[Request]) -> list[Outcome]:
     """Equilibria, contact forces there and what is left of the equations (residual)."""
-    from fiv_cli.analyses.rest.equilibria import all_equilibria
-    from fiv_cli.analyses.rest.linearisation import sliding_system
+    from fiv_cli.analyses.rest.equilibria import equilibria_at
+    from fiv_cli.analyses.rest.linearisation import sliding_systems
+
+    outcomes: dict[int, Outcome] = {}
+    points, which = [request.parameters for request in requests], requests[0].settings["system"]
+    for rows, sliding in sliding_systems(system, points, which):
+        for place, found in enumerate(equilibria_at(sliding)):
+            row = int(rows[place])
+            outcomes[row] = _outcome(system, points[row], sliding[place], found)
+    return [outcomes[row] for row in range(len(requests))]
+
+
+def _outcome(
+    system: System, parameters: Mapping[str, float], state: Sliding, equilibria: Equilibria
+) -> Outcome:
+    """What is told of a point."""
     from fiv_cli.analyses.rest.surface import at_the_contact
 
-    state = sliding_system(system, request.parameters, request.settings["system"])
-    equilibria = all_equilibria(state)
     solutions = equilibria.states
     counts: dict[str, object] = {
         "n_solutions": len(solutions),
@@ -38,7 +52,7 @@ def run(system: System, request: Request) -> Outcome:
     forces = np.array([state.contact_forces(y) for y in solutions])
     m = len(system.coordinates)
     if system.setup.model.surface is not None:
-        counts["w"] = np.array([at_the_contact(system, request.parameters, y) for y in solutions])
+        counts["w"] = np.array([at_the_contact(system, parameters, y) for y in solutions])
     return Outcome(
         values=counts
         | {
@@ -93,4 +107,5 @@ ANALYSIS = Analysis(
     run,
     uses_starts=False,
     linear=True,
+    in_blocks=True,
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, averaged_sliding, frequency_ratio
-from fiv_cli.analyses.rest.equilibria import Sliding, all_equilibria, free_coordinates, sliding
+from fiv_cli.analyses.rest.equilibria import Sliding, equilibria_at, free_coordinates, sliding_at
 from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]
@@ -23,29 +24,53 @@ SURE = 1e-6  # a correction of an eigenvalue beyond this share of it is not one
 
 def sliding_system(system: System, parameters: Mapping[str, float], which: str) -> Sliding:
     """The ``original`` system without its excitation, or the one ``averaged`` over it."""
+    ((_, state),) = sliding_systems(system, [parameters], which)
+    return state[0]
+
+
+def sliding_systems(
+    system: System, points: Sequence[Mapping[str, float]], which: str
+) -> Iterable[tuple[NDArray[np.intp], Sliding]]:
+    """The same at several points: the systems that there are, and which points are in each."""
     if which == "averaged":
-        return averaged_sliding(system, parameters)
-    return sliding(system, parameters)
+        return averaged_sliding(system, points)
+    return [(np.arange(len(points)), sliding_at(system, points))]
 
 
-def eigenvalues_at(system: System, request: Request) -> Outcome:
+def eigenvalues_at(system: System, requests: Sequence[Request]) -> list[Outcome]:
     """Eigenvalues (rad/s) and vectors at the equilibrium asked for, by rising frequency."""
-    which, number = request.settings["system"], request.settings["at_equilibrium"]
-    state = sliding_system(system, request.parameters, which)
-    equilibria = all_equilibria(state)
-    if len(equilibria.states) < number:
-        return Outcome(status="failed", reason=equilibria.reason or "no_equilibrium")
-    at = equilibria.states[number - 1]
-    values = _described(*modes_at(state, at))
-    if which == "original":
-        return Outcome(values=values)
-    ratio = frequency_ratio(system, request.parameters, free_jacobian(state, at))
-    reason = "" if ratio >= LEAST_RATIO else "averaging_invalid"
-    return Outcome(reason=reason, values={**values, "averaging_ratio": ratio})
+    which, number = requests[0].settings["system"], requests[0].settings["at_equilibrium"]
+    outcomes = [Outcome()] * len(requests)
+    for rows, sliding in sliding_systems(system, [r.parameters for r in requests], which):
+        found = equilibria_at(sliding)
+        here = [place for place, one in enumerate(found) if len(one.states) >= number]
+        for row, one in zip(rows.tolist(), found, strict=True):
+            outcomes[row] = Outcome(status="failed", reason=one.reason or "no_equilibrium")
+        if here:
+            at, states = sliding[here], np.array([found[i].states[number - 1] for i in here])
+            modes = zip(rows[here].tolist(), *modes_at(at, states), strict=True)
+            for row, values, vectors in modes:
+                shapes = vectors[: len(system.motions)]
+                outcomes[row] = Outcome(values=_described(values, shapes))
+            if which == "averaged":
+                for row, jacobian in zip(
+                    rows[here].tolist(), free_jacobian(at, states), strict=True
+                ):
+                    _judge(outcomes[row], system, requests[row].parameters, jacobian)
+    return outcomes
 
 
-def _described(values: Complex, vectors: Complex) -> dict[str, object]:
-    """The variables that describe a spectrum."""
+def _judge(
+    outcome: Outcome, system: System, parameters: Mapping[str, float], jacobian: Real
+) -> None:
+    """Add how far averaging can be trusted."""
+    ratio = frequency_ratio(system, parameters, jacobian)
+    outcome.values["averaging_ratio"] = ratio
+    outcome.reason = "" if ratio >= LEAST_RATIO else "averaging_invalid"
+
+
+def _described(values: Complex, shapes: Complex) -> dict[str, object]:
+    """The variables that describe a spectrum and its modes, in columns."""
     magnitude = np.abs(values)
     ratio = np.where(magnitude > 0.0, -values.real / np.where(magnitude > 0.0, magnitude, 1.0), 0.0)
     return {
@@ -53,8 +78,8 @@ def _described(values: Complex, vectors: Complex) -> dict[str, object]:
         "eigenvalue_imag": values.imag,
         "mode_frequency": np.abs(values.imag) / (2.0 * np.pi),
         "damping_ratio": ratio,
-        "eigenvector_real": vectors.real.T,
-        "eigenvector_imag": vectors.imag.T,
+        "eigenvector_real": shapes.real.T,
+        "eigenvector_imag": shapes.imag.T,
         "coupled_with": coupled_modes(values),
         "growth_rate": float(np.max(values.real)),
         "stable": stability(values),
@@ -64,29 +89,30 @@ def _described(values: Complex, vectors: Complex) -> dict[str, object]:
 def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
     """Eigenvalues and vectors (columns, over all states) of the system linearised at `y`.
 
-    What a closed rigid contact determines is no freedom of its own: it has no eigenvalues, and
-    follows in the vectors.
+    At one point or, in rows, at several. What a closed rigid contact determines is no freedom of
+    its own: it has no eigenvalues, and follows in the vectors.
     """
+    free, n = free_states(state.system), y.shape[-1]
     values, free_vectors = spectrum(free_jacobian(state, y))
-    free = free_states(state.system)
-    if len(free) == len(y):
+    if len(free) == n:
         return values, free_vectors
     m = len(state.system.coordinates)
     determined = np.setdiff1d(np.arange(m), free)
-    vectors = np.zeros((len(y), len(values)), complex)
-    vectors[free] = free_vectors
-    vectors[m + determined] = state.jacobian(y)[np.ix_(determined, free)] @ free_vectors
-    moving = values != 0.0
-    vectors[np.ix_(determined, moving)] = vectors[m + determined][:, moving] / values[moving]
+    vectors = np.zeros((*y.shape, values.shape[-1]), complex)
+    vectors[..., free, :] = free_vectors
+    rates = state.jacobian(y)[..., determined[:, None], free] @ free_vectors
+    vectors[..., m + determined, :] = rates
+    moving = np.broadcast_to((values != 0.0)[..., None, :], rates.shape)
+    vectors[..., determined, :] = np.divide(
+        rates, values[..., None, :], out=np.zeros(rates.shape, complex), where=moving
+    )
     return values, _normalised(vectors)
 
 
 def free_jacobian(state: Sliding, y: Vector) -> Real:
-    """Derivative of the rates of `free_states` by these; shape (free states, free states)."""
+    """Derivative of the rates of `free_states` by these; shape (..., free states, free states)."""
     free = free_states(state.system)
-    if len(free) == len(y):
-        return np.ascontiguousarray(state.jacobian(y))
-    return state.jacobian(y)[np.ix_(free, free)]
+    return np.ascontiguousarray(state.jacobian(y)[..., free[:, None], free])
 
 
 @cache
@@ -100,28 +126,47 @@ def free_states(system: System) -> NDArray[np.intp]:
 def spectrum(jacobian: Real) -> tuple[Complex, Complex]:
     """Eigenvalues by rising frequency (a pair: positive imaginary part first) and vectors.
 
-    Vectors are columns, of unit length, their largest entry real and positive. The real parts
-    are exact zeros where there is no damping, and have few digits less than the frequencies
-    where damping is weak.
+    Of one matrix or of a stack of them. Vectors are columns, of unit length, their largest entry
+    real and positive. The real parts are exact zeros where there is no damping, and have few
+    digits less than the frequencies where damping is weak.
     """
-    mechanical = _is_mechanical(jacobian)
-    undamped = mechanical and not jacobian[len(jacobian) // 2 :, len(jacobian) // 2 :].any()
-    values, vectors = _undamped(jacobian) if undamped else _damped(jacobian, mechanical)
+    matrices = jacobian.reshape(-1, *jacobian.shape[-2:])
+    values = np.zeros(matrices.shape[:-1], complex)
+    shapes = np.zeros(matrices.shape, complex)  # rows
+    mechanical = _are_mechanical(matrices)
+    m = matrices.shape[-1] // 2
+    undamped = mechanical & ~matrices[:, m:, m:].any(axis=(1, 2))
+    for rows, solve in (
+        (undamped, _undamped),
+        (mechanical & ~undamped, _weakly_damped),
+        (~mechanical, _damped),
+    ):
+        if rows.any():
+            found, vectors = solve(matrices[rows])
+            values[rows], shapes[rows] = found, vectors.swapaxes(1, 2)
     order = np.lexsort((-values.imag, values.real, np.round(np.abs(values.imag), 12)))
-    return values[order], _normalised(vectors[:, order])
+    values = np.take_along_axis(values, order, axis=1)
+    shapes = np.take_along_axis(shapes, order[:, :, None], axis=1)
+    vectors = _normalised(shapes.swapaxes(1, 2))
+    return values.reshape(jacobian.shape[:-1]), vectors.reshape(jacobian.shape)
 
 
 def _normalised(vectors: Complex) -> Complex:
     """Columns of unit length whose largest entry is real and positive."""
-    largest = vectors[np.argmax(np.abs(vectors), axis=0), np.arange(vectors.shape[1])]
-    unit: Complex = vectors * (np.abs(largest) / largest) / np.linalg.norm(vectors, axis=0)
+    places = np.argmax(np.abs(vectors), axis=-2)[..., None, :]
+    largest = np.take_along_axis(vectors, places, axis=-2)
+    lengths = np.linalg.norm(vectors, axis=-2, keepdims=True)
+    unit: Complex = vectors * (np.abs(largest) / largest) / lengths
     return unit
 
 
-def _is_mechanical(jacobian: Real) -> bool:
-    """Whether the state is coordinates and their velocities, and nothing else."""
-    m = len(jacobian) // 2
-    return 2 * m == len(jacobian) and bool((jacobian[:m] == _velocities(m)).all())
+def _are_mechanical(jacobians: Real) -> NDArray[np.bool_]:
+    """For each, whether its state is coordinates and their velocities, and nothing else."""
+    m = jacobians.shape[-1] // 2
+    if 2 * m != jacobians.shape[-1]:
+        return np.zeros(len(jacobians), bool)
+    told: NDArray[np.bool_] = (jacobians[:, :m] == _velocities(m)).all(axis=(1, 2))
+    return told
 
 
 @cache
@@ -130,51 +175,59 @@ def _velocities(m: int) -> Real:
     return np.hstack([np.zeros((m, m)), np.eye(m)])
 
 
-def _undamped(jacobian: Real) -> tuple[Complex, Complex]:
+def _undamped(jacobians: Real) -> tuple[Complex, Complex]:
     """From the squares of the eigenvalues, which are those of the stiffness: real while stable."""
-    m = len(jacobian) // 2
-    squares, shapes = np.linalg.eig(jacobian[m:, :m])
+    m = jacobians.shape[-1] // 2
+    squares, shapes = np.linalg.eig(jacobians[:, m:, :m])
     roots: Complex = np.sqrt(squares.astype(complex))
-    values: Complex = np.concatenate([roots, -roots])
+    values: Complex = np.concatenate([roots, -roots], axis=1)
     values += 0.0  # no negative zeros
     vectors = np.tile(shapes.astype(complex), 2)
-    return values, np.vstack([vectors, values * vectors])
+    return values, np.concatenate([vectors, values[:, None] * vectors], axis=1)
 
 
-def _damped(jacobian: Real, mechanical: bool) -> tuple[Complex, Complex]:
-    values, vectors = np.linalg.eig(jacobian)
-    values, vectors = values.astype(complex), vectors.astype(complex)
-    if mechanical:
-        values = _corrected(values, _correction(jacobian, values, vectors))
-    return values, vectors
+def _damped(jacobians: Real) -> tuple[Complex, Complex]:
+    values, vectors = np.linalg.eig(jacobians)
+    return values.astype(complex), vectors.astype(complex)
+
+
+def _weakly_damped(jacobians: Real) -> tuple[Complex, Complex]:
+    values, vectors = _damped(jacobians)
+    return _corrected(values, _correction(jacobians, values, vectors)), vectors
 
 
 def _corrected(values: Complex, steps: Complex) -> Complex:
     """Real eigenvalues stay real; pairs, which stand side by side, conjugate to the last bit."""
     corrected = values + np.where(values.imag == 0.0, steps.real, steps)
-    upper = np.flatnonzero(values.imag > 0.0)
-    corrected[upper + 1] = corrected[upper].conj()
+    row, upper = np.nonzero(values.imag > 0.0)
+    corrected[row, upper + 1] = corrected[row, upper].conj()
     return corrected
 
 
-def _correction(jacobian: Real, values: Complex, vectors: Complex) -> Complex:
-    """One step of the two-sided Rayleigh quotient of ``s^2 + s C + K``.
+def _correction(jacobians: Real, values: Complex, vectors: Complex) -> Complex:
+    """One step of the two-sided Rayleigh quotient of ``s^2 + s C + K``, for each matrix.
 
     The eigenvalues of the matrix have an error of rounding of the *frequencies*; here the terms
     that decide the real parts, as small as the damping, are summed on their own. Nothing is
     corrected where two modes all but coincide.
     """
-    m = len(values) // 2
-    stiffness, damping = -jacobian[m:, :m], -jacobian[m:, m:]
-    try:
-        left = np.linalg.inv(vectors)[:, m:]
-    except np.linalg.LinAlgError:
-        return np.zeros_like(values)
-    shapes = vectors[:m]
-    residual = shapes * values**2 + (damping @ shapes) * values + stiffness @ shapes
-    step = -np.einsum("im,mi->i", left, residual)
+    m = values.shape[-1] // 2
+    stiffness, damping = -jacobians[:, m:, :m], -jacobians[:, m:, m:]
+    left = _inverted(vectors)[..., m:]
+    shapes, by_mode = vectors[:, :m], values[:, None, :]
+    residual = shapes * by_mode**2 + (damping @ shapes) * by_mode + stiffness @ shapes
+    step = -np.einsum("nim,nmi->ni", left, residual)
     result: Complex = np.where(np.abs(step) <= SURE * np.abs(values), step, 0.0)
     return result
+
+
+def _inverted(matrices: Complex) -> Complex:
+    """Inverses; NaN of the singular ones."""
+    with suppress(np.linalg.LinAlgError):
+        return np.linalg.inv(matrices).astype(complex, copy=False)
+    if len(matrices) == 1:
+        return np.full(matrices.shape, complex(np.nan, np.nan))
+    return np.concatenate([_inverted(matrices[row : row + 1]) for row in range(len(matrices))])
 
 
 def stability(values: Complex) -> str:

@@ -1,0 +1,77 @@
+"""The Poincaré section of a motion whose case names none: one that the motion has.
+
+The first contact coming to stick is tried first. A motion that is through without it is watched a
+little longer: the first of the other contacts that comes to stick decides or, failing that, one
+that is torn loose; where nothing sticks, the points at which the observed coordinate turns back.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fiv_cli.analyses.base import Outcome, Section
+from fiv_cli.codegen.codes import CODE_SLIP_MINUS, CODE_SLIP_PLUS, CODE_STICK, STICK
+from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.system import System
+
+OWN = "own"  # kind of the section that a case leaves to the motion
+MISSED = ("no_section_points", "slide_not_decided")  # reasons why another section may tell more
+SLIPS = (CODE_SLIP_PLUS, CODE_SLIP_MINUS)
+ROWS = 4096  # events looked at
+
+
+def first_section(system: System, observed: str) -> Section:
+    """The section that is tried first."""
+    sticks = any(STICK in state.kinds for state in system.generated.states.values())
+    return Section("event") if sticks else turning_points(system, observed)
+
+
+def is_missed(outcome: Outcome) -> bool:
+    """Whether a motion that goes on has not met its section."""
+    goes_on = outcome.values["attractor"] == "periodic" or outcome.reason in MISSED
+    return goes_on and not _points(outcome)
+
+
+def tells_more(found: Outcome, before: Outcome) -> bool:
+    """Whether the run by another section is the better answer."""
+    return found.values["attractor"] != "undecided" or before.reason == "no_section_points"
+
+
+def own_section(motion: Motion, observed: str, span: float) -> Section:
+    """A section that `motion` meets in its next `span` seconds.
+
+    Parameters
+    ----------
+    observed : state that is looked at
+    span : long enough for what repeats to come round
+    """
+    motion.keep_ledger(ROWS)
+    motion.run(motion.time + span)
+    before, after, contacts = motion.ledger.before, motion.ledger.after, motion.ledger.contacts
+    begun = np.isin(before, SLIPS) & (after == CODE_STICK)
+    ended = (before == CODE_STICK) & np.isin(after, SLIPS)
+    for event, happens in (("slip->stick", begun), ("stick->slip", ended)):
+        if happens.any():
+            return Section("event", event=event, contact=int(contacts[happens].min()) + 1)
+    return turning_points(motion.system, observed)
+
+
+def turning_points(system: System, observed: str) -> Section:
+    """Where the observed coordinate, or that of the observed velocity, is least."""
+    name = observed.removesuffix("_dot")
+    coordinate = name if name in system.coordinates else system.coordinates[0]
+    return Section("zero", state=f"{coordinate}_dot", direction="up")
+
+
+def recorded(outcome: Outcome, section: Section) -> Outcome:
+    """`outcome`, with what section its points lie on."""
+    if _points(outcome) and section.kind == "event":
+        kind = section.event.replace("->", "_to_")
+        outcome.values |= {"section_kind": kind, "section_contact": section.contact}
+    elif _points(outcome):
+        outcome.values["section_kind"] = "turning_point"
+    return outcome
+
+
+def _points(outcome: Outcome) -> int:
+    return len(outcome.ragged.get("section_value", ()))

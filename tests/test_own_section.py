@@ -1,0 +1,85 @@
+"""A case that names no section: the motion chooses one that it has, and the dataset says which."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fiv_cli import api
+from fiv_cli.analyses.base import Outcome
+from fiv_cli.case.identity import fingerprint
+from fiv_cli.flags import advice
+from fiv_cli.friction import laws_of
+from fiv_cli.models import all_models
+
+STICKS = {"event": "slip->stick"}
+STIFF_WALL = {"k1": 50.0, "D": 0.02}
+STIFF = {"F": 800.0, "k_nl": 1e7, "k4": 5e6, "k5": 5e6, "k6": 5e6, "mu_s": 3.0, "mu_k": 2.5}
+SHAKEN = {"v": 5.0, "u0": 0.5, "omega": 1.6, "c": 0.1}
+
+# model, law, start, options, parameters, state observed, section that the motion has
+CHOICES: list[Any] = [
+    ("belt-1dof", "coulomb", {"x": 10.0}, {}, {}, "x", STICKS),
+    ("belt-2mass", "coulomb", {"x2": 8.0}, {}, STIFF_WALL, "x2", STICKS | {"contact": 2}),
+    ("belt-5dof", "coulomb", {}, {"states": "slip"}, STIFF, "x1", "x1_dot"),
+    ("belt-1dof", "coulomb", {"x": 0.01}, {}, SHAKEN, "x", "x_dot"),
+    ("belt-1dof", "tanh of linear-slope", {"x": 1.0}, {}, {}, "x_dot", "x_dot"),
+]
+
+
+def bits(outcome: Outcome) -> Mapping[str, bytes]:
+    """Everything that a dataset keeps, but for what tells of the choice."""
+    stored = {**outcome.values, **outcome.ragged, "reason": outcome.reason}
+    chosen = ("section_kind", "section_contact")
+    return {n: np.asarray(v).tobytes() for n, v in stored.items() if n not in chosen}
+
+
+@pytest.mark.parametrize(("model", "law", "start", "options", "changes", "observe", "own"), CHOICES)
+def test_the_motion_is_told_what_a_case_that_names_its_section_is_told(
+    model: str, law: str, start: Any, options: Any, changes: Any, observe: str, own: Any
+) -> None:
+    def response(**settings: Any) -> Outcome:
+        asked = {"observe": observe, "t_max": 2000.0, **settings}
+        return api.analyse(model, law, "response", start, asked, options=options, **changes)
+
+    named = {"zero": own, "direction": "up"} if isinstance(own, str) else own
+    found = response()
+    assert found.values["attractor"] == "periodic" and len(found.ragged["section_value"])
+    assert bits(found) == bits(response(section=named))
+    kind = "turning_point" if isinstance(own, str) else "slip_to_stick"
+    contact = None if isinstance(own, str) else own.get("contact", 1)
+    assert (found.values["section_kind"], found.values.get("section_contact")) == (kind, contact)
+
+
+def test_where_nothing_goes_on_there_is_no_section() -> None:
+    found = api.analyse("belt-1dof", "coulomb", "response", {"x": 2.5}, c=0.1)
+    assert found.values["attractor"] == "equilibrium" and "section_kind" not in found.values
+
+
+def belt(**settings: Any) -> dict[str, Any]:
+    """A case of the simplest belt."""
+    analysis = {"kind": "response", **settings}
+    return {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [analysis]}
+
+
+def test_a_section_that_the_motion_chooses_is_another_case() -> None:
+    asked, named = (
+        fingerprint(api.load(belt(section={"event": e}))) for e in ("any", "slip->stick")
+    )
+    assert asked == fingerprint(api.load(belt())) != named
+
+
+@pytest.mark.parametrize("model", [m for m in all_models().values() if m.contacts])
+def test_what_an_undecided_motion_is_advised_passes_check(model: Any) -> None:
+    case = belt() | {"model": {"name": model.name}}
+    tanh = next((law.removeprefix("tanh of ") for law in laws_of(model) if "tanh" in law), None)
+    if tanh:
+        case["friction"] = {"law": "tanh", "of": tanh}
+    api.load(case)
+    assert '{ zero = "x_dot" } for a displacement x' in advice("no_section_points")
+    for state in model.states(model.default_options()):
+        case["analysis"] = [{"kind": "response", "section": {"zero": f"{state.name}_dot"}}]
+        api.load(case)
