@@ -189,6 +189,8 @@ def history(
     *,
     t_end: float | str | None = None,
     sample: float | str | None = None,
+    periods: float | None = None,
+    settled: bool = False,
     output: str | Path | None = None,
 ) -> xr.Dataset:
     """The full motion of one point of a case: states, forces, events.
@@ -198,6 +200,8 @@ def history(
     at : the point: axis -> value, and ``initial`` -> label; what has one value may be left out
     t_end, sample : end of the motion and interval of its samples, s (or ``"2 min"``); None: as
         the case has it
+    periods : of the steady state; the motion ends after so many, instead of at t_end
+    settled : begin where the steady state is reached
     output : dataset to write, if any
 
     Raises
@@ -220,12 +224,12 @@ def history(
     next: choose from v, initial
     """
     from fiv_cli.reading.datasets import read_analyses
-    from fiv_cli.sweep.motion import find_point, motion_settings, write_motion
+    from fiv_cli.sweep.motion import find_point, motion_settings, steady_part, write_motion
 
     point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
-    settings = motion_settings(t_end, sample)
+    settings, steady = motion_settings(t_end, sample), steady_part(periods, settled, t_end)
     with _computing(), _place(output) as path:
-        write_motion(point, settings, path, lambda sentence: None)
+        write_motion(point, settings, path, lambda sentence: None, steady)
         (dataset,) = read_analyses(path).values()
         return dataset
 
@@ -368,9 +372,11 @@ def analyse(
     setup = _setup(model, law, options or {}, solver.rtol)
     if kind.unsuited(setup.model):
         raise UsageError(f"{kind.unsuited(setup.model)}\nnext: choose another analysis")
+    known = _parameters(setup, parameters)
+    setup = replace(setup, structural={name: known[name] for name in setup.law.structural})
     begin = _start(setup, start or {}) if kind.uses_starts else None
     chosen = _settings(kind, setup, parameters, settings or {})
-    request = Request(setup, _parameters(setup, parameters), analysis, chosen, solver, begin)
+    request = Request(setup, known, analysis, chosen, solver, begin)
     with _computing():
         prepare([request], announce)
         return answer(request)
@@ -381,7 +387,7 @@ def _setup(
 ) -> Setup:
     """A setup of names that exist."""
     from fiv_cli.codegen.setup import Setup
-    from fiv_cli.friction import all_laws
+    from fiv_cli.friction import all_laws, why_unfit
     from fiv_cli.models import all_models
 
     if isinstance(model, str):
@@ -389,7 +395,11 @@ def _setup(
     if isinstance(law, str):
         law = pick(law, all_laws(), "friction law", "fiv models --laws")
     texts = {name: _option_text(model, name, value) for name, value in options.items()}
-    return Setup.of(model, law, texts, rtol=rtol)
+    setup = Setup.of(model, law, texts, rtol=rtol)
+    unfit = why_unfit(setup.model, setup.law) if setup.model.contacts else ""
+    if unfit:
+        raise UsageError(f"{unfit}\nnext: choose another law, see fiv models {setup.model.name}")
+    return setup
 
 
 def _option_text(model: Model, name: str, value: object) -> str:
