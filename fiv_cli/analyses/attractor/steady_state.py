@@ -371,9 +371,10 @@ class _Response:
             "transient_used": self.motion.time,
             "energy_residual": 0.0,
         }
-        for name, value in zip(self.system.state_names, state, strict=True):
+        for name, value in zip(self.system.motions, state, strict=False):
             values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": abs(value)}
-        return Outcome(values=values, carry=self._carry("equilibrium"))
+        carry = self._carry("equilibrium") | {"state": state.tolist()}
+        return Outcome(values=values, carry=carry)
 
     def _per_contact(self, value: float) -> Any:
         count = self.system.n_contacts
@@ -534,7 +535,7 @@ class _Response:
         }
         if self.rests.first is None:
             values["L_s"] = float("nan")
-        for i, name in enumerate(self.system.state_names):
+        for i, name in enumerate(self.system.motions):
             values[f"{name}_min"] = float(measures.least[i])
             values[f"{name}_max"] = float(measures.greatest[i])
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))
