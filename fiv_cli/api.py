@@ -368,9 +368,11 @@ def analyse(
     setup = _setup(model, law, options or {}, solver.rtol)
     if kind.unsuited(setup.model):
         raise UsageError(f"{kind.unsuited(setup.model)}\nnext: choose another analysis")
+    known = _parameters(setup, parameters)
+    setup = replace(setup, structural={name: known[name] for name in setup.law.structural})
     begin = _start(setup, start or {}) if kind.uses_starts else None
     chosen = _settings(kind, setup, parameters, settings or {})
-    request = Request(setup, _parameters(setup, parameters), analysis, chosen, solver, begin)
+    request = Request(setup, known, analysis, chosen, solver, begin)
     with _computing():
         prepare([request], announce)
         return answer(request)
@@ -381,7 +383,7 @@ def _setup(
 ) -> Setup:
     """A setup of names that exist."""
     from fiv_cli.codegen.setup import Setup
-    from fiv_cli.friction import all_laws
+    from fiv_cli.friction import all_laws, why_unfit
     from fiv_cli.models import all_models
 
     if isinstance(model, str):
@@ -389,7 +391,11 @@ def _setup(
     if isinstance(law, str):
         law = pick(law, all_laws(), "friction law", "fiv models --laws")
     texts = {name: _option_text(model, name, value) for name, value in options.items()}
-    return Setup.of(model, law, texts, rtol=rtol)
+    setup = Setup.of(model, law, texts, rtol=rtol)
+    unfit = why_unfit(setup.model, setup.law) if setup.model.contacts else ""
+    if unfit:
+        raise UsageError(f"{unfit}\nnext: choose another law, see fiv models {setup.model.name}")
+    return setup
 
 
 def _option_text(model: Model, name: str, value: object) -> str:

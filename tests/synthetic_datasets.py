@@ -166,6 +166,7 @@ def history(labels=("far", "near"), omega=9.0, t_end=8.0, sample=0.01):
             "theta_dot": (dims, -0.5 * phi_dot, {"units": "rad s-1", "symbol": r"\dot{\theta}"}),
             "F_T": (dims, 6.0 + 0 * phi, {"units": "N", "symbol": "F_T"}),
             "contact_state": flags(dims, states, CONTACT_STATES),
+            **ledger(time, states),
         },
         {
             "time": ("time", time, {"units": "s", "symbol": "t", "long_name": "time"}),
@@ -173,6 +174,20 @@ def history(labels=("far", "near"), omega=9.0, t_end=8.0, sample=0.01):
         },
         attributes(title="Two motions", reference="Figure 7.2"),
     )
+
+
+def ledger(time, states):
+    """Events midway between the samples at which each motion's contact state (a row) changes."""
+    motion, sample = np.nonzero(states[:, 1:] != states[:, :-1])
+    of_event = "event_obs"
+    sizes = np.bincount(motion, minlength=len(states)).astype(np.int32)
+    return {
+        "event_row_size": ("initial", sizes, {"sample_dimension": of_event}),
+        "event_time": (of_event, 0.5 * (time[sample] + time[sample + 1]), {"units": "s"}),
+        "event_contact": (of_event, np.ones(motion.size), {"units": "1"}),
+        "event_from": flags(of_event, states[motion, sample], CONTACT_STATES),
+        "event_to": flags(of_event, states[motion, sample + 1], CONTACT_STATES),
+    }
 
 
 def spectra(labels=("near", "far"), points=12):

@@ -24,7 +24,16 @@ from fiv_cli.analyses.cycles.branch import (
     first_point,
 )
 from fiv_cli.analyses.cycles.first_guess import Returns, near_returns
-from fiv_cli.analyses.cycles.periodic import Anchor, Problem, _closed, begin, close, newton, passage
+from fiv_cli.analyses.cycles.periodic import (
+    Anchor,
+    Equations,
+    Problem,
+    _closed,
+    begin,
+    close,
+    newton,
+    passage,
+)
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
 from fiv_cli.codegen.codes import CODE_NAMES, CODE_STICK, SEPARATION, SLIP, STICK
@@ -505,18 +514,29 @@ def test_a_cycle_is_followed_from_neighbour_to_neighbour() -> None:
 
 
 # --- parts ---------------------------------------------------------------------------------------
+def root_of(conditions: Any, start: Any, *known: Any, **reach: float) -> Any:
+    """What Newton's method finds of conditions that give values and a derivative; None: nothing."""
+
+    def equations(u: Any) -> Equations:
+        values, derivative = conditions(u)
+        return Equations(values, derivative, None)  # type: ignore[arg-type]
+
+    found = newton(equations, np.array(start), *known, **reach)
+    return None if found is None else found[0]
+
+
 def test_newton_finds_a_root_or_says_so() -> None:
     def circle_and_line(u: Any) -> Any:
         values = np.array([u @ u - 2.0, u[0] - u[1]])
         return values, lambda: np.array([2 * u, [1.0, -1.0]])
 
-    root = newton(circle_and_line, np.array([3.0, 0.5]))
-    np.testing.assert_allclose(root, [1.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(root_of(circle_and_line, [3.0, 0.5]), [1.0, 1.0], atol=1e-9)
+    assert root_of(circle_and_line, [3.0, 0.5], reach=1.0) is None
 
     def nothing(u: Any) -> Any:
         return np.array([u @ u + 1.0]), lambda: 2 * u[None, :]
 
-    assert newton(nothing, np.array([3.0])) is None
+    assert root_of(nothing, [3.0]) is None
 
 
 def test_newton_asks_for_a_jacobian_only_where_a_step_is_taken_from() -> None:
@@ -531,14 +551,13 @@ def test_newton_asks_for_a_jacobian_only_where_a_step_is_taken_from() -> None:
         tried.append(u[0])
         return np.arctan(10.0 * u), jacobian
 
-    root = newton(bent, np.array([0.19]))
-    np.testing.assert_allclose(root, 0.0, atol=1e-9)
+    np.testing.assert_allclose(root_of(bent, [0.19]), 0.0, atol=1e-9)
     assert len(taken) < len(tried)
     assert np.all(np.diff(np.abs(taken)) < 0.0)
 
 
 def test_newton_with_a_derivative_from_nearby_takes_none_of_its_own() -> None:
-    """... where that does; from afar it does. And a root beyond its reach is none."""
+    """... where that one does; from afar it does."""
     derived = []
 
     def circle_and_line(u: Any) -> Any:
@@ -548,12 +567,11 @@ def test_newton_with_a_derivative_from_nearby_takes_none_of_its_own() -> None:
 
         return np.array([u @ u - 2.0, u[0] - u[1]]), jacobian
 
-    nearby, start = np.linalg.inv([[2.4, 1.8], [1.0, -1.0]]), np.array([1.1, 0.95])
-    np.testing.assert_allclose(newton(circle_and_line, start, nearby), [1.0, 1.0], atol=1e-9)
+    nearby, start = np.linalg.inv([[2.4, 1.8], [1.0, -1.0]]), [1.1, 0.95]
+    np.testing.assert_allclose(root_of(circle_and_line, start, nearby), [1.0, 1.0], atol=1e-9)
     assert not derived
-    np.testing.assert_allclose(newton(circle_and_line, start, -nearby), [1.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(root_of(circle_and_line, start, -nearby), [1.0, 1.0], atol=1e-9)
     assert derived
-    assert newton(circle_and_line, start, nearby, reach=0.1) is None
 
 
 def test_near_returns_are_ranked_by_their_distance() -> None:

@@ -25,6 +25,7 @@ from fiv_cli.data.shard import (
     write_shard,
 )
 from fiv_cli.errors import StorageError
+from fiv_cli.flags import STATUS
 from fiv_cli.models import get_model
 
 VARIABLES = variables_of("response", get_model("belt-1dof"), {}, {})
@@ -84,6 +85,13 @@ def test_a_count_that_is_not_a_number_is_not_computed() -> None:
     packed = pack([outcome], keys(1), VARIABLES)
     assert packed.values["multiplicity"].tolist() == [INT_FILL]
     assert packed.values["n_events"].tolist() == [3]
+
+
+def test_rows_given_as_a_value_fail_their_point() -> None:
+    """They were dropped: what an analysis of one's own has computed was not there."""
+    packed = pack([Outcome(values={"section_value": np.zeros(3)})], keys(1), VARIABLES)
+    assert packed.status.tolist() == [STATUS.codes["failed"]]
+    assert "section_value is ragged: it goes into Outcome.ragged" in packed.messages[0]
 
 
 @pytest.mark.parametrize("keep", [0, 1, 100, 0.5, 0.9, -1])

@@ -18,6 +18,7 @@ from fiv_cli.codegen.codes import CODE_STICK
 from fiv_cli.dynamics import motion as dynamics_motion
 from fiv_cli.dynamics.motion import Motion, Stop, next_stride, samples_at
 from fiv_cli.dynamics.settings import Section
+from fiv_cli.errors import UsageError
 
 EVENTS = 50  # events for which two computations must agree one by one
 FORCED = {"u0": 0.5, "omega": 1.2}
@@ -420,15 +421,17 @@ def test_a_velocity_section_on_an_event(direction: str, count: int) -> None:
 def test_stroboscopic_sections() -> None:
     begun = motion("belt-1dof", **FORCED)
     interval = 2 * pi / 1.2
-    begun.frame.next_phase = interval
     found, _ = section_points(begun, Section("phase"), 10, interval)
     np.testing.assert_allclose(found, interval * np.arange(1, 11), rtol=1e-14)
+    shifted, _ = section_points(begun, Section("phase", phase=pi), 3, interval)
+    np.testing.assert_allclose(shifted, interval * (10.5 + np.arange(3)), rtol=1e-14)
+    with pytest.raises(UsageError, match="phase_interval"):
+        begun.run(1e3, Section("phase"))
 
 
 def test_a_stroboscopic_instant_on_an_event() -> None:
     """The mass is released after exactly 1 s, where the section lies."""
     begun = motion("belt-1dof", start={"x": 3.0, "x_dot": 1.0})
-    begun.frame.next_phase = 1.0
     found, states = section_points(begun, Section("phase"), 3, 1.0)
     np.testing.assert_allclose(found, [1.0, 2.0, 3.0], rtol=1e-12)
     np.testing.assert_allclose(states[0], [4.0, 1.0], rtol=1e-12)

@@ -24,6 +24,7 @@ from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
 
 AT_A_JUMP = "a mode turns stable, at a jump"
+SLIP_PLUS, SLIP_MINUS = r"slip+ ($v_\mathrm{rel} > 0$)", r"slip- ($v_\mathrm{rel} < 0$)"
 REST_ABOVE = "periodic below, equilibrium above"
 UNDECIDED_ABOVE = "periodic below, undecided above"
 
@@ -503,16 +504,22 @@ def test_a_history_has_every_sample_and_shades_every_contact_state():
     drawn = draw(dataset, figure("history"))
     assert len(drawn.axes) == 4
     top = drawn.axes[0]
-    assert np.array_equal(top.lines[0].get_ydata(), dataset["phi"].sel(initial="far"))
+    x, y = top.lines[0].get_data()
+    samples = np.isin(x, dataset["time"])
+    assert np.array_equal(y[samples], dataset["phi"].sel(initial="far"))
     transitions = np.count_nonzero(np.diff(dataset["contact_state"].sel(initial="far")))
     assert len(top.patches) == transitions + 1
     assert top.get_ylabel() == r"$\varphi$ (rad)"
     assert drawn.axes[2].get_xlabel() == "time $t$ (s)"
-    assert legend_texts(drawn) == ["slip+", "slip-", "stick"]
+    assert legend_texts(drawn) == [SLIP_PLUS, SLIP_MINUS, "stick"]
+
+
+def without_events(dataset):
+    return dataset.drop_vars([name for name in dataset if name.startswith("event_")])
 
 
 def with_ledger():
-    dataset = data.history()
+    dataset = without_events(data.history())
     dataset["event_row_size"] = ("initial", [3, 1], {"sample_dimension": "event_obs"})
     dataset["event_time"] = ("event_obs", [1.0, 1.001, 2.5, 3.0], {"units": "s"})
     dataset["event_contact"] = ("event_obs", [1, 1, 1, 1], {"units": "1"})
@@ -531,7 +538,7 @@ def test_shades_follow_the_event_ledger_where_there_is_one():
     end = float(dataset["time"][-1])
     assert np.ravel(far) == pytest.approx([0, 1, 1, 1.001, 1.001, 2.5, 2.5, end])
     assert np.ravel(near) == pytest.approx([0, 3, 3, end])
-    assert legend_texts(drawn) == ["slip+", "slip-", "stick"]
+    assert legend_texts(drawn) == [SLIP_PLUS, SLIP_MINUS, "stick"]
 
 
 def test_a_ledger_without_a_known_sample_shades_nothing():
@@ -545,7 +552,7 @@ def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():
     for name in ("phi", "phi_dot", "theta", "theta_dot"):
         dataset[name][1, 300:] = np.nan
     ended = draw(dataset, figure("history")).axes[1]
-    assert ended.lines[0].get_xdata().size == 300
+    assert np.isin(ended.lines[0].get_xdata(), dataset["time"]).sum() == 300
     assert max(p.get_x() + p.get_width() for p in ended.patches) < 3.0
 
 
@@ -563,19 +570,55 @@ def test_a_phase_portrait_is_coloured_by_contact_state_without_gaps():
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\varphi$ (rad)", r"$\dot{\varphi}$ (rad/s)")
     collections = [c for c in ax.collections if isinstance(c, LineCollection)]
     segments = [segment for c in collections for segment in c.get_segments()]
-    # stretches share the sample at which one ends and the next begins
-    assert sum(len(s) - 1 for s in segments) == dataset.sizes["time"] - 1
+    begins, ends = ({tuple(np.round(s[at], 12)) for s in segments} for at in (0, -1))
+    assert len(begins ^ ends) == 2  # where the motion begins and ends; else one meets the next
     assert len({tuple(c.get_colors()[0]) for c in collections}) == 3
-    assert legend_texts(drawn) == ["slip+", "slip-", "stick", "start"]
+    assert legend_texts(drawn) == [SLIP_PLUS, SLIP_MINUS, "stick", "start"]
 
 
-def test_steps_into_and_out_of_stick_have_the_colour_of_slip():
-    drawn = draw(data.history(labels=("far",)), figure("phase"))
-    (ax,) = drawn.axes
-    (stick,) = [c for c in ax.collections if c.get_label() == "stick"]
-    states = data.history(labels=("far",))["contact_state"].values.ravel()
-    within = np.count_nonzero((states[1:] == 2) & (states[:-1] == 2))
-    assert sum(len(segment) - 1 for segment in stick.get_segments()) == within
+def sawtooth(sample):
+    """A mass that is braked and driven in turn, from 0.5 s on each second: F_T is 3 N or -1 N."""
+    time = np.arange(0.0, 5.0, sample)
+    kicks = np.arange(0.5, 5.0)
+    driven = np.searchsorted(kicks, time) % 2 == 1
+    knots = np.append(0.0, kicks)
+    pushes = np.where(np.arange(knots.size) % 2 == 1, 3.0, -1.0)
+    speeds = np.append(0.0, np.cumsum(pushes[:-1] * np.diff(knots)))
+    piece = np.searchsorted(kicks, time)
+    since = time - knots[piece]
+    ways = np.append(
+        0.0, np.cumsum(speeds[:-1] * np.diff(knots) + 0.5 * pushes[:-1] * np.diff(knots) ** 2)
+    )
+    dataset = without_events(data.history(labels=("far",))).isel(time=slice(len(time)))
+    states = np.where(driven, "slip+", "slip-")[None]
+    found = dataset.assign_coords(time=("time", time)).assign(
+        phi=(
+            ("initial", "time"),
+            (ways[piece] + speeds[piece] * since + 0.5 * pushes[piece] * since**2)[None],
+        ),
+        phi_dot=(("initial", "time"), (speeds[piece] + pushes[piece] * since)[None]),
+        F_T=(("initial", "time"), pushes[piece][None]),
+        contact_state=data.flags(("initial", "time"), states, data.CONTACT_STATES),
+        **data.ledger(time, states),
+    )
+    found["event_time"][:] = kicks
+    return found, np.column_stack([ways[1:], speeds[1:]])
+
+
+@pytest.mark.parametrize("sample", [0.09, 0.31])
+def test_motions_are_drawn_through_the_instants_of_their_events(sample):
+    """Jumps of the friction force stand upright there, and a phase portrait has its corners."""
+    dataset, corners = sawtooth(sample)
+    (ax,) = draw(dataset, figure("history", variable="F_T")).axes
+    time, force = ax.lines[0].get_data()
+    jumps = np.flatnonzero(np.diff(force))
+    np.testing.assert_array_equal(time[jumps], time[jumps + 1])
+    np.testing.assert_array_equal(time[jumps], np.arange(0.5, 5.0))
+    (ax,) = draw(dataset, figure("phase")).axes
+    segments = [s for c in ax.collections for s in c.get_segments()]
+    ends = np.array(sorted((s[-1] for s in segments if len(s) > 2), key=lambda p: p[0]))
+    for corner in corners:
+        np.testing.assert_allclose(np.min(np.abs(ends - corner).max(axis=1)), 0.0, atol=1e-12)
 
 
 def test_a_phase_portrait_of_other_states():
@@ -609,7 +652,10 @@ def test_motions_need_a_history_and_a_choice():
         with pytest.raises(UsageError, match="no motion"):
             draw(data.bifurcation(), figure(kind))
     many = xr.concat(
-        [data.history().assign_coords(initial=[f"{n}-a", f"{n}-b"]) for n in range(3)],
+        [
+            without_events(data.history()).assign_coords(initial=[f"{n}-a", f"{n}-b"])
+            for n in range(3)
+        ],
         "initial",
         data_vars="minimal",
     )

@@ -163,6 +163,21 @@ def test_a_chain_may_start_again_where_it_was_lost(tmp_path: Path) -> None:
     assert (last.sel(initial="up") == last.sel(initial="far")).all()
 
 
+def test_a_chain_may_go_on_whatever_its_class(tmp_path: Path) -> None:
+    text = sweep_fakes.CHAIN.replace('from = "far"', 'from = "far"\non_loss = "go-on"')
+    sweep(tmp_path / "a.nc", text)
+    up = read_datasets(tmp_path / "a.nc")[""].sel(initial="up", v=1.0)
+    assert up["attractor"].values.tolist() == [1, 1, 1, 1, 1, 1, 3, 3]
+    before = float(np.sqrt(up["L_s"][6])) * np.sign(np.sin(7 * 1.7 + 1.0))
+    assert float(up["L_s"][7]) == pytest.approx((np.sin(8 * 1.7 + 1.0) + 0.1 * before) ** 2)
+    for more in ({"max_points": 13}, {}):
+        sweep(tmp_path / "cut.nc", text, **more)
+    assert (tmp_path / "cut.nc").read_bytes() == (tmp_path / "a.nc").read_bytes()
+    sweep(tmp_path / "ended.nc", text, executor="sweep_fakes:ended")
+    up = read_datasets(tmp_path / "ended.nc")[""].sel(initial="up", v=1.0)
+    assert up["status"].values.tolist() == [0, 0, 0, 0, 4, 4, 4, 4]
+
+
 @pytest.mark.parametrize("on_loss", ["stop", "restart"])
 def test_a_chain_goes_through_points_that_could_not_be_told(tmp_path: Path, on_loss: str) -> None:
     """It hands on their states, and ends where the class changes from what was told before."""

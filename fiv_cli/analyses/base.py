@@ -74,6 +74,8 @@ class Start:
     values : state name -> SI value; velocities carry the suffix ``_dot``
     carried : what the neighbour's `Outcome.carry` held, for "continue"
     named : state -> parameter whose value it takes, among `values`
+    from_rest : whether a motion that came to rest goes on from there, plus `values`, and not from
+        the equilibrium that this point has
     """
 
     label: str
@@ -81,6 +83,7 @@ class Start:
     values: Mapping[str, float] = field(default_factory=dict)
     carried: Mapping[str, Any] | None = None
     named: Mapping[str, str] = field(default_factory=dict)
+    from_rest: bool = False
 
     def at(self, parameters: Mapping[str, float]) -> Start:
         """The same start where the parameters have other values."""

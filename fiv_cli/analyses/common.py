@@ -30,9 +30,12 @@ def start_motion(system: System, request: Request, equilibrium: Vector | None) -
     assert start is not None
     begin = partial(Motion, system, request.parameters, request.solver)
     if start.kind == "continue" and start.carried is not None:
-        if start.carried["attractor"] != "equilibrium":
+        rested = start.carried["attractor"] == "equilibrium"
+        if start.from_rest or not rested:
             sticking = tuple(bool(s) for s in start.carried["sticking"])
-            return begin(np.array(start.carried["state"], dtype=float), sticking=sticking)
+            state = np.array(start.carried["state"], dtype=float)
+            begun = state + system.state_vector(start.values) if rested else state
+            return begin(begun, sticking=sticking)
     elif start.kind == "state":
         return begin(start.values)
     if equilibrium is None:

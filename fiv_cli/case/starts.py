@@ -10,6 +10,7 @@ from fiv_cli.case.case import Axis, StartSpec
 from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics, counterpart, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
+from fiv_cli.case.start_table import rows_in
 from fiv_cli.case.structure import InitialTable
 from fiv_cli.notation.names import ascii_name, axis_name, listed
 from fiv_cli.notation.units import convert
@@ -21,9 +22,11 @@ _KEYS_OF_KIND = {
     "equilibrium": {"offset"},
     "state": {"state"},
     "random": {"count", "seed", "box"},
+    "table": {"states", "file"},
     "continue": {"along", "direction", "from", "on_loss", "offset"},
 }
 _COMMON_KEYS = {"label", "kind"}
+ONE_OF = 'states = [{ STATE = value, ... }, ...], or file = "starts.csv"'
 
 
 def read_starts(
@@ -42,14 +45,16 @@ def read_starts(
 
 def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -> StartSpec:
     _refuse_foreign_keys(table, place, report)
+    rows = _rows(table, place, physics, report) if table.kind == "table" else ()
     return StartSpec(
         label=table.label if table.label is not None else table.kind,
         kind=table.kind,
         offset=_numbers(table.offset, physics, (*place, "offset"), report),
         state=_state(table.state, physics, (*place, "state"), report),
-        count=table.count,
+        count=len(rows) or table.count,
         seed=table.seed,
         box=_box(table, physics, place, report),
+        rows=rows,
         along=axis_name(table.along or ""),
         direction=table.direction,
         from_label=table.from_label or "",
@@ -85,6 +90,17 @@ def _numbers(
         with report.noting(key_place, f"a number in {unit}"):
             found[name] = convert(value, unit)
     return found
+
+
+def _rows(
+    table: InitialTable, place: Path, physics: Physics, report: Report
+) -> tuple[dict[str, float], ...]:
+    """The starts of a table, in the case or in a file."""
+    if bool(table.states) == bool(table.file):
+        report.add(place, "a table of starts needs its states, or a file", ONE_OF)
+    places = (((*place, "states", number), row) for number, row in enumerate(table.states))
+    given = rows_in(table.file, (*place, "file"), physics, report) if table.file else places
+    return tuple(_numbers(row, physics, row_place, report) for row_place, row in given)
 
 
 def _state(

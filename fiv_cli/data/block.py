@@ -230,7 +230,7 @@ def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
     values = {
         name: _column(columns, name, False).converted(value)
         for name, value in outcome.values.items()
-        if (name, True) not in columns  # a summary of what a ragged variable holds row by row
+        if not _sums_up(name, value, columns)
     }
     rows = {
         name: _column(columns, name, True).converted(value)
@@ -238,6 +238,21 @@ def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
     }
     _check_rows(rows, columns)
     return Outcome(outcome.status, outcome.reason, values, rows, outcome.message)
+
+
+def _sums_up(name: str, value: Any, columns: _Columns) -> bool:
+    """Whether a value is the summary of what a ragged variable holds row by row: not stored.
+
+    Raises
+    ------
+    TypeError
+        it is the rows themselves.
+    """
+    if (name, True) not in columns:
+        return False
+    if np.ndim(value) > 0:
+        raise TypeError(f"{name} is ragged: it goes into Outcome.ragged, not into Outcome.values")
+    return True
 
 
 def _column(columns: _Columns, name: str, ragged: bool) -> _Column:

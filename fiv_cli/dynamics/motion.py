@@ -28,6 +28,7 @@ from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
+from fiv_cli.errors import UsageError
 from fiv_cli.schedule import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
@@ -331,11 +332,17 @@ class Motion:
         samples : filled where its times are reached
         measuring : whether `measures` are integrated
         phase_interval : period of the excitation, s, for a stroboscopic section
+
+        Raises
+        ------
+        UsageError : a stroboscopic section without a period
         """
         frame = self.frame
         frame.first_step = 0.0  # another motion may have used the scratch arrays
         frame.n_sections = 0
         frame.words[SECTION_WORDS] = section_words(self.system, section)
+        if section is not None and section.kind == "phase":
+            frame.next_phase = self._next_phase(section.phase, phase_interval)
         self._fill_sections(*sections or self._no_sections())
         self._fill_samples(samples or no_samples(self.system))
 
@@ -346,6 +353,16 @@ class Motion:
             self._pass_kink()
         stop = self._advance(t_stop, measuring, phase_interval)
         return stop if stop == Stop.REACHED else self._stuck(stop)
+
+    def _next_phase(self, phase: float, period: float) -> float:
+        """The next instant of a stroboscopic section; one that is now has been passed."""
+        if not period > 0.0:
+            raise UsageError(
+                f"phase_interval={period}: a section at a phase of the excitation has no period\n"
+                "next: give the period of the excitation, s"
+            )
+        offset = phase / (2 * np.pi) * period
+        return float(offset + (np.floor((self.time - offset) / period + 1e-9) + 1) * period)
 
     def _stuck(self, stop: Stop) -> Stop:
         """`stop`, or what it is that leaves no contact state."""

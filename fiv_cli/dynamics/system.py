@@ -174,6 +174,11 @@ class System:
             known |= self.setup.model.derived.values(known, self.setup.options)
         return known | {rate_of(name): 0.0 for name in self.setup.schedule.names}
 
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """The displacements and velocities: the states but for those of the friction law."""
+        return self.state_names[: 2 * len(self.coordinates)]
+
     @cached_property
     def places(self) -> Mapping[str, int]:
         """Name of an entry of the state vector -> its place."""

@@ -43,17 +43,19 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     values = motion.of_contact(one.data[name], settings)
     if "point" in one.data[name].dims:
         for curve, label in zip(values, motion.places(one), strict=True):
-            ax.plot(one.time, curve, lw=0.9, rasterized=many, label=label)
+            ax.plot(one.drawn_time, one.drawn(name, curve), lw=0.9, rasterized=many, label=label)
         ax.legend(loc="upper right")
     else:
-        ax.plot(one.time, values, color=style.BLACK, lw=0.9, rasterized=many)
+        shown = one.drawn(name, values)
+        ax.plot(one.drawn_time, shown, color=style.BLACK, lw=0.9, rasterized=many)
     ax.margins(x=0)
     points.scale(ax, settings)
 
 
 def _legend(figure: Figure, states: Sequence[str]) -> None:
     handles = [
-        Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=state) for state in states
+        Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=motion.CONTACT_STATES[state])
+        for state in states
     ]
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,15 @@ if TYPE_CHECKING:
 
 MOST_MOTIONS = 4
 MOST_OVERLAID = 20
-CONTACT_STATES = ("slip+", "slip-", "stick", "separation")
+# The contact states in their fixed order, and what they are called in legends.
+CONTACT_STATES = {
+    "slip+": r"slip+ ($v_\mathrm{rel} > 0$)",
+    "slip-": r"slip- ($v_\mathrm{rel} < 0$)",
+    "stick": "stick",
+    "separation": "separation",
+}
+# What jumps where a contact changes; all else does so at an impact only.
+JUMPING = ("F_T", "F_N", "friction_power", "drive_power", "other_power")
 
 
 @dataclass(frozen=True)
@@ -33,12 +42,77 @@ class Event:
 
 @dataclass(frozen=True)
 class Motion:
-    """One motion: `label` names what tells it from the others; `time` in s, without padding."""
+    """One motion: `label` names what tells it from the others; `time` in s, without padding.
+
+    Its `events` are those between the first sample and the last.
+    A motion is drawn through its events too: each instant stands twice in `drawn_time`, for what is
+    before and what is after it.
+    """
 
     label: str
     time: np.ndarray
     data: xr.Dataset
     events: tuple[Event, ...]
+
+    @cached_property
+    def instants(self) -> np.ndarray:
+        """The instants of events, s, without repetition."""
+        return np.unique([event.time for event in self.events])
+
+    @cached_property
+    def drawn_time(self) -> np.ndarray:
+        """The samples and, twice, each instant, s."""
+        return np.insert(self.time, *self._pairs(self.instants, self.instants))
+
+    def _pairs(self, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where both values at each instant come among the samples, and these."""
+        places = np.searchsorted(self.time, self.instants, "right")
+        return np.repeat(places, 2), np.stack([before, after], axis=-1).reshape(-1)
+
+    def drawn(self, name: str, values: np.ndarray) -> np.ndarray:
+        """Values of a variable over `drawn_time`.
+
+        At an event those before and after it, each as the samples of its side lead there; their
+        mean where the variable does not jump.
+        """
+        if not self.instants.size:
+            return values
+        rates = self.data[f"{name}_dot"].values if f"{name}_dot" in self.data else None
+        before, after = (self._beside(values, side, rates) for side in (-1, 1))
+        if name not in JUMPING:
+            impacts = [e.time for e in self.events if e.before == "separation" and rates is None]
+            mean, jumps = 0.5 * (before + after), np.isin(self.instants, impacts)
+            before, after = np.where(jumps, before, mean), np.where(jumps, after, mean)
+        return np.insert(values, *self._pairs(before, after))
+
+    def _beside(self, values: np.ndarray, side: int, rates: np.ndarray | None = None) -> np.ndarray:
+        """Values at the instants as led there from the samples before (-1) or after (1) each.
+
+        Along the parabola through the three nearest or, of what has known rates of change, along
+        the rate. Fewer without an event between them make a line, or one value; where there is
+        none, a line leads from the last sample before to the first after.
+        """
+        time, instants = self.time, self.instants
+        stretch = np.searchsorted(instants, time)  # between the same two events: the same number
+        own = np.arange(instants.size) + (side > 0)
+        near = np.searchsorted(time, instants, "right") - (side < 0)
+        ahead = instants - time[near]
+        if rates is None:
+            second, third = (np.clip(near + n * side, 0, time.size - 1) for n in (1, 2))
+            two, three = stretch[second] == own, (stretch[third] == own) & (third != second)
+            line = _ratio(values[second] - values[near], time[second] - time[near], two)
+            next_ = _ratio(values[third] - values[second], time[third] - time[second], three)
+            bend = _ratio(next_ - line, time[third] - time[near], three)
+            along = values[near] + line * ahead + bend * ahead * (instants - time[second])
+        else:
+            along = values[near] + 0.5 * (rates[near] + self._beside(rates, side)) * ahead
+        return np.where(stretch[near] == own, along, np.interp(instants, time, values))
+
+
+def _ratio(above: np.ndarray, below: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Divided differences; 0 where there is none."""
+    known &= below != 0.0
+    return np.where(known, above / np.where(known, below, 1.0), 0.0)
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -79,8 +153,9 @@ def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) ->
     time = data["time"].values
     known = np.isfinite(time) & np.isfinite(data[displacements(dataset)[0]].values)
     known &= (begin <= time) & (time <= end)
-    ledger = tuple(_events(dataset, line, begin, end))
-    return Motion(line.label, time[known], data.isel(time=np.flatnonzero(known)), ledger)
+    kept = time[known]
+    ledger = tuple(_events(dataset, line, kept[0], kept[-1])) if kept.size else ()
+    return Motion(line.label, kept, data.isel(time=np.flatnonzero(known)), ledger)
 
 
 def _events(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Iterator[Event]:
@@ -138,34 +213,23 @@ def places(motion: Motion) -> list[str]:
     return [rf"$r$ = {r:g} m, $\theta$ = {a:.4g} rad" for r, a in zip(radii, angles, strict=True)]
 
 
-def contact_runs(motion: Motion, settings: points.Settings) -> Iterator[tuple[str, int, int]]:
-    """(contact state, first sample, last sample + 1) of each stretch without a transition."""
-    states = motion.data["contact_state"]
-    names = flag_names(states.attrs)
-    codes = of_contact(states, settings)
-    if codes.size == 0:
-        return
-    starts = [0, *(np.flatnonzero(np.diff(codes)) + 1).tolist()]
-    for first, last in zip(starts, [*starts[1:], codes.size], strict=True):
-        yield names.get(int(codes[first]), "unknown"), first, last
-
-
 def contact_spans(motion: Motion, settings: points.Settings) -> Iterator[tuple[str, float, float]]:
-    """(contact state, begin, end in s): from the event ledger, else between samples.
+    """(contact state, begin, end in s) of each stretch between two changes in the event ledger.
 
     None of a motion without a known sample, whatever its ledger holds.
     """
+    if not motion.time.size:
+        return
     contact = int(settings.get("contact", 1))
     events = [event for event in motion.events if event.contact == contact]
-    if not events or not motion.time.size:
-        for state, first, last in contact_runs(motion, settings):
-            # a stretch reaches to the sample after it, where the next one begins
-            yield state, motion.time[first], motion.time[min(last, motion.time.size - 1)]
-        return
     changes = [event for event in events if event.before != event.after]  # bounces change nothing
+    sampled = motion.data["contact_state"]
+    first = flag_names(sampled.attrs).get(int(of_contact(sampled, settings)[0]), "unknown")
     borders = [motion.time[0], *(event.time for event in changes), motion.time[-1]]
-    states = [events[0].before, *(event.after for event in changes)]
-    yield from zip(states, borders[:-1], borders[1:], strict=True)
+    states = [changes[0].before if changes else first, *(event.after for event in changes)]
+    for state, begin, end in zip(states, borders[:-1], borders[1:], strict=True):
+        if begin < end:
+            yield state, begin, end
 
 
 def states_present(every: Sequence[Motion], settings: points.Settings) -> list[str]:

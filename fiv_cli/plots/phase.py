@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 suits = motion.suits
+FEWEST_SMOOTH = 4  # samples of a stretch that a spline is put through
+FINER = 6
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
@@ -50,11 +52,13 @@ def _states(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, str]:
 
 
 def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: points.Settings) -> None:
-    x, y = (motion.of_contact(one.data[name], settings) for name in names)
+    x, y = (one.drawn(name, motion.of_contact(one.data[name], settings)) for name in names)
     path = np.column_stack([x, y])
     stretches: dict[str, list[np.ndarray]] = {}
-    for state, first, last in _joined_runs(list(motion.contact_runs(one, settings))):
-        stretches.setdefault(state, []).append(path[first:last])
+    for state, begin, end in motion.contact_spans(one, settings):
+        first, last = np.searchsorted(one.drawn_time, (begin, end))
+        part = slice(first, last + 1)
+        stretches.setdefault(state, []).append(_smooth(one.drawn_time[part], path[part]))
     many = one.time.size > style.MANY_MARKS
     for state, pieces in stretches.items():
         ax.add_collection(
@@ -70,22 +74,29 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
     points.scale(ax, settings)
 
 
-def _joined_runs(runs: list[tuple[str, int, int]]) -> Iterator[tuple[str, int, int]]:
-    """The runs, each prolonged so that they meet.
+def _smooth(time: np.ndarray, path: np.ndarray) -> np.ndarray:
+    """The path through its samples, smooth and without overshoot between any two events."""
+    corners = np.flatnonzero(np.diff(time) <= 0.0) + 1
+    pieces = zip(np.split(time, corners), np.split(path, corners), strict=True)
+    return np.concatenate([_spline(*piece) for piece in pieces])
 
-    The step from one run to the next goes to the one that slips, for what sticks moves straight
-    on at constant velocity; between two that slip it goes to the first.
-    """
-    states = [None, *(state for state, _, _ in runs), None]
-    for number, (state, first, last) in enumerate(runs, start=1):
-        before, after = states[number - 1], states[number + 1]
-        takes_before = before == "stick" != state
-        takes_after = after is not None and not (state == "stick" != after)
-        yield state, first - takes_before, last + takes_after
+
+def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
+    if time.size < FEWEST_SMOOTH:
+        return path
+    from scipy.interpolate import PchipInterpolator
+
+    between = np.linspace(0.0, 1.0, FINER, endpoint=False)
+    fine = np.append((time[:-1, None] + between * np.diff(time)[:, None]).ravel(), time[-1])
+    smooth: np.ndarray = PchipInterpolator(time, path)(fine)
+    return smooth
 
 
 def _legend(figure: Figure, states: Sequence[str], with_start: bool) -> None:
-    handles = [Line2D([], [], color=style.CLASSES[state], label=state) for state in states]
+    handles = [
+        Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state])
+        for state in states
+    ]
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
     handles += [start] * with_start
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Points, Request, Start, requirements
-from fiv_cli.case.case import AnalysisSpec, Axis, Case
+from fiv_cli.case.case import SEVERAL, AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
@@ -190,7 +190,7 @@ class AnalysisPlan:
     def _any_start(self, values: Values) -> Start | None:
         """One start where all are given states; None where one needs more than its numbers."""
         entries = [entry for entry in self.template.entries if entry is not None]
-        given = entries and all(entry.spec.kind in ("state", "random") for entry in entries)
+        given = entries and all(entry.spec.kind in ("state", *SEVERAL) for entry in entries)
         return resolve_start(self.template, values, entries[0]) if given else None
 
     def _structural(self, axes: list[Axis]) -> set[str]:

@@ -199,8 +199,9 @@ def lost_point(task: Task, reason: str, message: str) -> Result:
     entry = task.template.entries[segment.entry]
     key = point_key(task.template, segment.values[0], entry, segment.previous)
     outcome = Outcome("failed", reason, message=message)
-    continues = entry is not None and entry.spec.kind == "continue"
-    state = _next_state(outcome, segment.state) if continues else None
+    state = None
+    if entry is not None and entry.spec.kind == "continue":
+        state = _next_state(outcome, segment.state, entry)
     carries = {} if state is None else {0: state.plain()}
     states = {} if state is None else {0: state}
     return Result(pack([outcome], [key], task.variables, carries), 0.0, states)
@@ -233,7 +234,7 @@ def _run_segment(
         if entry is None or entry.spec.kind != "continue":
             yield outcome, key, None
             continue
-        state, previous = _next_state(outcome, state), key
+        state, previous = _next_state(outcome, state, entry), key
         yield outcome, key, state
 
 
@@ -288,9 +289,10 @@ def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
     return on_all_states(outcome, model, options, template.options, variables)
 
 
-def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
+def _next_state(outcome: Outcome, before: ChainState | None, entry: StartEntry) -> ChainState:
     """State of a chain after a point; the class is lost when it changes or nothing is carried.
 
+    A chain that goes on whatever its class ends only where nothing is carried.
     A point that is undecided, its motion going on when its time was up, ends nothing: the class
     followed stays that of the points before it. A point that failed for an outer reason is run
     again on resume; until then nothing behind it is run, so that what stands behind it never
@@ -299,7 +301,8 @@ def _next_state(outcome: Outcome, before: ChainState | None) -> ChainState:
     attractor = str(outcome.values.get("attractor", ""))
     told = "" if attractor == UNDECIDED else attractor
     followed = "" if before is None or before.lost else before.attractor
-    changed = told != followed and "" not in (told, followed)
+    follows = entry.spec.on_loss != "go-on"
+    changed = follows and told != followed and "" not in (told, followed)
     lost = outcome.status != "ok" or outcome.carry is None or changed
     blocked = "" if before is None else before.blocked
     if outcome.status == "failed" and is_retried(outcome.reason):

@@ -56,7 +56,6 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.cycles.periodic import (
-    aim_phase,
     begin,
     extents,
     floquet,
@@ -292,7 +291,6 @@ class _Response:
         ahead = slice(self.count, self.count + CHUNK)
         room = (self.times[ahead], self.points[ahead])
         events = self.motion.n_events
-        aim_phase(self.motion, section, self._strobe_period())
         self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
         self.count += self.motion.n_sections
         if self.motion.n_events != events:
@@ -373,9 +371,10 @@ class _Response:
             "transient_used": self.motion.time,
             "energy_residual": 0.0,
         }
-        for name, value in zip(self.system.state_names, state, strict=True):
+        for name, value in zip(self.system.motions, state, strict=False):
             values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": abs(value)}
-        return Outcome(values=values, carry=self._carry("equilibrium"))
+        carry = self._carry("equilibrium") | {"state": state.tolist()}
+        return Outcome(values=values, carry=carry)
 
     def _per_contact(self, value: float) -> Any:
         count = self.system.n_contacts
@@ -502,7 +501,6 @@ class _Response:
         self, count: int, section: Section, measuring: bool = False
     ) -> NDArray[np.float64]:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
-        aim_phase(self.motion, section, self._strobe_period())
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
             until, section, (times, points), None, measuring, self._strobe_period()
@@ -537,7 +535,7 @@ class _Response:
         }
         if self.rests.first is None:
             values["L_s"] = float("nan")
-        for i, name in enumerate(self.system.state_names):
+        for i, name in enumerate(self.system.motions):
             values[f"{name}_min"] = float(measures.least[i])
             values[f"{name}_max"] = float(measures.greatest[i])
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))

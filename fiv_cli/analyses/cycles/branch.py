@@ -45,7 +45,7 @@ FIRST, LONGEST, SHORTEST = 0.01, 0.1, 1e-10  # lengths of a step along the branc
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen
-REACH = 10.0  # distance, over what counts as near, beyond which a cycle is not looked for
+REACH = 10.0  # times ASTRAY: a cycle that seems to lie further off is not looked for
 DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
 MOST_POINTS = 400
 TRIES = 5  # steps tried, per point allowed
@@ -54,6 +54,7 @@ BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions ar
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
+AHEAD = 0.2  # distance from there within which it is looked for
 NEARBY = 4.0  # steps within which what lies beyond a change must have been found
 AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value
@@ -188,7 +189,7 @@ def _conditions(line: Continuation, frame: Shooting, unknowns: Vector) -> Equati
         along = frame.around(here, own)
         return None if along is None else _jacobian(line, frame, own, value, along)
 
-    return frame.values(found, own), jacobian
+    return Equations(frame.values(found, own), jacobian, found)
 
 
 def _jacobian(
@@ -245,14 +246,14 @@ def _corrected(
         found = _conditions(line, here.frame, unknowns)
         if found is None:
             return None
-        away = float(across @ (unknowns - foreseen))
-        return np.append(found[0], away), lambda: _with_row(found[1](), across)
+        values = np.append(found.values, across @ (unknowns - foreseen))
+        return Equations(values, lambda: _with_row(found.jacobian(), across), found.around)
 
     bordered = _across(here.inverse, here.tangent, across)
-    unknowns = newton(conditions, foreseen, bordered, REACH * astray)
-    if unknowns is None or float(np.linalg.norm(unknowns - foreseen)) > astray:
+    root = newton(conditions, foreseen, bordered, REACH * astray)
+    if root is None or float(np.linalg.norm(root[0] - foreseen)) > astray:
         return None
-    return _point(line, here, unknowns)
+    return _point(line, here, *root)
 
 
 def _with_row(jacobian: Matrix | None, row: Vector) -> Matrix | None:
@@ -260,22 +261,19 @@ def _with_row(jacobian: Matrix | None, row: Vector) -> Matrix | None:
     return None if jacobian is None else np.vstack([jacobian, row])
 
 
-def _point(line: Continuation, before: Point, unknowns: Vector) -> Point | None:
+def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations) -> Point | None:
     """The cycle with these unknowns in the frame of `before`, in a frame of its own."""
     frame, value = before.frame, _within(line, float(unknowns[-1] * line.span))
     problem = line.at(value)
     anchor = frame.anchor_of(unknowns[:-1])
     period = frame.period_of(problem, unknowns[:-1])
-    around = passage(problem, anchor, period, tangents=False)
-    if around.stop != Stop.REACHED:
-        return None
-    shift = to_longest_piece(around.times, period)
+    shift = to_longest_piece(found.around.times, period)
     motion, behind = (
         _later(there, at, _same_phase(problem, there, shift))
         for there, at in ((problem, anchor), (line.at(before.value), frame.anchor))
     )
-    moved = describe(problem, anchor_at(problem, motion), period)
-    if moved is None or not behind.started:
+    moved = describe(problem, anchor_at(problem, motion), period) if motion and behind else None
+    if motion is None or behind is None or moved is None:
         return None
     gone = unknowns - before.unknowns
     way = [motion.y - behind.y, gone[len(frame.scales) : -1] * frame.period, gone[-1:] * line.span]
@@ -302,11 +300,10 @@ def _within(line: Continuation, value: float) -> float:
     return value
 
 
-def _later(problem: Problem, anchor: Anchor, span: float) -> Motion:
-    """The motion through `anchor`, so much later."""
+def _later(problem: Problem, anchor: Anchor, span: float) -> Motion | None:
+    """The motion through `anchor`, so much later; None where it does not last."""
     motion = begin(problem, anchor)
-    motion.run(motion.time + span)
-    return motion
+    return motion if motion.run(motion.time + span) == Stop.REACHED else None
 
 
 def _same_phase(here: Problem, beside: Problem, span: float) -> float:
@@ -605,13 +602,14 @@ def _round_corner(line: Continuation, here: Point) -> Point | None:
 
 def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
     """The nearest cycle to `guess`, where the motion has other events; None without one."""
-    value = float(guess[-1] * line.span)
-    there = line.holding(value)
-    around = here.frame.around(there, guess[:-1], tangents=False) if there is not None else None
-    if around is None or around.events == here.cycle.around.events:
+
+    def conditions(unknowns: Vector) -> Equations | None:
+        return _conditions(line, here.frame, unknowns)
+
+    first = conditions(guess)
+    if first is None or first.around.events == here.cycle.around.events:
         return None
-    reach = REACH * LONGEST
-    unknowns = newton(lambda trial: _conditions(line, here.frame, trial), guess, reach=reach)
-    if unknowns is None or np.linalg.norm(unknowns - here.unknowns) > LONGEST:
+    root = newton(conditions, guess, reach=AHEAD)
+    if root is None or np.linalg.norm(root[0] - here.unknowns) > LONGEST:
         return None
-    return _point(line, here, unknowns)
+    return _point(line, here, *root)

@@ -119,7 +119,7 @@ def _carry(problem: Problem, cycle: Cycle) -> dict[str, object]:
 
 
 def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
-    names = problem.system.state_names
+    names = problem.system.motions
     values: dict[str, object] = {
         "cycle_period": cycle.period,
         "multiplicity": len(cycle.points),
@@ -128,7 +128,7 @@ def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
         "n_events": len(cycle.around.times),
         **floquet(cycle.multipliers),
     }
-    for name, least, greatest in zip(names, *cycle.extremes, strict=True):
+    for name, least, greatest in zip(names, *cycle.extremes, strict=False):
         values |= {f"{name}_min": float(least), f"{name}_max": float(greatest)}
     if problem.excitation is not None:
         values["period_ratio"] = cycle.period / problem.excitation

@@ -17,7 +17,6 @@ from fiv_cli.analyses.cycles.periodic import (
     MOST_EVENTS,
     Anchor,
     Problem,
-    aim_phase,
     anchor_at,
     extents,
     is_at_rest,
@@ -63,7 +62,6 @@ def returns(problem: Problem, begin: Begin, transient: float, t_max: float) -> R
             half = KEPT // 2
             times[:half], points[:half] = times[half:], points[half:]
             count = half
-        aim_phase(motion, problem.section, problem.excitation)
         room = times[count:], points[count:]
         stop = motion.run(t_max, problem.section, room, None, False, problem.excitation or t_max)
         count += motion.n_sections

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,7 @@ AT_REST = 1e-7  # a motion of this extent, relative to its distance from zero, i
 SAME_POINT = 1e-6  # section points of one cycle lie further apart than this share of its extent
 MOST_EVENTS = 4096  # events, and section points, per period that are told apart
 PRESSED = 1e-3  # m, taken up at once
+NONE = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -134,8 +135,7 @@ def _closed(problem: Problem, anchor: Anchor, motion: Motion, events: int = 0) -
     return motion
 
 
-@dataclass(frozen=True)
-class Passage:
+class Passage(NamedTuple):
     """A motion along a stretch of time.
 
     Attributes
@@ -143,7 +143,7 @@ class Passage:
     begun : state at the beginning, as contact lets it be: a sticking contact has no slip velocity
     projection : derivative of `begun` by the state that was asked for
     state : at the end
-    rates : of the state at the end; NaN without tangents
+    rates : of the state at the end; shape (n_states,), or (0,) without tangents
     monodromy : derivative of the end by the beginning; shape (n_states, n_states), or (n_states,
         0) without tangents
     times : of the events, s from the beginning
@@ -169,19 +169,18 @@ def passage(problem: Problem, anchor: Anchor, span: float, tangents: bool = True
 
 def _gone_on(motion: Motion, span: float, tangents: bool, *watched: Any) -> Passage:
     """What `motion` does in `span` seconds; `watched` is what `Motion.run` takes besides."""
-    motion.frame.n_ledger = 0
-    n = len(motion.y)
     started, before = motion.time, motion.y.copy()
-    projection = _projection(motion) if tangents and motion.started else _identity(n)
+    identity = _identity(len(before))
+    projection = _projection(motion) if tangents and motion.started else identity
     if tangents:
-        motion.carry_tangents(_identity(n).copy())
+        motion.carry_tangents(identity.copy())
     stop = motion.run(started + span, *watched)
     ledger = motion.ledger
     return Passage(
         begun=before,
         projection=projection,
         state=motion.y.copy(),
-        rates=motion.rates() if tangents else np.full(n, np.nan),
+        rates=motion.rates() if tangents else NONE,
         monodromy=motion.tangents.T.copy(),
         times=ledger.times - started,
         events=tuple(event for event in _events(ledger) if not _bounces(event)),
@@ -231,9 +230,21 @@ def _bounces(event: Event) -> bool:
 
 
 # --- the closing conditions ----------------------------------------------------------------------
-# What must vanish, and its Jacobian, computed where a step of Newton's method is taken from there:
-# None where it has none.
-Equations = tuple[Vector, Callable[[], Matrix | None]]
+class Equations(NamedTuple):
+    """What must vanish somewhere.
+
+    Attributes
+    ----------
+    values : what should be zero
+    jacobian : gives its derivative, which costs as much as many motions; None where there is none
+    around : the motion over a period
+    """
+
+    values: Vector
+    jacobian: Callable[[], Matrix | None]
+    around: Passage
+
+
 Conditions = Callable[[Vector], Equations | None]
 
 
@@ -259,7 +270,7 @@ class Shooting:
     normal: Vector | None
     turns: int
 
-    @property
+    @cached_property
     def start(self) -> Vector:
         """The unknowns at the reference."""
         period = [] if self.normal is None else [1.0]
@@ -283,29 +294,29 @@ class Shooting:
         if not 0.2 * self.period < period < 5.0 * self.period:
             return None
         motion = passage(problem, self.anchor_of(unknowns), period, tangents)
-        finite = bool(np.all(np.isfinite(motion.monodromy)))
+        finite = bool(np.isfinite(motion.monodromy).all())
         return motion if finite and motion.stop == Stop.REACHED else None
 
     def values(self, motion: Passage, unknowns: Vector) -> Vector:
         """What must vanish: the gap after a period, what contact does not let be, and, where the
         period is free, the way along the flow."""
-        state, begun = unknowns[: len(self.scales)], motion.begun / self.scales
-        gap = np.concatenate([motion.state / self.scales - begun, begun - state])
-        if self.normal is None:
-            return gap
-        return np.append(gap, self.normal @ (begun - self.anchor.state / self.scales))
+        n, begun = len(self.scales), motion.begun / self.scales
+        parts = [motion.state / self.scales - begun, begun - unknowns[:n]]
+        if self.normal is not None:
+            parts.append(np.array([self.normal @ (begun - self.start[:n])]))
+        return np.concatenate(parts)
 
     def jacobian(self, motion: Passage) -> Matrix:
         """Derivative of `values` by the unknowns."""
+        n, free = len(self.scales), int(self.normal is not None)
+        found = np.zeros((2 * n + free, n + free))
         projection = motion.projection * self.scales / self.scales[:, None]
-        monodromy = motion.monodromy * self.scales / self.scales[:, None]
-        closing = np.vstack([monodromy - projection, projection - _identity(len(self.scales))])
-        if self.normal is None:
-            return closing
-        stretch = motion.rates / self.scales * self.period
-        last = np.concatenate([stretch, np.zeros_like(stretch)])
-        across = np.append(self.normal @ projection, 0.0)
-        return np.vstack([np.column_stack([closing, last]), across])
+        found[:n, :n] = motion.monodromy * self.scales / self.scales[:, None] - projection
+        found[n : 2 * n, :n] = projection - _identity(n)
+        if self.normal is not None:
+            found[:n, n] = motion.rates / self.scales * self.period
+            found[2 * n, :n] = self.normal @ projection
+        return found
 
     def conditions(self, problem: Problem, unknowns: Vector) -> Equations | None:
         """`values` and their Jacobian; None where the motion does not last a period."""
@@ -317,7 +328,7 @@ class Shooting:
             along = self.around(problem, unknowns)
             return None if along is None else self.jacobian(along)
 
-        return self.values(motion, unknowns), jacobian
+        return Equations(self.values(motion, unknowns), jacobian, motion)
 
 
 def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Shooting:
@@ -333,12 +344,12 @@ def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) ->
 
 def newton(
     conditions: Conditions, start: Vector, inverse: Matrix | None = None, reach: float = np.inf
-) -> Vector | None:
-    """Root of `conditions` no further than `reach` from `start`; None where none is found.
+) -> tuple[Vector, Equations] | None:
+    """Root of `conditions` no further than `reach` from `start`, and the last ones looked at.
 
-    Newton's method; a derivative costs as much as many motions. Where one from nearby is known,
-    steps are taken with it, corrected by what they do to the conditions (Broyden 1965), and with
-    those that follow it, as long as they go well.
+    Newton's method; None where it finds none. Where a derivative from nearby is known, steps are
+    taken with it, corrected by what they do to the conditions (Broyden 1965), and with those that
+    follow it, as long as they go well; where it points out of reach, nothing is looked for.
 
     Parameters
     ----------
@@ -349,16 +360,20 @@ def newton(
     def bounded(trial: Vector) -> Equations | None:
         return conditions(trial) if np.linalg.norm(trial - start) <= reach else None
 
+    if equations is None:
+        return None
+    if inverse is not None and np.linalg.norm(inverse @ equations.values) > reach:
+        return None
     for _ in range(NEWTON_STEPS):
-        if equations is None:
-            return None
-        known = inverse_of(equations[1]()) if inverse is None else inverse
+        known = inverse_of(equations.jacobian()) if inverse is None else inverse
         if known is None:
             return None
         shares = SHORTENED if inverse is None else SHORTENED[:1]
         here, equations, is_root = _chords(bounded, here, equations, known, shares, slow)
+        if equations is None:
+            return None
         if is_root:
-            return here
+            return here, equations
         inverse = None
     return None
 
@@ -389,7 +404,7 @@ def _chords(
     """
     left = 0.0 if shares is SHORTENED else 1.0
     for _ in range(CHORDS):
-        values = equations[0]
+        values = equations.values
         step = -inverse @ values
         size = float(abs(step).max())
         if size <= CONVERGED and size * left <= SPENT:
@@ -399,7 +414,7 @@ def _chords(
         if moved is None:
             return here, None if shares is SHORTENED else equations, False
         taken, (here, equations), shares = moved[0] - here, moved, SHORTENED[:1]
-        left, change = _norm(equations) / float(np.linalg.norm(values)), equations[0] - values
+        left, change = _norm(equations) / float(np.linalg.norm(values)), equations.values - values
         seen = taken @ inverse
         if left > slow or not seen @ change > 0.0:
             break
@@ -423,7 +438,7 @@ def _shortened(
 
 
 def _norm(equations: Equations) -> float:
-    return float(np.linalg.norm(equations[0]))
+    return float(np.linalg.norm(equations.values))
 
 
 # --- cycles --------------------------------------------------------------------------------------
@@ -514,9 +529,10 @@ def is_at_rest(extremes: Matrix, n_coordinates: int) -> bool:
 def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cycle | None:
     """The cycle near a guess; None when there is none that Newton's method finds."""
     conditions = shooting(problem, anchor, period, scales)
-    root = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
-    if root is None:
+    found = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
+    if found is None:
         return None
+    root, _ = found
     cycle = describe(problem, conditions.anchor_of(root), conditions.period_of(problem, root))
     if cycle is None:
         return None
@@ -532,7 +548,6 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
     motion, displacements = begin(problem, anchor, MOST_EVENTS), len(problem.system.coordinates)
     times, points = np.zeros(MOST_EVENTS), np.zeros((MOST_EVENTS, len(motion.y)))
     motion.start_measuring(np.zeros(displacements))
-    aim_phase(motion, problem.section, problem.excitation)
     sections = problem.section, (times, points), None, True, problem.excitation or period
     around = _gone_on(motion, period, True, *sections)
     if around.stop != Stop.REACHED or not np.all(np.isfinite(around.monodromy)):
@@ -550,14 +565,6 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
         points=points[: motion.n_sections].copy(),
         extremes=extremes,
     )
-
-
-def aim_phase(motion: Motion, section: Section, period: float | None) -> None:
-    """Set the next instant of a stroboscopic section."""
-    if section.kind == "phase" and period is not None:
-        offset = section.phase / (2 * np.pi) * period
-        turns = np.floor((motion.time - offset) / period + 1e-9) + 1
-        motion.frame.next_phase = offset + turns * period
 
 
 def repeats(problem: Problem, points: Matrix, scales: Vector, period: float) -> int:

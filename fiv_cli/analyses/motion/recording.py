@@ -94,7 +94,7 @@ def _run_with_ledger(
 def _curves(system: System, samples: Samples) -> dict[str, object]:
     """Everything over time; NaN after the end of a motion that stopped early."""
     taken = np.arange(len(samples.times)) < samples.count
-    curves = dict(zip(system.state_names, samples.states.T, strict=True))
+    curves = dict(zip(system.motions, samples.states.T, strict=False))
     curves["F_N"] = _contact_rows(samples.forces[:, :, 0])
     curves["F_T"] = _contact_rows(samples.forces[:, :, 1])
     curves |= samples.energies
