@@ -189,6 +189,8 @@ def history(
     *,
     t_end: float | str | None = None,
     sample: float | str | None = None,
+    periods: float | None = None,
+    settled: bool = False,
     output: str | Path | None = None,
 ) -> xr.Dataset:
     """The full motion of one point of a case: states, forces, events.
@@ -198,6 +200,8 @@ def history(
     at : the point: axis -> value, and ``initial`` -> label; what has one value may be left out
     t_end, sample : end of the motion and interval of its samples, s (or ``"2 min"``); None: as
         the case has it
+    periods : of the steady state; the motion ends after so many, instead of at t_end
+    settled : begin where the steady state is reached
     output : dataset to write, if any
 
     Raises
@@ -220,12 +224,12 @@ def history(
     next: choose from v, initial
     """
     from fiv_cli.reading.datasets import read_analyses
-    from fiv_cli.sweep.motion import find_point, motion_settings, write_motion
+    from fiv_cli.sweep.motion import find_point, motion_settings, steady_part, write_motion
 
     point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
-    settings = motion_settings(t_end, sample)
+    settings, steady = motion_settings(t_end, sample), steady_part(periods, settled, t_end)
     with _computing(), _place(output) as path:
-        write_motion(point, settings, path, lambda sentence: None)
+        write_motion(point, settings, path, lambda sentence: None, steady)
         (dataset,) = read_analyses(path).values()
         return dataset
 

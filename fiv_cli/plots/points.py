@@ -206,8 +206,13 @@ def title(dataset: xr.Dataset) -> str:
     The start is always named: what is reached from one start need not be from another.
     """
     alone = [_first_axis(dataset, d) for d in grid_dims(dataset) if dataset.sizes[d] == 1]
-    words = [_alone(axis) for axis in alone]
+    words = [*(_alone(axis) for axis in alone), *["settled"] * is_settled(dataset)]
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
+
+
+def is_settled(dataset: xr.Dataset) -> bool:
+    """Whether a motion begins where its steady state was reached, rather than at its start."""
+    return str(dataset.attrs.get("point", "")).endswith(", settled")
 
 
 def _alone(axis: xr.DataArray) -> str:
