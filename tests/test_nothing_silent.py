@@ -13,6 +13,7 @@ from small_models import TWO_MASSES
 
 from fiv_cli import api
 from fiv_cli.cli.main import run as fiv
+from fiv_cli.errors import CaseError
 from fiv_cli.flags import advice
 from fiv_cli.models.base import Equations, Options
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
@@ -33,6 +34,63 @@ MISTAKEN = replace(TWO_MASSES, name="mistaken", equations=_mistaken)
 def test_energies_that_are_no_number_fail_the_point(kind: str, settings: Any) -> None:
     found = api.analyse(MISTAKEN, "coulomb", kind, {"x1": 0.3}, settings, N2=8.0)
     assert (found.status, found.reason, found.values) == ("failed", "no_number", {})
+
+
+# --- figures and claims of what is not there ------------------------------------------------------
+FAR = {"label": "far", "kind": "state", "state": {"x": 10.0}}
+ASKING: dict[str, Any] = {
+    "schema": 1,
+    "model": {"name": "belt-1dof"},
+    "grid": {"v": [0.5, 1.0, 1.5], "friction": ["coulomb", "stribeck"]},
+    "initial": [FAR],
+    "analysis": [{"kind": "response"}, {"kind": "eigenvalues"}],
+}
+CLAIM = {"source": "here", "text": "said", "expect": {"less_than": 1.0}}
+OVER_PHASES = {"what": "mean", "over": ["psi_a"]}
+
+
+@pytest.mark.parametrize(
+    ("table", "said", "told", "allowed"),
+    [
+        ("figure", {"kind": "curve", "variable": "F_N"}, "computes 'F_N'", ""),
+        ("figure", {"kind": "curve", "variable": "section_value"}, "be drawn as a curve", "L_s"),
+        ("figure", {"kind": "bifurcation", "variable": "L_s"}, "a bifurcation", "section_value"),
+        ("figure", {"kind": "map", "variable": "section_value"}, "be drawn as a map", "L_s"),
+        (
+            "figure",
+            {"kind": "curve", "variable": "L_s", "select": {"v": ". > 2"}},
+            "'. > 2'",
+            "1.5",
+        ),
+        ("claim", {"variable": "L_s", "at": {"v": 0.75}}, "0.75 is not on the axis v", "0.5, 1.0"),
+        ("claim", {"variable": "L_s", "at": {"v": ". < 0.5"}}, "'. < 0.5' is not on the axis", ""),
+        ("claim", {"variable": "L_s", "at": {"v": [0.5, 9.0]}}, "9.0 is not on the axis v", ""),
+        ("claim", {"variable": "L_s", "at": {"friction": "tanh"}}, "'tanh' is not on", "stribeck"),
+        ("claim", {"variable": "growth_rate", "at": {"initial": "far"}}, "no axis 'initial'", "v"),
+        ("claim", {"variable": "L_s", "take": OVER_PHASES | {"over": ["mode"]}}, "'mode'", "v"),
+        (
+            "claim",
+            {"variable": "section_value", "take": OVER_PHASES | {"over": ["v"]}},
+            "has any number of values at a point",
+            "",
+        ),
+    ],
+)
+def test_what_is_not_there_is_told_before_the_run(
+    table: str, said: dict[str, Any], told: str, allowed: str
+) -> None:
+    asked = {**(CLAIM if table == "claim" else {}), **said}
+    with pytest.raises(CaseError) as refused:
+        api.load({**ASKING, table: [asked]})
+    (problem,) = refused.value.problems
+    assert told in problem.message
+    assert allowed in problem.allowed
+
+
+def test_a_shorter_grid_leaves_claims_about_the_rest() -> None:
+    """One point of a case can be run alone, whatever its claims speak of."""
+    case = {**ASKING, "claim": [{**CLAIM, "variable": "L_s", "at": {"v": 1.5}}]}
+    assert len(api.load(case, overrides={"grid.v": [0.5]}).claims) == 1
 
 
 # --- what a run ends with -------------------------------------------------------------------------

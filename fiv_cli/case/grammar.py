@@ -20,6 +20,9 @@ Test = tuple[str, float]
 Bound = float | str
 """A number, or ``CASE:variable``: what another case holds at the same point."""
 
+SAME = 1e-9
+"""Two doubles nearest to the same decimal differ by less."""
+
 EXPECT_SCHEMA = {"anyOf": [{"type": "string"}, {"type": "object"}]}
 HOLDS_SCHEMA = {"anyOf": [{"enum": ["all", "any"]}, {"type": "number"}]}
 
