@@ -74,7 +74,7 @@ REVOLUTIONS = 3.0  # ... without section points is asked what it is without them
 BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
 SHOWN = 512  # section values stored of a motion that is not periodic
 PASSAGES = 4  # along a cycle that an early attempt takes, for each state
-ATTEMPT = 8000  # steps of one state that it costs beside them
+ATTEMPT = 16000  # steps of one state that it costs beside them
 SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
 
@@ -146,7 +146,12 @@ class Rests:
         """Of sliding at the first equilibrium, 1/s."""
         if self.first is None:
             return None
-        return np.linalg.eigvals(free_jacobian(self.unexcited, self.first)).astype(complex)
+        return np.linalg.eigvals(self.jacobians[0]).astype(complex)
+
+    @cached_property
+    def jacobians(self) -> list[NDArray[np.float64]]:
+        """Of sliding at each of them, of the free states, 1/s."""
+        return [free_jacobian(self.unexcited, solution) for solution in self.solutions]
 
     @cached_property
     def natural_period(self) -> float:
@@ -166,8 +171,10 @@ class Rests:
     def level_sets(self) -> list[LevelSet]:
         """About every stable one."""
         sets = (
-            level_set(self.unexcited, y, free_jacobian(self.unexcited, y), number)
-            for number, y in enumerate(self.solutions, start=1)
+            level_set(self.unexcited, y, jacobian, number)
+            for number, (y, jacobian) in enumerate(
+                zip(self.solutions, self.jacobians, strict=True), start=1
+            )
         )
         return [levels for levels in sets if levels is not None]
 
