@@ -38,7 +38,7 @@ def command(
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
     sense (curve, bifurcation, branch). Kinds: map, bifurcation, curve, branch, eigenvalues,
-    history, phase, spectrum.
+    history, phase, spectrum, spectrogram, mode-shape.
 
     \b
     Examples:

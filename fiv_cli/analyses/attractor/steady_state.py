@@ -50,8 +50,7 @@ from fiv_cli.analyses.base import Outcome, Request, Section
 from fiv_cli.analyses.common import (
     Sliding,
     balance,
-    equilibria,
-    sliding,
+    rest_of,
     start_motion,
     stopped,
     trust,
@@ -80,8 +79,7 @@ SAME_PERIOD = 1e-6  # share by which the period at the section may differ from t
 
 def steady_state(system: System, request: Request) -> Outcome:
     """The steady state that the start leads to."""
-    unexcited = sliding(system, request.parameters)
-    rests = Rests(unexcited, equilibria(unexcited))
+    rests = Rests(*rest_of(system, request))
     if request.settings["section"].kind == OWN:
         return _at_own_section(system, request, rests)
     return _followed(system, request, rests, request.settings["section"])
