@@ -249,7 +249,7 @@ class Frame:
 
 def words_at(address: int, count: int) -> Ints:
     """So many words from an address on."""
-    return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(address))
+    return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(int(address)))
 
 
 def floats_at(address: int, rows: int, columns: int) -> Floats2:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity
 from fiv_cli.analyses.attractor.confirm import Confirmed, confirm
+from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
     CLOSER,
@@ -33,7 +34,7 @@ from fiv_cli.analyses.attractor.grounds import (
     RESTING,
     SIGNIFICANT,
 )
-from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
+from fiv_cli.analyses.attractor.level_set import LevelSet, level_set, slides_freely
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
@@ -45,7 +46,7 @@ from fiv_cli.analyses.attractor.own_section import (
 )
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
-from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, show_levels, watch_over
+from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, watch_over
 from fiv_cli.analyses.base import Outcome, Request, Section
 from fiv_cli.analyses.common import (
     Sliding,
@@ -274,10 +275,6 @@ class _Response:
         self.motion.show_section(section, watch.times, watch.points)
         stop = self.motion.drive(partial(FOLLOW.function, watch.address))
         self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
-        if watch.forgets and watch.knows_levels:
-            for descent in self.descents:
-                descent.forget()
-        watch.forgets = 0
         if self._has_stuck():
             return None
         return self._rest() or (self._cycle(section) if watch.has_new else None)
@@ -326,8 +323,10 @@ class _Response:
         if not self.motion.started:
             return None
         if self._is_sliding():
-            if not self.watch.knows_levels:
-                show_levels(self.watch, [descent.target for descent in self.descents])
+            if not self.watch.knows_slides:
+                slides = [descent.slide.address for descent in self.descents]
+                self.watch.show("slides", np.array(slides, np.int64))
+                self.watch.knows_slides = 1
             for descent in self.descents:
                 margin = descent.margin(self.motion.time, self.motion.y)
                 if not np.isnan(margin):

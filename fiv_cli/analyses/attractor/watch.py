@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from fiv_cli.analyses.attractor import settling
-from fiv_cli.analyses.attractor.level_set import LevelSet
+from fiv_cli.analyses.attractor import descent, grounds, settling
+from fiv_cli.analyses.attractor.descent import NOTHING, Slide, look_at_slide, slide_at
 from fiv_cli.analyses.attractor.settling import (
     LEAST,
     floor_scales,
@@ -86,15 +86,9 @@ class Watch(Frame):
     early_steps: FixedFloat
     early_passages: FixedFloat  # ... and passages
     may_rest: FixedInt
-    knows_levels: FixedInt  # whether `shares` and so on are there; otherwise every slide may tell
+    knows_slides: FixedInt  # whether `slides` are there; otherwise each may tell
+    slides: Ints  # addresses of what is known of slides to the equilibria
     ways: Floats  # slip signs at the equilibria
-    free: Ints  # places of the states that slide freely
-    equilibria: Floats2
-    inverse_real: Floats2  # modes of each equilibrium by free states
-    inverse_imag: Floats2
-    shares: Floats2  # switching functions of each equilibrium by modes
-    amplitudes: Floats  # scratch
-    forgets: int  # whether slides were interrupted since, or were too far out
     asks_waiting: FixedInt
     patience: FixedFloat
     last_point: float
@@ -149,7 +143,8 @@ def end_look(watch: Watch, run: Run) -> None:
         watch.span = min(2.0 * watch.span, watch.longest) if watch.is_paced == 1 else watch.span
         watch.last_event = run.time
         if watch.excitation == 0.0:  # else a border of the sector, which is no surface
-            watch.forgets = 1
+            for number in range(len(watch.slides)):
+                slide_at(watch.slides[number]).count = 0
     if watch.has_new == 1:
         watch.last_point = run.time
 
@@ -223,30 +218,13 @@ def slides(watch: Watch, run: Run) -> bool:
 
 
 @native
-def comes_near(watch: Watch, run: Run) -> bool:
-    """Whether a slide is inside a level set of some equilibrium."""
-    if watch.knows_levels == 0:
-        return True
-    modes, sets = len(watch.free), watch.equilibria.shape[0]
-    guards = watch.shares.shape[0] // max(sets, 1)
-    for number in range(sets):
-        for mode in range(modes):
-            real, imag, row = 0.0, 0.0, number * modes + mode
-            for j in range(modes):
-                off = run.y[watch.free[j]] - watch.equilibria[number, watch.free[j]]
-                real += watch.inverse_real[row, j] * off
-                imag += watch.inverse_imag[row, j] * off
-            watch.amplitudes[mode] = math.sqrt(real * real + imag * imag)
-        level = 0.0
-        for guard in range(number * guards, (number + 1) * guards):
-            reached = 0.0
-            for mode in range(modes):
-                reached += watch.shares[guard, mode] * watch.amplitudes[mode]
-            level = max(level, reached)
-        if level < 1.0:
-            return True
-    watch.forgets = 1
-    return False
+def comes_down(watch: Watch, run: Run) -> bool:
+    """Whether it may be told of a slide where it ends."""
+    tells = watch.knows_slides == 0
+    for number in range(len(watch.slides)):
+        found = look_at_slide(slide_at(watch.slides[number]), run.time, run.y)
+        tells = tells or found != NOTHING
+    return tells
 
 
 @native
@@ -267,7 +245,7 @@ def may_rest(watch: Watch, run: Run) -> bool:
     """Whether the motion may be on its way to rest."""
     if watch.may_rest == 0:
         return False
-    return comes_near(watch, run) if slides(watch, run) else is_stuck(watch, run)
+    return comes_down(watch, run) if slides(watch, run) else is_stuck(watch, run)
 
 
 @native
@@ -326,12 +304,14 @@ def _declared() -> Callable[..., int]:
 
     register_frame(Run, run_at)
     register_frame(Watch, watch_at)
-    for module in (roots, kernel, settling, sys.modules[__name__]):
+    register_frame(Slide, slide_at)
+    for module in (roots, kernel, settling, descent, sys.modules[__name__]):
         register(module)
     return follow_at
 
 
-FILES = (*compiled.FILES, Path(settling.__file__), Path(__file__))
+PARTS = (descent.__file__, grounds.__file__, settling.__file__, __file__)
+FILES = (*compiled.FILES, *map(Path, PARTS))
 FOLLOW = Compiled("follow", "int64(int64)", FILES, _declared)
 
 
@@ -363,27 +343,12 @@ def watch_over(motion: Motion, ways: Vector, excitation: float | None, patience:
 @cache
 def _blank(width: int) -> Watch:
     """What new watches copy (their section points are shared: one motion is followed at a time)."""
-    nothing = np.zeros((0, 0))
     return Watch.holding(
         {
             "times": np.zeros(KEPT),
             "points": np.zeros((KEPT, width)),
-            "free": np.zeros(0, np.int64),
-            **{name: np.zeros(width) for name in ("scales", "judged", "ways", "amplitudes")},
-            **dict.fromkeys(("equilibria", "inverse_real", "inverse_imag", "shares"), nothing),
+            "slides": np.zeros(0, np.int64),
+            **{name: np.zeros(width) for name in ("scales", "judged", "ways")},
         },
         {},
     )
-
-
-def show_levels(watch: Watch, sets: Sequence[LevelSet]) -> None:
-    """Tell of the level sets that a slide may come into."""
-    watch.knows_levels = 1
-    if sets:
-        inverse = np.concatenate([one.inverse for one in sets])
-        watch.show("free", sets[0].free.astype(np.int64))
-        watch.show("amplitudes", np.zeros(len(sets[0].free)))
-        watch.show("equilibria", np.array([one.equilibrium for one in sets]))
-        watch.show("inverse_real", np.ascontiguousarray(inverse.real))
-        watch.show("inverse_imag", np.ascontiguousarray(inverse.imag))
-        watch.show("shares", np.concatenate([one.shares for one in sets]))
