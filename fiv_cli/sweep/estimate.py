@@ -15,12 +15,13 @@ from math import prod, sqrt
 
 import numpy as np
 
+from fiv_cli.analyses.base import AT_ONCE
 from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
 from fiv_cli.notation.amounts import duration, size
 from fiv_cli.sweep.plan import AnalysisPlan, counted, dim_of, make_plan, visiting_order
 from fiv_cli.sweep.requests import StartEntry, Values
-from fiv_cli.sweep.worker import BLOCK, Result, Segment, Task, run_task
+from fiv_cli.sweep.worker import Result, Segment, Task, run_task
 
 SAMPLES = 12  # points of an analysis that are run; of one that is computed in blocks, a block
 MOST_CORNERS = 4
@@ -123,7 +124,7 @@ def _results(analysis: AnalysisPlan) -> list[Result]:
     if not segments:
         return []
     if analysis.template.linear:
-        segments = [segments[i % len(segments)] for i in range(min(BLOCK, analysis.size))]
+        segments = [segments[i % len(segments)] for i in range(min(AT_ONCE, analysis.size))]
         task = _task(analysis, segments)
         run_task(task)  # loads code
         return [run_task(task)]
