@@ -189,6 +189,8 @@ def history(
     *,
     t_end: float | str | None = None,
     sample: float | str | None = None,
+    periods: float | None = None,
+    settled: bool = False,
     output: str | Path | None = None,
 ) -> xr.Dataset:
     """The full motion of one point of a case: states, forces, events.
@@ -198,6 +200,8 @@ def history(
     at : the point: axis -> value, and ``initial`` -> label; what has one value may be left out
     t_end, sample : end of the motion and interval of its samples, s (or ``"2 min"``); None: as
         the case has it
+    periods : of the steady state; the motion ends after so many, instead of at t_end
+    settled : begin where the steady state is reached
     output : dataset to write, if any
 
     Raises
@@ -220,12 +224,12 @@ def history(
     next: choose from v, initial
     """
     from fiv_cli.reading.datasets import read_analyses
-    from fiv_cli.sweep.motion import find_point, motion_settings, write_motion
+    from fiv_cli.sweep.motion import find_point, motion_settings, steady_part, write_motion
 
     point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
-    settings = motion_settings(t_end, sample)
+    settings, steady = motion_settings(t_end, sample), steady_part(periods, settled, t_end)
     with _computing(), _place(output) as path:
-        write_motion(point, settings, path, lambda sentence: None)
+        write_motion(point, settings, path, lambda sentence: None, steady)
         (dataset,) = read_analyses(path).values()
         return dataset
 
@@ -280,7 +284,16 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
     return apply_ufunc(lambda codes: names[int(codes)], flags, vectorize=True)
 
 
-def figure(data: str | Path | Results, name: str | None = None, axis: Axes | None = None) -> Figure:
+def figure(
+    data: str | Path | Results,
+    name: str | None = None,
+    axis: Axes | None = None,
+    *,
+    style: str = "screen",
+    width: float | None = None,
+    font: str | None = None,
+    title: bool | None = None,
+) -> Figure:
     """Draw a dataset; a notebook that has imported matplotlib.pyplot shows what is returned.
 
     Parameters
@@ -288,6 +301,9 @@ def figure(data: str | Path | Results, name: str | None = None, axis: Axes | Non
     data : what `run`, `history` or `read` returned, or the path of a dataset
     name : a figure of the case, or a kind of figure; None: the first that suits
     axis : where to draw a figure of one panel; None: on a figure of its own
+    style : what it is for: "screen", "paper" or "talk"
+    width, font, title : in place of those of the style: mm, a family that is installed, whether
+        there is one
 
     Raises
     ------
@@ -303,7 +319,7 @@ def figure(data: str | Path | Results, name: str | None = None, axis: Axes | Non
     >>> drawn.axes[0].get_ylabel()
     'sliding equilibria with closed contacts'
     """
-    from fiv_cli.plots import draw, figures_called, possible_figures
+    from fiv_cli.plots import draw, figures_called, look_of, possible_figures
 
     source = _analyses_of(data)
     chosen = possible_figures(source) if name is None else figures_called(source, name)
@@ -311,7 +327,7 @@ def figure(data: str | Path | Results, name: str | None = None, axis: Axes | Non
         raise UsageError(
             "no kind of figure suits this dataset\nnext: print it to see what it holds"
         )
-    return draw(source, chosen[0], axis)
+    return draw(source, chosen[0], axis, look_of(style, width, font, title))
 
 
 def analyse(
@@ -368,9 +384,11 @@ def analyse(
     setup = _setup(model, law, options or {}, solver.rtol)
     if kind.unsuited(setup.model):
         raise UsageError(f"{kind.unsuited(setup.model)}\nnext: choose another analysis")
+    known = _parameters(setup, parameters)
+    setup = replace(setup, structural={name: known[name] for name in setup.law.structural})
     begin = _start(setup, start or {}) if kind.uses_starts else None
     chosen = _settings(kind, setup, parameters, settings or {})
-    request = Request(setup, _parameters(setup, parameters), analysis, chosen, solver, begin)
+    request = Request(setup, known, analysis, chosen, solver, begin)
     with _computing():
         prepare([request], announce)
         return answer(request)
@@ -381,7 +399,7 @@ def _setup(
 ) -> Setup:
     """A setup of names that exist."""
     from fiv_cli.codegen.setup import Setup
-    from fiv_cli.friction import all_laws
+    from fiv_cli.friction import all_laws, why_unfit
     from fiv_cli.models import all_models
 
     if isinstance(model, str):
@@ -389,7 +407,11 @@ def _setup(
     if isinstance(law, str):
         law = pick(law, all_laws(), "friction law", "fiv models --laws")
     texts = {name: _option_text(model, name, value) for name, value in options.items()}
-    return Setup.of(model, law, texts, rtol=rtol)
+    setup = Setup.of(model, law, texts, rtol=rtol)
+    unfit = why_unfit(setup.model, setup.law) if setup.model.contacts else ""
+    if unfit:
+        raise UsageError(f"{unfit}\nnext: choose another law, see fiv models {setup.model.name}")
+    return setup
 
 
 def _option_text(model: Model, name: str, value: object) -> str:

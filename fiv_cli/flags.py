@@ -95,7 +95,11 @@ REASONS: tuple[Reason, ...] = (
         "neutral_oscillation",
         "an undamped oscillation keeps the amplitude of its start: add damping or state the start",
     ),
-    Reason("class_changed", "the branch that was followed ended before this point"),
+    Reason(
+        "class_changed",
+        "the branch that was followed ended before this point; the motion is carried on whatever "
+        'its class with on_loss = "go-on", and begun anew with "restart"',
+    ),
     Reason(
         "jammed",
         "friction is too high for the slope of the contact: the algebraic normal force has no "

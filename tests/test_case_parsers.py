@@ -312,3 +312,5 @@ class TestNames:
             own |= {option.name for option in model.options}
             for law in laws_of(model):
                 assert not own & {parameter.name for parameter in get_law(law).parameters}
+                states = {state.name for state in model.states(model.default_options())}
+                assert not states & get_law(law).states.keys()

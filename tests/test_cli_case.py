@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +19,17 @@ from disturbed import by_default
 from small_cases import BELT as CASE
 from small_models import SUITED
 
+from fiv_cli import api
 from fiv_cli.analyses import all_analyses
-from fiv_cli.analyses.settings import DiscPoints
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.schema import case_schema
 from fiv_cli.case.template import case_template
 from fiv_cli.cli.common import plain_table, print_table
 from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.errors import LockedError
-from fiv_cli.friction import all_laws
+from fiv_cli.friction import all_laws, get_law
 from fiv_cli.models import all_models
+from fiv_cli.sweep.plan import make_plan
 
 ENTRY = "import sys; from fiv_cli.cli.main import main; sys.argv[0] = 'fiv'; main()"
 
@@ -275,54 +277,73 @@ class TestCheck:
         assert "2 points" in fiv("check", str(case)).stdout
 
 
-def with_schedule(template: str) -> str:
-    """A template with the # taken off its schedule."""
-    head, _, tail = template.partition("# [schedule]")
-    return f"{head}[schedule]{tail.replace('#   ', '', 1)}"
+def units_of(template: str) -> tuple[list[str], list[list[int]]]:
+    """The lines of a template, and those behind # that are to be taken in together."""
+    lines, units = template.split("\n"), []
+    for number, line in enumerate(lines):
+        if line.startswith("#   "):
+            units[-1].append(number)
+        elif line.startswith("# "):
+            units.append([number])
+    return lines, units
+
+
+def with_lines(lines: Sequence[str], taken_in: Sequence[int]) -> str:
+    """A template with the # taken off some lines."""
+    return "\n".join(
+        re.sub(r"^# +", "", line) if number in taken_in else line
+        for number, line in enumerate(lines)
+    )
 
 
 class TestNew:
     @pytest.mark.parametrize(("name", "kind"), SUITED)
-    def test_valid_as_it_stands(self, name: str, kind: str) -> None:
-        text = case_template(all_models()[name], all_analyses()[kind])
-        case = parse_case(text, "new.toml")
-        assert (case.model, case.analyses[0].kind) == (name, kind)
-        assert set(case.explicit) == set(case.schedule.names)
+    def test_every_line_behind_a_mark_may_be_taken_in(self, name: str, kind: str) -> None:
+        """One by one, and all together."""
+        model, analysis = all_models()[name], all_analyses()[kind]
+        lines, units = units_of(case_template(model, analysis))
+        for taken_in in [[], *units, list(chain(*units))]:
+            case = parse_case(with_lines(lines, taken_in), "new.toml")
+            make_plan(case)
+            assert (case.model, case.analyses[0].kind) == (name, kind)
+        assert set(case.parameters) - set(case.schedule.names) <= set(case.explicit)
+        if analysis.varying:
+            assert case.schedule.names in (("v",), ("Omega",))
+        settings = {s.name for s in analysis.settings if s.suits(model)}
+        assert all(case.analyses[0].settings[setting] is not None for setting in settings)
+        assert case.claims and case.figures and case.figures[0].settings
+        kinds = ["state", "equilibrium", "random"] + ["continue"] * bool(case.axes)
+        if analysis.uses_starts and analysis.chains:
+            assert [start.kind for start in case.starts] == kinds
 
     @pytest.mark.parametrize(("name", "kind"), SUITED)
-    def test_valid_with_every_default_spelt_out(self, name: str, kind: str) -> None:
-        """Taking the # off the lines of defaults gives the same case."""
-        text = case_template(all_models()[name], all_analyses()[kind])
-        bare = parse_case(text, "new.toml")
-        parameters = [name for name in bare.parameters if f"\n# {name} = " in text]
-        for parameter in parameters:
-            text = text.replace(f"\n# {parameter} = ", f"\n{parameter} = ")
-        text = text.replace("# [solver]", "[solver]").replace("# method", "method")
-        spelt = parse_case(text.replace("# rtol", "rtol"), "new.toml")
-        assert set(spelt.explicit) == {*parameters, *bare.schedule.names}
-        assert spelt.parameters == bare.parameters
-        assert spelt.solver == bare.solver
+    def test_what_is_behind_a_mark_is_what_holds_without_it(self, name: str, kind: str) -> None:
+        """The parameters, options and settings of the solver that are shown are the defaults."""
+        lines, units = units_of(case_template(all_models()[name], all_analyses()[kind]))
+        bare = parse_case("\n".join(lines), "new.toml")
+        tables = (unit for unit in units if "[" not in lines[unit[0]].partition("#")[2][:4])
+        spelt = parse_case(with_lines(lines, list(chain(*tables))), "new.toml")
+        following = {p.name for p in all_models()[name].adopted(get_law(bare.law).parameters)}
+        for parameter, value in bare.parameters.items():
+            assert spelt.parameters[parameter] == value or parameter in following
+        assert (spelt.options, spelt.solver) == (bare.options, bare.solver)
 
     @pytest.mark.parametrize(
-        ("name", "kind"), [(n, k) for n, k in SUITED if all_analyses()[k].varying]
+        "name",
+        [
+            "belt-1dof",
+            "pin-on-disc",
+            *(
+                pytest.param(name, marks=pytest.mark.campaign)
+                for name, model in all_models().items()
+                if model.contacts and name not in ("belt-1dof", "pin-on-disc")
+            ),
+        ],
     )
-    def test_the_schedule_is_valid_when_its_lines_are_taken_in(self, name: str, kind: str) -> None:
-        text = case_template(all_models()[name], all_analyses()[kind])
-        text = with_schedule(text) if all_analyses()[kind].constant else text
-        assert parse_case(text, "new.toml").schedule.names in (("v",), ("Omega",))
-
-    @pytest.mark.parametrize("kind", list(all_analyses()))
-    def test_every_setting_is_there(self, kind: str) -> None:
-        analysis = all_analyses()[kind]
-        settings = [setting.name for setting in analysis.settings]
-        belt, disc = all_models()["belt-1dof"], all_models()["disc-rigid-contact"]
-        on_discs = any(isinstance(setting, DiscPoints) for setting in analysis.settings)
-        model = disc if on_discs or analysis.unsuited(belt) else belt
-        text = case_template(model, analysis)
-        for name in settings:
-            text = text.replace(f"\n# {name} = ", f"\n{name} = ")
-        given = parse_case(text, "new.toml").analyses[0].settings
-        assert all(given[name] is not None for name in settings)
+    def test_the_first_case_of_a_model_vibrates(self, name: str) -> None:
+        text = case_template(all_models()[name], all_analyses()["response"])
+        found = api.run(parse_case(text, "new.toml"), workers=1)
+        assert "periodic" in api.names_of(found["attractor"]).values
 
     def test_what_does_not_suit_a_model(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert run(["new", "annular-plate"]) == 2

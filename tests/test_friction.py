@@ -39,6 +39,20 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         0.4 * 5,
     ),
     "cubic": ({"mu_s": 0.4, "mu_m": 0.25, "v_m": 0.7}, 0.25 * 5, 0.4 * 5),
+    "dahl": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
+    "lugre": (
+        {
+            "mu_s": 0.4,
+            "mu_k": 0.1,
+            "v_s": 0.5,
+            "delta": 2,
+            "sigma_0": 100.0,
+            "sigma_1": 3.0,
+            "sigma_2": 0.2,
+        },
+        (0.1 + 0.3 * exp(-1.96) + 0.14) * 5,
+        None,
+    ),
 }
 LAWS = tuple(all_laws().values())
 PLAIN = tuple(law for law in LAWS if not law.name.startswith(TANH_OF))
@@ -150,3 +164,23 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
     rates = law.rates(slip, values) if law.rates else {}
     for expression in (law.force(slip, values), *rates.values()):
         assert not expression.atoms(sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Piecewise)
+
+
+@pytest.mark.parametrize(
+    ("law", "changes", "other", "values"),
+    [
+        ("stribeck", {"mu_s": 0.1}, "coulomb", {"mu_k": 0.1}),
+        ("viscous", {"F_V": 0.0}, "coulomb", {}),
+        ("stribeck-viscous", {"F_V": 0.0}, "stribeck", {}),
+        ("four-parameter", {"d": 0.0, "e": 0.0}, "hyperbolic", {"delta": 2.0}),
+        ("four-parameter", {"d": 1.0, "e": 0.0}, "coulomb", {"mu_k": 0.4}),
+        ("lugre", {"mu_s": 0.1, "sigma_2": 0.0}, "dahl", {"mu_k": 0.1}),
+    ],
+)
+def test_laws_contain_one_another(
+    law: str, changes: dict[str, float], other: str, values: dict[str, float]
+) -> None:
+    own = ROWS[law][0] | changes
+    for v in (-2.0, -0.3, 0.1, 1.0):
+        contained = force(get_law(other), v, ROWS[other][0] | values)
+        assert force(get_law(law), v, own) == pytest.approx(contained, rel=1e-14)

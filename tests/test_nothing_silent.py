@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from small_models import TWO_MASSES
 
 from fiv_cli import api
 from fiv_cli.cli.main import run as fiv
+from fiv_cli.errors import CaseError
 from fiv_cli.flags import advice
 from fiv_cli.models.base import Equations, Options
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
@@ -33,6 +35,63 @@ MISTAKEN = replace(TWO_MASSES, name="mistaken", equations=_mistaken)
 def test_energies_that_are_no_number_fail_the_point(kind: str, settings: Any) -> None:
     found = api.analyse(MISTAKEN, "coulomb", kind, {"x1": 0.3}, settings, N2=8.0)
     assert (found.status, found.reason, found.values) == ("failed", "no_number", {})
+
+
+# --- figures and claims of what is not there ------------------------------------------------------
+FAR = {"label": "far", "kind": "state", "state": {"x": 10.0}}
+ASKING: dict[str, Any] = {
+    "schema": 1,
+    "model": {"name": "belt-1dof"},
+    "grid": {"v": [0.5, 1.0, 1.5], "friction": ["coulomb", "stribeck"]},
+    "initial": [FAR],
+    "analysis": [{"kind": "response"}, {"kind": "eigenvalues"}],
+}
+CLAIM = {"source": "here", "text": "said", "expect": {"less_than": 1.0}}
+OVER_PHASES = {"what": "mean", "over": ["psi_a"]}
+
+
+@pytest.mark.parametrize(
+    ("table", "said", "told", "allowed"),
+    [
+        ("figure", {"kind": "curve", "variable": "F_N"}, "computes 'F_N'", ""),
+        ("figure", {"kind": "curve", "variable": "section_value"}, "be drawn as a curve", "L_s"),
+        ("figure", {"kind": "bifurcation", "variable": "L_s"}, "a bifurcation", "section_value"),
+        ("figure", {"kind": "map", "variable": "section_value"}, "be drawn as a map", "L_s"),
+        (
+            "figure",
+            {"kind": "curve", "variable": "L_s", "select": {"v": ". > 2"}},
+            "'. > 2'",
+            "1.5",
+        ),
+        ("claim", {"variable": "L_s", "at": {"v": 0.75}}, "0.75 is not on the axis v", "0.5, 1.0"),
+        ("claim", {"variable": "L_s", "at": {"v": ". < 0.5"}}, "'. < 0.5' is not on the axis", ""),
+        ("claim", {"variable": "L_s", "at": {"v": [0.5, 9.0]}}, "9.0 is not on the axis v", ""),
+        ("claim", {"variable": "L_s", "at": {"friction": "tanh"}}, "'tanh' is not on", "stribeck"),
+        ("claim", {"variable": "growth_rate", "at": {"initial": "far"}}, "no axis 'initial'", "v"),
+        ("claim", {"variable": "L_s", "take": OVER_PHASES | {"over": ["mode"]}}, "'mode'", "v"),
+        (
+            "claim",
+            {"variable": "section_value", "take": OVER_PHASES | {"over": ["v"]}},
+            "has any number of values at a point",
+            "",
+        ),
+    ],
+)
+def test_what_is_not_there_is_told_before_the_run(
+    table: str, said: dict[str, Any], told: str, allowed: str
+) -> None:
+    asked = {**(CLAIM if table == "claim" else {}), **said}
+    with pytest.raises(CaseError) as refused:
+        api.load({**ASKING, table: [asked]})
+    (problem,) = refused.value.problems
+    assert told in problem.message
+    assert allowed in problem.allowed
+
+
+def test_a_shorter_grid_leaves_claims_about_the_rest() -> None:
+    """One point of a case can be run alone, whatever its claims speak of."""
+    case = {**ASKING, "claim": [{**CLAIM, "variable": "L_s", "at": {"v": 1.5}}]}
+    assert len(api.load(case, overrides={"grid.v": [0.5]}).claims) == 1
 
 
 # --- what a run ends with -------------------------------------------------------------------------
@@ -75,6 +134,49 @@ def test_a_run_ends_with_its_answer(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "WARNING: 7 of 10 points of response have no answer" in told
     assert fiv([*hasty, "-q"]) == 0
     assert capsys.readouterr().err == ""
+
+
+# --- what a run will cost ------------------------------------------------------------------------
+def test_an_estimate_runs_a_few_points_and_keeps_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of two single starts and a chain of three; the points are the same each time."""
+    monkeypatch.chdir(tmp_path)
+    Path("chain.toml").write_text(CHAIN + '[[analysis]]\nkind = "eigenvalues"\n')
+    assert fiv(["check", "chain.toml", "--estimate", "--json", "--workers", "3"]) == 0
+    (case,) = json.loads(capsys.readouterr().out)["cases"]
+    of_response, of_eigenvalues = case["estimates"]
+    assert of_response["points"] == [10, 10] and of_eigenvalues["points"] == [5, 5]
+    assert 6 <= of_response["sampled"] <= 15
+    for one in case["estimates"]:
+        low, high = one["seconds"]
+        assert 0.0 < low < high and one["memory"] > one["disk"] > 0.0 and one["workers"] == 3
+    assert [path.name for path in tmp_path.iterdir()] == ["chain.toml"]
+    assert fiv(["check", "chain.toml", "--estimate"]) == 0
+    assert "  estimate of response: " in capsys.readouterr().out
+
+
+def test_a_grid_of_a_hundred_million_points_is_told_what_it_means(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    case = tmp_path / "large.toml"
+    axis = "{ start = 1.0, stop = 2.0, num = 10000 }"
+    case.write_text(f'schema = 1\n[model]\nname = "belt-1dof"\n[grid]\nv = {axis}\nN = {axis}\n'
+                    '[[analysis]]\nkind = "response"\n')  # fmt: skip
+    assert fiv(["check", str(case)]) == 0
+    told = capsys.readouterr().out
+    assert "100,000,000 points: 10 h to 16 h on two workers and 72 GB of memory" in told
+    assert "--estimate" in told
+
+
+def test_a_long_run_says_so_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("fiv_cli.sweep.scheduler.LONG", 0.0)
+    monkeypatch.setattr("fiv_cli.sweep.scheduler.LARGEST_CHUNK", 1)  # a point each
+    (tmp_path / "chain.toml").write_text(CHAIN)
+    assert fiv(["run", str(tmp_path / "chain.toml"), "-o", str(tmp_path / "a.nc")]) == 0
+    assert capsys.readouterr().err.count("to go on 2 workers") == 1
 
 
 # --- claims on points without a class -----------------------------------------------------------

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import pickle
 import tomllib
+from pathlib import Path
 
 import numpy as np
+import pytest
+import xarray as xr
 
 from fiv_cli import api
+from fiv_cli.case.case import Case
+from fiv_cli.case.identity import differences, document, fingerprint
+from fiv_cli.errors import CaseError
+from fiv_cli.sweep.plan import make_plan
 
 KINDS = """
 schema = 1
@@ -52,3 +61,136 @@ def test_the_state_that_a_motion_began_in_is_stored_for_every_kind_of_start() ->
     # a contact that sticks takes on the belt's new velocity
     ends = found.sel(initial="up", v=2.0)
     assert float(ends["x_min"]) <= at["up"][1][0] <= float(ends["x_max"])
+
+
+SWEPT = """
+schema = 1
+[model]
+name = "belt-1dof"
+[model.parameters]
+c = 0.1
+[friction]
+mu_s = 0.4
+mu_k = 0.2
+[grid]
+v = { start = 0.5, stop = 5.0, num = 10 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { x = 10.0 }
+[[initial]]
+label = "near"
+kind = "equilibrium"
+[[initial]]
+label = "up"
+kind = "continue"
+along = "v"
+from = "far"
+on_loss = "go-on"
+[[initial]]
+label = "down"
+kind = "continue"
+along = "v"
+direction = "down"
+from = "near"
+on_loss = "go-on"
+[[analysis]]
+kind = "response"
+"""
+
+
+def test_a_hysteresis_sweep_carries_the_motion_on_whatever_its_class() -> None:
+    """Up, stick-slip is lost to rest; down, rest stays: every point as when begun there alone."""
+    found = api.run(api.load(tomllib.loads(SWEPT)), workers=1)
+    classes = api.names_of(found["attractor"])
+    up, down = (classes.sel(initial=label).values.tolist() for label in ("up", "down"))
+    assert set(down) == {"equilibrium"} and (found["status"] == 0).all()
+    lost = up.index("equilibrium")
+    assert up == ["periodic"] * lost + ["equilibrium"] * (len(up) - lost) and 0 < lost < len(up)
+    begun = found["initial_state"].sel(initial="up")
+    for point, told in zip(begun.transpose("v", "state"), up, strict=True):
+        start, v = dict(zip(begun["state"].values, point.values, strict=True)), float(point["v"])
+        alone = api.analyse(
+            "belt-1dof", "coulomb", "response", start, v=v, c=0.1, mu_s=0.4, mu_k=0.2
+        )
+        assert alone.values["attractor"] == told
+    rested = found["L_s_reference"].sel(initial="up", state="x").values[lost:-1]
+    assert begun.sel(state="x").values[lost + 1 :].tolist() == rested.tolist()
+
+
+TABLE = """
+schema = 1
+[model]
+name = "belt-1dof"
+[[initial]]
+label = "basin"
+kind = "table"
+{starts}
+[[analysis]]
+kind = "response"
+t_max = 100.0
+"""
+
+
+def table(folder: Path, content: str | None = None, starts: str = 'file = "starts.csv"') -> Case:
+    """A case whose starts are a table, in a file of this content or in the case itself."""
+    if content is not None:
+        (folder / "starts.csv").write_text(content, encoding="utf-8")
+    (folder / "case.toml").write_text(TABLE.format(starts=starts))
+    return api.load(folder / "case.toml")
+
+
+def test_a_table_of_starts_is_a_start_for_each_row(tmp_path: Path) -> None:
+    filed = table(tmp_path, "x_dot [cm/s], x\n50, 1.0\n\n-20, 25 mm\n0, 1.0\n50, 1.0\n")
+    rows = '{ x = 1, x_dot = 0.5 }, { x = "25 mm", x_dot = -0.2 }, { x = 1, x_dot = 0 }'
+    inline = table(tmp_path, None, f"states = [{rows}, {{ x = 1, x_dot = 0.5 }}]")
+    found = api.run(filed, workers=1)
+    begun = found["initial_state"].transpose("initial", "state").values.tolist()
+    assert begun == [[1.0, 0.5], [0.025, -0.2], [1.0, 0.0], [1.0, 0.5]]
+    assert found["initial"].values.tolist() == [f"basin-{i:03d}" for i in range(4)]
+    assert (found["status"] == 0).all() and fingerprint(filed) == fingerprint(inline)
+    xr.testing.assert_identical(found.drop_attrs(), api.run(inline, workers=1).drop_attrs())
+
+
+def test_a_changed_file_is_another_case(tmp_path: Path) -> None:
+    before = table(tmp_path, "x\n1.0\n2.0\n")
+    after = table(tmp_path, "x\n1.0\n2.5\n")
+    assert fingerprint(before) != fingerprint(after)
+    (told,) = differences(document(before), after)
+    assert told.startswith("starts.basin.rows: stored")
+
+
+def test_thousands_of_starts_are_no_burden(tmp_path: Path) -> None:
+    rows = "".join(f"{i / 1000},{-i}\n" for i in range(5000))
+    (plan,) = make_plan(table(tmp_path, "x,x_dot\n" + rows)).analyses
+    assert plan.size == 5000 and len(np.unique(plan.keys(), axis=0)) == 5000
+    assert len(pickle.dumps(plan.template)) < 1_000_000
+    assert len(json.dumps(document(table(tmp_path)))) < 10_000
+
+
+@pytest.mark.parametrize(
+    ("content", "place", "message"),
+    [
+        ("x, x_dot\n1, 2\n3, fast\n", '"row 3".x_dot', "'fast' is not a number"),
+        ("x [mm]\n1\n2 s\n", '"row 3".x', "does not fit"),
+        ("x, speed\n1, 2\n", "file.speed", "there is no state 'speed'"),
+        ("x, x\n1, 2\n", "file", "the column x stands in it twice"),
+        ("x, x_dot\n1, 2\n3\n", "file", "row 3 has 1 cells, and the header 2"),
+        ("x\n\n", "file", "holds no starts"),
+        ("[]\n1\n", "file", "'[]' in its header is no state"),
+        (None, "file", "cannot be read: No such file"),
+    ],
+)
+def test_what_is_wrong_in_a_file_of_starts_is_told_with_row_and_column(
+    tmp_path: Path, content: str | None, place: str, message: str
+) -> None:
+    with pytest.raises(CaseError) as caught:
+        table(tmp_path, content)
+    (problem,) = caught.value.problems
+    assert problem.path.endswith(place) and message in problem.message and problem.line == 8
+
+
+@pytest.mark.parametrize("starts", ["", 'file = "starts.csv"\nstates = [{ x = 1 }]'])
+def test_a_table_stands_in_the_case_or_in_a_file(tmp_path: Path, starts: str) -> None:
+    with pytest.raises(CaseError, match="needs its states, or a file"):
+        table(tmp_path, "x\n1\n", starts)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import sweep_fakes
 
+from fiv_cli import api
 from fiv_cli.analyses.base import Request
 from fiv_cli.errors import UsageError
 from fiv_cli.sweep.motion import find_point, run_motion
@@ -92,3 +93,35 @@ def test_zipped_axes_are_named_by_what_makes_them_unique() -> None:
         find_point(case, {"k": "1", "initial": "far"})
     with pytest.raises(UsageError, match="no point"):
         find_point(case, {"k": "2", "m": "4", "initial": "far"})
+
+
+BELT = {
+    "schema": 1,
+    "model": {"name": "belt-1dof"},
+    "grid": {"v": [1.0], "c": [0.0, 2.0]},
+    "initial": [{"label": "far", "kind": "equilibrium", "offset": {"x": 3.0}}],
+    "analysis": [{"kind": "response"}],
+}
+
+
+def test_a_settled_motion_repeats_itself_after_each_of_its_periods() -> None:
+    case = api.load(BELT, overrides={"grid.c": [0.0]})
+    (period,) = api.run(case, workers=1)["period"].values.ravel()
+    motion = api.history(case, periods=3, settled=True).squeeze()
+    assert float(motion["time"][-1]) == pytest.approx(3 * period, rel=1e-12)
+    path = np.stack([motion["x"], motion["x_dot"]])
+    assert np.ptp(path[0]) > 1.0
+    for number in (1, 2, 3):
+        np.testing.assert_allclose(path[:, 1000 * number], path[:, 0], atol=1e-8)
+    assert motion.attrs["point"] == "v=1.0, c=0.0, initial=far, settled"
+
+
+def test_what_has_no_period_is_told_and_may_be_recorded_all_the_same() -> None:
+    """With damping 2 N s/m the belt slides steadily; without `settled` the motion still decays."""
+    case = api.load(BELT, overrides={"grid.c": [2.0]})
+    with pytest.raises(UsageError, match="no period"):
+        api.history(case, periods=3, settled=True)
+    still, begun = (api.history(case, t_end=1.0, settled=settled) for settled in (True, False))
+    assert np.ptp(still["x"].values) < 1e-3 * np.ptp(begun["x"].values)
+    with pytest.raises(UsageError, match="both say where"):
+        api.history(case, periods=3, t_end=1.0)

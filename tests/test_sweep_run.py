@@ -163,6 +163,21 @@ def test_a_chain_may_start_again_where_it_was_lost(tmp_path: Path) -> None:
     assert (last.sel(initial="up") == last.sel(initial="far")).all()
 
 
+def test_a_chain_may_go_on_whatever_its_class(tmp_path: Path) -> None:
+    text = sweep_fakes.CHAIN.replace('from = "far"', 'from = "far"\non_loss = "go-on"')
+    sweep(tmp_path / "a.nc", text)
+    up = read_datasets(tmp_path / "a.nc")[""].sel(initial="up", v=1.0)
+    assert up["attractor"].values.tolist() == [1, 1, 1, 1, 1, 1, 3, 3]
+    before = float(np.sqrt(up["L_s"][6])) * np.sign(np.sin(7 * 1.7 + 1.0))
+    assert float(up["L_s"][7]) == pytest.approx((np.sin(8 * 1.7 + 1.0) + 0.1 * before) ** 2)
+    for more in ({"max_points": 13}, {}):
+        sweep(tmp_path / "cut.nc", text, **more)
+    assert (tmp_path / "cut.nc").read_bytes() == (tmp_path / "a.nc").read_bytes()
+    sweep(tmp_path / "ended.nc", text, executor="sweep_fakes:ended")
+    up = read_datasets(tmp_path / "ended.nc")[""].sel(initial="up", v=1.0)
+    assert up["status"].values.tolist() == [0, 0, 0, 0, 4, 4, 4, 4]
+
+
 @pytest.mark.parametrize("on_loss", ["stop", "restart"])
 def test_a_chain_goes_through_points_that_could_not_be_told(tmp_path: Path, on_loss: str) -> None:
     """It hands on their states, and ends where the class changes from what was told before."""
@@ -357,13 +372,15 @@ def test_a_worker_that_dies_once_costs_nothing(
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
-@pytest.mark.parametrize(("text", "failed"), [(sweep_fakes.BELT, 2), (sweep_fakes.CHAIN, 2)])
+@pytest.mark.parametrize(
+    ("text", "points"), [(sweep_fakes.BELT, 4), (sweep_fakes.CHAIN, 4), (sweep_fakes.CHAIN, 14)]
+)
 def test_a_point_that_kills_its_worker_twice_is_one_failed_point(
-    tmp_path: Path, text: str, failed: int
+    tmp_path: Path, text: str, points: int
 ) -> None:
-    changes = {"workers": 2, "in_process_below": 0.0, "chunk_points": 4}
+    changes = {"workers": 2, "in_process_below": 0.0, "chunk_points": points}
     summary = sweep(tmp_path / "b.nc", text, executor="sweep_fakes:deadly", **changes)
-    assert summary.counts["failed"] == failed
+    assert summary.counts["failed"] == 2
     dataset = read_datasets(tmp_path / "b.nc")[""]
     assert (dataset["status"].sel(N=3.0, v=1.0) == 2).all()
     assert (dataset["reason"].sel(N=3.0, v=1.0) == 2).all()
@@ -387,6 +404,11 @@ def test_a_wall_clock_limit_fails_the_point_only_until_resume(tmp_path: Path) ->
     assert sweep(tmp_path / "a.nc").complete
     sweep(tmp_path / "b.nc")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_task_goes_on_with_several_chains(tmp_path: Path) -> None:
+    sweep(tmp_path / "a.nc", sweep_fakes.CHAIN, chunk_points=16)
+    assert len(list((tmp_path / "a.run" / "shards").iterdir())) == 2  # 2 chains of 8, 16 starts
 
 
 def test_a_live_run_locks_its_directory(tmp_path: Path) -> None:
@@ -452,9 +474,8 @@ def test_tasks_grow_with_what_is_measured() -> None:
 
 
 def test_long_runs_have_longer_tasks_up_to_a_bound() -> None:
-    pace = Pace(seconds_per_point=1e-3, last_count=10**9, tasks=9)
-    assert pace.count(2_000_000, 2, HERE) == 5000
-    assert pace.count(10**9, 2, HERE) == 20_000
+    paces = [Pace(1e-3, last_count=10**9, tasks=9, spent=s) for s in (0.0, 20.0, 250.0, 1e4)]
+    assert [pace.count(10**9, 2, HERE) for pace in paces] == [500, 500, 5000, 20_000]
 
 
 def test_tasks_with_large_results_are_short() -> None:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +50,10 @@ __all__ = [
 ]
 
 
+AT_ONCE = 64
+"""Points of which what can be found at once is."""
+
+
 def broken(
     model: Model, law: Law, parameters: Mapping[str, float], linear: bool = False
 ) -> Requirement | None:
@@ -74,6 +79,8 @@ class Start:
     values : state name -> SI value; velocities carry the suffix ``_dot``
     carried : what the neighbour's `Outcome.carry` held, for "continue"
     named : state -> parameter whose value it takes, among `values`
+    from_rest : whether a motion that came to rest goes on from there, plus `values`, and not from
+        the equilibrium that this point has
     """
 
     label: str
@@ -81,6 +88,7 @@ class Start:
     values: Mapping[str, float] = field(default_factory=dict)
     carried: Mapping[str, Any] | None = None
     named: Mapping[str, str] = field(default_factory=dict)
+    from_rest: bool = False
 
     def at(self, parameters: Mapping[str, float]) -> Start:
         """The same start where the parameters have other values."""
@@ -100,6 +108,7 @@ class Request:
     settings : every setting of the analysis
     solver : integrator settings
     start : None where the analysis has no starts
+    batch : the points that are run with this one, if any
     """
 
     setup: Setup
@@ -108,6 +117,33 @@ class Request:
     settings: Settings
     solver: SolverSettings = field(default_factory=SolverSettings)
     start: Start | None = None
+    batch: Batch | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Points that are run one after the other, and what of them was found at once.
+
+    Attributes
+    ----------
+    requests : the points, without their starts
+    known : what was found, by the system and the `id` of a point's parameters
+    """
+
+    requests: Sequence[Request]
+    known: dict[tuple[object, int], Any] = field(default_factory=dict)
+
+    def from_(self, request: Request) -> list[Mapping[str, float]]:
+        """Parameters of a point and of those that follow in the same system."""
+        place = self._places.get(id(request.parameters))
+        if place is None:
+            return [request.parameters]
+        coming = self.requests[place : place + AT_ONCE]
+        return [one.parameters for one in coming if one.setup.key == request.setup.key]
+
+    @cached_property
+    def _places(self) -> Mapping[int, int]:
+        return {id(one.parameters): place for place, one in enumerate(self.requests)}
 
 
 @dataclass

@@ -13,11 +13,18 @@ from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
 from fiv_cli.analyses.variables import COMPUTED, Variable
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass, parse_condition
+from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
-from fiv_cli.notation.names import listed
+from fiv_cli.notation.names import listed, suggest
+
+# Kinds of figures of what `fiv history` computes of a point, too.
+OF_MOTIONS = ("history", "phase", "spectrogram")
+
+# Kinds of figures of one variable: the group of ragged variables that it belongs to, "" for none.
+RAGGED = {"curve": "", "map": "", "bifurcation": "section"}
 
 Held = Mapping[str, Sequence[Variable] | None]
 """Name of an analysis -> its variables; None where it does not suit the model."""
@@ -34,17 +41,67 @@ def check_what_is_asked(case: Case, report: Report) -> None:
     }
     for index, figure in enumerate(case.figures):
         place: Path = ("figure", index)
-        known = _known(case, held, figure.settings.get("analysis"), with_motions=True)
+        known = _known(case, held, figure.settings.get("analysis"), figure.kind in OF_MOTIONS)
         for name in _named(figure) if known else ():
-            if _check(name, known, (*place, "variable"), report) and "take" in figure.settings:
-                _check_taken(figure.settings["take"], name, known, (*place, "take"), report)
+            if _check(name, known, (*place, "variable"), report):
+                places = _places(case, held, figure.settings.get("analysis"), name)
+                _check_drawn(figure, name, known, places, place, report)
         _check_scale(figure, place, report)
     for index, claim in enumerate(case.claims):
         place = ("claim", index)
         known = _known(case, held, claim.analysis, with_motions=False)
         if known and _check(claim.variable, known, (*place, "variable"), report):
             _check_expected(claim, known, place, report)
+            places = _places(case, held, claim.analysis, claim.variable)
+            if places is not None:
+                _check_claimed(claim, known[claim.variable], places, place, report)
     _check_refined(case, held, report)
+
+
+def _check_drawn(
+    figure: FigureSpec,
+    name: str,
+    known: Mapping[str, Variable | None],
+    places: Places | None,
+    place: Path,
+    report: Report,
+) -> None:
+    """Note what a figure of this kind cannot draw of a variable, and points that it has not."""
+    variable, take = known[name], figure.settings.get("take")
+    if take:
+        _check_taken(take, name, known, (*place, "take"), report)
+    elif variable is not None and figure.kind in RAGGED and RAGGED[figure.kind] != variable.ragged:
+        wanted = "the values at a section" if RAGGED[figure.kind] else "one value at each point"
+        message = f"{name!r} cannot be drawn as a {figure.kind}, which shows {wanted}"
+        report.add((*place, "variable"), message, _drawable(known, RAGGED[figure.kind]))
+    if places is not None and figure.kind not in OF_MOTIONS:
+        places.check(figure.settings.get("select", {}), (*place, "select"), report, near=True)
+        if take:
+            places.check_over(take["over"], variable, (*place, "take", "over"), report)
+
+
+def _drawable(known: Mapping[str, Variable | None], ragged: str) -> str:
+    return listed([v.name for v in known.values() if v and v.ragged == ragged and not v.dims])
+
+
+def _check_claimed(
+    claim: ClaimSpec, variable: Variable | None, places: Places, place: Path, report: Report
+) -> None:
+    """Note points and axes of which a claim speaks and that the analysis has not."""
+    places.check(claim.at, (*place, "at"), report, near=False)
+    if claim.take:
+        places.check_over(claim.take["over"], variable, (*place, "take", "over"), report)
+        reference = claim.take.get("relative_to", {})
+        places.check(reference, (*place, "take", "relative_to"), report, near=False)
+
+
+def _places(case: Case, held: Held, analysis: str | None, variable: str) -> Places | None:
+    """The axes of the analysis that a figure or a claim speaks of: the first with the variable."""
+    for spec in case.analyses:
+        variables = held[spec.name] or ()
+        if spec.name == (analysis or spec.name) and variable in [v.name for v in variables]:
+            return Places.of(case, spec, variables)
+    return None
 
 
 def _check_refined(case: Case, held: Held, report: Report) -> None:
@@ -70,7 +127,8 @@ def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Var
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:
-    named = figure.settings.get("variable", [])
+    default = figure.settings.get("y", []) if figure.kind == "curve" else []
+    named = figure.settings.get("variable", default)
     return [named] if isinstance(named, str) else named
 
 
@@ -102,7 +160,8 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
     if name not in known:
         variables = {v.name: v.long_name for v in known.values() if v is not None}
         message = f"no analysis of this case computes {name!r}"
-        report.unknown(place, message, name, variables)
+        hint = suggest(name, variables) or f"`fiv variables {report.source}` says what each is"
+        report.unknown(place, message, name, variables, hint)
     return name in known
 
 

@@ -13,6 +13,9 @@ from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter, followed
 from fiv_cli.schedule import STEADY, Schedule
 
+SEVERAL = ("random", "table")
+"""Kinds of starts of which a table of the case holds several."""
+
 
 @dataclass(frozen=True)
 class Axis:
@@ -62,11 +65,13 @@ class StartSpec:
 
     Attributes
     ----------
-    label : unique; a random start yields labels ``label-000`` ...
-    kind : "equilibrium", "state", "random" or "continue"
+    label : unique; random starts and those of a table have labels ``label-000`` ...
+    kind : "equilibrium", "state", "random", "table" or "continue"
     offset : state -> SI value (equilibrium, continue)
     state : state -> SI value or name of a parameter whose value is taken (state)
-    count, seed, box : random starts; box is state -> (low, high)
+    count : number of random starts, or of those of a table
+    seed, box : random starts; box is state -> (low, high)
+    rows : state -> SI value, of each start of a table
     along, direction, from_label, on_loss : continue
     """
 
@@ -77,6 +82,7 @@ class StartSpec:
     count: int = 1
     seed: int = 0
     box: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    rows: tuple[Mapping[str, float], ...] = ()
     along: str = ""
     direction: str = "up"
     from_label: str = ""

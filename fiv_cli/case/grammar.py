@@ -20,6 +20,9 @@ Test = tuple[str, float]
 Bound = float | str
 """A number, or ``CASE:variable``: what another case holds at the same point."""
 
+SAME = 1e-9
+"""Two doubles nearest to the same decimal differ by less."""
+
 EXPECT_SCHEMA = {"anyOf": [{"type": "string"}, {"type": "object"}]}
 HOLDS_SCHEMA = {"anyOf": [{"enum": ["all", "any"]}, {"type": "number"}]}
 
@@ -85,7 +88,7 @@ def parse_class(text: str) -> OfClass:
     """``CLASS`` or ``not CLASS``; ValueError for anything else."""
     parts = _CLASS.fullmatch(text)
     if parts is None:
-        raise ValueError(f"{text!r} is no class")
+        raise ValueError(f"{text!r} is no class; there may stand {_FORMS}")
     return OfClass(parts["name"], parts["negated"] is not None)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.case.case import AnalysisSpec, Case
+from fiv_cli.case.case import AnalysisSpec, Case, StartSpec
 from fiv_cli.case.overrides import parse_override
 from fiv_cli.case.report import dotted
 from fiv_cli.codegen import NUMERICS_VERSION
@@ -44,7 +44,7 @@ def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]
         "parameters": _deciding_parameters(case),
         "axes": [[axis.name, axis.kind] for axis in case.axes],
         "zip": case.zips,
-        "starts": {start.label: start for start in case.starts} if with_starts else {},
+        "starts": {start.label: _start(start) for start in case.starts} if with_starts else {},
         "analyses": {spec.name: spec for spec in analyses},
         "solver": case.solver,
         "numerics": _numerics(case),
@@ -52,6 +52,13 @@ def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]
     if case.schedule.curves:  # only then: the keys of a constant case are what they were
         found["schedule"] = dict(case.schedule.curves)
     return json.loads(json.dumps(found, default=_plain))
+
+
+def _start(start: StartSpec) -> dict[str, Any]:
+    """A start; for the rows of a table stands their hash, and nothing where it has none."""
+    facts = asdict(start)
+    rows = facts.pop("rows")
+    return facts | ({"rows": _hash(rows)} if rows else {})
 
 
 def fingerprint(case: Case, analysis: AnalysisSpec | None = None) -> str:

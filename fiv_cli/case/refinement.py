@@ -83,7 +83,7 @@ def refuse_chains(
             report.add(
                 ("initial", index),
                 f"the start {start.label!r} follows every point of an axis; refine leaves some out",
-                'kind = "equilibrium", "state" or "random"',
+                'kind = "equilibrium", "state", "random" or "table"',
                 "or remove [sweep] refine; the analysis boundary finds the end of a branch",
             )
 

@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from fiv_cli.analyses.catalogue import own_dims
-from fiv_cli.case.case import AnalysisSpec, Axis, ClaimSpec, FigureSpec, StartSpec
+from fiv_cli.case.case import (
+    SEVERAL,
+    AnalysisSpec,
+    Axis,
+    ClaimSpec,
+    FigureSpec,
+    StartSpec,
+)
 from fiv_cli.case.form import Form
 from fiv_cli.case.grammar import parse_condition
 from fiv_cli.case.physics import Physics, note_no_axis
@@ -31,13 +38,13 @@ class Answers:
         return {axis.name: axis.kind for axis in self.axes}
 
     def labels(self) -> list[str]:
-        """Labels along ``initial``; a random start stands for all of its own."""
+        """Labels along ``initial``; random starts, or a table, by what theirs begin with."""
         return [start.label for start in self.starts]
 
     def has_label(self, value: object) -> bool:
-        """Whether `value` is a label, or the first part of those of a random start."""
-        random = tuple(f"{start.label}-" for start in self.starts if start.kind == "random")
-        return value in self.labels() or str(value).startswith(random)
+        """Whether `value` is a label, or one of several starts."""
+        several = tuple(f"{start.label}-" for start in self.starts if start.kind in SEVERAL)
+        return value in self.labels() or str(value).startswith(several)
 
     def unit(self, name: str) -> str:
         """The unit of an axis of numbers."""

@@ -8,8 +8,10 @@ from typing import Any
 
 from fiv_cli.case.case import Axis, StartSpec
 from fiv_cli.case.form import Form
+from fiv_cli.case.kinds import OF_EVERY_START, STARTS
 from fiv_cli.case.physics import Physics, counterpart, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
+from fiv_cli.case.start_table import rows_in
 from fiv_cli.case.structure import InitialTable
 from fiv_cli.notation.names import ascii_name, axis_name, listed
 from fiv_cli.notation.units import convert
@@ -17,13 +19,7 @@ from fiv_cli.notation.units import convert
 AT_REST = StartSpec("rest", "state")
 
 _LABEL = re.compile(r"[A-Za-z0-9_.+-]+")
-_KEYS_OF_KIND = {
-    "equilibrium": {"offset"},
-    "state": {"state"},
-    "random": {"count", "seed", "box"},
-    "continue": {"along", "direction", "from", "on_loss", "offset"},
-}
-_COMMON_KEYS = {"label", "kind"}
+ONE_OF = 'states = [{ STATE = value, ... }, ...], or file = "starts.csv"'
 
 
 def read_starts(
@@ -42,14 +38,16 @@ def read_starts(
 
 def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -> StartSpec:
     _refuse_foreign_keys(table, place, report)
+    rows = _rows(table, place, physics, report) if table.kind == "table" else ()
     return StartSpec(
         label=table.label if table.label is not None else table.kind,
         kind=table.kind,
         offset=_numbers(table.offset, physics, (*place, "offset"), report),
         state=_state(table.state, physics, (*place, "state"), report),
-        count=table.count,
+        count=len(rows) or table.count,
         seed=table.seed,
         box=_box(table, physics, place, report),
+        rows=rows,
         along=axis_name(table.along or ""),
         direction=table.direction,
         from_label=table.from_label or "",
@@ -58,7 +56,7 @@ def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -
 
 
 def _refuse_foreign_keys(table: InitialTable, place: Path, report: Report) -> None:
-    keys = _KEYS_OF_KIND[table.kind] | _COMMON_KEYS
+    keys = {"kind", *OF_EVERY_START, *STARTS[table.kind][1]}
     for key in sorted(table.model_dump(exclude_unset=True, by_alias=True).keys() - keys):
         message = f"a start of kind {table.kind!r} has no {key}"
         report.add((*place, key), message, listed(sorted(keys)))
@@ -87,12 +85,23 @@ def _numbers(
     return found
 
 
+def _rows(
+    table: InitialTable, place: Path, physics: Physics, report: Report
+) -> tuple[dict[str, float], ...]:
+    """The starts of a table, in the case or in a file."""
+    if bool(table.states) == bool(table.file):
+        report.add(place, "a table of starts needs its states, or a file", ONE_OF)
+    places = (((*place, "states", number), row) for number, row in enumerate(table.states))
+    given = rows_in(table.file, (*place, "file"), physics, report) if table.file else places
+    return tuple(_numbers(row, physics, row_place, report) for row_place, row in given)
+
+
 def _state(
     values: Mapping[str, Any], physics: Physics, place: Path, report: Report
 ) -> dict[str, float | str]:
     parameters = {p.name: p.meaning for p in physics.table().values()}
     found: dict[str, float | str] = {}
-    for name, _, key_place, value in _known_states(values, physics, place, report):
+    for name, unit, key_place, value in _known_states(values, physics, place, report):
         named = ascii_name(value) if isinstance(value, str) else ""
         if named in parameters:
             found[name] = named
@@ -100,7 +109,8 @@ def _state(
             message, hint = f"there is no parameter {named!r}", counterpart(named, physics.table())
             report.unknown(key_place, message, named, parameters, hint)
         else:
-            found |= _numbers({name: value}, physics, place, report)
+            with report.noting(key_place, f"a number in {unit}, or the name of a parameter"):
+                found[name] = convert(value, unit)
     return found
 
 

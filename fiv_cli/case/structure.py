@@ -90,6 +90,7 @@ class Table(BaseModel):
 
     # Key of 0.1.0 that is gone -> what to write now for the value it has.
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {}
+    example: ClassVar[str] = ""
 
 
 class OpenTable(BaseModel):
@@ -115,6 +116,8 @@ class FrictionTable(OpenTable):
 
 class RangeTable(Table):
     """A regular axis; both ends are included."""
+
+    example: ClassVar[str] = "{ start = 1, stop = 2, num = 5 }, or step = 0.25 in place of num"
 
     start: Quantity = Field(description="first value")
     stop: Quantity = Field(description="last value, included")
@@ -165,8 +168,9 @@ class InitialTable(Table):
     """One start of the motion."""
 
     label: str | None = Field(default=None, description="unique name; default: the kind")
-    kind: Literal["equilibrium", "state", "random", "continue"] = Field(
-        description="equilibrium + offset, a state, random states in a box, or the neighbour's end"
+    kind: Literal["equilibrium", "state", "random", "table", "continue"] = Field(
+        description="equilibrium + offset, a state, random states in a box, a table of states, or "
+        "the neighbour's end"
     )
     offset: dict[str, Quantity] = Field(default={}, description="added to the equilibrium")
     state: dict[str, Quantity] = Field(
@@ -175,13 +179,21 @@ class InitialTable(Table):
     count: int = Field(default=1, ge=1, description="number of random starts")
     seed: int = Field(default=0, ge=0, description="seed of random starts")
     box: dict[str, Interval] = Field(default={}, description="state -> [low, high]")
+    states: list[dict[str, Quantity]] = Field(
+        default=[], description="table: each start, as `state` is given; the rest is 0"
+    )
+    file: str | None = Field(
+        default=None, description="table: a CSV file beside the case, a column for each state"
+    )
     along: str | None = Field(default=None, description="axis along which a start is continued")
     direction: Literal["up", "down"] = Field(default="up", description="sense along the axis")
     from_label: str | None = Field(
         default=None, alias="from", description="label of the start of the first point"
     )
-    on_loss: Literal["stop", "restart"] = Field(
-        default="stop", description="what follows when the class of motion is lost"
+    on_loss: Literal["stop", "restart", "go-on"] = Field(
+        default="stop",
+        description="what follows where the class of motion is lost: nothing, the start anew, or "
+        "the motion as it then is, of whatever class",
     )
 
 

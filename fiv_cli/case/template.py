@@ -1,186 +1,280 @@
-"""A case file to start from: valid as it stands, with everything else in comments."""
+"""A case file to start from: a sweep in which the model vibrates, with all else in comments.
+
+What stands behind ``#`` at the beginning of a line may be taken in as it stands, with the lines
+below it that stand behind ``#   ``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from fiv_cli.analyses.base import Analysis
-from fiv_cli.analyses.catalogue import possible_variables
+from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
 from fiv_cli.analyses.settings import ParameterName, Setting
-from fiv_cli.analyses.variables import Role
-from fiv_cli.friction import get_law, laws_of
+from fiv_cli.analyses.variables import Role, Variable
+from fiv_cli.case.toml import toml_value
+from fiv_cli.flags import TABLES
+from fiv_cli.friction import TANH_OF, get_law, laws_of
 from fiv_cli.friction.base import Law
-from fiv_cli.models.base import Model, Parameter
+from fiv_cli.models.base import Example, Model, Parameter
+from fiv_cli.notation.names import listed
 
-# Parameters worth a first sweep, the best first.
+# Parameters worth a first sweep where no motion is followed, the best first.
 _SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
-_DRIVES = ("Omega", "v")
+_CLAIMED = ("periodic", "stable", "to_unstable")
+_POINTS = 7
 _COMMENT_COLUMN = 34
+_HOW_TO_READ = "take the # off a line, and off those with #   below it, to have what it says"
+_AXES = "ordered; ends included; a list, or step = instead of num =; two axes make a map"
+_SWEEP = 'how axes combine: zip = [["a", "b"]] together; refine = { levels = 5, of = "CLASS" }'
 
 
 def case_template(model: Model, analysis: Analysis) -> str:
-    """TOML text of a case of `model` and `analysis`.
+    """TOML text of a case of `model` and `analysis`, valid as it stands."""
+    return "\n\n".join("\n".join(block) for block in _Template.of(model, analysis).blocks()) + "\n"
 
-    What is required is set, the rest is there with its default behind a ``#``. There is a grid
-    of a few points, but where one motion or one plate says something.
+
+@dataclass(frozen=True)
+class _Template:
+    """What a case begins with.
+
+    Attributes
+    ----------
+    example : where the model vibrates; of what is swept first: its range
+    axis : what the grid varies; None: nothing
+    varied : what an analysis varies itself, or what a grid could vary
+    drive : what may vary in time; None: nothing
     """
-    law = get_law(model.default_law)
-    first, second, *_ = _swept(model, law)
-    varies = any(isinstance(setting, ParameterName) for setting in analysis.settings)
-    axis = None if analysis.single else second if varies else first
-    drive = _drive(model, axis) if analysis.varying else None
-    taken = {p.name for p in (axis, None if analysis.constant else drive) if p is not None}
-    blocks = [
-        _header(model, analysis),
-        _model(model, taken),
-        _friction(model, law, taken) if model.contacts else [],
-        [] if drive is None else _schedule(drive, "# " * analysis.constant),
-        _grid(axis, first),
-        [] if axis is None else _sweep(analysis),
-        _starts(model) if analysis.uses_starts else [],
-        _analysis(model, analysis, first),
-        _figure(analysis, axis),
-        _claim(),
-        _solver(),
-    ]
-    return "\n\n".join("\n".join(block) for block in blocks if block) + "\n"
+
+    model: Model
+    analysis: Analysis
+    law: Law
+    example: Example
+    axis: Parameter | None
+    varied: Parameter
+    drive: Parameter | None
+
+    @classmethod
+    def of(cls, model: Model, analysis: Analysis) -> _Template:
+        """The template of a model and an analysis."""
+        law = get_law(model.default_law)
+        known = {p.name: p for p in model.parameters_under(law.parameters)}
+        example = _example(model, law, known, analysis.linear)
+        first = known.pop(example.axis)
+        others = [known[name] for name in _SWEPT_FIRST if name in known] or list(known.values())
+        varies = any(isinstance(setting, ParameterName) for setting in analysis.settings)
+        axis = None if analysis.single else others[0] if varies else first
+        drives = [p for p in model.parameters if p.role == "speed" and p != axis]
+        drive = drives[0] if drives and analysis.varying else None
+        return cls(model, analysis, law, example, axis, first, drive)
+
+    def blocks(self) -> Iterable[list[str]]:
+        """The tables in order."""
+        yield self.header()
+        yield self.of_model()
+        if self.model.contacts:
+            yield self.friction()
+        if self.drive is not None:
+            yield self.schedule(self.drive)
+        if self.axis is not None:
+            yield self.grid(self.axis)
+        if self.analysis.uses_starts:
+            yield from self.starts()
+        yield self.settings()
+        yield self.figure()
+        yield self.claim()
+        yield _solver()
+
+    def header(self) -> list[str]:
+        return [
+            _with_comment("schema = 1", _HOW_TO_READ),
+            f'title = "{self.model.title}: {self.analysis.title}"',
+            '# reference = "Figure 7.6"',
+            '# assumed = ["what the publication leaves open and this case chose"]',
+        ]
+
+    def of_model(self) -> list[str]:
+        lines = ["[model]", f'name = "{self.model.name}"', ""]
+        lines += [_with_comment("[model.parameters]", 'in SI, or with a unit: "20 rpm", "15 deg"')]
+        lines += self.parameters(self.model.parameters)
+        if self.model.options:
+            lines += ["", "[model.options]"]
+        for option in self.model.options:
+            choices = option.form or " | ".join(option.choices)
+            line = self.given(option.name, option.default)
+            lines.append(_with_comment(line, f"{option.meaning}: {choices}"))
+        return lines
+
+    def friction(self) -> list[str]:
+        known = laws_of(self.model)
+        others = [name for name in known if name != self.law.name and not name.startswith(TANH_OF)]
+        smooth = (
+            ["tanh (with of = one of these)"] if any(n.startswith(TANH_OF) for n in known) else []
+        )
+        head = _with_comment(f'law = "{self.law.name}"', f"or {listed([*others, *smooth])}")
+        return ["[friction]", head, *self.parameters(self.model.adopted(self.law.parameters))]
+
+    def parameters(self, table: Iterable[Parameter]) -> list[str]:
+        """A line for each parameter that neither the grid nor a schedule gives."""
+        elsewhere = [p.name for p in (self.axis, self.drive) if p is not None]
+        values = {p.name: p.default for p in self.model.parameters_under(self.law.parameters)}
+        values[self.example.axis] = self.example.high
+        lines = []
+        for p in table:
+            leader = p.default_from or ""
+            follows = f"; left out, that of {leader}" if leader else ""
+            line = self.given(p.name, values[leader] if leader else p.default)
+            lines += [_with_comment(line, _about(p) + follows)] * (p.name not in elsewhere)
+        return lines
+
+    def given(self, name: str, default: object) -> str:
+        """The line of a parameter or an option: as the example has it, else as a comment."""
+        mark = "" if name in self.example.given else "# "
+        return f"{mark}{name} = {toml_value(self.example.given.get(name, default), name)}"
+
+    def schedule(self, drive: Parameter) -> list[str]:
+        """The drive slowing down; of an analysis that needs no such thing, in comments."""
+        start = drive.default or 1.0
+        line = f"{drive.name} = {{ start = {start!r}, stop = {start / 2!r}, over = 20.0 }}"
+        head = _with_comment("[schedule]", "what varies in time; or points = [[t, value], ...]")
+        if not self.analysis.constant:
+            return [head, line]
+        constant = f"constant: {drive.name} = {start!r} under [model.parameters]"
+        return _commented([head, _with_comment(line, constant)])
+
+    def grid(self, axis: Parameter) -> list[str]:
+        low, high = self.range_of(axis)
+        line = f"{axis.name} = {{ start = {low!r}, stop = {high!r}, num = {_POINTS} }}"
+        return [
+            _with_comment("[grid]", _AXES),
+            _with_comment(line, _about(axis)),
+            "",
+            _with_comment("[sweep]", _SWEEP),
+        ]
+
+    def range_of(self, parameter: Parameter) -> tuple[float, float]:
+        """Where a parameter is varied."""
+        if parameter.name == self.example.axis:
+            return self.example.low, self.example.high
+        size = parameter.default or 1.0
+        return size / 2, size
+
+    def starts(self) -> Iterable[list[str]]:
+        """One at rest, and one of each other kind behind #."""
+        state = self.model.states(self.model.default_options())[0]
+        moved = f"state = {{ {state.name} = 1e-3 }}"
+        yield [
+            _with_comment("[[initial]]", "where a motion starts; more of these: more starts"),
+            'label = "rest"',
+            'kind = "state"',
+            _with_comment(f"# {moved}", f"what is not 0, in {state.unit}; or a parameter's name"),
+        ]
+        offset = f"offset = {{ {state.name} = 1e-3 }}"
+        near = ['label = "near"', 'kind = "equilibrium"', _with_comment(offset, "from it")]
+        box = f"box = {{ {state.name} = [-1e-3, 1e-3] }}"
+        many = ['label = "many"', 'kind = "random"', "count = 3", _with_comment(box, "in it")]
+        yield _commented([_with_comment("[[initial]]", "at a sliding equilibrium, moved"), *near])
+        yield _commented([_with_comment("[[initial]]", "random states, seeded"), *many])
+        if self.axis is not None and self.analysis.chains:
+            down = [f'along = "{self.axis.name}"', 'direction = "down"', 'from = "rest"']
+            head = _with_comment("[[initial]]", "where the neighbour on the axis ended")
+            yield _commented([head, 'label = "down"', 'kind = "continue"', *down])
+
+    def settings(self) -> list[str]:
+        lines, shown = ["[[analysis]]", f'kind = "{self.analysis.kind}"'], set()
+        for setting in self.analysis.settings:
+            given = setting.required or setting.name in self.example.settings
+            mark = "" if given else "#   " if setting.partner in shown else "# "
+            if setting.suits(self.model):
+                lines.append(_behind(mark, self.setting(setting)))
+                shown.add(setting.name)
+        return lines
+
+    def setting(self, setting: Setting) -> str:
+        """A setting as the example has it, else with its default or a sample."""
+        own = {"bracket": list(self.range_of(self.varied)), **self.example.settings}
+        name = setting.name
+        shown = toml_value(own[name], name) if name in own else None
+        line = f"{name} = {shown or setting.example(self.model, self.varied)}"
+        return _with_comment(line, setting.description)
+
+    def figure(self) -> list[str]:
+        shown = f'kind = "{self.analysis.figure}"'
+        lines = [
+            _with_comment("[[figure]]", "what `fiv plot` draws; `fiv kinds` lists more"),
+            shown,
+        ]
+        lines += ['# name = "first"', '# title = "over the figure"']
+        if self.analysis.uses_starts:
+            lines.append(_with_comment('# select = { initial = "rest" }', "axis -> what is drawn"))
+        if self.axis is None:
+            return lines
+        low, high = self.range_of(self.axis)
+        shown = f"# xlim = {toml_value([low, high], 'xlim')}"
+        return [*lines, f'x = "{self.axis.name}"', shown, '# log = "x"']
+
+    def claim(self) -> list[str]:
+        variable = _telling(self.variables())
+        classes = [] if not variable.flags else list(TABLES[variable.flags].codes)
+        said = next((name for name in classes if name in _CLAIMED), "above 0")
+        expected = f'"{said}"' if classes else "{ greater_than = 0.0 }"
+        at = [] if self.axis is None else [f'at = {{ {self.axis.name} = ". > 0" }}']
+        return _commented(
+            [
+                _with_comment("[[claim]]", "what the publication says, checked by `fiv claims`"),
+                'source = "7.3, Figure 7.6"',
+                f'text = "{variable.long_name}: {said}"',
+                f'variable = "{variable.name}"',
+                *(_with_comment(line, "where; left out: everywhere") for line in at),
+                f"expect = {expected}",
+            ]
+        )
+
+    def variables(self) -> Iterable[Variable]:
+        """What the analysis gives."""
+        options = self.model.default_options()
+        return variables_of(self.analysis.kind, self.model, options, ALL_ASKED)
 
 
-def _header(model: Model, analysis: Analysis) -> list[str]:
-    return [
-        "schema = 1",
-        f'title = "{model.title}: {analysis.title}"',
-        '# reference = "Figure 7.6"',
-        '# assumed = ["what the publication leaves open and this case chose"]',
-    ]
+def _telling(variables: Iterable[Variable]) -> Variable:
+    """The variable that a claim is likely to be about."""
+    answers = [v for v in variables if v.role in (Role.ANSWER, Role.CLASS) and not v.ragged]
+    classes = [v for v in answers if v.headline and v.flags]
+    return next(iter([*classes, *(v for v in answers if v.headline), *answers]))
 
 
-def _model(model: Model, taken: Collection[str]) -> list[str]:
-    lines = ["[model]", f'name = "{model.name}"', ""]
-    lines += [_with_comment("[model.parameters]", 'in SI, or with a unit: "20 rpm", "15 deg"')]
-    lines += _parameters(model.parameters, taken)
-    if model.options:
-        lines += ["", "[model.options]"]
-    for option in model.options:
-        choices = option.form or " | ".join(option.choices)
-        line = f'# {option.name} = "{option.default}"'
-        lines.append(_with_comment(line, f"{option.meaning}: {choices}"))
-    return lines
-
-
-def _friction(model: Model, law: Law, taken: Collection[str]) -> list[str]:
-    others = ", ".join(name for name in laws_of(model) if name != law.name)
-    line = f'law = "{law.name}"'
-    head = _with_comment(line, f"or {others}") if others else line
-    return ["[friction]", head, *_parameters(model.adopted(law.parameters), taken)]
-
-
-def _parameters(parameters: Iterable[Parameter], taken: Collection[str]) -> list[str]:
-    """One commented line for each parameter that the case does not give elsewhere."""
-    return [
-        _with_comment(f"# {p.name} = {_default(p)}", f"{p.meaning}{_unit(p.unit)}")
-        for p in parameters
-        if p.name not in taken
-    ]
-
-
-def _default(parameter: Parameter) -> str:
-    value = parameter.default
-    return f"# the value of {parameter.default_from}" if value is None else repr(value)
-
-
-def _grid(axis: Parameter | None, example: Parameter) -> list[str]:
-    shown = axis or example
-    high = shown.default or 1.0
-    line = f"{shown.name} = {{ start = {high / 2!r}, stop = {high!r}, num = 5 }}"
-    if axis is None:
-        return ["# [grid]", f"#   {line}"]
-    return [
-        _with_comment("[grid]", "ordered; ends included; a list, or step = instead of num ="),
-        _with_comment(line, f"{axis.meaning}{_unit(axis.unit)}"),
-    ]
-
-
-def _sweep(analysis: Analysis) -> list[str]:
-    """How a grid is refined, where the analysis has a class whose borders can be followed."""
-    classes = [v for v in possible_variables(analysis) if v.role is Role.CLASS]
-    of = next((v.name for v in classes if v.headline), None)
-    if of is None:
-        return []
-    line = f'# refine = {{ levels = 5, of = "{of}" }}'
-    return [
-        "# [sweep]",
-        _with_comment(line, "halve the grid so often, along borders of classes only"),
-    ]
-
-
-def _drive(model: Model, axis: Parameter | None) -> Parameter | None:
-    """What drives the model; None where that is the axis, or nothing does."""
-    return next((p for p in model.parameters if p.name in _DRIVES and p != axis), None)
-
-
-def _schedule(drive: Parameter, mark: str) -> list[str]:
-    """The drive slowing down."""
-    start = drive.default or 1.0
-    line = f"{drive.name} = {{ start = {start!r}, stop = {start / 2!r}, over = 20.0 }}"
-    said = "parameters that vary in time; points = [[t, value], ...]"
-    return [_with_comment(f"{mark}[schedule]", said), f"{mark and '#   '}{line}"]
-
-
-def _swept(model: Model, law: Law) -> list[Parameter]:
-    """The parameters, those worth a sweep first."""
-    known = {p.name: p for p in model.parameters_under(law.parameters)}
-    first = [name for name in _SWEPT_FIRST if name in known]
-    return [known[name] for name in dict.fromkeys([*first, *known])]
-
-
-def _starts(model: Model) -> list[str]:
-    state = model.states(model.default_options())[0]
-    return [
-        _with_comment("[[initial]]", "where a motion starts; more of these: more starts"),
-        'label = "near"',
-        _with_comment('kind = "equilibrium"', "of the unexcited system, plus the offset"),
-        _with_comment(f"offset = {{ {state.name} = 1e-4 }}", state.unit),
-    ]
-
-
-def _analysis(model: Model, analysis: Analysis, varied: Parameter) -> list[str]:
-    lines = ["[[analysis]]", f'kind = "{analysis.kind}"']
-    suited = [setting for setting in analysis.settings if setting.suits(model)]
-    return lines + [_setting(model, setting, varied) for setting in suited]
-
-
-def _setting(model: Model, setting: Setting, varied: Parameter) -> str:
-    line = f"{setting.name} = {setting.example(model, varied)}"
-    return _with_comment(line if setting.required else f"# {line}", setting.description)
-
-
-def _figure(analysis: Analysis, axis: Parameter | None) -> list[str]:
-    shown = f'kind = "{analysis.figure}"'
-    lines = [_with_comment("[[figure]]", "what `fiv plot` draws"), shown]
-    return lines if axis is None else [*lines, f'x = "{axis.name}"']
-
-
-def _claim() -> list[str]:
-    return [
-        _with_comment("# [[claim]]", "what the publication says, checked by `fiv claims`"),
-        '# source = "7.3, Figure 7.6"',
-        '# text = "the response is periodic"',
-        '# variable = "attractor"',
-        '# expect = "periodic"',
-    ]
+def _example(model: Model, law: Law, known: Mapping[str, Parameter], linear: bool) -> Example:
+    """What the model says of itself; for what no motion is followed in, a parameter of its law."""
+    own = model.example
+    swept = [name for name in _SWEPT_FIRST if name in known]
+    if own is not None and (not linear or own.axis in (p.name for p in law.parameters)):
+        return own
+    axis = known[swept[0]] if swept else next(iter(known.values()))
+    size = axis.default or 1.0
+    given = {} if own is None else {k: v for k, v in own.given.items() if k != axis.name}
+    return Example(axis.name, size / 2, size, given)
 
 
 def _solver() -> list[str]:
-    return [
-        "# [solver]",
-        _with_comment('# method = "taylor"', 'adaptive; or "rk4", with its step in s'),
-        "# rtol = 1e-9",
-    ]
+    method = _with_comment('method = "taylor"', 'adaptive; or "rk4", with its step in s')
+    return _commented(["[solver]", method, "rtol = 1e-9", "max_events = 1000000"])
 
 
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else f" ({unit})"
+def _commented(lines: list[str]) -> list[str]:
+    """Lines that belong together, behind #."""
+    head, *below = lines
+    return [_behind("# ", head), *(_behind("#   ", line) for line in below)]
+
+
+def _behind(mark: str, line: str) -> str:
+    """A line behind a mark, its comment where that of others is."""
+    head, gap, comment = line.partition("  # ")
+    return _with_comment(mark + head.rstrip(), comment) if gap else mark + line
+
+
+def _about(parameter: Parameter) -> str:
+    return parameter.meaning + ("" if parameter.unit == "1" else f" ({parameter.unit})")
 
 
 def _with_comment(line: str, comment: str) -> str:

@@ -34,7 +34,17 @@ _WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
     metavar="TIME",
     help='End of the motion, s (or "2 min"). Default: the case\'s own t_end, or its t_max.',
 )
-@click.option("--sample", metavar="TIME", help="Interval of the samples, s. Default: t_end / 2000.")
+@click.option(
+    "--sample",
+    metavar="TIME",
+    help="Interval of the samples, s. Default: t_end / 2000, or the period / 1000.",
+)
+@click.option(
+    "--periods", type=float, metavar="N", help="End after N periods of the steady state instead."
+)
+@click.option(
+    "--settled", is_flag=True, help="Begin where the steady state is reached: no transient."
+)
 @click.option(
     "-o",
     "--output",
@@ -47,6 +57,8 @@ def command(
     places: tuple[str, ...],
     t_end: str | None,
     sample: str | None,
+    periods: float | None,
+    settled: bool,
     output: Path | None,
     overrides: tuple[str, ...],
 ) -> int:
@@ -58,17 +70,18 @@ def command(
     \b
     Examples:
       fiv history configs/ch7/fig_7_06_reached.toml --at Omega=2,N0=30 --t-end 20
-      fiv history a.toml --at mu_k=0.3 -o motion.nc && fiv plot motion.nc
+      fiv history a.toml --at mu_k=0.3 --periods 3 --settled -o motion.nc
     """
     from fiv_cli import api
-    from fiv_cli.sweep.motion import find_point, motion_settings, write_motion
+    from fiv_cli.sweep.motion import find_point, motion_settings, steady_part, write_motion
 
     provide_cache()
     loaded = api.load(case, overrides)
     settings = motion_settings(t_end, sample)
     point = find_point(loaded, parse_places(places))
     path = output or _default_output(loaded, point.place)
-    outcome = write_motion(point, settings, path, lambda text: click.echo(text, err=True))
+    steady = steady_part(periods, settled, t_end)
+    outcome = write_motion(point, settings, path, lambda text: click.echo(text, err=True), steady)
     return _report(outcome, path)
 
 

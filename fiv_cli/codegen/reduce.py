@@ -75,8 +75,6 @@ class _Rest:
 
 def _at_rest(setup: Setup, symbols: Symbols) -> _Rest | None:
     """The equations at rest; None where they are not polynomial in the unknowns."""
-    if setup.law.states:
-        return None
     equations = setup.model.equations(symbols, setup.options)
     names = [state.name for state in setup.model.states(setup.options)]
     count = len(equations.contacts)
@@ -165,7 +163,7 @@ def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Expr, Ex
     for i, contact in enumerate(equations.contacts):
         sign, v = symbols.sign(i), contact.slip_velocity
         slip = Slip(v, sign, sign * v, symbols.normal_force(i))
-        found[symbols.tangential_force(i)] = sympy.sympify(law.force(slip, given))
+        found[symbols.tangential_force(i)] = sympy.sympify(law.sliding(slip, given))
     return found
 
 

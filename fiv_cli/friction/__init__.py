@@ -5,10 +5,12 @@ from __future__ import annotations
 from fiv_cli.friction import (
     coulomb,
     cubic,
+    dahl,
     exponential,
     four_parameter,
     hyperbolic,
     linear_slope,
+    lugre,
     none,
     stribeck,
     stribeck_viscous,
@@ -28,6 +30,8 @@ _LAWS: tuple[Law, ...] = (
     hyperbolic.LAW,
     four_parameter.LAW,
     cubic.LAW,
+    dahl.LAW,
+    lugre.LAW,
 )
 
 TANH_OF = "tanh of "

@@ -286,6 +286,25 @@ class Equations:
     zone: Zone | None = None
 
 
+@dataclass(frozen=True)
+class Example:
+    """Where a model at rest begins to vibrate: what a new case of it sweeps.
+
+    Attributes
+    ----------
+    axis : a parameter of the model or of its default law
+    low, high : its range; somewhere in it the steady state is periodic
+    given : parameters and options that are not their defaults
+    settings : settings of analyses likewise, for those that have them
+    """
+
+    axis: str
+    low: float
+    high: float
+    given: Mapping[str, float | str] = field(default_factory=dict)
+    settings: Mapping[str, float] = field(default_factory=dict)
+
+
 def _regular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
     """The equations of most models mean something under all parameters."""
     return "", ""
@@ -318,6 +337,7 @@ class Model:
     requirements : what its parameters, and those of its laws, must be to one another
     singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
         its equations mean nothing there, and a message; ("", "") where they do
+    example : what a new case begins with
     """
 
     name: str
@@ -341,6 +361,7 @@ class Model:
     vibration: tuple[str, ...] = ()
     requirements: tuple[Requirement, ...] = ()
     singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
+    example: Example | None = None
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

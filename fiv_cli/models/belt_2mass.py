@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter, State
+from fiv_cli.models.base import Contact, Equations, Example, Model, Options, Parameter, State
 
 if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
@@ -77,4 +77,5 @@ MODEL = Model(
     constant_load=True,
     law_defaults={"mu_k": 0.1, "mu_s": 0.4},
     contacts=2,
+    example=Example("v", 1.0, 4.0),
 )

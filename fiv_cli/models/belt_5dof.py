@@ -28,7 +28,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+from fiv_cli.models.base import (
+    Contact,
+    Equations,
+    Example,
+    Model,
+    Option,
+    Options,
+    Parameter,
+    State,
+)
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -226,4 +235,5 @@ MODEL = Model(
     default_law="coulomb",
     law_defaults={"mu_k": 0.3, "mu_s": 3.0},
     options=OPTIONS,
+    example=Example("mu_k", 0.3, 2.7, {"mu_s": 3.0}),
 )

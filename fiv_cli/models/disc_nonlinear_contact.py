@@ -20,7 +20,16 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from fiv_cli.models import compliant_disc, disc
-from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+from fiv_cli.models.base import (
+    Contact,
+    Equations,
+    Example,
+    Model,
+    Option,
+    Options,
+    Parameter,
+    State,
+)
 
 if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
@@ -118,4 +127,5 @@ MODEL = Model(
     vibration=("phi", "u"),
     requirements=(disc.ON_THE_DISC,),
     singular=singular,
+    example=Example("Omega", 1.0, 4.0, {"F": 300.0, "xi": 1e-3}, disc.SHORT),
 )

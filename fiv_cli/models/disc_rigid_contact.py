@@ -19,7 +19,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fiv_cli.models import disc
-from fiv_cli.models.base import Contact, Equations, Model, Option, Options, Parameter, State
+from fiv_cli.models.base import (
+    Contact,
+    Equations,
+    Example,
+    Model,
+    Option,
+    Options,
+    Parameter,
+    State,
+)
 
 if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
@@ -100,4 +109,5 @@ MODEL = Model(
     vibration=("phi", "z"),
     requirements=(disc.ON_THE_DISC,),
     singular=disc.singular,
+    example=Example("Omega", 1.0, 10.0, {"xi": 1e-3}, disc.SHORT),
 )

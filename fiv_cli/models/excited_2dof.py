@@ -19,7 +19,7 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from fiv_cli.models import inclined_springs
-from fiv_cli.models.base import Equations, Forcing, Model, Options, Parameter
+from fiv_cli.models.base import Equations, Example, Forcing, Model, Options, Parameter
 
 if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
@@ -100,4 +100,5 @@ MODEL = Model(
     law_defaults={"mu_k": 0.4, "mu_s": "mu_k"},
     options=(inclined_springs.STATES_OF_MOTION,),
     forcings=(Forcing("A_b", omega, "tangential harmonic force", fast_velocity),),
+    example=Example("mu_k", 0.3, 0.6, {"states": "all"}),
 )

@@ -20,6 +20,7 @@ from fiv_cli.models.base import (
     Contact,
     Derived,
     Equations,
+    Example,
     Forcing,
     Model,
     Option,
@@ -134,4 +135,5 @@ MODEL = Model(
     vibration=("phi", "u"),
     requirements=(disc.ON_THE_DISC,),
     singular=disc.singular,
+    example=Example("Omega", 0.5, 2.0, {"xi": 2e-4}, disc.SHORT),
 )

@@ -14,7 +14,7 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from fiv_cli.models import inclined_springs
-from fiv_cli.models.base import Equations, Model, Options, Parameter
+from fiv_cli.models.base import Equations, Example, Model, Options, Parameter
 
 if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
@@ -61,4 +61,5 @@ MODEL = Model(
     default_law="coulomb",
     law_defaults={"mu_k": 0.3, "mu_s": "mu_k"},
     options=(inclined_springs.STATES_OF_MOTION,),
+    example=Example("mu_k", 4.0, 6.0, {"c1": 0.1, "c2": 0.1, "states": "all"}),
 )

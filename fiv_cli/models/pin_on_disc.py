@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 from fiv_cli.models.base import (
     Contact,
     Equations,
+    Example,
     Forcing,
     Model,
     Options,
@@ -139,4 +140,5 @@ MODEL = Model(
     forcings=(Forcing("beta", lambda p: p["Omega"], "sector of the disc passing the pin"),),
     revolution=lambda p: p["Omega"],
     requirements=(FALLING_ON_THE_SECTOR, READ_ON_THE_SECTOR),
+    example=Example("Omega", 0.5, 9.0),
 )

@@ -35,13 +35,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.set_title("" if shared else one.label)
         ax.set_xlabel(labels.short_label(dataset[names[0]]))
     axes[0].set_ylabel(labels.short_label(dataset[names[1]]))
-    _legend(figure, motion.states_present(motions, settings), _shows_starts(settings))
+    _legend(figure, motion.states_present(motions, settings), _shows_starts(dataset, settings))
     return figure
 
 
-def _shows_starts(settings: points.Settings) -> bool:
-    """A window of time may begin anywhere: its first sample is no start."""
-    return "window" not in settings
+def _shows_starts(dataset: xr.Dataset, settings: points.Settings) -> bool:
+    """A window of time may begin anywhere, a settled motion too: its first sample is no start."""
+    return "window" not in settings and not points.is_settled(dataset)
 
 
 def _states(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, str]:
@@ -67,7 +67,7 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
                 rasterized=many,
             )
         )  # fmt: skip
-    if _shows_starts(settings):
+    if _shows_starts(one.data, settings):
         ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK)
     ax.autoscale_view()
     ax.xaxis.set_major_locator(MaxNLocator(5))
@@ -99,4 +99,4 @@ def _legend(figure: Figure, states: Sequence[str], with_start: bool) -> None:
     ]
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
     handles += [start] * with_start
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    style.legend_below(figure, handles)

@@ -15,12 +15,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fiv_cli.case.grammar import parse_condition
+from fiv_cli.case.grammar import SAME, parse_condition
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.units import convert
-
-# Two doubles nearest to the same decimal differ by less.
-SAME = 1e-9
 
 _COMPARE: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "<": operator.lt,

@@ -10,7 +10,7 @@ import numpy as np
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.data.refined import described
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
-from fiv_cli.reading import select
+from fiv_cli.reading import over_laws, select
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import flag_names, is_class, numbers, variables_in
 
@@ -54,6 +54,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
             for variable in variables_in(dataset, Role.TRUST, Role.WORK)
             if _is_number(dataset, variable.name)
         },
+        "over_laws": over_laws.spread(dataset),
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
 
@@ -161,6 +162,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *(f"  {axis:<22} {_axis_line(facts)}" for axis, facts in part["axes"].items()),
         *_count_lines(part),
         *(f"  {key:<22} {_range_line(facts)}" for key, facts in part["ranges"].items()),
+        *over_laws.lines(part["over_laws"]),
         *_trust_lines(part["trust"]),
         *([f"  refined {part['refined']}"] if "refined" in part else []),
     ]

@@ -14,10 +14,9 @@ import xarray as xr
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
-from fiv_cli.case.case import AnalysisSpec, Axis, Case
+from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.assemble import assemble
-from fiv_cli.data.block import Block
 from fiv_cli.data.layout import Dim
 from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
@@ -28,14 +27,26 @@ from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
 from fiv_cli.sweep.policy import Policy
-from fiv_cli.sweep.requests import Values, request_at
-from fiv_cli.sweep.worker import ChainState, Segment, Task, imported, run_task
+from fiv_cli.sweep.requests import StartEntry, Values, request_at
+from fiv_cli.sweep.worker import ChainState, Result, Segment, Task, imported, run_task
 
 NEAR = 1e-9
 """Relative distance within which a number names a value of an axis."""
 
 MARK = "point"
 """Global attribute that only the motion of a single point has."""
+
+
+SAMPLES_A_PERIOD = 1000
+
+
+@dataclass(frozen=True)
+class SteadyPart:
+    """What is wanted of the steady state: how many of its periods (None: not counted), and whether
+    the motion begins there."""
+
+    periods: float | None
+    settled: bool
 
 
 @dataclass(frozen=True)
@@ -108,8 +119,29 @@ def _seconds(name: str, value: float | str) -> float:
     return seconds
 
 
+def steady_part(
+    periods: float | None, settled: bool, t_end: float | str | None
+) -> SteadyPart | None:
+    """What is wanted of the steady state, if anything.
+
+    Raises
+    ------
+    UsageError
+        the number of periods is none, or the end is given twice.
+    """
+    if periods is not None and t_end is not None:
+        raise UsageError("--periods, --t-end: both say where the motion ends\nnext: leave out one")
+    if periods is not None and not 0.0 < periods < float("inf"):
+        raise UsageError(f"--periods {periods:g}: must be a positive number\nnext: --periods 3")
+    return SteadyPart(periods, settled) if settled or periods is not None else None
+
+
 def write_motion(
-    point: Point, settings: Mapping[str, float], path: Path, announce: Callable[[str], None]
+    point: Point,
+    settings: Mapping[str, float],
+    path: Path,
+    announce: Callable[[str], None],
+    steady: SteadyPart | None = None,
 ) -> Outcome:
     """Run one point as `run_motion`, and write its motion to `path`.
 
@@ -121,9 +153,10 @@ def write_motion(
     check_output(path, "", fresh=True)
     if path.exists() and MARK not in (global_attributes(path) or {}):
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
-    dataset, outcome = run_motion(point, settings, announce)
+    dataset, outcome = run_motion(point, settings, announce, steady=steady)
     attributes = provenance(point.case, fingerprint(point.case))
-    attributes[MARK] = ", ".join(f"{name}={value}" for name, value in point.place.items())
+    place = [f"{name}={value}" for name, value in point.place.items()]
+    attributes[MARK] = ", ".join([*place, *["settled"] * (steady is not None and steady.settled)])
     write_datasets(path, {"history": dataset}, attributes)
     return outcome
 
@@ -133,6 +166,7 @@ def run_motion(
     settings: Mapping[str, float],
     announce: Callable[[str], None],
     policy: Policy | None = None,
+    steady: SteadyPart | None = None,
 ) -> tuple[xr.Dataset, Outcome]:
     """Run one point as an analysis ``history``.
 
@@ -141,6 +175,7 @@ def run_motion(
     settings : of the analysis ``history``; what is left out keeps the case's or the default
     announce : told when something must be compiled
     policy : says what prepares and runs a point
+    steady : what of the steady state is wanted; None: the motion from its start
 
     Returns
     -------
@@ -149,10 +184,20 @@ def run_motion(
     Raises
     ------
     UsageError
-        the branch that the point lies on ends before it.
+        the branch that the point lies on ends before it; or no steady state is reached there, or
+        one without a period.
     """
-    (alone,) = make_plan(_alone(point, settings)).analyses
-    block = _ran(point, alone, announce, policy or Policy())
+    run, state = _Run(point, announce, policy or Policy()), None
+    if steady is not None:
+        period, state = run.steady_state()
+        if steady.periods is not None:
+            settings = _over_periods(settings, period, steady.periods)
+    alone = run.plan("history", {**_settings(point.case), **settings})
+    if steady is not None and steady.settled:
+        alone = _continued(alone)
+    else:
+        state = None
+    block = run.result(alone, state).block
     label = point.place["initial"]
     status = STATUS.names[int(block.status[0])]
     reason = REASONS[int(block.reason[0])].name
@@ -240,27 +285,74 @@ def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
 
 
 # --- its motion -----------------------------------------------------------------------------------
-def _ran(
-    point: Point, alone: AnalysisPlan, announce: Callable[[str], None], policy: Policy
-) -> Block:
-    """The result of the point, the branch that leads to it followed before."""
-    prepare, state = imported(policy.preparer), None
-    prepare(alone.systems(), announce)
-    _, start = point.analysis.point(point.position)
-    values, _ = alone.point(start)
-    before = _points_before(point, start)
-    if before:
-        prepare([request_at(point.analysis.template, values, None)], announce)
-        state = _state_after(before, start, point.analysis, policy.executor)
-    return run_task(_task(alone, Segment((values,), start, state), policy.executor)).block
+@dataclass(frozen=True)
+class _Run:
+    """Runs analyses of one point alone."""
+
+    point: Point
+    announce: Callable[[str], None]
+    policy: Policy
+
+    def plan(self, kind: str, settings: Mapping[str, Any]) -> AnalysisPlan:
+        """The only analysis of the case of this point alone."""
+        case = self.point.case
+        spec = AnalysisSpec(kind, kind, settings)
+        axes = tuple(replace(axis, values=(self.point.place[axis.name],)) for axis in case.axes)
+        bare = replace(case, axes=axes, analyses=(spec,), figures=(), claims=(), refinement=None)
+        (alone,) = make_plan(bare).analyses
+        return alone
+
+    def result(self, alone: AnalysisPlan, state: ChainState | None = None) -> Result:
+        """What the point comes to; from `state`, if one is given, else from its own start."""
+        prepare = imported(self.policy.preparer)
+        prepare(alone.systems(), self.announce)
+        analysis = self.point.analysis
+        _, start = analysis.point(self.point.position)
+        values, _ = alone.point(start)
+        before = _points_before(self.point, start) if state is None else ()
+        if before:
+            prepare([request_at(analysis.template, values, None)], self.announce)
+            state = _state_after(before, start, analysis, self.policy.executor)
+        return run_task(_task(alone, Segment((values,), start, state), self.policy.executor))
+
+    def steady_state(self) -> tuple[float, ChainState]:
+        """Period, s (NaN: none), of the steady state that the point reaches, and how to go on."""
+        case = self.point.case
+        if case.schedule.curves:
+            raise UsageError(
+                "--settled: a parameter varies in time\nnext: --t-end TIME, without it"
+            )
+        given = (spec.settings for spec in case.analyses if spec.kind == "response")
+        settings = next(given, get_analysis("response").default_settings)
+        result = self.result(_continued(self.plan("response", settings)))
+        ((_, state),) = result.states.items()
+        if state.carry is None:
+            reason = REASONS[int(result.block.reason[0])].name
+            raise UsageError(
+                f"--settled: the point reaches no steady state ({reason})\nnext: {advice(reason)}"
+            )
+        period = result.block.values.get("period", np.full(1, np.nan))
+        return float(period[0]), state
 
 
-def _alone(point: Point, settings: Mapping[str, float]) -> Case:
-    """The case of this point alone, whose only analysis is ``history``."""
-    case = point.case
-    spec = AnalysisSpec("history", "history", {**_settings(case), **settings})
-    axes = tuple(replace(axis, values=(point.place[axis.name],)) for axis in case.axes)
-    return replace(case, axes=axes, analyses=(spec,), figures=(), claims=(), refinement=None)
+def _continued(alone: AnalysisPlan) -> AnalysisPlan:
+    """The same from starts that can be gone on from: each continues from itself, at first."""
+    entries = tuple(
+        entry
+        if entry is None or entry.spec.kind == "continue"
+        else StartEntry(entry.label, StartSpec(entry.label, "continue"), origin=entry)
+        for entry in alone.template.entries
+    )
+    return replace(alone, template=replace(alone.template, entries=entries))
+
+
+def _over_periods(
+    settings: Mapping[str, float], period: float, periods: float
+) -> Mapping[str, float]:
+    """The settings of a history over so many periods."""
+    if not np.isfinite(period):
+        raise UsageError("--periods: the steady state has no period\nnext: --settled --t-end TIME")
+    return {"sample": period / SAMPLES_A_PERIOD, **settings, "t_end": periods * period}
 
 
 def _settings(case: Case) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.sweep.journal import Record
 from fiv_cli.sweep.plan import AnalysisPlan, ChainSet
+from fiv_cli.sweep.requests import Values
 from fiv_cli.sweep.worker import ChainState, Result, Segment, Task
 
 Positions = NDArray[np.int64]
@@ -42,9 +43,14 @@ class Cursor:
     previous: bytes = b""
     alone: set[int] = field(default_factory=set)
 
+    @property
+    def is_alone(self) -> bool:
+        """Whether the next point is run in a task of its own."""
+        return self.offset in self.alone
+
     def stop(self, count: int) -> int:
         """Offset at which the next piece of at most `count` points ends."""
-        if self.offset in self.alone:
+        if self.is_alone:
             return self.offset + 1
         end = min(self.offset + count, len(self.positions))
         return min([end, *(cut for cut in self.alone if cut > self.offset)])
@@ -57,13 +63,14 @@ class Job:
     Attributes
     ----------
     positions : position of each row of the task
-    cursor : the chain it belongs to; None for points that start on their own
+    pieces : the chains that it goes on with, each by how many points; none of points that start
+        on their own
     alone : nothing else may run beside it: it is one point that may have ended a worker
     """
 
     task: Task
     positions: Positions
-    cursor: Cursor | None = None
+    pieces: tuple[tuple[Cursor, int], ...] = ()
     alone: bool = False
 
 
@@ -99,7 +106,7 @@ class Queue:
         if self._suspects:
             return self._single_job(np.array([self._suspects.popleft()]), heartbeat, alone=True)
         if self._cursors:
-            return self._chain_job(self._cursors.popleft(), count, heartbeat)
+            return self._chain_job(count, heartbeat)
         while self._singles and not len(self._singles[0]):
             self._singles.popleft()
         if not self._singles:
@@ -109,23 +116,23 @@ class Queue:
         return self._single_job(first[:count], heartbeat)
 
     def finished(self, job: Job, result: Result) -> None:
-        """Take note that a job has ended; the rest of its chain can run now."""
+        """Take note that a job has ended; the rest of its chains can run now."""
         self.left -= len(job.positions)
-        cursor = job.cursor
-        if cursor is None:
-            return
-        cursor.offset += len(job.positions)
-        cursor.state = result.states[0]
-        cursor.previous = result.block.keys[-1].tobytes()
-        if cursor.offset < len(cursor.positions):
-            self._cursors.append(cursor)
+        end = 0
+        for number, (cursor, count) in enumerate(job.pieces):
+            end += count
+            cursor.offset += count
+            cursor.state = result.states[number]
+            cursor.previous = result.block.keys[end - 1].tobytes()
+            if cursor.offset < len(cursor.positions):
+                self._cursors.append(cursor)
 
     def lost(self, job: Job, row: int | None) -> None:
         """Take a job back whose worker died while it ran `row` (None: before or after)."""
-        if job.cursor is not None:
+        if job.pieces:
+            self._cursors.extendleft(cursor for cursor, _ in reversed(job.pieces))
             if row is not None:
-                job.cursor.alone.add(job.cursor.offset + row)
-            self._cursors.appendleft(job.cursor)
+                _suspect(job.pieces, row)
         elif row is None:
             self._singles.appendleft(job.positions)
         else:
@@ -137,12 +144,24 @@ class Queue:
         segments = tuple(Segment((values,), entry) for values, entry in points)
         return Job(self._task(segments, heartbeat), positions, alone=alone)
 
-    def _chain_job(self, cursor: Cursor, count: int, heartbeat: Path | None) -> Job:
-        positions = cursor.positions[cursor.offset : cursor.stop(count)]
-        values = tuple(values for values, _ in self._analysis.points(positions))
-        segment = Segment(values, cursor.entry, cursor.state, cursor.previous)
-        alone = cursor.offset in cursor.alone
-        return Job(self._task((segment,), heartbeat), positions, cursor, alone)
+    def _chain_job(self, count: int, heartbeat: Path | None) -> Job:
+        """The next pieces of as many chains as `count` points allow for."""
+        alone = self._cursors[0].is_alone
+        pieces: list[tuple[Cursor, int]] = []
+        ran: list[Positions] = []
+        while count > 0 and self._cursors and not (ran and (alone or self._cursors[0].is_alone)):
+            cursor = self._cursors.popleft()
+            ran.append(cursor.positions[cursor.offset : cursor.stop(count)])
+            pieces.append((cursor, len(ran[-1])))
+            count -= len(ran[-1])
+        segments = tuple(
+            Segment(self._values(positions), cursor.entry, cursor.state, cursor.previous)
+            for (cursor, _), positions in zip(pieces, ran, strict=True)
+        )
+        return Job(self._task(segments, heartbeat), np.concatenate(ran), tuple(pieces), alone)
+
+    def _values(self, positions: Positions) -> tuple[Values, ...]:
+        return tuple(values for values, _ in self._analysis.points(positions))
 
     def _task(self, segments: tuple[Segment, ...], heartbeat: Path | None) -> Task:
         return Task(
@@ -153,6 +172,15 @@ class Queue:
             self._time_limit,
             heartbeat,
         )
+
+
+def _suspect(pieces: Iterable[tuple[Cursor, int]], row: int) -> None:
+    """Of the points of these chains run the one alone that stands in this row."""
+    for cursor, count in pieces:
+        if row < count:
+            cursor.alone.add(cursor.offset + row)
+            return
+        row -= count
 
 
 def _cursors(

@@ -25,7 +25,7 @@ from fiv_cli.analyses.base import (
     Start,
     broken,
 )
-from fiv_cli.case.case import StartSpec
+from fiv_cli.case.case import SEVERAL, StartSpec
 from fiv_cli.friction import get_law
 from fiv_cli.models.base import Requirement
 
@@ -40,7 +40,7 @@ class StartEntry:
     ----------
     label : the coordinate
     spec : the ``[[initial]]`` table it comes from
-    number : which of the random starts of `spec` it is
+    number : which of the starts of `spec` it is
     origin : for "continue", the entry that starts the chain
     """
 
@@ -48,6 +48,11 @@ class StartEntry:
     spec: StartSpec
     number: int = 0
     origin: StartEntry | None = None
+
+    @property
+    def row(self) -> Mapping[str, float]:
+        """The start, where `spec` is a table."""
+        return self.spec.rows[self.number] if self.spec.rows else {}
 
     @cached_property
     def identity(self) -> str:
@@ -60,6 +65,7 @@ class StartEntry:
             *(sorted((n, low.hex(), high.hex()) for n, (low, high) in spec.box.items())),
             (spec.seed, self.number) if spec.kind == "random" else (),
             (spec.along, spec.direction, spec.on_loss),
+            *(sorted((n, _exact(v)) for n, v in self.row.items())),
         ]
         origin = "" if self.origin is None else self.origin.identity
         return f"{own}{origin}"
@@ -219,7 +225,8 @@ def start_axes(template: Template, values: Values) -> dict[str, float]:
 
 def continued_start(entry: StartEntry, carried: Mapping[str, Any]) -> Start:
     """The start of a point that continues from its neighbour."""
-    return Start(entry.label, "continue", dict(entry.spec.offset), carried)
+    from_rest = entry.spec.on_loss == "go-on"
+    return Start(entry.label, "continue", dict(entry.spec.offset), carried, from_rest=from_rest)
 
 
 def _offset(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
@@ -249,11 +256,15 @@ def _random(template: Template, values: Values, entry: StartEntry) -> dict[str, 
     }
 
 
-_START_VALUES = {"equilibrium": _offset, "state": _state, "random": _random}
+def _of_table(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
+    return dict(entry.row)
+
+
+_START_VALUES = {"equilibrium": _offset, "state": _state, "random": _random, "table": _of_table}
 
 
 def expand_starts(specs: Sequence[StartSpec]) -> tuple[StartEntry, ...]:
-    """The labels of the dim ``initial``: one per start, `count` per random start."""
+    """The labels of the dim ``initial``: one per start, `count` of random ones or a table."""
     plain = [entry for spec in specs if spec.kind != "continue" for entry in _expanded(spec)]
     origins = {entry.label: entry for entry in reversed(plain)}
     origins |= {entry.spec.label: entry for entry in reversed(plain)}
@@ -268,7 +279,7 @@ def expand_starts(specs: Sequence[StartSpec]) -> tuple[StartEntry, ...]:
 
 
 def _expanded(spec: StartSpec) -> list[StartEntry]:
-    if spec.kind != "random":
+    if spec.kind not in SEVERAL:
         return [StartEntry(spec.label, spec)]
     return [StartEntry(f"{spec.label}-{i:03d}", spec, number=i) for i in range(spec.count)]
 

@@ -11,6 +11,8 @@ from collections import defaultdict
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +21,7 @@ import numpy as np
 from fiv_cli import ending
 from fiv_cli.errors import FivError
 from fiv_cli.flags import STATUS
+from fiv_cli.notation.amounts import HOUR, duration
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
@@ -28,14 +31,20 @@ from fiv_cli.sweep.worker import Result, imported, last_beat, lost_point, run_ta
 if TYPE_CHECKING:
     from fiv_cli.sweep.pool import WorkerPool
 
-MANY_SHARDS = 400
-"""A long run makes its chunks longer rather than many more than this."""
+SHARE_OF_PAST = 0.02
+"""How long a chunk may take, in the time that was spent before: what a kill can lose of it."""
 
 LONGEST_CHUNK = 20.0
-"""Seconds that a chunk may take; what a kill can lose."""
+"""Seconds that a chunk may take at most."""
 
 LARGEST_CHUNK = 64 * 2**20
 """Bytes that the results of a chunk may take."""
+
+LONG = HOUR
+"""Seconds that a run may still take without a word."""
+
+SETTLED = 5
+"""Tasks after which what they cost says what the rest will."""
 
 LOADING = 1.0
 """Seconds that a first point may take to load code before it counts as slow itself."""
@@ -48,10 +57,19 @@ FAILED = STATUS.codes["failed"]
 
 @dataclass
 class Pace:
-    """Measured cost of the points of one analysis."""
+    """Measured cost of the points of one analysis.
+
+    Attributes
+    ----------
+    seconds_per_point, bytes_per_point : of late; None: no task has ended
+    spent : seconds, in all tasks
+    last_count : points of the task handed out last
+    tasks : that have ended
+    """
 
     seconds_per_point: float | None = None
     bytes_per_point: float = 1.0
+    spent: float = 0.0
     last_count: int = 0
     tasks: int = 0
 
@@ -60,6 +78,7 @@ class Pace:
         cost, self.bytes_per_point = seconds / points, nbytes / points
         before = self.seconds_per_point
         self.tasks += 1
+        self.spent += seconds
         if before is None or self.tasks == 2:
             self.seconds_per_point = cost
         else:
@@ -75,7 +94,7 @@ class Pace:
         if self.seconds_per_point is None or self.tasks == 1:
             return 1
         cost = max(self.seconds_per_point, 1e-7)
-        target = min(max(policy.chunk_seconds, cost * left / MANY_SHARDS), LONGEST_CHUNK)
+        target = min(max(policy.chunk_seconds, SHARE_OF_PAST * self.spent), LONGEST_CHUNK)
         share = -(-left // (4 * workers)) if workers else left
         room = LARGEST_CHUNK / self.bytes_per_point
         self.last_count = int(max(1, min(target / cost, room, share, 8 * self.last_count + 8)))
@@ -119,6 +138,7 @@ class Scheduler:
     _flights: dict[Future[Result], _Flight] = field(default_factory=dict)
     _held: Job | None = None
     _stopped: bool = False
+    _is_told: bool = False
     _dispatched: int = 0
     _fruitless: int = 0
     _beats: int = 0
@@ -219,11 +239,28 @@ class Scheduler:
         for row, message in result.block.messages.items():
             self.log(f"point {job.positions[row]}: {message}")
         self.progress.advance(len(job.positions), failed)
+        self._tell_if_long(queue, pace)
+
+    def _tell_if_long(self, queue: Queue, pace: Pace) -> None:
+        """Say once that a run will take long, as soon as its first tasks tell."""
+        if self._is_told or pace.tasks < SETTLED or pace.seconds_per_point is None:
+            return
+        limit = self.policy.max_points
+        left = queue.left if limit is None else min(queue.left, limit - self._dispatched)
+        seconds = pace.seconds_per_point * left / self.policy.workers
+        if seconds > LONG:
+            self._is_told = True
+            self.progress.note(
+                f"some {duration(seconds)} to go on {self.policy.workers} workers, at "
+                f"{duration(pace.seconds_per_point)} a point; Ctrl-C keeps what is finished, "
+                "`fiv check --estimate` says more"
+            )
 
     def _run_in_workers(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
         """Keep the workers busy, take what is finished, repair what broke."""
         try:
             self._submit_jobs(queue, pace, pool)
+            _import_ahead()
         except BrokenExecutor:
             self._repair(index, queue, pace, pool)
             return
@@ -305,6 +342,12 @@ class Scheduler:
         for flight in self._flights.values():
             flight.heartbeat.unlink(missing_ok=True)
         self._flights.clear()
+
+
+@cache
+def _import_ahead() -> None:
+    """While workers compute: what the dataset is made with."""
+    import_module("fiv_cli.data.assemble")
 
 
 def _started_pool(workers: int) -> WorkerPool:

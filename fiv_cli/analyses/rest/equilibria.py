@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics.arrays import BOUND
-from fiv_cli.dynamics.system import FieldOutput, System, Vector, call_rows
+from fiv_cli.dynamics.rows import call_rows
+from fiv_cli.dynamics.system import FieldOutput, System, Vector
 
 NEWTON_STEPS = 60
 CONVERGED = 1e-13  # last Newton step, relative to the solution
@@ -93,12 +94,12 @@ class Sliding:
 
     @property
     def free(self) -> list[int]:
-        """See `free_coordinates`."""
-        return free_coordinates(self.system)
+        """Places of what an equilibrium has: see `free_coordinates`, then the states of laws."""
+        return _free(self.system)
 
     @property
     def free_rates(self) -> NDArray[np.intp]:
-        """Places of their accelerations among `rates`."""
+        """Places of their accelerations, and of the laws' rates, among `rates`."""
         return _free_rates(self.system)
 
 
@@ -122,8 +123,19 @@ def free_coordinates(system: System) -> list[int]:
 
 
 @cache
+def _free(system: System) -> list[int]:
+    return [*free_coordinates(system), *_internal(system)]
+
+
+@cache
 def _free_rates(system: System) -> NDArray[np.intp]:
-    return len(system.coordinates) + np.array(free_coordinates(system), np.intp)
+    accelerations = [len(system.coordinates) + place for place in free_coordinates(system)]
+    return np.array([*accelerations, *_internal(system)], np.intp)
+
+
+def _internal(system: System) -> range:
+    """Places of the states of the friction law."""
+    return range(len(system.motions), len(system.state_names))
 
 
 def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:

@@ -50,7 +50,8 @@ def eigenvalues_at(system: System, requests: Sequence[Request]) -> list[Outcome]
             at, states = sliding[here], np.array([found[i].states[number - 1] for i in here])
             modes = zip(rows[here].tolist(), *modes_at(at, states), strict=True)
             for row, values, vectors in modes:
-                outcomes[row] = Outcome(values=_described(values, vectors))
+                shapes = vectors[: len(system.motions)]
+                outcomes[row] = Outcome(values=_described(values, shapes))
             if which == "averaged":
                 for row, jacobian in zip(
                     rows[here].tolist(), free_jacobian(at, states), strict=True
@@ -68,8 +69,8 @@ def _judge(
     outcome.reason = "" if ratio >= LEAST_RATIO else "averaging_invalid"
 
 
-def _described(values: Complex, vectors: Complex) -> dict[str, object]:
-    """The variables that describe a spectrum."""
+def _described(values: Complex, shapes: Complex) -> dict[str, object]:
+    """The variables that describe a spectrum and its modes, in columns."""
     magnitude = np.abs(values)
     ratio = np.where(magnitude > 0.0, -values.real / np.where(magnitude > 0.0, magnitude, 1.0), 0.0)
     return {
@@ -77,8 +78,8 @@ def _described(values: Complex, vectors: Complex) -> dict[str, object]:
         "eigenvalue_imag": values.imag,
         "mode_frequency": np.abs(values.imag) / (2.0 * np.pi),
         "damping_ratio": ratio,
-        "eigenvector_real": vectors.real.T,
-        "eigenvector_imag": vectors.imag.T,
+        "eigenvector_real": shapes.real.T,
+        "eigenvector_imag": shapes.imag.T,
         "coupled_with": coupled_modes(values),
         "growth_rate": float(np.max(values.real)),
         "stable": stability(values),

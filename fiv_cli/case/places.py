@@ -1,0 +1,100 @@
+"""Whether what figures and claims select lies on the axes of the analysis that they speak of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.variables import Variable
+from fiv_cli.case.case import AnalysisSpec, Axis, Case
+from fiv_cli.case.grammar import SAME, Test, parse_condition
+from fiv_cli.case.report import Path, Report
+from fiv_cli.notation.names import listed
+
+
+@dataclass(frozen=True)
+class Places:
+    """The axes of one analysis.
+
+    Attributes
+    ----------
+    name : of the analysis
+    grid : name -> axis of the grid
+    own : those that its variables have besides, and ``initial``
+    is_shortened : whether the grid is another than that of the file, by ``--set``: then a claim
+        may speak of points that are not there
+    """
+
+    name: str
+    grid: Mapping[str, Axis]
+    own: Sequence[str]
+    is_shortened: bool
+
+    @classmethod
+    def of(cls, case: Case, spec: AnalysisSpec, variables: Sequence[Variable]) -> Places:
+        """The axes of an analysis of a case, of its variables all that they have."""
+        starts = get_analysis(spec.kind).uses_starts
+        grid = {a.name: a for a in case.axes if starts or a.kind != "start"}
+        own = dict.fromkeys(dim for variable in variables for dim in variable.dims)
+        shortened = any(line.startswith(("grid.", "sweep.")) for line in case.overrides)
+        return cls(spec.name, grid, [*(["initial"] if starts else []), *own], shortened)
+
+    def check(self, selection: Mapping[str, Any], place: Path, report: Report, near: bool) -> None:
+        """Note axes that the analysis has not, and values off the grid.
+
+        `near`: a number means the nearest value, as in figures.
+        """
+        for name, wanted in selection.items():
+            if name not in (*self.grid, *self.own):
+                message = f"the analysis {self.name!r} has no axis {name!r}"
+                report.add((*place, name), message, listed([*self.grid, *self.own]))
+            elif name in self.grid and not self.is_shortened and report.is_sound(("grid", name)):
+                for one in _missed(self.grid[name], wanted, near):
+                    message = f"{one!r} is not on the axis {name}"
+                    report.add((*place, name), message, _extent(self.grid[name]))
+
+    def check_over(
+        self, over: Sequence[str], variable: Variable | None, place: Path, report: Report
+    ) -> None:
+        """Note axes along which the variable has no values."""
+        if variable is not None and variable.ragged:
+            message = f"{variable.name!r} has any number of values at a point, and no axis of them"
+            report.add(place, message, "a variable with one value at each place along the axes")
+            return
+        known = [*self.grid, *(set(self.own) & {"initial"}), *(variable.dims if variable else ())]
+        for name in over:
+            if name not in known:
+                message = f"{variable.name if variable else self.name!r} has no axis {name!r}"
+                report.add(place, message, listed(known))
+
+
+def _missed(axis: Axis, wanted: Any, near: bool) -> Iterator[Any]:
+    """What of a selection meets no value of the axis."""
+    numeric = axis.kind in ("parameter", "start")
+    for one in wanted if isinstance(wanted, list) else [wanted]:
+        tests = parse_condition(one) if numeric and isinstance(one, str) else ()
+        if tests:
+            met = any(all(_holds(value, test) for test in tests) for value in axis.values)
+        else:
+            met = (numeric and near) or any(_is(value, one, numeric) for value in axis.values)
+        if not met:
+            yield one
+
+
+def _is(value: Any, wanted: Any, numeric: bool) -> bool:
+    return abs(value - wanted) <= SAME * abs(wanted) if numeric else bool(value == wanted)
+
+
+def _holds(value: float, test: Test) -> bool:
+    sign, bound = test
+    if _is(value, bound, True):
+        return "=" in sign
+    return (value < bound and "<" in sign) or (value > bound and ">" in sign)
+
+
+def _extent(axis: Axis) -> str:
+    if axis.kind in ("parameter", "start") and len(axis.values) > 8:
+        return f"{len(axis.values)} values from {min(axis.values):g} to {max(axis.values):g}"
+    return listed([str(value) for value in axis.values])

@@ -1,0 +1,120 @@
+"""Laws with internal states: closed forms, published numbers, and the laws that they tend to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from motions import motion
+from scipy.linalg import expm
+
+from fiv_cli import api
+from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.codegen.setup import Setup, default_parameters
+from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.settings import Section
+from fiv_cli.dynamics.system import build_system
+from fiv_cli.friction.base import Law
+from fiv_cli.models import get_model
+from fiv_cli.models.base import Parameter
+
+BELT = get_model("belt-1dof")
+AT_REST = ("equilibrium", "eigenvalues")
+MAXWELL = Law(
+    name="maxwell",
+    title="a spring of stiffness sigma in series with a damper: F_T = sigma z, z' = v - z/tau",
+    reference="",
+    numerics_version=1,
+    parameters=(
+        Parameter("sigma", r"\sigma", "N m-1", 3.0, "stiffness", "", 0.0),
+        Parameter("tau", r"\tau", "s", 0.7, "how long the spring remembers", "", 0.0),
+    ),
+    force=lambda slip, p: p["sigma"] * slip.states["z"],
+    capacity=None,
+    states={"z": "m"},
+    rates=lambda slip, p: {"z": slip.v - slip.states["z"] / p["tau"]},
+)
+
+
+def test_an_internal_state_moves_with_the_slip() -> None:
+    """m x'' = -k x - c x' + sigma z and z' = v - x' - z/tau: linear, so a matrix exponential."""
+    p = default_parameters(BELT, MAXWELL, c=0.1, m=2.0)
+    solver = SolverSettings(rtol=1e-13)
+    begun = Motion(build_system(Setup.of(BELT, MAXWELL, parameters=p)), p, solver, {"x": 0.3})
+    begun.run(5.0)
+    matrix = np.zeros((4, 4))  # of x, x', z and 1
+    matrix[0, 1] = 1.0
+    matrix[1, :3] = np.array([-p["k"], -p["c"], p["sigma"]]) / p["m"]
+    matrix[2, 1:] = -1.0, -1.0 / p["tau"], p["v"]
+    expected = expm(5.0 * matrix) @ np.array([0.3, 0.0, 0.0, 1.0])
+    np.testing.assert_allclose(begun.y, expected[:3], rtol=0.0, atol=1e-11)
+
+
+def test_lugre_stick_slip_is_that_of_the_published_example() -> None:
+    """Canudas de Wit et al. 1995, a mass pulled by a spring: the period, the largest velocity."""
+    bristles = {"sigma_0": 1e5, "sigma_1": 1e5**0.5, "sigma_2": 0.4, "v_s": 1e-3}
+    pulled = {"m": 1.0, "k": 2.0, "v": 0.1, "N": 1.0, "mu_s": 1.5, "mu_k": 1.0}
+    begun = motion("belt-1dof", "lugre", {}, **pulled, **bristles)
+    begun.run(40.0)
+    begun.start_measuring(np.zeros(1))
+    times, states = np.zeros(5), np.zeros((5, 3))
+    begun.run(80.0, Section("zero", state="x_dot", direction="up"), (times, states), measuring=True)
+    assert np.diff(times[: begun.n_sections]) == pytest.approx(6.3627, abs=5e-5)
+    largest = 0.1 - begun.measures.extremes[0, 1]  # of the pulled mass: seen from the belt
+    assert largest == pytest.approx(0.3698, abs=5e-5)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_dahl_yields_exponentially_over_a_stated_slip(direction: float) -> None:
+    """Thesis 2.11 at constant v: z = (mu_k/sigma_0) (1 - exp(-sigma_0 v t/mu_k))."""
+    heavy = {"m": 1e15, "k": 0.0, "v": direction * 0.02, "mu_k": 0.3, "sigma_0": 50.0}
+    begun = motion("belt-1dof", "dahl", {}, **heavy)
+    begun.run(0.4)
+    slipped = 0.3 / 50.0 * (1.0 - np.exp(-50.0 * 0.02 * 0.4 / 0.3))
+    assert begun.y[2] == pytest.approx(direction * slipped, rel=1e-12)
+
+
+def periods(law: str, **changes: float) -> float:
+    """Period of the stick-slip of a mass on a belt under friction that falls at once."""
+    given = {"v": 0.4, "mu_s": 0.6, "mu_k": 0.3, "v_s": 0.3, "delta": 2.0, "N": 5.0} | changes
+    begun = motion("belt-1dof", law, {}, SolverSettings(rtol=1e-11), **given)
+    begun.run(40.0)
+    times, states = np.zeros(2), np.zeros((2, len(begun.y)))
+    begun.run(80.0, Section("zero", state="x_dot", direction="down"), (times, states))
+    return float(np.diff(times)[0])
+
+
+@pytest.mark.parametrize(
+    ("law", "stiffness", "values", "order"),
+    [
+        ("lugre", "sigma_0", (3.2e4, 6.4e4, 1.28e5), 2 / 3),
+        ("tanh of stribeck", "sigma", (800.0, 1600.0, 3200.0), 0.9),
+    ],
+)
+def test_stiff_laws_tend_to_the_set_valued_one(
+    law: str, stiffness: str, values: tuple[float, ...], order: float
+) -> None:
+    """Break-away passes a fold, which delays it by a stiffness to the power -2/3.
+
+    Beside it tanh has creep, of first order, in these steepnesses the larger part.
+    """
+    exact = periods("stribeck")
+    others = {"sigma_1": 10.0} if law == "lugre" else {}
+    found = [periods(law, **{stiffness: value}, **others) for value in values]
+    errors = np.abs(np.array(found) - exact)
+    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(order, abs=0.03)
+    assert errors[-1] < 1e-2
+
+
+def test_steady_sliding_and_its_modes_tend_to_those_of_the_set_valued_law() -> None:
+    """The slide is Stribeck's exactly; the growth rate tends to Stribeck's at first order."""
+    given = {"v": 0.4, "mu_s": 0.6, "mu_k": 0.3, "v_s": 0.3, "delta": 2.0, "c": 0.1}
+    exact = {kind: api.analyse(BELT, "stribeck", kind, **given).values for kind in AT_REST}
+    errors = []
+    for sigma_0 in (1e3, 2e3, 4e3):
+        bristles = given | {"sigma_0": sigma_0, "sigma_1": 0.0}
+        found = {kind: api.analyse(BELT, "lugre", kind, **bristles).values for kind in AT_REST}
+        assert found["equilibrium"]["complete"] == "certified"
+        x, x_exact = found["equilibrium"]["equilibrium"], exact["equilibrium"]["equilibrium"]
+        np.testing.assert_allclose(x, x_exact, rtol=1e-14)
+        errors.append(found["eigenvalues"]["growth_rate"] - exact["eigenvalues"]["growth_rate"])
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(1.0, abs=0.01)
