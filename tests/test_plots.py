@@ -15,7 +15,7 @@ from fiv_cli.cli.show import command as show_command
 from fiv_cli.errors import EmptyFigureError, InputError, StorageError, UsageError
 from fiv_cli.flags import REASON, advice
 from fiv_cli.friction import get_law
-from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, save
+from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.law import force
 from fiv_cli.plots.spectrum import amplitude_spectrum
@@ -498,6 +498,46 @@ def test_a_map_needs_two_axes():
         draw(one_start, figure("map"))
 
 
+# --- basin --------------------------------------------------------------------------------------
+def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches():
+    dataset = data.basin()
+    one, two = draw(dataset, figure("basin")).axes
+    for ax, radius in ((one, 1.0), (two, 2.0)):
+        rest, moving = (marks_of.get_offsets() for marks_of in ax.collections)
+        assert len(rest) + len(moving) == 200
+        assert np.hypot(*rest.T).max() < radius < np.hypot(*moving.T).min()
+    colours = [to_hex(marks_of.get_facecolor()[0]) for marks_of in two.collections]
+    assert colours == [c.lower() for c in class_colours(["equilibrium", "periodic"])]
+    assert two.get_xlabel() == "$x$ at the start (m)"
+    assert one.get_ylabel() == r"$\dot{x}$ at the start (m/s)"
+
+
+def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
+    """A circle of radius 2 in a square of side 6: the share is known, the error covers it."""
+    (ax,) = draw(data.basin(speeds=(2.0,)), figure("basin", select={"Omega": 2.0})).axes
+    share, error = (float(w) for w in legend_texts(ax)[0].split()[1::2])
+    assert error == pytest.approx(np.sqrt(share * (1 - share) / 200), abs=6e-4)
+    assert abs(share - np.pi / 9.0) < 3 * error
+    (ax,) = draw(data.basin(speeds=(9.0,)), figure("basin")).axes
+    assert legend_texts(ax) == ["equilibrium (all 200)"]
+
+
+def test_basins_need_starts_that_differ_in_two_states():
+    dataset = data.basin()
+    assert [spec.kind for spec in default_figures(dataset)] == ["basin"]
+    with pytest.raises(UsageError, match="run its case again"):
+        draw(dataset.drop_vars("initial_state"), figure("basin"))
+    with pytest.raises(UsageError, match="the states are: x, x_dot"):
+        draw(dataset, figure("basin", x="y"))
+    flat = dataset.assign(initial_state=dataset["initial_state"] * [1.0, 0.0])
+    with pytest.raises(UsageError, match="fewer than two"):
+        draw(flat, figure("basin"))
+    lost = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "failed"))
+    lost["status"].attrs = dataset["status"].attrs
+    with pytest.raises(EmptyFigureError, match="failed 400"):
+        draw(lost, figure("basin"))
+
+
 # --- history, phase, spectrum ------------------------------------------------------------------
 def test_a_history_has_every_sample_and_shades_every_contact_state():
     dataset = data.history()
@@ -756,7 +796,7 @@ def test_eigenvalues_mark_every_unstable_point():
         assert (
             sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == unstable
         )
-    assert top.get_ylabel() == "real part of the eigenvalue (rad/s)"
+    assert top.get_ylabel().replace("\n", " ") == "real part of the eigenvalue (rad/s)"
     assert bottom.get_ylabel() == "frequency of the mode (Hz)"
     assert bottom.get_xlabel() == r"coefficient of kinetic friction $\mu_k$"
     assert marks(bottom, "failed")[:, 0] == pytest.approx([0.175])
@@ -972,6 +1012,52 @@ def test_a_figure_does_not_depend_on_the_users_configuration(tmp_path):
     with mpl.rc_context({"font.size": 20, "axes.facecolor": "red", "svg.hashsalt": None}):
         save(draw(data.bifurcation(), figure("curve")), paths[1])
     assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp_path, kind):
+    paper = look_of("paper", width=84.0)
+    drawn = draw(data.bifurcation(), figure(kind), look=paper)
+    assert drawn.get_figwidth() * 25.4 == pytest.approx(84.0)
+    assert drawn.get_suptitle() == ""
+    save(drawn, tmp_path / "a.svg", paper)
+    written = (tmp_path / "a.svg").read_text()
+    assert f'width="{84.0 / 25.4 * 72.0:.6f}'.rstrip("0") in written
+    assert "STIXGeneral" in written
+    assert "DejaVu" not in written.replace("DejaVuSans-Oblique", "")
+    titled = draw(data.bifurcation(), figure(kind), look=look_of("paper", titled=True))
+    assert "A sweep" in titled.get_suptitle()
+
+
+def test_a_talk_has_larger_letters_and_thicker_lines():
+    looks = [look_of("screen", width=200.0), look_of("talk", width=200.0)]
+    small, large = (draw(data.bifurcation(), figure("curve"), look=look) for look in looks)
+    sizes = [drawn.axes[0].xaxis.label.get_size() for drawn in (small, large)]
+    widths = [drawn.axes[0].lines[0].get_linewidth() for drawn in (small, large)]
+    assert sizes[1] > 1.5 * sizes[0]
+    assert widths[1] == 2 * widths[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("poster",), "there are: screen, paper, talk"),
+        (("paper", 2.0), "20 to 2000 mm"),
+        (("paper", None, "No Such Font"), "not installed"),
+    ],
+)
+def test_looks_that_cannot_be_had_are_told(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        look_of(*arguments)
+
+
+def test_long_labels_beside_a_low_panel_are_folded_but_not_in_a_formula():
+    dataset = data.eigenvalues()
+    dataset["eigenvalue_real"].attrs["long_name"] = "damping ratio c2 / (2 sqrt(m2 k2))"
+    drawn = draw(dataset, figure("eigenvalues"), look=look_of("paper", width=50.0))
+    lines = drawn.axes[0].get_ylabel().split("\n")
+    assert len(lines) > 1
+    assert all(line.count("$") % 2 == 0 for line in lines)
 
 
 def test_figures_need_a_known_suffix_and_a_place(tmp_path):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import (
+    basin,
     bifurcation,
     branch,
     curve,
@@ -54,6 +55,7 @@ class Kind:
 # In the order in which a dataset without [[figure]] tables is asked what suits it.
 KINDS: dict[str, Kind] = {
     "map": Kind(map_.suits, map_.draw),
+    "basin": Kind(basin.suits, basin.draw),
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True),
     "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
@@ -67,8 +69,9 @@ KINDS: dict[str, Kind] = {
 
 # A default figure is left out where a figure before it says the same and more.
 SAID_BY = {
-    "bifurcation": {"map"},
-    "curve": {"map", "eigenvalues"},
+    "basin": {"map"},
+    "bifurcation": {"map", "basin"},
+    "curve": {"map", "basin", "eigenvalues"},
     "eigenvalues": {"map"},
     "spectrum": {"history"},
     "spectrogram": {"history"},
@@ -139,7 +142,10 @@ def figures_called(source: Source, name: str) -> list[FigureSpec]:
 
 
 def draw(
-    source: Source | Sequence[tuple[str, Source]], figure: FigureSpec, axis: Axes | None = None
+    source: Source | Sequence[tuple[str, Source]],
+    figure: FigureSpec,
+    axis: Axes | None = None,
+    look: style.Look | None = None,
 ) -> Figure:
     """Draw one figure.
 
@@ -149,6 +155,7 @@ def draw(
         for a figure that overlays them
     figure : what to draw
     axis : the panel to draw on, of a figure of one panel; None: the figure makes its own
+    look : what it is for; None: a screen
 
     Raises
     ------
@@ -167,8 +174,10 @@ def draw(
         settings = {**settings, "variable": settings["take"]["what"]}
     if "title" in settings:
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
-    with style.looks(axis):
-        return kind.draw(layers, settings)
+    with style.looks(axis, look):
+        drawn = kind.draw(layers, settings)
+        style.finish(drawn)
+        return drawn
 
 
 def _checked(figure: FigureSpec) -> Settings:

@@ -563,13 +563,11 @@ class _Response:
     def _measure_window(self, until: float, with_exponent: bool = False) -> Outcome:
         begun = self._start_measuring()
         energy = self.motion.energy()
-        exponent = Exponent(self.motion, self.excitation is None) if with_exponent else None
-        for goal in np.linspace(begun, until, BLOCKS + 1)[1:]:
-            answer = self._measure_to(float(goal))
-            if answer is not None:
-                return answer
-            if exponent is not None:
-                exponent.update()
+        autonomous = self.excitation is None
+        exponent = Exponent(self.motion, autonomous, BLOCKS) if with_exponent else None
+        answer = self._measure_to(np.linspace(begun, until, BLOCKS + 1)[1:], exponent)
+        if answer is not None:
+            return answer
         if exponent is not None:
             exponent.release()
         if self.motion.measures.measured_time <= 0.0:
@@ -581,12 +579,16 @@ class _Response:
         shown = self._points[-SHOWN:, self.observed].copy()
         return Outcome(values=values, ragged={"section_value": shown})
 
-    def _measure_to(self, goal: float) -> Outcome | None:
-        """Measure up to `goal`, keeping section points; the class as soon as it is known."""
-        while self.motion.time < goal and self._goes_on:
-            answer = self._look(goal, self.section, measuring=True)
+    def _measure_to(self, goals: Vector, exponent: Exponent | None) -> Outcome | None:
+        """Measure up to the last goal, keeping section points; the class as soon as it is known."""
+        watch = self.watch
+        watch.show("goals", goals)
+        watch.n_passed, watch.growth = 0, 0 if exponent is None else exponent.growth.address
+        while watch.n_passed < len(goals) and self._goes_on:
+            answer = self._look(float(goals[-1]), self.section, measuring=True)
             if answer is not None:
                 return answer
+        watch.show("goals", np.zeros(0))
         return None
 
     def _class_of(self, outcome: Outcome) -> tuple[str, str]:

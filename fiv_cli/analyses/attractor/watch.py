@@ -15,8 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fiv_cli.analyses.attractor import descent, grounds, settling
+from fiv_cli.analyses.attractor import descent, grounds, lyapunov, settling
 from fiv_cli.analyses.attractor.descent import NOTHING, Slide, look_at_slide, slide_at
+from fiv_cli.analyses.attractor.lyapunov import Growth, book_growth, growth_at
 from fiv_cli.analyses.attractor.settling import (
     LEAST,
     floor_scales,
@@ -38,7 +39,14 @@ from fiv_cli.codegen.memory import (
 )
 from fiv_cli.dynamics import compiled, kernel, roots
 from fiv_cli.dynamics.compiled import run_at
-from fiv_cli.dynamics.kernel import SECTION_FULL, SECTION_PHASE, STEP_BUDGET, Run, state_index
+from fiv_cli.dynamics.kernel import (
+    REACHED,
+    SECTION_FULL,
+    SECTION_PHASE,
+    STEP_BUDGET,
+    Run,
+    state_index,
+)
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import Vector
 
@@ -67,6 +75,9 @@ class Watch(Frame):
     longest: FixedFloat
     goal: float
     is_under_way: int
+    goals: Floats  # times up to which the tangent whose growth this is (0: none) is normalised
+    n_passed: int
+    growth: FixedInt
     n_before: int  # points and events at the look before
     n_events: int
     has_new: int  # whether there are points since
@@ -106,6 +117,8 @@ def watch_at(address: int) -> Watch:
 def begin_look(watch: Watch, run: Run) -> None:
     """Say how far the motion goes until the next look, and make room for section points."""
     watch.goal = watch.until
+    if watch.n_passed < len(watch.goals):
+        watch.goal = watch.goals[watch.n_passed]
     if watch.is_paced == 1:
         watch.goal = min(run.time + watch.span, watch.until)
     if watch.count + CHUNK > KEPT:
@@ -271,10 +284,23 @@ def has_stuck(watch: Watch, run: Run) -> bool:
 
 
 @native
+def pass_goals(watch: Watch, run: Run) -> None:
+    """Book how the tangent has grown, at each of the goals."""
+    while watch.n_passed < len(watch.goals) and run.time >= watch.goals[watch.n_passed]:
+        watch.n_passed += 1
+        if watch.growth != 0:
+            book_growth(growth_at(watch.growth), run)
+
+
+@native
 def follow(watch: Watch, run: Run) -> int:
     """Go on until a look may tell something, time is up, or an end; why the driver stopped."""
     while True:
         if watch.is_under_way == 0:
+            pass_goals(watch, run)
+            if run.time >= watch.until:
+                watch.has_new = 0
+                return REACHED
             begin_look(watch, run)
         measuring = watch.is_measuring == 1
         code = call_driver(watch.driver, watch.motion, watch.goal, watch.interval, measuring)
@@ -282,7 +308,7 @@ def follow(watch: Watch, run: Run) -> int:
         if code == STEP_BUDGET:
             return code
         end_look(watch, run)
-        if code > SECTION_FULL or run.time >= watch.until or has_stuck(watch, run):
+        if code > SECTION_FULL or has_stuck(watch, run):
             return code
         tells = may_rest(watch, run)
         tells = repeats(watch, run) or tells
@@ -305,13 +331,14 @@ def _declared() -> Callable[..., int]:
     register_frame(Run, run_at)
     register_frame(Watch, watch_at)
     register_frame(Slide, slide_at)
-    for module in (roots, kernel, settling, descent, sys.modules[__name__]):
+    register_frame(Growth, growth_at)
+    for module in (roots, kernel, settling, descent, lyapunov, sys.modules[__name__]):
         register(module)
     return follow_at
 
 
-PARTS = (descent.__file__, grounds.__file__, settling.__file__, __file__)
-FILES = (*compiled.FILES, *map(Path, PARTS))
+PARTS = (descent, grounds, lyapunov, settling)
+FILES = (*compiled.FILES, *(Path(str(part.__file__)) for part in PARTS), Path(__file__))
 FOLLOW = Compiled("follow", "int64(int64)", FILES, _declared)
 
 
@@ -348,6 +375,7 @@ def _blank(width: int) -> Watch:
             "times": np.zeros(KEPT),
             "points": np.zeros((KEPT, width)),
             "slides": np.zeros(0, np.int64),
+            "goals": np.zeros(0),
             **{name: np.zeros(width) for name in ("scales", "judged", "ways")},
         },
         {},
