@@ -101,7 +101,7 @@ def _state(
 ) -> dict[str, float | str]:
     parameters = {p.name: p.meaning for p in physics.table().values()}
     found: dict[str, float | str] = {}
-    for name, _, key_place, value in _known_states(values, physics, place, report):
+    for name, unit, key_place, value in _known_states(values, physics, place, report):
         named = ascii_name(value) if isinstance(value, str) else ""
         if named in parameters:
             found[name] = named
@@ -109,7 +109,8 @@ def _state(
             message, hint = f"there is no parameter {named!r}", counterpart(named, physics.table())
             report.unknown(key_place, message, named, parameters, hint)
         else:
-            found |= _numbers({name: value}, physics, place, report)
+            with report.noting(key_place, f"a number in {unit}, or the name of a parameter"):
+                found[name] = convert(value, unit)
     return found
 
 

@@ -90,6 +90,7 @@ class Table(BaseModel):
 
     # Key of 0.1.0 that is gone -> what to write now for the value it has.
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {}
+    example: ClassVar[str] = ""
 
 
 class OpenTable(BaseModel):
@@ -115,6 +116,8 @@ class FrictionTable(OpenTable):
 
 class RangeTable(Table):
     """A regular axis; both ends are included."""
+
+    example: ClassVar[str] = "{ start = 1, stop = 2, num = 5 }, or step = 0.25 in place of num"
 
     start: Quantity = Field(description="first value")
     stop: Quantity = Field(description="last value, included")
@@ -246,6 +249,7 @@ FigureKind = Literal[
     "curve",
     "bifurcation",
     "map",
+    "basin",
     "history",
     "phase",
     "spectrum",
@@ -265,8 +269,12 @@ class FigureTable(Table):
     name: str | None = Field(default=None, description="unique name; default: the kind")
     title: str | None = Field(default=None, description="title; default: the case's")
     analysis: str | None = Field(default=None, description="name of the analysis to draw")
-    x: str | None = Field(default=None, description="horizontal: an axis, or a state (phase)")
-    y: str | None = Field(default=None, description="vertical: an axis (map) or a state (phase)")
+    x: str | None = Field(
+        default=None, description="horizontal: an axis, or a state (phase, basin)"
+    )
+    y: str | None = Field(
+        default=None, description="vertical: an axis (map) or a state (phase, basin)"
+    )
     variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
     select: dict[str, Wanted] = Field(
         default={}, description="axis or initial -> value, list of values or condition to draw"

@@ -44,7 +44,8 @@ def command(name: str | None, as_json: bool) -> None:
 
     kinds, tables = all_kinds(), _tables()
     if name is not None:
-        pick(name, dict.fromkeys([*tables, *(kind.name for kind in kinds)]), "kind", "fiv kinds")
+        known = [kind.name for kind in kinds if kind.keys]
+        pick(name, dict.fromkeys([*tables, *known]), "kind", "fiv kinds")
         found, keys = [kind for kind in kinds if kind.name == name], tables.get(name, ())
         print_json({"kinds": found, "keys": keys}) if as_json else _print_one(found, keys)
     elif as_json:
