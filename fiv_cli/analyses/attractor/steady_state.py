@@ -74,7 +74,7 @@ REVOLUTIONS = 3.0  # ... without section points is asked what it is without them
 BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
 SHOWN = 512  # section values stored of a motion that is not periodic
 PASSAGES = 4  # along a cycle that an early attempt takes, for each state
-ATTEMPT = 16000  # steps of one state that it costs beside them
+ATTEMPT = 8000  # steps of one state that it costs beside them
 SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
 
