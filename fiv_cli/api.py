@@ -284,7 +284,16 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
     return apply_ufunc(lambda codes: names[int(codes)], flags, vectorize=True)
 
 
-def figure(data: str | Path | Results, name: str | None = None, axis: Axes | None = None) -> Figure:
+def figure(
+    data: str | Path | Results,
+    name: str | None = None,
+    axis: Axes | None = None,
+    *,
+    style: str = "screen",
+    width: float | None = None,
+    font: str | None = None,
+    title: bool | None = None,
+) -> Figure:
     """Draw a dataset; a notebook that has imported matplotlib.pyplot shows what is returned.
 
     Parameters
@@ -292,6 +301,9 @@ def figure(data: str | Path | Results, name: str | None = None, axis: Axes | Non
     data : what `run`, `history` or `read` returned, or the path of a dataset
     name : a figure of the case, or a kind of figure; None: the first that suits
     axis : where to draw a figure of one panel; None: on a figure of its own
+    style : what it is for: "screen", "paper" or "talk"
+    width, font, title : in place of those of the style: mm, a family that is installed, whether
+        there is one
 
     Raises
     ------
@@ -307,7 +319,7 @@ def figure(data: str | Path | Results, name: str | None = None, axis: Axes | Non
     >>> drawn.axes[0].get_ylabel()
     'sliding equilibria with closed contacts'
     """
-    from fiv_cli.plots import draw, figures_called, possible_figures
+    from fiv_cli.plots import draw, figures_called, look_of, possible_figures
 
     source = _analyses_of(data)
     chosen = possible_figures(source) if name is None else figures_called(source, name)
@@ -315,7 +327,7 @@ def figure(data: str | Path | Results, name: str | None = None, axis: Axes | Non
         raise UsageError(
             "no kind of figure suits this dataset\nnext: print it to see what it holds"
         )
-    return draw(source, chosen[0], axis)
+    return draw(source, chosen[0], axis, look_of(style, width, font, title))
 
 
 def analyse(

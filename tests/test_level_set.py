@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from motions import defaults, system
 from small_models import DOUBLE_WELL
 
+from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN
-from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
+from fiv_cli.analyses.attractor.level_set import LevelSet, level_set, slides_freely
 from fiv_cli.analyses.base import Section, Start
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import free_jacobian

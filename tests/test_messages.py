@@ -171,3 +171,38 @@ def test_every_model_says_which_parameter_is_its_preload_and_its_speed(
         assert roles.count("speed") <= 1
     assert run(["models", "pin-on-disc"]) == 0
     assert re.search(r"^N0 +preload +N_0 ", capsys.readouterr().out, re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "advice"),
+    [
+        ('"equilibrium"', '"bifurcation"', "analyses compute, figures draw"),
+        ('"state"', '"rest"', "`fiv kinds` says what each is"),
+        ('"Omega"', '"Omega / 2"', "a number in rad s-1, or the name of a parameter"),
+        ("{ phi_dot", "[ 1 ] # { phi_dot", "a table (values of states;"),
+        ("stop = 9.0", "end = 9.0", "for example { start = 1, stop = 2, num = 5 }"),
+        ('"30 N"', "[10, 20]", "several values are an axis, under [grid]"),
+        ("[grid]", '[friction]\nname = "coulomb"\n[grid]', 'write law = "coulomb"'),
+        ("[grid]", "[parameters]\nN0 = 3\n[grid]", "'parameters' stands in [model]"),
+        ("schema = 1", "schema = 1\nN0 = 3", "'N0' stands in [model.parameters], or as an axis in"),
+        ('"pin-on-disc"', '"brake"', "`fiv models` says what each is"),
+        ('"pin-on-disc"', '"pin"', "did you mean 'pin-on-disc'"),
+        ('"n_solutions"', '"amplitude"', "`fiv variables pin.toml` says what each is"),
+        ("[[claim]]", '[[figure]]\nkind = "curve"\ny = "n_solution"\n[[claim]]', "'n_solutions'"),
+        ("{ value = 1, tolerance = 0 }", '"all of them"', '"not CLASS", "increasing"'),
+    ],
+)
+def test_a_word_that_is_none_leads_to_those_there_are(
+    old: str, new: str, advice: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert advice in checked(capsys, old, new)
+
+
+def test_a_broken_axis_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    said = checked(capsys, "step = 1.7", "step = 0.3")
+    assert "1 problem;" in said and "the nearest stops are 8.9 and 9.2" in said
+
+
+def test_a_law_is_shown_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["models", "coulomb"]) == 0
+    assert "|F_T| <= F_N*mu_s" in capsys.readouterr().out

@@ -15,7 +15,7 @@ from fiv_cli.cli.show import command as show_command
 from fiv_cli.errors import EmptyFigureError, InputError, StorageError, UsageError
 from fiv_cli.flags import REASON, advice
 from fiv_cli.friction import get_law
-from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, save
+from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.law import force
 from fiv_cli.plots.spectrum import amplitude_spectrum
@@ -756,7 +756,7 @@ def test_eigenvalues_mark_every_unstable_point():
         assert (
             sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == unstable
         )
-    assert top.get_ylabel() == "real part of the eigenvalue (rad/s)"
+    assert top.get_ylabel().replace("\n", " ") == "real part of the eigenvalue (rad/s)"
     assert bottom.get_ylabel() == "frequency of the mode (Hz)"
     assert bottom.get_xlabel() == r"coefficient of kinetic friction $\mu_k$"
     assert marks(bottom, "failed")[:, 0] == pytest.approx([0.175])
@@ -972,6 +972,52 @@ def test_a_figure_does_not_depend_on_the_users_configuration(tmp_path):
     with mpl.rc_context({"font.size": 20, "axes.facecolor": "red", "svg.hashsalt": None}):
         save(draw(data.bifurcation(), figure("curve")), paths[1])
     assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp_path, kind):
+    paper = look_of("paper", width=84.0)
+    drawn = draw(data.bifurcation(), figure(kind), look=paper)
+    assert drawn.get_figwidth() * 25.4 == pytest.approx(84.0)
+    assert drawn.get_suptitle() == ""
+    save(drawn, tmp_path / "a.svg", paper)
+    written = (tmp_path / "a.svg").read_text()
+    assert f'width="{84.0 / 25.4 * 72.0:.6f}'.rstrip("0") in written
+    assert "STIXGeneral" in written
+    assert "DejaVu" not in written.replace("DejaVuSans-Oblique", "")
+    titled = draw(data.bifurcation(), figure(kind), look=look_of("paper", titled=True))
+    assert "A sweep" in titled.get_suptitle()
+
+
+def test_a_talk_has_larger_letters_and_thicker_lines():
+    looks = [look_of("screen", width=200.0), look_of("talk", width=200.0)]
+    small, large = (draw(data.bifurcation(), figure("curve"), look=look) for look in looks)
+    sizes = [drawn.axes[0].xaxis.label.get_size() for drawn in (small, large)]
+    widths = [drawn.axes[0].lines[0].get_linewidth() for drawn in (small, large)]
+    assert sizes[1] > 1.5 * sizes[0]
+    assert widths[1] == 2 * widths[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("poster",), "there are: screen, paper, talk"),
+        (("paper", 2.0), "20 to 2000 mm"),
+        (("paper", None, "No Such Font"), "not installed"),
+    ],
+)
+def test_looks_that_cannot_be_had_are_told(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        look_of(*arguments)
+
+
+def test_long_labels_beside_a_low_panel_are_folded_but_not_in_a_formula():
+    dataset = data.eigenvalues()
+    dataset["eigenvalue_real"].attrs["long_name"] = "damping ratio c2 / (2 sqrt(m2 k2))"
+    drawn = draw(dataset, figure("eigenvalues"), look=look_of("paper", width=50.0))
+    lines = drawn.axes[0].get_ylabel().split("\n")
+    assert len(lines) > 1
+    assert all(line.count("$") % 2 == 0 for line in lines)
 
 
 def test_figures_need_a_known_suffix_and_a_place(tmp_path):

@@ -13,7 +13,7 @@ from motions import TIGHT, defaults, motion, system, transitions
 from numpy.typing import NDArray
 from small_models import BALL, BOUNCER, TWO_BOUNCERS
 
-from fiv_cli.analyses.attractor.lyapunov import Exponent
+from fiv_cli.analyses.attractor.lyapunov import Exponent, book_growth
 from fiv_cli.analyses.base import Section, Start
 from fiv_cli.api import analyse
 from fiv_cli.codegen.codes import STICK
@@ -64,10 +64,10 @@ def test_a_tangent_grows_through_impacts_by_the_largest_multiplier() -> None:
     """What an exponent is made of, on the unstable bounce, before rounding leaves it."""
     phase, start, begun = flying(stable=False)
     bounced = motion(BALL, start=start, time=begun)
-    growth = Exponent(bounced, autonomous=False)
+    growth = Exponent(bounced, autonomous=False, blocks=18).growth
     for period in range(1, 19):
         bounced.run(begun + period * ball.PERIOD)
-        growth.update()
+        book_growth(growth, bounced.frame)
     largest = np.max(np.abs(ball.multipliers(AMPLITUDE, phase)))
     assert growth.growths[-1] == pytest.approx(log(largest), rel=1e-6)
     assert bounced.frame.n_impacts == 18

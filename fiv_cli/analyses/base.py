@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,10 @@ __all__ = [
     "Start",
     "Varied",
 ]
+
+
+AT_ONCE = 64
+"""Points of which what can be found at once is."""
 
 
 def broken(
@@ -103,6 +108,7 @@ class Request:
     settings : every setting of the analysis
     solver : integrator settings
     start : None where the analysis has no starts
+    batch : the points that are run with this one, if any
     """
 
     setup: Setup
@@ -111,6 +117,33 @@ class Request:
     settings: Settings
     solver: SolverSettings = field(default_factory=SolverSettings)
     start: Start | None = None
+    batch: Batch | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Points that are run one after the other, and what of them was found at once.
+
+    Attributes
+    ----------
+    requests : the points, without their starts
+    known : what was found, by the system and the `id` of a point's parameters
+    """
+
+    requests: Sequence[Request]
+    known: dict[tuple[object, int], Any] = field(default_factory=dict)
+
+    def from_(self, request: Request) -> list[Mapping[str, float]]:
+        """Parameters of a point and of those that follow in the same system."""
+        place = self._places.get(id(request.parameters))
+        if place is None:
+            return [request.parameters]
+        coming = self.requests[place : place + AT_ONCE]
+        return [one.parameters for one in coming if one.setup.key == request.setup.key]
+
+    @cached_property
+    def _places(self) -> Mapping[int, int]:
+        return {id(one.parameters): place for place, one in enumerate(self.requests)}
 
 
 @dataclass

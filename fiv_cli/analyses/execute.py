@@ -171,10 +171,10 @@ def _load(system: System, needs: _Needs) -> None:
 def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:
     """Bring into memory what motions of every system need."""
     from fiv_cli.analyses.attractor import steady_state  # noqa: F401
-    from fiv_cli.analyses.attractor.settling import load_settling
+    from fiv_cli.analyses.attractor.watch import load_watch
     from fiv_cli.analyses.motion import recording  # noqa: F401
     from fiv_cli.dynamics.compiled import load_driver
 
     load_driver(announce)
     if needs.tangents:
-        load_settling(announce)
+        load_watch(announce)

@@ -18,7 +18,7 @@ from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
-from fiv_cli.notation.names import listed
+from fiv_cli.notation.names import listed, suggest
 
 # Kinds of figures of what `fiv history` computes of a point, too.
 OF_MOTIONS = ("history", "phase", "spectrogram")
@@ -127,7 +127,8 @@ def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Var
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:
-    named = figure.settings.get("variable", [])
+    default = figure.settings.get("y", []) if figure.kind == "curve" else []
+    named = figure.settings.get("variable", default)
     return [named] if isinstance(named, str) else named
 
 
@@ -159,7 +160,8 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
     if name not in known:
         variables = {v.name: v.long_name for v in known.values() if v is not None}
         message = f"no analysis of this case computes {name!r}"
-        report.unknown(place, message, name, variables)
+        hint = suggest(name, variables) or f"`fiv variables {report.source}` says what each is"
+        report.unknown(place, message, name, variables, hint)
     return name in known
 
 

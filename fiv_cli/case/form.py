@@ -33,11 +33,13 @@ from fiv_cli.case.structure import (
 from fiv_cli.case.tables import keys_of, read_table, read_tables
 from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
-from fiv_cli.notation.names import axis_name, nearest
+from fiv_cli.notation.names import axis_name, nearest, suggest
 from fiv_cli.notation.values import describe
 
 T = TypeVar("T", bound=BaseModel)
 V = TypeVar("V")
+
+_KINDS = "`fiv kinds` says what there is: analyses compute, figures draw"
 
 # A name with a dot in it may be written without quotes: initial.x = ..., friction.mu_k = ...
 _WITH_A_DOT = ("initial", "friction")
@@ -113,7 +115,8 @@ def _refuse_unknown_tables(document: Mapping[str, Any], report: Report) -> None:
     known = keys_of(CaseTable)
     unknown = [key for key in document if key not in known]
     for key in unknown:
-        report.unknown((key,), f"unknown table or key {key!r}", key, known)
+        hint = suggest(key, known) or _home_of(key)
+        report.unknown((key,), f"unknown table or key {key!r}", key, known, hint)
     needed = {
         "schema": f"schema = {SCHEMA_VERSION}",
         "model": "the table [model] with its name",
@@ -124,15 +127,28 @@ def _refuse_unknown_tables(document: Mapping[str, Any], report: Report) -> None:
             report.add((key,), "is missing", what)
 
 
+def _home_of(key: str) -> str:
+    """The table in which a key stands that was written above all tables."""
+    tables: dict[str, type[BaseModel]] = {"model": ModelTable, "friction": FrictionTable}
+    tables["sweep"] = SweepTable
+    homes = [f"[{name}]" for name, form in tables.items() if key in keys_of(form)]
+    parameters = {p.name for model in all_models().values() for p in model.parameters}
+    laws = {p.name for law in all_laws().values() for p in law.parameters}
+    homes += ["[model.parameters], or as an axis in [grid]"] * (key in parameters)
+    homes += ["[friction], or as an axis in [grid]"] * (key in laws)
+    return f"{key!r} stands in {homes[0]}" if homes else ""
+
+
 def _refuse_unknown_words(document: Mapping[str, Any], report: Report) -> None:
     """Note a model and kinds of analyses that there are not: without them no name means a thing."""
     models = {name: model.title for name, model in all_models().items()}
-    _check_word(document.get("model"), "name", ("model",), models, report)
+    listed = "`fiv models` says what each is"
+    _check_word(document.get("model"), "name", ("model",), models, listed, report)
     _refuse_misplaced_laws(document.get("friction"), report)
     kinds = {name: analysis.title for name, analysis in all_analyses().items()}
     analyses = document.get("analysis")
     for index, table in enumerate(analyses if isinstance(analyses, list) else []):
-        _check_word(table, "kind", ("analysis", index), kinds, report)
+        _check_word(table, "kind", ("analysis", index), kinds, _KINDS, report)
 
 
 def _refuse_misplaced_laws(friction: object, report: Report) -> None:
@@ -140,15 +156,17 @@ def _refuse_misplaced_laws(friction: object, report: Report) -> None:
     laws = {*all_laws(), "tanh"}
     for key, value in friction.items() if isinstance(friction, dict) else ():
         if key not in ("law", "of") and isinstance(value, str) and value in laws:
-            report.unknown(("friction", key), f"unknown key {key!r}", key, ("law", "of"))
+            hint = f'write law = "{value}"'
+            report.unknown(("friction", key), f"unknown key {key!r}", key, ("law", "of"), hint)
 
 
 def _check_word(
-    table: object, key: str, path: Path, known: Mapping[str, str], report: Report
+    table: object, key: str, path: Path, known: Mapping[str, str], listed: str, report: Report
 ) -> None:
     word = table.get(key) if isinstance(table, dict) else None
     if isinstance(word, str) and word not in known:
-        report.unknown((*path, key), f"there is no {path[0]} {word!r}", word, known)
+        hint = suggest(word, known) or listed
+        report.unknown((*path, key), f"there is no {path[0]} {word!r}", word, known, hint)
 
 
 def _one(form: type[T], raw: object, path: Path, report: Report) -> T:

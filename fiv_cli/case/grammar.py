@@ -88,7 +88,7 @@ def parse_class(text: str) -> OfClass:
     """``CLASS`` or ``not CLASS``; ValueError for anything else."""
     parts = _CLASS.fullmatch(text)
     if parts is None:
-        raise ValueError(f"{text!r} is no class")
+        raise ValueError(f"{text!r} is no class; there may stand {_FORMS}")
     return OfClass(parts["name"], parts["negated"] is not None)
 
 

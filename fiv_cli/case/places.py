@@ -50,7 +50,7 @@ class Places:
             if name not in (*self.grid, *self.own):
                 message = f"the analysis {self.name!r} has no axis {name!r}"
                 report.add((*place, name), message, listed([*self.grid, *self.own]))
-            elif name in self.grid and not self.is_shortened:
+            elif name in self.grid and not self.is_shortened and report.is_sound(("grid", name)):
                 for one in _missed(self.grid[name], wanted, near):
                     message = f"{one!r} is not on the axis {name}"
                     report.add((*place, name), message, _extent(self.grid[name]))

@@ -94,6 +94,12 @@ class Report:
         """Whether all names in the table at `path` are known."""
         return not any(problem.path.startswith(f"{dotted(path)}.") for problem in self._names)
 
+    def is_sound(self, path: Path) -> bool:
+        """Whether nothing is wrong at `path`, nor below it."""
+        at, below = dotted(path), f"{dotted(path)}."
+        found = (problem.path for problem in (*self._names, *self._values))
+        return not any(place == at or place.startswith(below) for place in found)
+
     def raise_if_any(self) -> None:
         """CaseError with every problem, of names or values."""
         self._raise([*self._names, *self._values])

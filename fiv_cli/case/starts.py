@@ -8,6 +8,7 @@ from typing import Any
 
 from fiv_cli.case.case import Axis, StartSpec
 from fiv_cli.case.form import Form
+from fiv_cli.case.kinds import OF_EVERY_START, STARTS
 from fiv_cli.case.physics import Physics, counterpart, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.start_table import rows_in
@@ -18,14 +19,6 @@ from fiv_cli.notation.units import convert
 AT_REST = StartSpec("rest", "state")
 
 _LABEL = re.compile(r"[A-Za-z0-9_.+-]+")
-_KEYS_OF_KIND = {
-    "equilibrium": {"offset"},
-    "state": {"state"},
-    "random": {"count", "seed", "box"},
-    "table": {"states", "file"},
-    "continue": {"along", "direction", "from", "on_loss", "offset"},
-}
-_COMMON_KEYS = {"label", "kind"}
 ONE_OF = 'states = [{ STATE = value, ... }, ...], or file = "starts.csv"'
 
 
@@ -63,7 +56,7 @@ def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -
 
 
 def _refuse_foreign_keys(table: InitialTable, place: Path, report: Report) -> None:
-    keys = _KEYS_OF_KIND[table.kind] | _COMMON_KEYS
+    keys = {"kind", *OF_EVERY_START, *STARTS[table.kind][1]}
     for key in sorted(table.model_dump(exclude_unset=True, by_alias=True).keys() - keys):
         message = f"a start of kind {table.kind!r} has no {key}"
         report.add((*place, key), message, listed(sorted(keys)))
@@ -108,7 +101,7 @@ def _state(
 ) -> dict[str, float | str]:
     parameters = {p.name: p.meaning for p in physics.table().values()}
     found: dict[str, float | str] = {}
-    for name, _, key_place, value in _known_states(values, physics, place, report):
+    for name, unit, key_place, value in _known_states(values, physics, place, report):
         named = ascii_name(value) if isinstance(value, str) else ""
         if named in parameters:
             found[name] = named
@@ -116,7 +109,8 @@ def _state(
             message, hint = f"there is no parameter {named!r}", counterpart(named, physics.table())
             report.unknown(key_place, message, named, parameters, hint)
         else:
-            found |= _numbers({name: value}, physics, place, report)
+            with report.noting(key_place, f"a number in {unit}, or the name of a parameter"):
+                found[name] = convert(value, unit)
     return found
 
 

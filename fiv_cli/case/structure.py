@@ -90,6 +90,7 @@ class Table(BaseModel):
 
     # Key of 0.1.0 that is gone -> what to write now for the value it has.
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {}
+    example: ClassVar[str] = ""
 
 
 class OpenTable(BaseModel):
@@ -115,6 +116,8 @@ class FrictionTable(OpenTable):
 
 class RangeTable(Table):
     """A regular axis; both ends are included."""
+
+    example: ClassVar[str] = "{ start = 1, stop = 2, num = 5 }, or step = 0.25 in place of num"
 
     start: Quantity = Field(description="first value")
     stop: Quantity = Field(description="last value, included")

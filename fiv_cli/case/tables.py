@@ -88,18 +88,24 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
     elif kind == "literal_error":
         expected = str(details["ctx"]["expected"])
         names = expected.replace("'", "").replace(" or ", ", ").split(", ")
-        report.add(path, f"{describe(value)} is not allowed", expected, suggest(str(value), names))
+        hint = suggest(str(value), names) or (
+            "`fiv kinds` says what each is" * (path[-1] == "kind")
+        )
+        report.add(path, f"{describe(value)} is not allowed", expected, hint)
     elif kind == "value_error":
         report.add(path, str(details["ctx"]["error"]))
     elif kind in ("greater_than_equal", "less_than_equal"):
         report.add(path, f"{value!r} is out of range", str(details["msg"]).lower())
     else:
-        report.add(path, f"{describe(value)} does not fit", _expected(kind, details))
+        about = keys_of(form).get(str(path[-1]), "")
+        wanted = _expected(kind, details) + (f" ({about})" if about else "")
+        report.add(path, f"{describe(value)} does not fit", wanted)
 
 
 def _note_unknown(form: type[BaseModel], path: Path, report: Report) -> None:
-    key = str(path[-1])
-    report.unknown(path, f"unknown key {key!r}", key, keys_of(form))
+    key, example = str(path[-1]), getattr(form, "example", "")
+    hint = suggest(key, keys_of(form)) or (f"for example {example}" if example else "")
+    report.unknown(path, f"unknown key {key!r}", key, keys_of(form), hint)
 
 
 def _note_missing(

@@ -31,8 +31,10 @@ COMPLETE_VARIABLE = "_FIV_COMPLETE"
 # name -> (module, one line); the order is that of a day's work, and of ``fiv --help``.
 COMMANDS: dict[str, tuple[str, str]] = {
     "models": ("fiv_cli.cli.models", "List models and friction laws; print their equations."),
+    "kinds": ("fiv_cli.cli.kinds", "List the kinds of analyses, starts, figures and claims."),
     "new": ("fiv_cli.cli.new", "Write a commented case file to start from."),
     "schema": ("fiv_cli.cli.schema", "Print the JSON schema of case files, for editors."),
+    "variables": ("fiv_cli.cli.variables", "List what the analyses of a case give."),
     "check": ("fiv_cli.cli.check", "Check case files and say what a run would do."),
     "run": ("fiv_cli.cli.run", "Run case files; the answers land in NetCDF datasets."),
     "status": ("fiv_cli.cli.status", "Say how far a run has come."),
@@ -49,6 +51,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
 EPILOG = """\b
 Start here:
   fiv models                                        what can be computed
+  fiv kinds                                         analyses, starts, figures and claims
   fiv new pin-on-disc --analysis response > a.toml  a case to start from
   fiv check a.toml                                  is it right; what will it do
   fiv run a.toml                                    compute; writes runs/a.nc

@@ -24,7 +24,7 @@ KINDS = (
 @click.option("--laws", "want_laws", is_flag=True, help="Friction laws instead of models.")
 @json_option
 def command(name: str | None, want_laws: bool, as_json: bool) -> None:
-    """List the mechanical models, or print everything about the one called NAME.
+    """List the mechanical models, or print everything about the model or law called NAME.
 
     For one model: its parameters with symbol, unit, default, range and the equation that
     introduces them, its states and options, the friction laws it takes, and its equations.
@@ -34,9 +34,11 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
       fiv models
       fiv models pin-on-disc
       fiv models --laws
-      fiv models stribeck --laws
+      fiv models stribeck
     """
-    if want_laws:
+    from fiv_cli.friction import all_laws
+
+    if want_laws or name in all_laws():
         _show_laws(name, as_json)
     else:
         _show_models(name, as_json)

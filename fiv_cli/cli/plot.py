@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fiv_cli.case.case import FigureSpec
+    from fiv_cli.plots import Look
 
     Sources = list[tuple[Path, dict[str, xr.Dataset]]]
 
@@ -30,46 +31,59 @@ if TYPE_CHECKING:
 )
 @click.option("--figure", "name", help="Draw this figure of the case only, or this kind of figure.")
 @click.option("--law", "laws", multiple=True, help="Draw a friction law instead (repeatable).")
+@click.option(
+    "--style", default="screen", help="What figures are for: screen, paper (90 mm, Times), talk."
+)
+@click.option("--width", type=float, metavar="MM", help="Width of the whole figure.")
+@click.option("--font", metavar="NAME", help="Family of letters, one that is installed.")
+@click.option(
+    "--title/--no-title", "titled", default=None, help="The title above. Default: not on paper."
+)
 def command(
-    files: tuple[Path, ...], output: Path | None, name: str | None, laws: tuple[str, ...]
+    files: tuple[Path, ...],
+    output: Path | None,
+    name: str | None,
+    laws: tuple[str, ...],
+    style: str,
+    width: float | None,
+    font: str | None,
+    titled: bool | None,
 ) -> None:
     """Draw the figures of datasets and print their paths.
 
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
     sense (curve, bifurcation, branch). Kinds: map, bifurcation, curve, branch, eigenvalues,
-    history, phase, spectrum.
+    history, phase, spectrum, spectrogram, mode-shape. A figure that would be empty is not written,
+    and says why.
 
     \b
     Examples:
       fiv plot runs/fig_7_06_reached.nc
-      fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf
+      fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf --style paper --width 84
       fiv plot runs/damped.nc runs/undamped.nc --figure bifurcation -o both.svg
       fiv plot --law coulomb --law stribeck
     """
     if bool(files) == bool(laws):
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
-    figures = _of_laws(laws) if laws else _of_files(files, name)
+    from fiv_cli.plots import look_of, save
+
+    look = look_of(style, width, font, titled)
+    figures = _of_laws(laws, look) if laws else _of_files(files, name, look)
     for path, figure in _with_paths(figures, output):
-        _write(path, figure)
+        save(figure, path, look)
+        click.echo(path)
 
 
-def _write(path: Path, figure: Figure) -> None:
-    from fiv_cli.plots import save
-
-    save(figure, path)
-    click.echo(path)
-
-
-def _of_laws(laws: Sequence[str]) -> list[tuple[Path, Figure]]:
+def _of_laws(laws: Sequence[str], look: Look) -> list[tuple[Path, Figure]]:
     """(default path, figure) of the laws in one figure."""
     from fiv_cli.plots import draw_laws
 
     words = "-".join(law.replace(" ", "-") for law in laws)
-    return [(Path("runs") / f"law-{words}.png", draw_laws(laws))]
+    return [(Path("runs") / f"law-{words}.png", draw_laws(laws, look))]
 
 
-def _of_files(files: Sequence[Path], name: str | None) -> list[tuple[Path, Figure]]:
+def _of_files(files: Sequence[Path], name: str | None, look: Look) -> list[tuple[Path, Figure]]:
     """(default path, figure) of every figure; those that overlay are drawn once for all files.
 
     One that would be empty is left out and says why on stderr.
@@ -81,7 +95,7 @@ def _of_files(files: Sequence[Path], name: str | None) -> list[tuple[Path, Figur
     drawn, empty = [], []
     for default, sources, figure in _asked(files, name):
         try:
-            drawn.append((default, _drawn(sources, figure)))
+            drawn.append((default, _drawn(sources, figure, look)))
         except EmptyFigureError as error:
             empty.append(EmptyFigureError(f"{default}: not written: {error}"))
     if empty and not drawn:
@@ -110,14 +124,15 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
                 yield default, sources, figure
 
 
-def _drawn(sources: Sources, figure: FigureSpec) -> Figure:
+def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
     """One figure of all files; UsageError names the first, and what it can be drawn as."""
     from fiv_cli.plots import draw
     from fiv_cli.plots.drawing import kinds_that_suit
 
     (file, source), *others = sources
     try:
-        return draw([(f.stem, s) for f, s in sources] if others else source, figure)
+        every = [(f.stem, s) for f, s in sources] if others else source
+        return draw(every, figure, look=look)
     except EmptyFigureError:
         raise
     except UsageError as error:

@@ -64,8 +64,13 @@ class Compiled:
     def function(self) -> Entry:
         """The compiled entry."""
         result, *arguments = (C_TYPES[name] for name in re.findall(r"\w+", self.signature))
-        address = self._engine.get_function_address(self.name)
-        return ctypes.CFUNCTYPE(result, *arguments)(address)
+        return ctypes.CFUNCTYPE(result, *arguments)(self.address)
+
+    @property
+    def address(self) -> int:
+        """Where its machine code is."""
+        address: int = self._engine.get_function_address(self.name)
+        return address
 
     @cached_property
     def _engine(self) -> Any:

@@ -38,6 +38,7 @@ from fiv_cli.codegen.memory import (
     Frame,
     Kind,
     bits_of,
+    call_driver,
     call_generated,
     float_of,
     floats_at,
@@ -56,6 +57,8 @@ DOUBLE, INTEGER = ir.DoubleType(), ir.IntType(64)
 GENERATED = ir.FunctionType(
     ir.VoidType(), (DOUBLE.as_pointer(), DOUBLE, DOUBLE.as_pointer(), DOUBLE.as_pointer())
 )
+
+DRIVER = ir.FunctionType(INTEGER, (INTEGER, DOUBLE, DOUBLE, ir.IntType(8)))
 
 
 class Signature(Protocol):
@@ -356,6 +359,21 @@ def _call_generated(
     function = builder.inttoptr(address, GENERATED.as_pointer())
     builder.call(function, [c, time, y, found], attrs=("nounwind",))
     return context.get_dummy_value()
+
+
+@type_callable(call_driver)
+def _type_of_driving(context: Context) -> Callable[..., types.Type | None]:
+    return lambda address, frame, until, interval, measuring: types.int64
+
+
+@lower_builtin(call_driver, types.Integer, types.Integer, types.Float, types.Float, types.Boolean)
+def _call_driver(
+    context: Context, builder: IRBuilder, signature: Signature, given: Values
+) -> Value:
+    address, *arguments, measuring = given
+    function = builder.inttoptr(address, DRIVER.as_pointer())
+    flag = builder.zext(measuring, ir.IntType(8))
+    return builder.call(function, [*arguments, flag], attrs=("nounwind",))
 
 
 @type_callable(bits_of)

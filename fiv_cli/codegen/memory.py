@@ -108,6 +108,14 @@ def generated_function(address: int) -> Callable[[int, float, int, int], None]:
     return ctypes.CFUNCTYPE(None, pointer, ctypes.c_double, pointer, pointer)(int(address))
 
 
+def call_driver(address: int, frame: int, until: float, interval: float, measuring: bool) -> int:
+    """Call the driver at `address` with the frame at another one."""
+    arguments = (ctypes.c_int64, ctypes.c_double, ctypes.c_double, ctypes.c_bool)
+    driver = ctypes.CFUNCTYPE(ctypes.c_int64, *arguments)(address)
+    reason: int = driver(frame, until, interval, measuring)
+    return reason
+
+
 class Field:
     """A named number or array of a frame: `place` is its first word."""
 
@@ -241,7 +249,7 @@ class Frame:
 
 def words_at(address: int, count: int) -> Ints:
     """So many words from an address on."""
-    return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(address))
+    return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(int(address)))
 
 
 def floats_at(address: int, rows: int, columns: int) -> Floats2:

@@ -155,9 +155,10 @@ class _Assembly:
     def dataset(self) -> xr.Dataset:
         """The dataset."""
         variables = {v.name: self._variable(v) for v in self.layout.variables}
+        coordinates = _coordinates(self.layout) | self._own_coordinates()
         for group, sizes in self.survey.row_sizes.items():
             variables[f"{group}_row_size"] = _row_size(group, self.layout, sizes)
-        coordinates = _coordinates(self.layout) | self._own_coordinates()
+            coordinates |= _observations(group, self.layout, sizes)
         for variable in self.layout.variables:
             if variable.role is Role.ALONG:
                 coordinates[variable.name] = variables.pop(variable.name)
@@ -173,9 +174,10 @@ class _Assembly:
         return xr.Variable((*self.layout.dim_names, *variable.dims), shaped, attributes)
 
     def _own_coordinates(self) -> dict[str, xr.Variable]:
-        """Of states their names and units, of contacts their numbers."""
-        dims = {dim for variable in self.layout.variables for dim in variable.dims}
-        coordinates: dict[str, xr.Variable] = {}
+        """Of states their names and units, of contacts and all else their numbers."""
+        dims = dict.fromkeys(dim for variable in self.layout.variables for dim in variable.dims)
+        named = {"state", "contact", *(v.name for v in self.layout.variables)}
+        coordinates = {dim: _numbers(dim, self._dim_size(dim)) for dim in dims if dim not in named}
         if "state" in dims:
             names, units, *_ = zip(*self._motions()[: self._dim_size("state")], strict=True)
             coordinates["state"] = _texts("state", names, "state")
@@ -201,6 +203,24 @@ def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variab
         "sample_dimension": f"{group}_obs",
     }
     return xr.Variable(layout.dim_names, sizes.reshape(layout.shape), attributes)
+
+
+def _observations(group: str, layout: Layout, sizes: NDArray[np.int32]) -> dict[str, xr.Variable]:
+    """The numbers of the values of a ragged group, and the point that each belongs to."""
+    dim, points = f"{group}_obs", np.repeat(np.arange(layout.size, dtype=np.int32), sizes)
+    attributes = {
+        "units": "1",
+        "long_name": "point that the value belongs to",
+        "comment": f"flat (C order) index over ({', '.join(layout.dim_names)}), from 0",
+    }
+    numbers = _numbers(dim, len(points))
+    return {dim: numbers, f"{group}_point": xr.Variable((dim,), points, attributes)}
+
+
+def _numbers(dim: str, count: int) -> xr.Variable:
+    """Counts along a dim, by which two datasets are aligned."""
+    attributes = {"units": "1", "long_name": f"number along {dim}, counted from 0"}
+    return xr.Variable((dim,), np.arange(count, dtype=np.int32), attributes)
 
 
 def attributes_of(variable: Variable) -> dict[str, object]:
@@ -230,13 +250,15 @@ def _flag_attributes(table: str) -> dict[str, object]:
 
 
 def _coordinates(layout: Layout) -> dict[str, xr.Variable]:
-    coordinates = {}
+    coordinates: dict[str, xr.Variable] = {}
     for dim in layout.dims:
         for axis in dim.axes:
             coordinates[axis.dim] = _axis_coordinate(axis, dim.name, layout.model)
     if layout.labels is not None:
-        attributes = {"long_name": "start of the run", "units": "1"}
-        coordinates["initial"] = xr.Variable(("initial",), _text(layout.labels), attributes)
+        coordinates["initial"] = _texts("initial", layout.labels, "start of the run")
+    for name, value in layout.fixed.items():
+        attributes = _axis_attributes(Axis(name, "parameter", ()), layout.model)
+        coordinates[name] = xr.Variable((), value, attributes)
     return coordinates
 
 
@@ -256,7 +278,7 @@ def _axis_attributes(axis: Axis, model: str) -> dict[str, str]:
         named = {name: rest for name, *rest in states}
         unit, symbol, meaning = named[axis.name.removeprefix("initial.")]
         return _attributes(unit, f"start: {meaning}", symbol)
-    return {"units": "1", "long_name": "friction law" if axis.kind == "law" else axis.name}
+    return {"long_name": "friction law" if axis.kind == "law" else axis.name}
 
 
 def _attributes(unit: str, meaning: str, symbol: str) -> dict[str, str]:
@@ -273,7 +295,7 @@ def _parameter(name: str, model: str) -> Parameter:
 
 
 def _texts(dim: str, names: Iterable[str], meaning: str) -> xr.Variable:
-    return xr.Variable((dim,), _text(names), {"units": "1", "long_name": meaning})
+    return xr.Variable((dim,), _text(names), {"long_name": meaning})
 
 
 def _text(names: Iterable[str]) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import prod
 
 from fiv_cli.analyses.base import Settings
@@ -45,6 +45,7 @@ class Layout:
     dims : dims of the grid, in order
     labels : coordinate of the dim ``initial``; None where the analysis has no starts
     varying : parameters that vary in time
+    fixed : parameters that have one value at all points, SI
     """
 
     name: str
@@ -55,6 +56,7 @@ class Layout:
     dims: tuple[Dim, ...]
     labels: tuple[str, ...] | None
     varying: tuple[Parameter, ...] = ()
+    fixed: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def dim_names(self) -> tuple[str, ...]:

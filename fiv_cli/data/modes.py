@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.rest.modes import Complex, Order, matched
+from fiv_cli.analyses.rest.modes import Complex, Modes, Order
 
 # Two modes merge where they come to differ more in growth than in frequency, if they then differ
 # in both by less than this share of the frequency: with much damping they pass at a distance.
@@ -105,22 +105,22 @@ class _Row:
         """Where something was computed, (points,)."""
         return np.asarray(np.isfinite(self.values).all(axis=1))
 
-    def ordered(self, point: int) -> tuple[Complex, Complex]:
-        order = self.orders[point]
-        return self.values[point][order], self.vectors[point][order]
+    def modes(self, point: int) -> Modes:
+        """The modes of a point as they are stored."""
+        return Modes(self.values[point], self.vectors[point])
 
-    def continue_from(self, other: _Row, there: int, here: int) -> None:
-        """Number the modes at `here` as they continue those of `other` at `there`."""
-        old = other.ordered(there)
-        self.orders[here] = matched(*old, self.values[here], self.vectors[here])
+    def ordered(self, point: int) -> Modes:
+        """The modes of a point in their order."""
+        return self.modes(point).taken(self.orders[point])
 
     def joined_to(self, rows: list[_Row]) -> int:
         """Number one point as its neighbour in the first of `rows` that has one; its place."""
         for row in rows:
             both = np.flatnonzero(self.known() & row.known())
             if both.size:
-                self.continue_from(row, int(both[0]), int(both[0]))
-                return int(both[0])
+                place = int(both[0])
+                self.orders[place] = self.modes(place).follow(row.ordered(place))
+                return place
         found = np.flatnonzero(self.known())
         return int(found[0]) if found.size else 0
 
@@ -129,10 +129,11 @@ class _Row:
         known = np.flatnonzero(self.known())
         upwards, downwards = known[known > first], known[known < first][::-1]
         for points in (upwards, downwards):
-            last = first
+            last = self.ordered(first)
             for point in points.tolist():
-                self.continue_from(self, last, point)
-                last = point
+                modes = self.modes(point)
+                self.orders[point] = modes.follow(last)
+                last = modes.taken(self.orders[point])
 
 
 # --- the dataset's axes ---------------------------------------------------------------------------

@@ -25,6 +25,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         "title": case.title or case.source,
         "reference": case.reference,
         "source": f"fiv {fiv_cli.__version__}",
+        "history": " ".join(["fiv run", case.source, *(f"--set {o!r}" for o in case.overrides)]),
         "model": case.model,
         "model_reference": model.reference,
         "model_numerics_version": model.numerics_version,

@@ -203,7 +203,7 @@ def _of_status(dataset: xr.Dataset) -> Iterator[str]:
 def _of_axes(dataset: xr.Dataset) -> Iterator[str]:
     for name, axis in dataset.coords.items():
         on_grid = set(axis.dims) <= set(dataset["status"].dims)
-        if axis.ndim != 1:
+        if axis.ndim > 1:
             yield f"{name} is no axis: it has {axis.ndim} dims"
         elif axis.dtype.kind == "f" and on_grid and not np.isfinite(axis.values).all():
             yield f"the axis {name} holds something else than finite numbers"

@@ -137,7 +137,7 @@ class Run(Search):
     bound: FixedFloat
     max_steps: FixedInt
     max_events: FixedInt
-    max_sections: FixedInt
+    max_sections: int
 
     # --- where and how the motion is ---
     time: float

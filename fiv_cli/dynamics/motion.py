@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
@@ -340,19 +340,18 @@ class Motion:
         frame = self.frame
         frame.first_step = 0.0  # another motion may have used the scratch arrays
         frame.n_sections = 0
-        frame.words[SECTION_WORDS] = section_words(self.system, section)
         if section is not None and section.kind == "phase":
             frame.next_phase = self._next_phase(section.phase, phase_interval)
-        self._fill_sections(*sections or self._no_sections())
+        self.show_section(section, *sections or self._no_sections())
         self._fill_samples(samples or no_samples(self.system))
 
         while self.kink < t_stop:
             stop = self._advance(self.kink, measuring, phase_interval)
             if stop != Stop.REACHED:
-                return self._stuck(stop)
+                return self.explained(stop)
             self._pass_kink()
         stop = self._advance(t_stop, measuring, phase_interval)
-        return stop if stop == Stop.REACHED else self._stuck(stop)
+        return stop if stop == Stop.REACHED else self.explained(stop)
 
     def _next_phase(self, phase: float, period: float) -> float:
         """The next instant of a stroboscopic section; one that is now has been passed."""
@@ -364,7 +363,7 @@ class Motion:
         offset = phase / (2 * np.pi) * period
         return float(offset + (np.floor((self.time - offset) / period + 1e-9) + 1) * period)
 
-    def _stuck(self, stop: Stop) -> Stop:
+    def explained(self, stop: Stop) -> Stop:
         """`stop`, or what it is that leaves no contact state."""
         if stop != Stop.NO_STATE:
             return stop
@@ -394,7 +393,11 @@ class Motion:
                 return True
         return False
 
-    def _fill_sections(self, times: Vector, states: NDArray[np.float64]) -> None:
+    def show_section(
+        self, section: Section | None, times: Vector, states: NDArray[np.float64]
+    ) -> None:
+        """Say what goes into which section points."""
+        self.frame.words[SECTION_WORDS] = section_words(self.system, section)
         self.frame.max_sections = len(times)
         self.frame.show("section_times", times)
         self.frame.show("section_states", states)
@@ -413,12 +416,17 @@ class Motion:
     def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
         driver = DRIVER.function
-        code = driver(self.frame.address, t_stop, phase_interval, measuring)
+        stop = self.drive(lambda: driver(self.frame.address, t_stop, phase_interval, measuring))
+        self.samples.count = self.frame.n_sampled
+        return stop
+
+    def drive(self, call: Callable[[], int]) -> Stop:
+        """Call what goes on with the motion until it ends for another reason than to look up."""
+        code = call()
         while code == kernel.STEP_BUDGET and self._may_go_on():
             begun = perf_counter()
-            code = driver(self.frame.address, t_stop, phase_interval, measuring)
+            code = call()
             self.stride = next_stride(self.stride, perf_counter() - begun)
-        self.samples.count = self.frame.n_sampled
         return STOPS[code]
 
     def _may_go_on(self) -> bool:

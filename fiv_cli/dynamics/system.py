@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from math import prod
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -15,8 +14,8 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
 from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
-from fiv_cli.codegen.memory import WORD, address_of, generated_function
 from fiv_cli.codegen.setup import Setup
+from fiv_cli.dynamics.rows import call_rows
 from fiv_cli.schedule import rate_of
 
 Vector = NDArray[np.float64]
@@ -191,24 +190,6 @@ class System:
             if name in self.places:
                 vector[self.places[name]] = value
         return vector
-
-
-def call_rows(
-    address: int, coefficients: Vector, time: float, states: Vector, out: NDArray[np.float64]
-) -> None:
-    """Call the generated function at `address` for every state of an array (..., n_states).
-
-    Coefficients that stand for several states, one after the other, are given once.
-    """
-    count = prod(states.shape[:-1])
-    if count == 0:
-        return
-    function, held = generated_function(address), count // prod(coefficients.shape[:-1])
-    terms, at, into = address_of(coefficients), address_of(states), address_of(out)
-    wide, deep = WORD * coefficients.shape[-1], states.nbytes // count
-    long = out.nbytes // count
-    for row in range(count):
-        function(terms + row // held * wide, time, at + row * deep, into + row * long)
 
 
 class FieldOutput(NamedTuple):

@@ -102,7 +102,8 @@ def _same_but_for_case(name: str, known: Collection[str]) -> list[str]:
 
 
 def _similar(name: str, known: Collection[str]) -> list[str]:
-    return difflib.get_close_matches(name, list(known), n=2, cutoff=0.6)
+    near = difflib.get_close_matches(name, list(known), n=2, cutoff=0.6)
+    return near or [one for one in known if len(name) > 2 and one.startswith(name)][:2]
 
 
 def _explained(name: str, known: Collection[str]) -> str:

@@ -31,7 +31,9 @@ def describe(value: object) -> str:
 def check_quantity(value: object) -> float | str:
     """A finite number or a string; ValueError for anything else."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"must be a number, or a string with a unit, not {describe(value)}")
+        several = " (several values are an axis, under [grid])" if isinstance(value, list) else ""
+        message = f"must be a number, or a string with a unit, not {describe(value)}{several}"
+        raise ValueError(message)
     return value if isinstance(value, str) else check_finite(value)
 
 

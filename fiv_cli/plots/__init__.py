@@ -16,15 +16,18 @@ from fiv_cli.plots.drawing import (
     possible_figures,
 )
 from fiv_cli.plots.law import draw_laws
-from fiv_cli.plots.style import save
+from fiv_cli.plots.style import LOOKS, Look, look_of, save
 
 __all__ = [
+    "LOOKS",
+    "Look",
     "can_draw",
     "default_figures",
     "draw",
     "draw_laws",
     "figures_called",
     "figures_of",
+    "look_of",
     "possible_figures",
     "save",
 ]

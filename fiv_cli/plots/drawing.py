@@ -139,7 +139,10 @@ def figures_called(source: Source, name: str) -> list[FigureSpec]:
 
 
 def draw(
-    source: Source | Sequence[tuple[str, Source]], figure: FigureSpec, axis: Axes | None = None
+    source: Source | Sequence[tuple[str, Source]],
+    figure: FigureSpec,
+    axis: Axes | None = None,
+    look: style.Look | None = None,
 ) -> Figure:
     """Draw one figure.
 
@@ -149,6 +152,7 @@ def draw(
         for a figure that overlays them
     figure : what to draw
     axis : the panel to draw on, of a figure of one panel; None: the figure makes its own
+    look : what it is for; None: a screen
 
     Raises
     ------
@@ -167,8 +171,10 @@ def draw(
         settings = {**settings, "variable": settings["take"]["what"]}
     if "title" in settings:
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
-    with style.looks(axis):
-        return kind.draw(layers, settings)
+    with style.looks(axis, look):
+        drawn = kind.draw(layers, settings)
+        style.finish(drawn)
+        return drawn
 
 
 def _checked(figure: FigureSpec) -> Settings:

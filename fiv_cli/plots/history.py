@@ -57,5 +57,4 @@ def _legend(figure: Figure, states: Sequence[str]) -> None:
         Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=motion.CONTACT_STATES[state])
         for state in states
     ]
-    if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    style.legend_below(figure, handles)

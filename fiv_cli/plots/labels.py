@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -27,7 +26,6 @@ FORMULA = re.compile(r"\w+ ?/ ?(?:\(|sqrt)")
 # The thesis writes the angle with the open form of the letter.
 VARIANTS = {"phi": r"\varphi"}
 
-TITLE_WIDTH = 92
 LONGEST_MEANING = 40
 LONGEST_SUBSCRIPT = 3  # x_rms is a symbol, n_solutions is words
 
@@ -143,7 +141,6 @@ def _whole_degrees(angles: np.ndarray) -> bool:
 
 
 def title_of(attributes: Mapping[str, object]) -> str:
-    """Title and reference of the case, wrapped to the width of a figure."""
+    """Title and reference of the case."""
     title, reference = str(attributes.get("title", "")), str(attributes.get("reference", ""))
-    text = f"{title} ({reference})" if title and reference else title or reference
-    return "\n".join(textwrap.wrap(text, TITLE_WIDTH))
+    return f"{title} ({reference})" if title and reference else title or reference

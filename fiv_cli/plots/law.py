@@ -21,7 +21,7 @@ FASTEST = 2.0  # m/s
 SAMPLES = 801
 
 
-def draw_laws(names: Sequence[str]) -> Figure:
+def draw_laws(names: Sequence[str], look: style.Look | None = None) -> Figure:
     """The laws called `names`, with the defaults of their tables.
 
     Raises
@@ -29,8 +29,10 @@ def draw_laws(names: Sequence[str]) -> Figure:
     UsageError : there is no such law, or they share no axis
     """
     laws = [_law(name) for name in names]
-    with style.looks():
-        return _draw(laws)
+    with style.looks(look=look):
+        figure = _draw(laws)
+        style.finish(figure)
+        return figure
 
 
 def _draw(laws: Sequence[Law]) -> Figure:

@@ -98,7 +98,7 @@ def overlay(
     ]
     # an axis without points of its own would be as large as the lines alone
     ax.set(xlim=_range(places[0]), ylim=_range(places[1]))
-    ax.figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    style.legend_below(ax.figure.figure, handles)
 
 
 def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> str:

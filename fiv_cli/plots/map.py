@@ -229,7 +229,7 @@ def legend_below(figure: Figure, handles: Sequence[Artist], missing: str) -> Non
     """A legend under the panels, with the hatching where something is `missing`."""
     hatching = Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing)
     shown = [*handles, hatching] if missing else handles
-    figure.legend(handles=shown, loc="outside lower center", ncols=max(1, min(5, len(shown))))
+    style.legend_below(figure, shown)
 
 
 def _paint_numbers(figure: Figure, axes: Sequence[Axes], planes: _Planes) -> None:

@@ -34,7 +34,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(modes), COLUMNS, points.title(dataset), subplot_kw={"projection": "polar"}
     )
-    figure.set_size_inches(SIZE * columns + 1.2, SIZE * (len(axes) // columns) + 0.6)
+    rows = len(axes) // columns
+    style.resize(figure, SIZE * columns + 1.2, SIZE * rows + 0.6, rows)
     for ax, mode in zip(axes, modes, strict=False):
         _paint(ax, mode, settings)
     label = r"$R(r)\,\cos(l\theta)$ over its largest value"

@@ -99,4 +99,4 @@ def _legend(figure: Figure, states: Sequence[str], with_start: bool) -> None:
     ]
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
     handles += [start] * with_start
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    style.legend_below(figure, handles)

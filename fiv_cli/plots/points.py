@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 
 MOST_ENTRIES_INSIDE = 6
+LEAST_LETTERS = 70  # side by side, of a figure with a legend inside or beside it
 MOST_ENTRIES_IN_COLUMN = 20
 MOST_ENTRIES = 2 * MOST_ENTRIES_IN_COLUMN
-TICK_LETTERS = 84  # that stand side by side under a panel
 MOST_TICKS = 24
 
 # The number that a random start's label ends with.
@@ -149,7 +149,8 @@ def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
     spine.set_label_text(labels.axis_label(axis))
     if not select.is_numeric(axis):
         words = [str(value) for value in axis.values]
-        room = TICK_LETTERS // (2 + max(map(len, words))) if which == "x" else MOST_TICKS
+        beside = style.letters(ax.figure.figure) // (2 + max(map(len, words)))
+        room = beside if which == "x" else MOST_TICKS
         kept = np.arange(0, axis.size, -(-axis.size // max(1, room)))
         spine.set_ticks(kept, labels=[words[place] for place in kept])
 
@@ -325,13 +326,22 @@ def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
 
 
 def legend(ax: Axes) -> None:
-    """A legend where it hides least; beside the panels when it is long; none for a single line."""
+    """A legend where it hides least, or beside the panels when it is long; below narrow ones.
+
+    None for a single line.
+    """
     handles, names = _thinned(*ax.get_legend_handles_labels())
-    if len(names) > MOST_ENTRIES_INSIDE:
+    scale = style.KEY_SCALE
+    narrow = style.letters(ax.figure.figure) < LEAST_LETTERS
+    if narrow and len(names) > 2:
+        style.legend_below(ax.figure.figure, handles)
+    elif len(names) > MOST_ENTRIES_INSIDE:
         columns = 1 + (len(names) - 1) // MOST_ENTRIES_IN_COLUMN
-        ax.figure.legend(handles, names, loc="outside right center", ncols=columns, markerscale=2.0)
+        ax.figure.legend(
+            handles, names, loc="outside right center", ncols=columns, markerscale=scale
+        )
     elif names:
-        ax.legend(handles, names, markerscale=2.0)
+        ax.legend(handles, names, markerscale=scale)
 
 
 def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:

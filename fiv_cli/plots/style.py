@@ -7,16 +7,23 @@ colour in every figure.
 from __future__ import annotations
 
 import io
+import re
+import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont
+from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
@@ -24,6 +31,7 @@ from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.typing import ColorType
 
@@ -57,11 +65,98 @@ PANEL = (6.4, 4.2)  # inches
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
 LONGEST_TEXT = 600  # characters
+TITLE_LETTERS = 92  # in a figure of one panel on a screen
+MARKUP = re.compile(r"\\[a-z]+|[{}$_^]")
+POINTS = 72.0  # an inch
+LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
+KEY_SCALE = 2.0  # of the marks in legends
+KEY_LETTERS = 7  # that the key of an entry of a legend takes
 IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
+MM = 1.0 / 25.4  # inches
+LEAST_PANEL = 1.6  # inches, upright
+NARROWEST, WIDEST = 20.0, 2000.0  # mm
+
+
+@dataclass(frozen=True)
+class Look:
+    """How figures look in the place that they are for.
+
+    Attributes
+    ----------
+    width : of a whole figure, mm; None: as wide as its panels ask for
+    size : of letters, pt
+    font : family of letters; empty: matplotlib's own
+    titled : whether titles stand above figures
+    dpi : dots per inch of images
+    weight : by which lines and marks are thicker than on a screen
+    """
+
+    width: float | None = None
+    size: float = 9.0
+    font: str = ""
+    titled: bool = True
+    dpi: int = 160
+    weight: float = 1.0
+
+    def settings(self) -> dict[Any, Any]:
+        """What differs from `SETTINGS`."""
+        settings: dict[Any, Any] = {
+            "font.size": self.size,
+            "axes.titlesize": 1.05 * self.size,
+            "legend.fontsize": 0.89 * self.size,
+            "axes.linewidth": 0.8 * self.weight,
+            "savefig.dpi": self.dpi,
+        }
+        if self.font in MATHEMATICS:
+            settings |= {"mathtext.fontset": MATHEMATICS[self.font]}
+        elif self.font:
+            of_font = {"rm": self.font, "it": f"{self.font}:italic", "bf": f"{self.font}:bold"}
+            settings |= {f"mathtext.{kind}": name for kind, name in of_font.items()}
+            settings |= {"mathtext.fontset": "custom"}
+        return settings | ({"font.family": self.font} if self.font else {})
+
+
+MATHEMATICS = {"STIXGeneral": "stix", "DejaVu Serif": "dejavuserif", "DejaVu Sans": "dejavusans"}
+SCREEN = Look()
+LOOKS = {
+    "screen": SCREEN,
+    "paper": Look(width=90.0, size=8.0, font="STIXGeneral", titled=False, dpi=600, weight=0.8),
+    "talk": Look(width=240.0, size=16.0, dpi=200, weight=2.0),
+}
+
+
+def look_of(
+    name: str, width: float | None = None, font: str | None = None, titled: bool | None = None
+) -> Look:
+    """One of `LOOKS`, changed in what is given.
+
+    Raises
+    ------
+    UsageError : there is no such look or font, or the width cannot be drawn
+    """
+    if name not in LOOKS:
+        raise UsageError(f"--style {name}: no such style\nthere are: {', '.join(LOOKS)}")
+    if width is not None and not NARROWEST <= width <= WIDEST:
+        raise UsageError(f"--width {width:g}: figures are 20 to 2000 mm wide\nnext: --width 90")
+    if font:
+        try:
+            findfont(FontProperties(family=font), fallback_to_default=False)
+        except ValueError:
+            raise UsageError(
+                f"--font {font}: not installed on this machine\nnext: --font STIXGeneral (Times), "
+                "or one that `fc-list : family` lists"
+            ) from None
+    look = LOOKS[name]
+    return replace(
+        look,
+        width=look.width if width is None else width,
+        font=look.font if font is None else font,
+        titled=look.titled if titled is None else titled,
+    )
+
+
 SETTINGS: dict[Any, Any] = {
-    "font.size": 9.0,
-    "axes.titlesize": 9.5,
     "axes.axisbelow": True,
     "axes.grid": True,
     "axes.spines.top": False,
@@ -69,9 +164,7 @@ SETTINGS: dict[Any, Any] = {
     "grid.color": "#DDDDDD",
     "grid.linewidth": 0.5,
     "lines.linewidth": 1.2,
-    "legend.fontsize": 8.0,
     "legend.framealpha": 0.9,
-    "savefig.dpi": 160,
     "pdf.fonttype": 42,
     # names of SVG elements are hashed with a fixed salt: the same data gives the same bytes
     "svg.hashsalt": "fiv",
@@ -89,20 +182,92 @@ _GIVEN: ContextVar[Axes | None] = ContextVar("_GIVEN", default=None)
 """The panel to draw on; None: each figure makes its own."""
 
 
+_LOOK: ContextVar[Look] = ContextVar("_LOOK", default=SCREEN)
+
+
 @contextmanager
-def looks(axis: Axes | None = None) -> Iterator[None]:
+def looks(axis: Axes | None = None, look: Look | None = None) -> Iterator[None]:
     """The settings above over matplotlib's own defaults, whatever the user's configuration.
 
     What is drawn meanwhile is drawn on `axis`, if one is given.
     """
-    given = _GIVEN.set(axis)
+    look = look or SCREEN
+    given, looking = _GIVEN.set(axis), _LOOK.set(look)
     try:
         with mpl.rc_context():
             mpl.rcdefaults()
-            mpl.rcParams.update(SETTINGS)
+            mpl.rcParams.update(SETTINGS | look.settings())
             yield
     finally:
         _GIVEN.reset(given)
+        _LOOK.reset(looking)
+
+
+def letters(figure: Figure) -> int:
+    """How many letters of its titles stand side by side in a figure."""
+    return 1 + int(
+        TITLE_LETTERS * figure.get_figwidth() / PANEL[0] * SCREEN.size / _LOOK.get().size
+    )
+
+
+def legend_below(figure: Figure, handles: Sequence[Artist]) -> None:
+    """A legend under the panels, in as many columns as there is room for."""
+    words = [MARKUP.sub("", str(handle.get_label())) for handle in handles]
+    beside = letters(figure) // (KEY_LETTERS + max(map(len, words), default=0))
+    columns = max(1, min(beside, len(words)))
+    if words:
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=columns, markerscale=KEY_SCALE
+        )
+    if _LOOK.get().width is not None:  # the panels of a small figure have nothing to spare
+        lines = -(-len(words) // columns)
+        figure.set_figheight(figure.get_figheight() + LINE * lines * _LOOK.get().size / POINTS)
+
+
+def resize(figure: Figure, width: float, height: float, rows: int) -> None:
+    """Give a figure its size (inches), or the same form at the width of the look."""
+    look = _LOOK.get()
+    if look.width is not None:
+        factor = look.width * MM / width
+        width, height = look.width * MM, max(height * factor, LEAST_PANEL * rows)
+    figure.set_size_inches(width, height)
+
+
+def finish(figure: Figure) -> None:
+    """Give lines and marks the weight of the look, and upright labels the lines that they need."""
+    for ax in figure.axes:
+        ax.set_ylabel(_folded(ax.get_ylabel(), _letters_upright(ax)))
+    thicken(figure)
+
+
+def _letters_upright(ax: Axes) -> int:
+    """How many letters stand one above the other along a panel."""
+    place = ax.get_subplotspec()
+    rows = place.get_gridspec().nrows if place is not None else 1
+    height = 0.8 * ax.figure.figure.get_figheight() / rows
+    return int(height * POINTS / (LETTER * _LOOK.get().size))
+
+
+def _folded(words: str, most: int) -> str:
+    """Words in lines of at most so many letters, no formula divided."""
+    lines = [""]
+    for word in re.findall(r"(?:\$[^$]*\$|\S)+", words):
+        line = f"{lines[-1]} {word}".strip()
+        if len(MARKUP.sub("", line)) <= most or not lines[-1]:
+            lines[-1] = line
+        else:
+            lines.append(word)
+    return "\n".join(lines)
+
+
+def thicken(figure: Figure) -> None:
+    """Lines and marks of the weight of the look."""
+    weight = _LOOK.get().weight
+    for line in figure.findobj(Line2D) if weight != 1.0 else ():
+        line.set(lw=weight * line.get_linewidth(), ms=weight * line.get_markersize())
+        line.set_markeredgewidth(weight * line.get_markeredgewidth())
+    for lines in figure.findobj(LineCollection) if weight != 1.0 else ():
+        lines.set_linewidth([weight * width for width in np.atleast_1d(lines.get_linewidth())])
 
 
 def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figure, list[Axes]]:
@@ -110,13 +275,12 @@ def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figu
     given = _GIVEN.get()
     if given is not None:
         return _given_panel(given, rows * columns, title, shared.get("subplot_kw"))
-    width, height = PANEL
-    figure = Figure(
-        figsize=(width * _spread(columns), height * _spread(rows)), layout="constrained"
-    )
+    figure = Figure(layout="constrained")
+    resize(figure, PANEL[0] * _spread(columns), PANEL[1] * _spread(rows), rows)
     FigureCanvasAgg(figure)
-    if title:
-        figure.suptitle(title, fontsize=SETTINGS["axes.titlesize"])
+    if title and _LOOK.get().titled:
+        words = "\n".join(textwrap.fill(line, letters(figure)) for line in title.splitlines())
+        figure.suptitle(words, fontsize=mpl.rcParams["axes.titlesize"])
     axes = figure.subplots(rows, columns, squeeze=False, **shared)
     return figure, list(axes.ravel())
 
@@ -143,7 +307,7 @@ def _given_panel(axis: Axes, count: int, title: str, form: object) -> tuple[Figu
     if count > 1 or form is not None:
         what = f"{count} panels" if count > 1 else "a panel of its own form"
         raise UsageError(f"this figure needs {what}\nnext: leave `axis` out, or select one")
-    axis.set_title(title)
+    axis.set_title(title if _LOOK.get().titled else "")
     return axis.figure.figure, [axis]
 
 
@@ -222,8 +386,8 @@ def _is_sound(words: str) -> bool:
     return True
 
 
-def save(figure: Figure, path: str | Path) -> None:
-    """Write `figure` as PNG, SVG or PDF, by the suffix of `path`.
+def save(figure: Figure, path: str | Path, look: Look | None = None) -> None:
+    """Write `figure`, drawn in a look, as PNG, SVG or PDF, by the suffix of `path`.
 
     Raises
     ------
@@ -238,7 +402,7 @@ def save(figure: Figure, path: str | Path) -> None:
         )
     refuse_special(path)
     image = io.BytesIO()
-    with looks():
+    with looks(look=look):
         refuse_the_immense(figure, path)
         tame_texts(figure)
         figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])

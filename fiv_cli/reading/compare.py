@@ -25,7 +25,7 @@ from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.reading.datasets import flag_names
-from fiv_cli.reading.select import row_sizes
+from fiv_cli.reading.select import ragged_dims, row_sizes
 
 Mask = NDArray[np.bool_]
 Array = NDArray[Any]  # of any kind: numbers, classes, texts
@@ -124,9 +124,15 @@ def compare(
             side = "first" if name in left else "second"
             differences.append(Difference(name, f"only in the {side} dataset"))
         else:
-            pair = _Pair(left[name], right[name], tolerances, f"{name}/" if name else "")
+            one, other = (_without_parameters(side[name]) for side in (left, right))
+            pair = _Pair(one, other, tolerances, f"{name}/" if name else "")
             differences.extend(pair.differences())
     return differences
+
+
+def _without_parameters(dataset: xr.Dataset) -> xr.Dataset:
+    """What was found, without the fixed parameters that it was found under."""
+    return dataset.drop_vars([name for name, coord in dataset.coords.items() if coord.ndim == 0])
 
 
 @dataclass(frozen=True)
@@ -165,8 +171,9 @@ class _Pair:
 
     def _of_coordinates(self) -> Iterator[tuple[Difference, tuple[Hashable, ...]]]:
         """What differs, and the dims along which nothing can be compared then."""
+        counted = {*ragged_dims(self.left), *ragged_dims(self.right)}
         for name in map(str, self.left.coords):
-            if name not in self.right.coords:
+            if name not in self.right.coords or counted & {*self.left[name].dims}:
                 continue
             a, b, dims = self.left[name].values, self.right[name].values, self.left[name].dims
             if a.shape != b.shape:

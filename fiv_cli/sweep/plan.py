@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import Points, Request, Start, requirements
+from fiv_cli.analyses.base import Points, Request, Start, Varied, requirements
 from fiv_cli.case.case import SEVERAL, AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.block import KEY_BYTES
@@ -236,6 +236,7 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
     analysis = get_analysis(spec.kind)
     dims = _dims(case, analysis.uses_starts)
     entries = expand_starts(case.starts) if analysis.uses_starts else None
+    template = _template(case, spec, dims, entries)
     layout = Layout(
         name=spec.name,
         kind=spec.kind,
@@ -245,9 +246,22 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
         dims=dims,
         labels=None if entries is None else tuple(entry.label for entry in entries),
         varying=case.varying,
+        fixed=_fixed(template),
     )
     maps = None if case.refinement is None else maps_of(layout, case.refinement)
-    return AnalysisPlan(_template(case, spec, dims, entries), layout, maps)
+    return AnalysisPlan(template, layout, maps)
+
+
+def _fixed(template: Template) -> dict[str, float]:
+    """The parameters that have one value at all points, under every law."""
+    first, *others = template.parameters.values()
+    varied = {*template.schedule.names}
+    asked = get_analysis(template.analysis).settings
+    if any(one.name == "parameter" and one.required for one in asked):
+        own: Varied = template.settings["parameter"]
+        varied |= {own.name, *own.followers}
+    shared = {n: v for n, v in first.items() if all(other.get(n) == v for other in others)}
+    return {name: value for name, value in shared.items() if name not in varied}
 
 
 def _template(

@@ -16,12 +16,12 @@ import sys
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from fiv_cli import ending
-from fiv_cli.analyses.base import Outcome, Request, Start
+from fiv_cli.analyses.base import AT_ONCE, Batch, Outcome, Request, Start
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, from_plain, pack, to_plain
@@ -40,7 +40,6 @@ from fiv_cli.sweep.requests import (
 
 EXECUTOR = "fiv_cli.analyses.execute:execute"
 EXECUTOR_OF_BLOCKS = "fiv_cli.analyses.execute:execute_all"
-BLOCK = 64  # points of a linear analysis that are run at once
 UNDECIDED = "undecided"  # the class of a motion that could not be told
 
 _PR_SET_PDEATHSIG = 1
@@ -137,11 +136,15 @@ def run_task(task: Task) -> Result:
     keys: list[bytes] = []
     states: dict[int, ChainState] = {}
     carries: dict[int, dict[str, Any]] = {}
+    points = [values for segment in task.segments for values in segment.values]
+    requests = _requests(task.template, points)
     with _Pulse(task) as pulse:
         if _is_run_in_blocks(task):
-            outcomes, keys = _run_in_blocks(task, pulse)
+            outcomes = list(_run_in_blocks(task.template, requests, pulse))
+            keys = [point_key(task.template, values, None) for values in points]
+        coming = iter(requests)
         for number, segment in enumerate(() if outcomes else task.segments):
-            ran = list(_run_segment(task.template, segment, execute, pulse))
+            ran = list(_run_segment(task.template, segment, coming, execute, pulse))
             outcomes += [outcome for outcome, _, _ in ran]
             keys += [key for _, key, _ in ran]
             last = ran[-1][2]
@@ -157,40 +160,48 @@ def _is_run_in_blocks(task: Task) -> bool:
     return task.template.linear and task.executor == EXECUTOR and task.time_limit is None
 
 
-def _run_in_blocks(task: Task, pulse: _Pulse) -> tuple[list[Outcome], list[bytes]]:
-    """Outcomes and keys of points that start from nothing."""
-    template, execute = task.template, imported(EXECUTOR_OF_BLOCKS)
-    points = [values for segment in task.segments for values in segment.values]
-    outcomes: list[Outcome] = []
-    for first in range(0, len(points), BLOCK):
+def _requests(template: Template, points: Sequence[Values]) -> list[Request]:
+    """The points of a task, without starts, as one batch."""
+    requests = [request_at(template, values, None) for values in points]
+    batch = Batch(requests)
+    return [replace(request, batch=batch) for request in requests]
+
+
+def _run_in_blocks(
+    template: Template, requests: Sequence[Request], pulse: _Pulse
+) -> Iterator[Outcome]:
+    """Outcomes of points that start from nothing."""
+    execute = imported(EXECUTOR_OF_BLOCKS)
+    for first in range(0, len(requests), AT_ONCE):
         ending.heed()
-        block = points[first : first + BLOCK]
+        block = requests[first : first + AT_ONCE]
         for _ in block:
             pulse.beat()
-        outcomes += _outcomes_of(template, block, execute)
-    return outcomes, [point_key(template, values, None) for values in points]
+        try:
+            yield from _outcomes_of(template, block, execute)
+        except Exception as error:
+            yield from (_internal_error(error) for _ in block)
 
 
 def _outcomes_of(
     template: Template,
-    points: Sequence[Values],
+    requests: Sequence[Request],
     execute: Callable[[Sequence[Request]], list[Outcome]],
 ) -> list[Outcome]:
-    """The outcomes of points; an exception makes them failed points, never a lost task."""
-    try:
-        requests = [request_at(template, values, None) for values in points]
-        unmet = [exclusion(request, template.linear) for request in requests]
-        asked = [request for request, fault in zip(requests, unmet, strict=True) if fault is None]
-        found = iter(execute(asked))
-        return [
-            Outcome("not_computed", fault.reason)
-            if fault is not None
-            else _placed(next(found), request, template)
-            for request, fault in zip(requests, unmet, strict=True)
-        ]
-    except Exception as error:
-        message = f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
-        return [Outcome("failed", "internal_error", message=message) for _ in points]
+    unmet = [exclusion(request, template.linear) for request in requests]
+    asked = [request for request, fault in zip(requests, unmet, strict=True) if fault is None]
+    found = iter(execute(asked))
+    return [
+        Outcome("not_computed", fault.reason)
+        if fault is not None
+        else _placed(next(found), request, template)
+        for request, fault in zip(requests, unmet, strict=True)
+    ]
+
+
+def _internal_error(error: Exception) -> Outcome:
+    message = f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
+    return Outcome("failed", "internal_error", message=message)
 
 
 def lost_point(task: Task, reason: str, message: str) -> Result:
@@ -222,15 +233,19 @@ def initialise(parent: int) -> None:
 
 
 def _run_segment(
-    template: Template, segment: Segment, execute: Callable[[Request], Outcome], pulse: _Pulse
+    template: Template,
+    segment: Segment,
+    requests: Iterator[Request],
+    execute: Callable[[Request], Outcome],
+    pulse: _Pulse,
 ) -> Iterator[tuple[Outcome, bytes, ChainState | None]]:
     entry = template.entries[segment.entry]
     state, previous = segment.state, segment.previous
-    for values in segment.values:
+    for values, request in zip(segment.values, requests, strict=False):
         ending.heed()
         pulse.beat()
         key = point_key(template, values, entry, previous)
-        outcome = _outcome_of(template, values, entry, state, execute)
+        outcome = _outcome_of(template, values, request, entry, state, execute)
         if entry is None or entry.spec.kind != "continue":
             yield outcome, key, None
             continue
@@ -241,6 +256,7 @@ def _run_segment(
 def _outcome_of(
     template: Template,
     values: Values,
+    request: Request,
     entry: StartEntry | None,
     state: ChainState | None,
     execute: Callable[[Request], Outcome],
@@ -250,14 +266,13 @@ def _outcome_of(
     if barrier:
         return Outcome("not_reached", barrier)
     try:
-        request = request_at(template, values, _start_of(template, values, entry, state))
+        request = replace(request, start=_start_of(template, values, entry, state))
         unmet = exclusion(request, template.linear)
         if unmet is not None:
             return Outcome("not_computed", unmet.reason)
         return _placed(execute(request), request, template)
     except Exception as error:
-        message = f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
-        return Outcome("failed", "internal_error", message=message)
+        return _internal_error(error)
 
 
 def _barrier(entry: StartEntry | None, state: ChainState | None) -> str:

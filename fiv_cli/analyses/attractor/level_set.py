@@ -6,13 +6,13 @@ What is asked, and the numbers, are in ``grounds.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN, HURWITZ, LEADING, LINEAR, SAMPLES
+from fiv_cli.analyses.attractor.grounds import HURWITZ, LINEAR, SAMPLES
 from fiv_cli.analyses.rest.equilibria import Sliding
 from fiv_cli.analyses.rest.linearisation import free_states
 from fiv_cli.dynamics.system import System, Vector
@@ -82,14 +82,11 @@ class LevelSet:
         m, size = len(self.sliding.system.coordinates), np.max(np.abs(self.equilibrium))
         steps = np.full(len(self.equilibrium), DIFFERENCE * (size if size > 0.0 else 1.0))
         steps[m : 2 * m] *= np.max(np.abs(self.eigenvalues))
-        slopes = np.zeros((len(margins), len(self.free)))
+        moved = np.tile(self.equilibrium, (2, len(self.free), 1))
         for column, place in enumerate(self.free):
-            for sign in (1.0, -1.0):
-                moved = self.equilibrium.copy()
-                moved[place] += sign * steps[place]
-                switching = self.sliding.field(moved).switching
-                slopes[:, column] += sign * switching / (2.0 * steps[place])
-        return margins, slopes
+            moved[:, column, place] += (steps[place], -steps[place])
+        shares = self.sliding.field(moved).switching / (2.0 * steps[self.free])[:, None]
+        return margins, np.ascontiguousarray((shares[0] - shares[1]).T)
 
     @cached_property
     def is_bounded(self) -> bool:
@@ -126,7 +123,7 @@ class LevelSet:
         reach = max(float(self.weights @ amplitudes), self._rounding)
         states = np.repeat(self.equilibrium[None, :], SAMPLES, axis=0)
         states[:, self.free] += reach * self.shapes
-        rates = np.array([self.sliding.rates(state)[self.free] for state in states])
+        rates = self.sliding.rates(states)[:, self.free]
         modal, sizes = self._modal_shapes
         bent = np.abs(self.inverse @ rates.T - reach * self.eigenvalues[:, None] * modal)
         norms = np.linalg.norm(self.weights[:, None] * bent, axis=0)
@@ -199,79 +196,6 @@ def level_set(
         inverse.astype(complex),
     )  # fmt: skip
     return levels if levels.holds else None
-
-
-@dataclass
-class Descent:
-    """A slide watched on its way down to an equilibrium.
-
-    Attributes
-    ----------
-    target : the level sets about it
-    times, amplitudes, sizes : of the looks since the slide began; sizes are weighted sums
-    bent : smallest level at which sliding was found to be nonlinear
-    """
-
-    target: LevelSet
-    times: list[float] = field(default_factory=list)
-    amplitudes: list[Vector] = field(default_factory=list)
-    sizes: list[float] = field(default_factory=list)
-    bent: float = np.inf
-
-    def forget(self) -> None:
-        """The slide was interrupted by an event."""
-        self.times.clear()
-        self.amplitudes.clear()
-        self.sizes.clear()
-
-    def margin(self, time: float, state: Vector) -> float:
-        """1 - V/c as soon as the slide is sure to end at the equilibrium; NaN before.
-
-        Parameters
-        ----------
-        time : s
-        state : of sliding, shape (n_states,)
-        """
-        amplitudes = self.target.amplitudes(state)
-        level = self.target.level(amplitudes)
-        if self.target.is_bounded and not level < 1.0:
-            self.forget()
-            return float("nan")
-        size = float(self.target.weights @ amplitudes)
-        if size < FALLEN * self.bent:
-            exact = self.target.margin(state)
-            if not np.isnan(exact):
-                return exact
-            self.bent = size
-        self.times.append(time)
-        self.amplitudes.append(amplitudes)
-        self.sizes.append(size)
-        return 1.0 - level if level <= FALLEN and self._falls() else float("nan")
-
-    def _falls(self) -> bool:
-        """Whether it has fallen, over two successive stretches as the linear system does."""
-        back = 1
-        while 2 * back < len(self.times):
-            looks = [len(self.times) - 1 - share * back for share in (2, 1, 0)]
-            is_down = self.sizes[-1] <= FALLEN * self.sizes[looks[0]]
-            if is_down and self._agrees(looks[0], looks[1]) and self._agrees(looks[1], looks[2]):
-                return True
-            back *= 2
-        return False
-
-    def _agrees(self, first: int, last: int) -> bool:
-        """Whether every leading mode changed at its own rate between two looks."""
-        elapsed = self.times[last] - self.times[first]
-        if elapsed < self.target.period * (1.0 - 1e-9):
-            return False
-        before, after = self.amplitudes[first], self.amplitudes[last]
-        contributions = self.target.weights * before
-        leading = contributions >= LEADING * np.max(contributions)
-        if np.any(after[leading] <= 0.0):
-            return False
-        rates = self.target.eigenvalues.real[leading]
-        measured = np.log(after[leading] / before[leading]) / elapsed
-        return bool(np.all(np.abs(measured - rates) <= AGREEMENT * np.abs(rates)))
 
 
 def slides_freely(system: System, parameters: Mapping[str, float], target: LevelSet) -> bool:

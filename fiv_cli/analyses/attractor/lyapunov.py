@@ -2,10 +2,62 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from fiv_cli.codegen.memory import FixedInt, Floats, Frame, call_generated, native
+from fiv_cli.dynamics.kernel import Run, state_index
 from fiv_cli.dynamics.motion import Motion
-from fiv_cli.dynamics.system import Vector
+
+
+class Growth(Frame):
+    """How a tangent vector has grown, block after block."""
+
+    is_autonomous: FixedInt
+    count: int  # blocks
+    last: float  # time at which the last one ended, s
+    growths: Floats  # logarithms
+    spans: Floats  # s
+
+
+def growth_at(address: int) -> Growth:
+    """The growth whose frame is at an address."""
+    return Growth.at(address)
+
+
+@native
+def normalise_tangent(growth: Growth, run: Run) -> float:
+    """Give the tangent length one, across the flow where that is trivial; its length before."""
+    n, index, flow = run.n_states, state_index(run.kinds, run.n_contacts), run.outputs
+    if growth.is_autonomous == 1 and run.field[index] != 0:
+        call_generated(run.field[index], run.coefficients, run.time, run.y, flow)
+        along, size = 0.0, 0.0
+        for i in range(n):
+            along += run.tangents[0, i] * flow[n + i]
+            size += flow[n + i] * flow[n + i]
+        if size > 0.0:
+            for i in range(n):
+                run.tangents[0, i] -= along / size * flow[n + i]
+    square = 0.0
+    for i in range(n):
+        square += run.tangents[0, i] * run.tangents[0, i]
+    norm = math.sqrt(square)
+    if norm > 0.0:
+        for i in range(n):
+            run.tangents[0, i] /= norm
+    return norm
+
+
+@native
+def book_growth(growth: Growth, run: Run) -> None:
+    """Book the growth since the last call."""
+    if run.time > growth.last:
+        norm = normalise_tangent(growth, run)
+        growth.growths[growth.count] = math.log(norm) if norm > 0.0 else -math.inf
+        growth.spans[growth.count] = run.time - growth.last
+        growth.last = run.time
+        growth.count += 1
 
 
 class Exponent:
@@ -13,38 +65,21 @@ class Exponent:
 
     On an autonomous system the direction of the flow is trivial; the vector is kept orthogonal
     to it, so that its growth is that of the next direction. Saltation at events is the driver's.
+
+    Parameters
+    ----------
+    blocks : between which the tangent is normalised (`book_growth`), at most
     """
 
-    def __init__(self, motion: Motion, autonomous: bool) -> None:
+    def __init__(self, motion: Motion, autonomous: bool, blocks: int) -> None:
         self.motion = motion
-        self.autonomous = autonomous
-        n = len(motion.y)
-        self.scales = np.maximum(np.abs(motion.y), 1e-300)
-        self.begun = motion.time
-        self.growths: list[float] = []
-        self.spans: list[float] = []
-        self.last = motion.time
+        room = {"growths": np.zeros(blocks), "spans": np.zeros(blocks)}
+        self.growth = Growth.holding(room, {})
+        self.growth.is_autonomous, self.growth.last = int(autonomous), motion.time
         # A fixed direction without symmetry, so that no invariant subspace is met by accident.
-        vector = np.cos(1.0 + np.arange(n) * 2.0**0.5)
-        motion.carry_tangents(self._normalised(vector)[0][None, :])
-
-    def _normalised(self, vector: Vector) -> tuple[Vector, float]:
-        if self.autonomous:
-            flow = self.motion.rates()
-            size = float(flow @ flow)
-            vector = vector - (vector @ flow) / size * flow if size > 0.0 else vector
-        norm = float(np.linalg.norm(vector))
-        return (vector / norm if norm > 0.0 else vector), norm
-
-    def update(self) -> None:
-        """Book the growth since the last call."""
-        vector, norm = self._normalised(self.motion.tangents[0])
-        span = self.motion.time - self.last
-        if span > 0.0:
-            self.growths.append(float(np.log(norm)) if norm > 0.0 else -np.inf)
-            self.spans.append(span)
-            self.last = self.motion.time
-            self.motion.carry_tangents(vector[None, :])
+        vector = np.cos(1.0 + np.arange(len(motion.y)) * 2.0**0.5)
+        motion.carry_tangents(vector[None, :])
+        normalise_tangent(self.growth, motion.frame)
 
     def release(self) -> None:
         """Stop carrying the tangent."""
@@ -53,14 +88,21 @@ class Exponent:
     @property
     def mean(self) -> float:
         """1/s."""
-        return float(np.sum(self.growths) / np.sum(self.spans)) if self.spans else float("nan")
+        growths, spans = self._blocks
+        return float(np.sum(growths) / np.sum(spans)) if len(spans) else float("nan")
 
     @property
     def error(self) -> float:
         """Standard error of `mean`, from the scatter of blocks; 0 where it is not finite."""
-        if not np.all(np.isfinite(self.growths)):
+        growths, spans = self._blocks
+        if not np.all(np.isfinite(growths)):
             return 0.0
-        groups = np.array_split(np.arange(len(self.growths)), min(16, max(len(self.growths), 1)))
-        growths, spans = np.array(self.growths), np.array(self.spans)
+        groups = np.array_split(np.arange(len(growths)), min(16, max(len(growths), 1)))
         rates = np.array([growths[g].sum() / spans[g].sum() for g in groups if len(g)])
         return float(np.std(rates) / np.sqrt(max(len(rates) - 1, 1)))
+
+    @property
+    def _blocks(self) -> tuple[Floats, Floats]:
+        """Growths and spans of the blocks so far."""
+        count = self.growth.count
+        return self.growth.growths[:count], self.growth.spans[:count]

@@ -56,7 +56,7 @@ def variables(subject: Subject) -> list[Variable]:
             "vibration intensity: mean squared distance from the sliding equilibrium",
             symbol="L_s",
             comment="thesis 6.20, on discs 6.42 (of the slider alone); over one period, or over "
-            "L_s_window; 0 at the equilibrium",
+            f"L_s_window; 0 at the equilibrium{_mixed_squares(subject)}",
             headline=1,
             statistic=True,
             unbounded=True,
@@ -79,6 +79,12 @@ def variables(subject: Subject) -> list[Variable]:
         *MULTIPLIERS,
         *OF_STEADY_STATE,
     ]
+
+
+def _mixed_squares(subject: Subject) -> str:
+    """What the unit of a sum of squares is where displacements have several."""
+    units = " and ".join(subject.units)
+    return f"; squares of states in {units} are added as numbers" if subject.mixed else ""
 
 
 def _reference(subject: Subject) -> list[Variable]:

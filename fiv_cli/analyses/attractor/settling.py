@@ -28,17 +28,20 @@ DISTINCT = 1e-6  # points of one period lie further apart than this: else the pe
 
 
 @native
-def _take_scales(points: Floats2, scales: Floats) -> None:
-    """Largest value of each state; of one that is rounding, a share of the largest of all."""
-    for i in range(points.shape[1]):
-        scales[i] = LEAST
-    for row in range(points.shape[0]):
+def grow_scales(points: Floats2, scales: Floats, first: int, count: int) -> None:
+    """Take further points into the largest value of each state."""
+    for row in range(first, count):
         for i in range(points.shape[1]):
             scales[i] = max(scales[i], abs(points[row, i]))
+
+
+@native
+def floor_scales(scales: Floats) -> None:
+    """Judge a state that is rounding by a share of the largest of all."""
     largest = 0.0
-    for i in range(points.shape[1]):
+    for i in range(len(scales)):
         largest = max(largest, scales[i])
-    for i in range(points.shape[1]):
+    for i in range(len(scales)):
         scales[i] = max(scales[i], SMALLEST * largest)
 
 
@@ -49,6 +52,15 @@ def _distance(points: Floats2, scales: Floats, row: int, m: int) -> float:
     for i in range(points.shape[1]):
         worst = max(worst, abs(points[row, i] - points[row - m, i]) / scales[i])
     return worst
+
+
+@native
+def _is_apart(points: Floats2, scales: Floats, row: int, m: int, tolerance: float) -> bool:
+    """Whether a point is further than `tolerance` from the one m earlier."""
+    for i in range(points.shape[1]):
+        if abs(points[row, i] - points[row - m, i]) / scales[i] > tolerance:
+            return True
+    return False
 
 
 @native
@@ -92,13 +104,12 @@ def _least_period(points: Floats2, scales: Floats, count: int, m: int) -> int:
 
 
 @native
-def _settled_period(
-    points: Floats2, scales: Floats, longest: int, tolerance: float, remaining: float
+def period_among(
+    points: Floats2, scales: Floats, count: int, tolerance: float, remaining: float
 ) -> int:
-    count = points.shape[0]
-    _take_scales(points, scales)
-    for m in range(1, min(longest, (count - 1) // 2) + 1):
-        if _distance(points, scales, count - 1, m) > tolerance:
+    """Period of the first `count` points, 0: they have not settled; see `settled_period`."""
+    for m in range(1, min(LONGEST, (count - 1) // 2) + 1):
+        if _is_apart(points, scales, count - 1, m, tolerance):
             continue
         now = _repetition(points, scales, count, m)
         if now > tolerance:
@@ -112,17 +123,16 @@ def _settled_period(
 
 
 @native
-def _lasting_period(points: Floats2, scales: Floats, longest: int, tolerance: float) -> int:
+def _lasting_period(points: Floats2, scales: Floats, tolerance: float) -> int:
     count = points.shape[0]
     half = count // 2
-    _take_scales(points, scales)
-    for m in range(1, min(longest, half // 4) + 1):
+    for m in range(1, min(LONGEST, half // 4) + 1):
         whole = half // m * m  # over all of it, too, nothing has moved
-        if _distance(points, scales, count - 1, whole) > tolerance:
+        if _is_apart(points, scales, count - 1, whole, tolerance):
             continue
         lasts = True
         for row in range(count - half, count):
-            if _distance(points, scales, row, m) > tolerance:
+            if _is_apart(points, scales, row, m, tolerance):
                 lasts = False
                 break
         if lasts:
@@ -130,19 +140,27 @@ def _lasting_period(points: Floats2, scales: Floats, longest: int, tolerance: fl
     return 0
 
 
-def settled_at(
-    address: int, count: int, width: int, longest: int, tolerance: float, remaining: float
-) -> int:
-    """`_settled_period` of `count` points at an address, with room for the scales behind them."""
-    scales = floats_at(address, count + 1, width)[count]
-    points = floats_at(address, count, width)
-    return _settled_period(points, scales, longest, tolerance, remaining)
+@native
+def _scales_of(address: int, count: int, width: int) -> Floats:
+    """Scales of `count` points at an address, put into the room behind them."""
+    scales, points = floats_at(address, count + 1, width)[count], floats_at(address, count, width)
+    for i in range(width):
+        scales[i] = LEAST
+    grow_scales(points, scales, 0, count)
+    floor_scales(scales)
+    return scales
 
 
-def lasting_at(address: int, count: int, width: int, longest: int, tolerance: float) -> int:
-    """`_lasting_period`, likewise."""
-    scales = floats_at(address, count + 1, width)[count]
-    return _lasting_period(floats_at(address, count, width), scales, longest, tolerance)
+def settled_at(address: int, count: int, width: int, tolerance: float, remaining: float) -> int:
+    """`settled_period` of `count` points at an address, with room for the scales behind them."""
+    scales = _scales_of(address, count, width)
+    return period_among(floats_at(address, count, width), scales, count, tolerance, remaining)
+
+
+def lasting_at(address: int, count: int, width: int, tolerance: float) -> int:
+    """`lasting_period`, likewise."""
+    scales = _scales_of(address, count, width)
+    return _lasting_period(floats_at(address, count, width), scales, tolerance)
 
 
 def _declared(entry: Callable[..., int]) -> Callable[..., int]:
@@ -155,15 +173,12 @@ def _declared(entry: Callable[..., int]) -> Callable[..., int]:
 _FILES = (Path(__file__),)
 _SETTLED = Compiled(
     "settled",
-    "int64(int64, int64, int64, int64, float64, float64)",
+    "int64(int64, int64, int64, float64, float64)",
     _FILES,
     partial(_declared, settled_at),
 )
 _LASTING = Compiled(
-    "lasting",
-    "int64(int64, int64, int64, int64, float64)",
-    _FILES,
-    partial(_declared, lasting_at),
+    "lasting", "int64(int64, int64, int64, float64)", _FILES, partial(_declared, lasting_at)
 )
 
 
@@ -191,7 +206,7 @@ def _asked(compiled: Compiled, points: NDArray[np.float64], *tolerances: float) 
     count, width = points.shape
     room = np.empty((count + 1, width))
     room[:count] = points
-    found: int = compiled.function(address_of(room), count, width, LONGEST, *tolerances)
+    found: int = compiled.function(address_of(room), count, width, *tolerances)
     return found
 
 

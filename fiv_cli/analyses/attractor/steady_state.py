@@ -14,7 +14,7 @@ the equilibrium that was reached or, of a motion that does not rest, the first o
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity
 from fiv_cli.analyses.attractor.confirm import Confirmed, confirm
+from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
     CLOSER,
@@ -33,7 +34,7 @@ from fiv_cli.analyses.attractor.grounds import (
     RESTING,
     SIGNIFICANT,
 )
-from fiv_cli.analyses.attractor.level_set import Descent, LevelSet, level_set, slides_freely
+from fiv_cli.analyses.attractor.level_set import LevelSet, level_set, slides_freely
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
@@ -45,12 +46,12 @@ from fiv_cli.analyses.attractor.own_section import (
 )
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
+from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, watch_over
 from fiv_cli.analyses.base import Outcome, Request, Section
 from fiv_cli.analyses.common import (
     Sliding,
     balance,
-    equilibria,
-    sliding,
+    rest_of,
     start_motion,
     stopped,
     trust,
@@ -70,9 +71,7 @@ from fiv_cli.dynamics.system import System, Vector
 
 PATIENCE = 4.0  # s; ... the longest of which passes between two looks at a motion, or before one
 REVOLUTIONS = 3.0  # ... without section points is asked what it is without them
-CHUNK = 16  # section points between two looks at the return map
 BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
-KEPT = 4096  # section points kept
 SHOWN = 512  # section values stored of a motion that is not periodic
 PASSAGES = 4  # along a cycle that an early attempt takes, for each state
 ATTEMPT = 8000  # steps of one state that it costs beside them
@@ -81,8 +80,7 @@ SAME_PERIOD = 1e-6  # share by which the period at the section may differ from t
 
 def steady_state(system: System, request: Request) -> Outcome:
     """The steady state that the start leads to."""
-    unexcited = sliding(system, request.parameters)
-    rests = Rests(unexcited, equilibria(unexcited))
+    rests = Rests(*rest_of(system, request))
     if request.settings["section"].kind == OWN:
         return _at_own_section(system, request, rests)
     return _followed(system, request, rests, request.settings["section"])
@@ -184,13 +182,12 @@ class _Response:
         self.begun = motion.y[: 2 * len(system.coordinates)].copy()
         self.excitation = self.problem.excitation
         self.patience = self._patience()
-        self.last_event = motion.time
+        ways = rests.unexcited.parameters[-1 - system.n_contacts : -1]
+        self.watch = watch_over(motion, ways, self.excitation, self.patience)
+        self.watch.early_passages = PASSAGES * len(motion.y)
         self.section = self.problem.section
         names = self.system.state_names
         self.observed = names.index(self.settings["observe"] or names[0])
-        self.times = np.zeros(KEPT)
-        self.points = np.zeros((KEPT, len(names)))
-        self.count = 0
         self.stop: Stop = Stop.REACHED
         self.exponent_error = 0.0
         self.nearness = NEARLY  # repetition of the section that is worth an attempt to close it
@@ -228,7 +225,7 @@ class _Response:
         t_max, transient = self.settings["t_max"], self.settings["transient"]
         if transient > 0.0:
             self.stop = self.motion.run(min(transient, t_max))
-            self.last_event = self.motion.time
+            self.watch.last_event = self.watch.last_point = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
         answer = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
         if answer.values["attractor"] == "undecided" and answer.status == "ok":
@@ -255,54 +252,41 @@ class _Response:
 
     def _settle(self, until: float) -> Outcome | None:
         """Go on until the class is known; None when it is not by then."""
-        last_point = self.motion.time
-        shortest = min(self.rests.natural_period, self.patience)
-        span = shortest
+        watch = self.watch
+        watch.span = watch.shortest = min(self.rests.natural_period, self.patience)
+        watch.asks_waiting = int(self.excitation is not None or self.rests.is_neutral)
         while self.motion.time < until and self._goes_on:
-            before, events = self.count, self.motion.n_events
-            self._step(min(self.motion.time + span, until), self.section)
-            # Where stick-slip goes on there is nothing to look at before section points are full.
-            span = min(2.0 * span, self.patience) if self.motion.n_events > events else shortest
-            if self.count > before:
-                last_point = self.motion.time
-            answer = self._rest() or (self._cycle(self.section) if self.count > before else None)
-            if answer is None and self._has_waited(last_point):
-                answer = self._without_points()
-                last_point = self.motion.time
+            answer = self._look(until, self.section, is_paced=True)
+            if answer is None and watch.has_waited:
+                answer = self._neutral() if self.excitation is None else self._forced_sliding()
             if answer is not None:
                 return answer
         return self._ended()
 
-    def _has_waited(self, last_point: float) -> bool:
-        """Whether nothing tells that stick-slip goes on."""
-        if self.excitation is not None:  # it may reverse, or pass from sector to sector, in slip
-            return self.motion.time - last_point >= self.patience * (1.0 - 1e-12)
-        return self._is_quiet()
+    def _look(
+        self, until: float, section: Section, measuring: bool = False, is_paced: bool = False
+    ) -> Outcome | None:
+        """The class, once it is known, of the motion where it may be told next."""
+        watch, steps = self.watch, ATTEMPT * (self.n_early + 1) / len(self.motion.y)
+        watch.until, watch.is_measuring, watch.is_paced = until, measuring, is_paced
+        watch.nearness, watch.waiting_until = self.nearness, self.waiting_until
+        watch.early, watch.early_steps = [*EARLY, 0.0][self.n_early], steps
+        watch.offset = section.phase / (2 * np.pi) * watch.interval
+        self.motion.show_section(section, watch.times, watch.points)
+        stop = self.motion.drive(partial(FOLLOW.function, watch.address))
+        self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
+        if self._has_stuck():
+            return None
+        return self._rest() or (self._cycle(section) if watch.has_new else None)
 
-    def _without_points(self) -> Outcome | None:
-        if self.excitation is not None:
-            return self._forced_sliding()
-        return self._neutral() if self.rests.is_neutral else None
-
-    def _step(self, until: float, section: Section, measuring: bool = False) -> None:
-        """Run on, keeping section points."""
-        if self.count + CHUNK > KEPT:
-            self._forget_oldest()
-        ahead = slice(self.count, self.count + CHUNK)
-        room = (self.times[ahead], self.points[ahead])
-        events = self.motion.n_events
-        self.stop = self.motion.run(until, section, room, None, measuring, self._strobe_period())
-        self.count += self.motion.n_sections
-        if self.motion.n_events != events:
-            self.last_event = self.motion.time
-            if self.excitation is None:  # else a border of the sector, which is no surface
-                for descent in self.descents:
-                    descent.forget()
+    def _has_stuck(self) -> bool:
+        """Whether a motion that is followed as long as it slides has stuck."""
+        sticks = self.motion.measures.shares[:, STICK] if self.watch.ends_in_stick else np.zeros(0)
+        return bool(np.any(sticks > 0.0))
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        ways = self.rests.unexcited.parameters[-1 - self.system.n_contacts : -1]
-        return self._all_contacts(SLIP) and np.array_equal(self.motion.slip_signs, ways)
+        return self._all_contacts(SLIP) and np.array_equal(self.motion.slip_signs, self.watch.ways)
 
     def _all_contacts(self, kind: int) -> bool:
         """Whether every contact is of this kind."""
@@ -310,25 +294,25 @@ class _Response:
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
-        waited = self.motion.time - self.last_event >= self.patience * (1.0 - 1e-12)
+        waited = self.motion.time - self.watch.last_event >= self.patience * ALMOST
         return waited and self._all_contacts(SLIP)
 
-    def _forget_oldest(self) -> None:
-        half = KEPT // 2
-        kept = self.count - half
-        self.times[:kept] = self.times[half : self.count]
-        self.points[:kept] = self.points[half : self.count]
-        self.count = kept
+    @property
+    def _times(self) -> Vector:
+        """Times of the section points, s."""
+        return self.watch.times[: self.watch.count]
 
-    def _strobe_period(self) -> float:
-        return self.excitation if self.excitation is not None else self.patience
+    @property
+    def _points(self) -> NDArray[np.float64]:
+        """Section points; shape (count, n_states)."""
+        return self.watch.points[: self.watch.count, : len(self.motion.y)]
 
     def _map_points(self) -> NDArray[np.float64]:
         """Section points, with the phase of the excitation where there is one."""
-        points = self.points[: self.count]
+        points = self._points
         if self.excitation is None:
             return points
-        phase = 2 * np.pi * self.times[: self.count] / self.excitation
+        phase = 2 * np.pi * self._times / self.excitation
         reach = np.max(np.abs(points), initial=np.finfo(float).tiny)
         # Shifted by 2: a sine that is always zero must not be judged by its rounding.
         return np.column_stack([points, reach * (2 + np.cos(phase)), reach * (2 + np.sin(phase))])
@@ -339,6 +323,10 @@ class _Response:
         if not self.motion.started:
             return None
         if self._is_sliding():
+            if not self.watch.knows_slides:
+                slides = [descent.slide.address for descent in self.descents]
+                self.watch.show("slides", np.array(slides, np.int64))
+                self.watch.knows_slides = 1
             for descent in self.descents:
                 margin = descent.margin(self.motion.time, self.motion.y)
                 if not np.isnan(margin):
@@ -393,15 +381,14 @@ class _Response:
         Only a stroboscopic section has points of it, so it is followed so until its time is up.
         """
         strobe, t_max = Section("phase"), self.settings["t_max"]
-        self.count = 0
+        self.watch.count = self.watch.n_scaled = 0
         begun, energy = self._start_measuring(), self.motion.energy()
+        self.watch.ends_in_stick = 1
         while self.motion.time < t_max and self._goes_on:
-            before = self.count
-            self._step(t_max, strobe, measuring=True)
-            if np.any(self.motion.measures.shares[:, STICK] > 0.0):
-                self.count = 0
+            answer = self._look(t_max, strobe, measuring=True)
+            if self._has_stuck():
+                self.watch.count = self.watch.n_scaled = self.watch.ends_in_stick = 0
                 return None
-            answer = self._rest() or (self._cycle(strobe) if self.count > before else None)
             if answer is not None:
                 return answer
         values = {"attractor": "undecided", "transient_used": begun} | self._measured(energy)
@@ -429,7 +416,7 @@ class _Response:
 
     def _span(self, multiplicity: int) -> float:
         """Time that so many section points last took, s."""
-        return float(self.times[self.count - 1] - self.times[self.count - 1 - multiplicity])
+        return float(self._times[-1] - self._times[-1 - multiplicity])
 
     def _early_cycle(self, points: NDArray[np.float64], section: Section) -> Outcome | None:
         """The cycle that the section points are still far from, where the way there is straight.
@@ -503,7 +490,7 @@ class _Response:
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
-            until, section, (times, points), None, measuring, self._strobe_period()
+            until, section, (times, points), None, measuring, self.watch.interval
         )
         return points
 
@@ -555,7 +542,7 @@ class _Response:
     # --- not periodic -----------------------------------------------------------------------------
     def _window(self, t_max: float) -> Outcome:
         """Measure the rest of the budget and say what its tests say."""
-        self.count = 0
+        self.watch.count = self.watch.n_scaled = 0
         with_exponent = self.settings["lyapunov"] != "never"
         outcome = self._measure_window(t_max, with_exponent)
         if "attractor" in outcome.values:
@@ -576,13 +563,11 @@ class _Response:
     def _measure_window(self, until: float, with_exponent: bool = False) -> Outcome:
         begun = self._start_measuring()
         energy = self.motion.energy()
-        exponent = Exponent(self.motion, self.excitation is None) if with_exponent else None
-        for goal in np.linspace(begun, until, BLOCKS + 1)[1:]:
-            answer = self._measure_to(float(goal))
-            if answer is not None:
-                return answer
-            if exponent is not None:
-                exponent.update()
+        autonomous = self.excitation is None
+        exponent = Exponent(self.motion, autonomous, BLOCKS) if with_exponent else None
+        answer = self._measure_to(np.linspace(begun, until, BLOCKS + 1)[1:], exponent)
+        if answer is not None:
+            return answer
         if exponent is not None:
             exponent.release()
         if self.motion.measures.measured_time <= 0.0:
@@ -591,28 +576,30 @@ class _Response:
         if exponent is not None:
             values |= {"lyapunov": exponent.mean} if np.isfinite(exponent.mean) else {}
             self.exponent_error = exponent.error
-        shown = self.points[: self.count, self.observed][-SHOWN:].copy()
+        shown = self._points[-SHOWN:, self.observed].copy()
         return Outcome(values=values, ragged={"section_value": shown})
 
-    def _measure_to(self, goal: float) -> Outcome | None:
-        """Measure up to `goal`, keeping section points; the class as soon as it is known."""
-        while self.motion.time < goal and self._goes_on:
-            before = self.count
-            self._step(goal, self.section, measuring=True)
-            answer = self._rest() or (self._cycle(self.section) if self.count > before else None)
+    def _measure_to(self, goals: Vector, exponent: Exponent | None) -> Outcome | None:
+        """Measure up to the last goal, keeping section points; the class as soon as it is known."""
+        watch = self.watch
+        watch.show("goals", goals)
+        watch.n_passed, watch.growth = 0, 0 if exponent is None else exponent.growth.address
+        while watch.n_passed < len(goals) and self._goes_on:
+            answer = self._look(float(goals[-1]), self.section, measuring=True)
             if answer is not None:
                 return answer
+        watch.show("goals", np.zeros(0))
         return None
 
     def _class_of(self, outcome: Outcome) -> tuple[str, str]:
         """A stationary section and two agreeing tests, or undecided."""
         if self.is_unconfirmed:
             return "undecided", "cycle_not_confirmed"
-        if self.count == 0:
+        if self.watch.count == 0:
             slides = self._is_quiet() and self.excitation is None
             return "undecided", "slide_not_decided" if slides else "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
-        regular = regularity(self.points[: self.count, self.observed])
+        regular = regularity(self._points[:, self.observed])
         if not (np.isfinite(exponent) and np.isfinite(regular)):
             return "undecided", "time_budget"
         told, reason = self._by_two_tests(exponent, regular)
@@ -626,10 +613,11 @@ class _Response:
 
     def _by_two_tests(self, exponent: float, regular: float) -> tuple[str, str]:
         """What Lyapunov exponent and 0-1 test say together."""
-        window = self.times[self.count - 1] - self.times[0]
-        uncertain, most = SIGNIFICANT * self.exponent_error, RESTING * max(self.count - 1, 1)
+        count = self.watch.count
+        window = self._times[-1] - self._times[0]
+        uncertain, most = SIGNIFICANT * self.exponent_error, RESTING * max(count - 1, 1)
         # On a torus neighbours drift apart in proportion to time, and never approach.
-        apart = GROWN + np.log(self.count)
+        apart = GROWN + np.log(count)
         threshold = max(uncertain, min(most, apart) / window)
         if exponent > threshold and regular > CHAOTIC:
             return "chaotic", ""

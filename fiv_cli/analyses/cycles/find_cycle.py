@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fiv_cli.analyses.base import Outcome, Request, Settings
-from fiv_cli.analyses.common import equilibria, sliding, start_motion, stopped
+from fiv_cli.analyses.common import rest_of, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.cycles.end_error import end_error
 from fiv_cli.analyses.cycles.first_guess import Guess, guesses, returns
@@ -47,7 +47,7 @@ def find_cycle(system: System, request: Request) -> Outcome:
 # --- the cycle -----------------------------------------------------------------------------------
 def _reached(problem: Problem, request: Request) -> Cycle | Outcome | None:
     """The cycle that the motion from the start comes near; the outcome where it never returns."""
-    solutions = equilibria(sliding(problem.system, problem.parameters))
+    _, solutions = rest_of(problem.system, request)
     equilibrium = solutions[0] if solutions else None
     exact = replace(request, solver=problem.solver)
     begin = partial(start_motion, problem.system, exact, equilibrium)

@@ -12,8 +12,7 @@ from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
     Balance,
     balance,
-    equilibria,
-    sliding,
+    rest_of,
     start_motion,
     stopped,
     trust,
@@ -71,7 +70,7 @@ def begun(system: System, request: Request) -> Motion | Outcome:
     """The motion from the start; an equilibrium is looked for only where it needs one."""
     assert request.start is not None
     given = request.start.kind == "state"
-    solutions = [] if given else equilibria(sliding(system, request.parameters))
+    solutions = [] if given else rest_of(system, request)[1]
     return start_motion(system, request, solutions[0] if solutions else None)
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 from typing import TypeVar
 
@@ -33,7 +33,7 @@ from fiv_cli.analyses.rest.linearisation import (
     sliding_system,
     sliding_systems,
 )
-from fiv_cli.analyses.rest.modes import matched
+from fiv_cli.analyses.rest.modes import Modes
 from fiv_cli.dynamics.system import System
 
 Real = NDArray[np.float64]
@@ -59,13 +59,16 @@ class Sample:
     Attributes
     ----------
     at : value of the parameter
-    values : eigenvalues, rad/s, (modes,); empty where there is no equilibrium
-    vectors : eigenvectors as rows, (modes, states)
+    modes : in rad/s; none where there is no equilibrium
     """
 
     at: float
-    values: Complex
-    vectors: Complex
+    modes: Modes
+
+    @property
+    def values(self) -> Complex:
+        """The eigenvalues, rad/s."""
+        return self.modes.values
 
     @property
     def exists(self) -> bool:
@@ -75,7 +78,7 @@ class Sample:
     @property
     def scale(self) -> float:
         """Modulus of the largest eigenvalue, rad/s."""
-        return float(np.abs(self.values).max())
+        return self.modes.scale
 
     @property
     def growing(self) -> NDArray[np.bool_]:
@@ -92,8 +95,8 @@ class Sample:
         """The same with its modes in the order in which they continue those of `previous`."""
         if not (self.exists and previous.exists):
             return self
-        order = matched(previous.values, previous.vectors, self.values, self.vectors)
-        return replace(self, values=self.values[order], vectors=self.vectors[order])
+        modes = self.modes.taken(self.modes.follow(previous.modes))
+        return self if modes is self.modes else Sample(self.at, modes)
 
 
 @dataclass(frozen=True)
@@ -238,15 +241,15 @@ def _samples(
     system: System, points: Sequence[Mapping[str, float]], which: str, values: Sequence[float]
 ) -> list[Sample]:
     """The modes at the first equilibrium of each point, where the parameter has these values."""
-    nowhere = np.zeros(0, complex), np.zeros((0, 0), complex)
-    samples = [Sample(at, *nowhere) for at in values]
+    nowhere = Modes(np.zeros(0, complex), np.zeros((0, 0), complex))
+    samples = [Sample(at, nowhere) for at in values]
     for rows, sliding in sliding_systems(system, points, which):
         firsts = [one.states[:1] for one in equilibria_at(sliding)]
         exist = [place for place, first in enumerate(firsts) if first]
         if exist:
             modes = modes_at(sliding[exist], np.array([firsts[place][0] for place in exist]))
             for row, own, vectors in zip(rows[exist].tolist(), *modes, strict=True):
-                samples[row] = Sample(values[row], own, vectors.T)
+                samples[row] = Sample(values[row], Modes(own, vectors.T))
     return samples
 
 
@@ -363,7 +366,7 @@ class _Scan:
         near = left if share < 0.5 else right
         expected = (1.0 - share) * left.values + share * right.values
         (sample,) = yield from self.ask(at)
-        return sample.after(Sample(at, expected, near.vectors))
+        return sample.after(Sample(at, Modes(expected, near.modes.vectors)))
 
     def singularity(self, left: Sample, right: Sample) -> Scan[list[Crossing]]:
         """What changes across a piece that cannot be resolved."""

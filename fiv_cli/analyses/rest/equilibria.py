@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics.arrays import BOUND
-from fiv_cli.dynamics.system import FieldOutput, System, Vector, call_rows
+from fiv_cli.dynamics.rows import call_rows
+from fiv_cli.dynamics.system import FieldOutput, System, Vector
 
 NEWTON_STEPS = 60
 CONVERGED = 1e-13  # last Newton step, relative to the solution

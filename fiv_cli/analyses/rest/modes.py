@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cache, cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,26 +18,59 @@ TURNED = 1.0  # what a change of the sign of the imaginary part weighs
 TIE = 1e-3
 
 
-def matched(
-    old_values: Complex, old_vectors: Complex, new_values: Complex, new_vectors: Complex
-) -> Order:
-    """For each old mode the new one that continues it: near in value and alike in shape.
+@dataclass(frozen=True)
+class Modes:
+    """The modes of a linearised system, in any order.
 
-    Parameters
+    Attributes
     ----------
-    old_values, new_values : eigenvalues, (modes,)
-    old_vectors, new_vectors : eigenvectors as rows, (modes, states)
-
-    Returns
-    -------
-    (modes,): place of the new mode; conjugate pairs go to conjugate pairs
+    values : eigenvalues, (modes,)
+    vectors : eigenvectors as rows, (modes, states)
     """
-    scale = max(float(np.abs(old_values).max()), np.finfo(float).tiny)
-    cost = np.abs(old_values[:, None] - new_values[None, :]) / scale
-    cost += SHAPE * (1.0 - np.abs(_unit_rows(old_vectors).conj() @ _unit_rows(new_vectors).T))
-    cost += TURNED * (old_values.imag[:, None] * new_values.imag[None, :] < 0.0)
-    cost += TIE * np.linspace(0.0, 1.0, len(cost))[:, None] * new_values.real[None, :] / scale
-    return _paired(_cheapest(cost), old_values, new_values)
+
+    values: Complex
+    vectors: Complex
+
+    @cached_property
+    def scale(self) -> float:
+        """Modulus of the largest eigenvalue."""
+        return float(np.abs(self.values).max())
+
+    @cached_property
+    def shapes(self) -> Complex:
+        """The vectors, of unit length."""
+        return _unit_rows(self.vectors)
+
+    @cached_property
+    def twins(self) -> list[int]:
+        """See `_conjugates`."""
+        return _conjugates(self.values.tolist())
+
+    def follow(self, old: Modes) -> Order:
+        """For each old mode the one that continues it: near in value and alike in shape.
+
+        Returns
+        -------
+        (modes,): places; conjugate pairs go to conjugate pairs
+        """
+        scale = max(old.scale, np.finfo(float).tiny)
+        cost = np.abs(old.values[:, None] - self.values) / scale
+        cost += SHAPE * (1.0 - np.abs(old.shapes.conj() @ self.shapes.T))
+        cost += TURNED * (old.values.imag[:, None] * self.values.imag < 0.0)
+        cost += _ties(len(cost)) * self.values.real / scale
+        return _paired(_cheapest(cost), old, self)
+
+    def taken(self, order: Order) -> Modes:
+        """The same in another order."""
+        if order.tolist() == list(range(len(order))):
+            return self
+        return Modes(self.values[order], self.vectors[order])
+
+
+@cache
+def _ties(count: int) -> NDArray[np.float64]:
+    """What a growth rate weighs for each old mode, (modes, 1)."""
+    return TIE * np.linspace(0.0, 1.0, count)[:, None]
 
 
 def _cheapest(cost: NDArray[np.float64]) -> Order:
@@ -51,19 +87,20 @@ def _cheapest(cost: NDArray[np.float64]) -> Order:
     return order
 
 
-def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
+def _paired(order: Order, old: Modes, new: Modes) -> Order:
     """The same with the conjugate of each old mode going to the conjugate of its new mode.
 
     Where two modes merge, the halves of the two pairs could else be mixed.
     """
-    old, new = old_values.tolist(), new_values.tolist()
-    old_twins, new_twins = _conjugates(old), _conjugates(new)
-    if not old_twins or not new_twins:
+    places, twins, new_twins = order.tolist(), old.twins, new.twins
+    if not (twins and new_twins) or all(
+        places[twin] == new_twins[place] for twin, place in zip(twins, places, strict=True)
+    ):
         return order
-    places = order.tolist()
-    for mode, value in enumerate(old):
-        if value.imag > 0.0 and new[places[mode]].imag > 0.0:
-            twin, holder = old_twins[mode], places.index(new_twins[places[mode]])
+    upper, new_upper = old.values.imag > 0.0, new.values.imag > 0.0
+    for mode in range(len(places)):
+        if upper[mode] and new_upper[places[mode]]:
+            twin, holder = twins[mode], places.index(new_twins[places[mode]])
             places[twin], places[holder] = places[holder], places[twin]
     return np.array(places, np.intp)
 
@@ -71,7 +108,7 @@ def _paired(order: Order, old_values: Complex, new_values: Complex) -> Order:
 def _conjugates(values: list[complex]) -> list[int]:
     """Place of the conjugate of each eigenvalue; of a real one its own; empty: not in pairs."""
     places = list(range(len(values)))
-    ranked = sorted(places, key=lambda place: (values[place].real, abs(values[place].imag)))
+    ranked = sorted(places, key=[(value.real, abs(value.imag)) for value in values].__getitem__)
     upper = [place for place in ranked if values[place].imag > 0.0]
     lower = [place for place in ranked if values[place].imag < 0.0]
     if len(upper) != len(lower):

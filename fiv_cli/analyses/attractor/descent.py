@@ -1,0 +1,175 @@
+"""A slide watched on its way down to an equilibrium; what is asked is in ``grounds.py``."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN, LEADING
+from fiv_cli.analyses.attractor.level_set import LevelSet
+from fiv_cli.codegen.memory import FixedFloat, FixedInt, Floats, Floats2, Frame, Ints, native
+from fiv_cli.dynamics.system import Vector
+
+# What a look at a slide says: nothing; that it is to be seen whether sliding is linear from here;
+# that it falls as it should; that there is no room for another look.
+NOTHING, MAY_BE_LINEAR, FALLS, FULL = 0, 1, 2, 3
+ROOM = 64  # looks
+
+
+class Slide(Frame):
+    """Level sets about an equilibrium, and the looks at a slide since it began."""
+
+    equilibrium: Floats
+    free: Ints  # places of the states that slide freely
+    inverse_real: Floats2  # modes by free states
+    inverse_imag: Floats2
+    shares: Floats2  # switching functions by modes
+    weights: Floats  # of modes
+    rates: Floats
+    is_bounded: FixedInt
+    period: FixedFloat
+    bent: float  # smallest size at which sliding was found to be nonlinear
+    level: float  # of the last look
+    size: float
+    count: int
+    times: Floats
+    sizes: Floats  # weighted sums of ...
+    amplitudes: Floats2
+    now: Floats
+
+
+def slide_at(address: int) -> Slide:
+    """The slide whose frame is at an address."""
+    return Slide.at(address)
+
+
+@native
+def measure_slide(slide: Slide, y: Floats) -> None:
+    """Modal amplitudes, level and size of a state."""
+    modes = len(slide.free)
+    slide.size, slide.level = 0.0, 0.0
+    for mode in range(modes):
+        real, imag = 0.0, 0.0
+        for j in range(modes):
+            off = y[slide.free[j]] - slide.equilibrium[slide.free[j]]
+            real += slide.inverse_real[mode, j] * off
+            imag += slide.inverse_imag[mode, j] * off
+        slide.now[mode] = math.sqrt(real * real + imag * imag)
+        slide.size += slide.weights[mode] * slide.now[mode]
+    for guard in range(slide.shares.shape[0]):
+        reached = 0.0
+        for mode in range(modes):
+            reached += slide.shares[guard, mode] * slide.now[mode]
+        slide.level = max(slide.level, reached)
+
+
+@native
+def look_at_slide(slide: Slide, time: float, y: Floats) -> int:
+    """Look at the slide, again if it was looked at just now; what that says."""
+    measure_slide(slide, y)
+    if slide.is_bounded == 1 and not slide.level < 1.0:
+        slide.count = 0
+        return NOTHING
+    if slide.size < FALLEN * slide.bent:
+        return MAY_BE_LINEAR
+    if slide.count > 0 and slide.times[slide.count - 1] == time:
+        slide.count -= 1
+    row = slide.count
+    if row == len(slide.times):
+        return FULL
+    slide.times[row], slide.sizes[row] = time, slide.size
+    for mode in range(len(slide.now)):
+        slide.amplitudes[row, mode] = slide.now[mode]
+    slide.count = row + 1
+    return FALLS if slide.level <= FALLEN and has_fallen(slide) else NOTHING
+
+
+@native
+def has_fallen(slide: Slide) -> bool:
+    """Whether it has fallen, over two successive stretches as the linear system does."""
+    last, back = slide.count - 1, 1
+    while 2 * back <= last:
+        first, middle = last - 2 * back, last - back
+        is_down = slide.sizes[last] <= FALLEN * slide.sizes[first]
+        if is_down and agrees(slide, first, middle) and agrees(slide, middle, last):
+            return True
+        back *= 2
+    return False
+
+
+@native
+def agrees(slide: Slide, first: int, last: int) -> bool:
+    """Whether every leading mode changed at its own rate between two looks."""
+    elapsed = slide.times[last] - slide.times[first]
+    if elapsed < slide.period * (1.0 - 1e-9):
+        return False
+    largest = 0.0
+    for mode in range(len(slide.now)):
+        largest = max(largest, slide.weights[mode] * slide.amplitudes[first, mode])
+    for mode in range(len(slide.now)):
+        before, after = slide.amplitudes[first, mode], slide.amplitudes[last, mode]
+        if slide.weights[mode] * before >= LEADING * largest:
+            if before <= 0.0 or after <= 0.0:
+                return False
+            measured, rate = math.log(after / before) / elapsed, slide.rates[mode]
+            if not abs(measured - rate) <= AGREEMENT * abs(rate):
+                return False
+    return True
+
+
+class Descent:
+    """A slide watched on its way down to an equilibrium.
+
+    Parameters
+    ----------
+    target : the level sets about it
+    bent : smallest size at which sliding is known to be nonlinear
+    """
+
+    def __init__(self, target: LevelSet, bent: float = np.inf) -> None:
+        self.target = target
+        modes = len(target.eigenvalues)
+        self.slide = Slide.holding(
+            {
+                "equilibrium": target.equilibrium,
+                "free": target.free.astype(np.int64),
+                "inverse_real": np.ascontiguousarray(target.inverse.real),
+                "inverse_imag": np.ascontiguousarray(target.inverse.imag),
+                "shares": np.ascontiguousarray(target.shares),
+                "weights": target.weights,
+                "rates": np.ascontiguousarray(target.eigenvalues.real),
+                "times": np.zeros(ROOM),
+                "sizes": np.zeros(ROOM),
+                "amplitudes": np.zeros((ROOM, modes)),
+                "now": np.zeros(modes),
+            },
+            {},
+        )
+        self.slide.is_bounded, self.slide.period = int(target.is_bounded), target.period
+        self.slide.bent = bent
+
+    def margin(self, time: float, state: Vector) -> float:
+        """1 - V/c as soon as the slide is sure to end at the equilibrium; NaN before.
+
+        Parameters
+        ----------
+        time : s
+        state : of sliding, shape (n_states,)
+        """
+        found = look_at_slide(self.slide, time, state)
+        if found == MAY_BE_LINEAR:
+            exact = self.target.margin(state)
+            if not np.isnan(exact):
+                return exact
+            self.slide.bent = self.slide.size
+            found = look_at_slide(self.slide, time, state)
+        if found == FULL:
+            self._make_room()
+            found = look_at_slide(self.slide, time, state)
+        return 1.0 - self.target.level(self.target.amplitudes(state)) if found == FALLS else np.nan
+
+    def _make_room(self) -> None:
+        for name in ("times", "sizes", "amplitudes"):
+            looks = getattr(self.slide, name)
+            self.slide.show(name, np.concatenate([looks, np.zeros_like(looks)]))

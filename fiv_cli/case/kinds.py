@@ -1,0 +1,143 @@
+"""Every kind of thing that a case may hold: analyses, starts, figures, and what claims say.
+
+What each is and which keys it has, for people (``fiv kinds``) and for what reads the tables.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from fiv_cli.analyses import all_analyses
+from fiv_cli.analyses.settings import Setting, TableSetting
+from fiv_cli.case.structure import FigureTable, InitialTable, TakeTable
+
+STARTS = {
+    "equilibrium": ("a sliding equilibrium of the unexcited system, moved", ("offset",)),
+    "state": ("a state; what is not given is 0", ("state",)),
+    "random": (
+        "random states in a box, labelled LABEL-000, LABEL-001, ...",
+        ("count", "seed", "box"),
+    ),
+    "table": ("states from a list, or from a CSV file", ("states", "file")),
+    "continue": (
+        "where the motion of the neighbour along an axis ended",
+        ("along", "direction", "from", "on_loss", "offset"),
+    ),
+}
+"""Kind of start -> what it is, and its keys besides those of every start."""
+
+OF_EVERY_START = ("label",)
+
+FIGURES = {
+    "map": (
+        "a variable over two axes: classes in colours, numbers in shades or as lines",
+        ("x", "y", "variable", "take", "level", "overlay"),
+    ),
+    "bifurcation": ("what motions pass at the section, along an axis", ("x",)),
+    "curve": ("a variable along an axis, a line for each start", ("x", "variable", "take")),
+    "branch": ("branches of cycles and their ends, along their parameter", ()),
+    "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x",)),
+    "history": ("states and forces in time", ("variable", "contact", "window")),
+    "phase": ("one state against another", ("x", "y", "contact", "window", "overlay")),
+    "spectrum": ("amplitudes over frequency", ("x", "variable", "unit")),
+    "spectrogram": ("amplitudes over time and frequency", ("variable", "unit", "resolution")),
+    "mode-shape": ("shapes of the modes of a disc", ("unit",)),
+}
+"""Kind of figure -> what it shows, and its keys besides those of every figure."""
+
+OF_EVERY_FIGURE = ("name", "title", "analysis", "select", "log", "xlim", "ylim")
+
+TAKES = {
+    "share": ("at how many points `of` holds, of 1", ("of", "over", "relative_to")),
+    "entries": ("how often `of` comes to hold along an axis", ("of", "over")),
+    "first": ("where along an axis `of` holds first", ("of", "over")),
+    "last": ("where along an axis `of` holds last", ("of", "over")),
+    "least": ("the least of the numbers", ("over",)),
+    "greatest": ("the greatest of the numbers", ("over",)),
+    "mean": ("their mean", ("over",)),
+    "spread": ("the greatest less the least", ("over",)),
+    "peak": ("where along an axis the greatest lies", ("over",)),
+}
+"""`what` is taken of many values -> what it is, and the other keys of ``take``."""
+
+EXPECTS = {
+    '"CLASS"': 'the class is this; "not CLASS": another',
+    "{ value = V, tolerance = T }": "it differs from V by no more than T",
+    "{ less_than = V }": 'it is below V; V may be "CASE:variable", what another case holds there',
+    "{ greater_than = V }": "it is above V, likewise",
+    "{ between = [LOW, HIGH] }": "it lies there; the ends count",
+    '"increasing"': 'each step along the one axis that is left goes up; "decreasing": down',
+}
+"""Forms of ``expect`` -> when they hold."""
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a table: its name, its default as TOML ("" where there is none), its meaning."""
+
+    name: str
+    default: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind: the table that it stands in, how it is written there, what it is, and its keys."""
+
+    table: str
+    name: str
+    meaning: str
+    keys: tuple[Key, ...] = ()
+
+
+def all_kinds() -> list[Kind]:
+    """Everything that ``[[analysis]]``, ``[[initial]]``, ``[[figure]]`` and ``[[claim]]`` know."""
+    analyses = all_analyses().values()
+    return [
+        *(Kind("analysis", a.kind, a.title, _of_settings(a.settings)) for a in analyses),
+        *(
+            Kind("initial", name, meaning, keys_in(InitialTable, [*own, *OF_EVERY_START]))
+            for name, (meaning, own) in STARTS.items()
+        ),
+        *(
+            Kind("figure", name, meaning, keys_in(FigureTable, [*own, *OF_EVERY_FIGURE]))
+            for name, (meaning, own) in FIGURES.items()
+        ),
+        *(
+            Kind("claim.take", name, meaning, keys_in(TakeTable, own))
+            for name, (meaning, own) in TAKES.items()
+        ),
+        *(Kind("claim.expect", form, meaning) for form, meaning in EXPECTS.items()),
+    ]
+
+
+def _of_settings(settings: Iterable[Setting], place: str = "") -> tuple[Key, ...]:
+    """The settings of an analysis; those of one that is a table itself stand below it."""
+    found: list[Key] = []
+    for one in settings:
+        plain = isinstance(one.default, str | int | float)
+        default = "required" if one.required else json.dumps(one.default) if plain else ""
+        found.append(Key(place + one.name, default, one.description))
+        if isinstance(one, TableSetting):
+            found += _of_settings(one.keys, f"{place}{one.name}.")
+    return tuple(found)
+
+
+def keys_in(form: type[BaseModel], names: Sequence[str] = ()) -> tuple[Key, ...]:
+    """The keys of a table of a case, those called `names` or all."""
+    fields = {field.alias or name: field for name, field in form.model_fields.items()}
+    return tuple(
+        Key(name, _default(fields[name]), fields[name].description or "")
+        for name in names or list(fields)
+    )
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "required"
+    return "" if field.default in (None, {}, [], "") else json.dumps(field.default)

@@ -1,0 +1,56 @@
+"""``fiv variables``: what the analyses of a case give."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from fiv_cli.cli.common import json_option, print_json, print_table, set_option
+
+if TYPE_CHECKING:
+    from fiv_cli.analyses.variables import Variable
+
+
+@click.command("variables")
+@click.argument("case")
+@set_option
+@json_option
+def command(case: str, overrides: tuple[str, ...], as_json: bool) -> None:
+    """List the variables that the analyses of CASE give: dims, unit and meaning of each.
+
+    These are the names that a [[figure]] draws and a [[claim]] speaks of. The dims of the grid
+    come first, then `initial` where the analysis has starts, then those of the variable itself.
+
+    \b
+    Examples:
+      fiv variables configs/ch7/fig_7_06_reached.toml
+      fiv new pin-on-disc > a.toml && fiv variables a.toml
+    """
+    from fiv_cli import api
+
+    layouts = [analysis.layout for analysis in api.check(api.load(case, overrides)).analyses]
+    if as_json:
+        analyses = {layout.name: list(map(_described, layout.variables)) for layout in layouts}
+        print_json({"analyses": analyses})
+        return
+    for layout in layouts:
+        rows = [tuple(_described(variable).values()) for variable in layout.variables]
+        title = f"{layout.name}: over {', '.join(layout.dim_names) or 'one point'}"
+        print_table(title, ("name", "own dims", "unit", "what it is"), rows)
+        click.echo()
+
+
+def _described(variable: Variable) -> dict[str, str]:
+    """A variable in words."""
+    from fiv_cli.flags import TABLES
+
+    own = variable.sample_dim if variable.ragged else variable.along
+    classes = TABLES[variable.flags].codes if variable.flags else ()
+    meaning = [variable.long_name, " | ".join(classes), variable.comment]
+    return {
+        "name": variable.name,
+        "dims": own,
+        "unit": variable.units,
+        "meaning": "; ".join(part for part in meaning if part),
+    }

@@ -1,0 +1,155 @@
+"""Datasets in other hands: the CF conventions, ways back to the points, and two runs as one."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from fiv_cli import api
+from fiv_cli.analyses import all_analyses
+
+BELT: dict[str, Any] = {
+    "schema": 1,
+    "model": {"name": "belt-1dof", "parameters": {"c": 0.1}},
+    "initial": [{"kind": "state", "state": {"x": 10.0}}],
+}
+FIVE: dict[str, Any] = {"schema": 1, "model": {"name": "belt-5dof"}}
+VARIED = {"parameter": "v", "bracket": [0.5, 9.0]}
+PERIODIC = {"variable": "attractor", "expect": "periodic"}
+KINDS: dict[str, dict[str, Any]] = {
+    "history": BELT | {"analysis": [{"kind": "history", "t_end": 5.0, "sample": 0.5}]},
+    "equilibrium": FIVE | {"analysis": [{"kind": "equilibrium"}]},
+    "eigenvalues": FIVE | {"grid": {"mu_k": [0.1, 0.5]}, "analysis": [{"kind": "eigenvalues"}]},
+    "critical": FIVE
+    | {"analysis": [{"kind": "critical", "parameter": "mu_k", "bracket": [0.1, 2.0]}]},
+    "response": BELT | {"grid": {"v": [0.5, 9.0]}, "analysis": [{"kind": "response"}]},
+    "spectrum": BELT | {"analysis": [{"kind": "spectrum", "f_max": 2.0}]},
+    "spectrogram": BELT
+    | {"schedule": {"v": {"points": [[0.0, 1.0], [50.0, 2.0]]}}}
+    | {"analysis": [{"kind": "spectrogram", "t_end": 50.0, "f_max": 2.0}]},
+    "boundary": BELT | {"analysis": [{"kind": "boundary", "scan": 3, "of": PERIODIC, **VARIED}]},
+    "cycle": BELT | {"analysis": [{"kind": "cycle", **VARIED}]},
+    "plate": {"schema": 1, "model": {"name": "annular-plate"}, "analysis": [{"kind": "plate"}]},
+    "laws": BELT
+    | {"grid": {"friction": ["coulomb", "stribeck"], "initial.x": [9.0, 10.0]}}
+    | {"analysis": [{"kind": "response"}]},
+}
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+MEANING = re.compile(r"[A-Za-z0-9_.+@-]+")
+
+
+def test_every_kind_of_analysis_is_looked_at() -> None:
+    assert {*all_analyses()} <= {*KINDS}
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A dataset of each kind."""
+    path = tmp_path_factory.mktemp("cf") / f"{request.param}.nc"
+    api.run(api.load(KINDS[request.param]), path, workers=1)
+    return path
+
+
+def broken_rules(file: netCDF4.Dataset) -> Iterator[str]:
+    """What the conventions, sections 2 to 5 and 9, have against a file."""
+    for name in ("Conventions", "title", "history", "source"):
+        if not str(getattr(file, name, "")):
+            yield f"no {name}"
+    for name, variable in file.variables.items():
+        attributes = variable.__dict__
+        is_text = variable.dtype.kind in "SU" or variable.dtype is str
+        if not NAME.fullmatch(name) or not attributes.get("long_name"):
+            yield f"{name}: no name"
+        if is_text == ("units" in attributes):
+            yield f"{name}: a text has no unit, a number has one"
+        if name in file.dimensions and "_FillValue" in attributes:
+            yield f"{name}: a coordinate misses no value"
+        if not all(map(MEANING.fullmatch, attributes.get("flag_meanings", "").split())):
+            yield f"{name}: flag_meanings"
+        named = attributes.get("ancillary_variables", "").split()
+        named += attributes.get("coordinates", "").split()
+        if not {*named} <= {*file.variables}:
+            yield f"{name}: names {named}"
+        if attributes.get("sample_dimension", "initial") not in {*file.dimensions, "initial"}:
+            yield f"{name}: sample_dimension"
+
+
+def test_every_kind_of_dataset_follows_the_conventions(written: Path) -> None:
+    with netCDF4.Dataset(written) as file:
+        assert list(broken_rules(file)) == []
+
+
+def test_a_checker_of_others_has_nothing_to_say(written: Path) -> None:
+    """But that names differ in more than their case, and that a `time` begins at a date."""
+    checker = pytest.importorskip("compliance_checker.runner")
+    checker.CheckSuite().load_all_available_checkers()
+    report = written.with_suffix(".json")
+    checker.ComplianceChecker.run_checker(
+        str(written), ["cf:1.11"], 0, "strict", output_filename=str(report), output_format="json"
+    )
+    (told,) = json.loads(report.read_text()).values()
+    groups = [told[f"{priority}_priorities"] for priority in ("high", "medium", "low")]
+    messages = [message for group in groups for one in group for message in one["msgs"]]
+    known = re.compile(
+        "Coordinate variable 'time' should have standard_name|.*case sensitive.*: m$"
+    )
+    assert told["possible_points"] > 0 and [m for m in messages if not known.match(m)] == []
+
+
+def test_a_ragged_value_leads_back_to_its_point() -> None:
+    found = api.run(
+        api.load(KINDS["laws"] | {"grid": {"v": [0.5, 1.0], "N": [5.0, 10.0]}}), workers=1
+    )
+    sizes = found["section_row_size"]
+    assert sizes.sum() == found.sizes["section_obs"] > 0
+    place = np.unravel_index(found["section_point"], found["status"].shape)
+    counted = np.zeros(sizes.shape, int)
+    np.add.at(counted, place, 1)
+    np.testing.assert_array_equal(counted, sizes)
+    x = found["section_value"].values
+    assert (x >= found["x_min"].values[place] - 1e-12).all()
+    assert (x <= found["x_max"].values[place] + 1e-12).all()
+
+
+def run(**changes: Any) -> xr.Dataset:
+    """A response under changed settings."""
+    case = KINDS["response"] | {"grid": {"v": [0.5, 1.0, 9.0]}}
+    return api.run(api.load(case, overrides=changes), workers=1)
+
+
+def test_two_runs_are_one_along_a_parameter_that_neither_varied() -> None:
+    runs = [run(**{"model.parameters.c": c}) for c in (0.1, 0.2)]
+    assert [float(one["c"]) for one in runs] == [0.1, 0.2]
+    both = xr.concat(runs, "c", join="outer")
+    assert both["L_s"].dims == ("c", "v", "initial") and both["c"].values.tolist() == [0.1, 0.2]
+    for one in runs:
+        part = both.sel(c=float(one["c"]))
+        np.testing.assert_array_equal(part["L_s"], one["L_s"])
+        values = part["section_value"].dropna("section_obs")
+        np.testing.assert_array_equal(values, one["section_value"])
+
+
+def test_two_runs_are_one_along_a_parameter_that_both_varied() -> None:
+    first, second = run(), run(**{"grid.v": [2.0, 3.0]})
+    whole = run(**{"grid.v": [0.5, 1.0, 9.0, 2.0, 3.0]})
+    both = xr.concat([one.drop_dims("section_obs") for one in (first, second)], "v", join="outer")
+    for name in ("status", "attractor", "L_s", "period", "floquet_multiplier", "initial_state"):
+        np.testing.assert_array_equal(both[name], whole[name])
+    assert both["c"].ndim == 0
+
+
+def test_what_the_analysis_itself_varies_is_no_fixed_parameter() -> None:
+    found = api.run(api.load(KINDS["boundary"]), workers=1)
+    assert "v" not in found.coords and float(found["c"]) == 0.1
+    assert found["c"].attrs["units"] == "N s m-1"
+    varying = api.run(api.load(KINDS["spectrogram"]), workers=1)
+    assert varying["v"].dims[-1] == "time"

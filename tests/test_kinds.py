@@ -1,0 +1,98 @@
+"""What there is, listed: kinds of analyses, starts, figures and claims, and variables of a case."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+from pathlib import Path
+from typing import get_args
+
+import click
+import pytest
+from small_cases import BELT
+
+from fiv_cli import api
+from fiv_cli.analyses import all_analyses
+from fiv_cli.analyses.settings import TableSetting
+from fiv_cli.case.kinds import FIGURES, STARTS, TAKES, all_kinds
+from fiv_cli.case.structure import FigureKind, InitialTable, What
+from fiv_cli.cli.main import COMMANDS, run
+from fiv_cli.plots.drawing import KINDS
+
+CONFIGS = Path(__file__).parent.parent / "configs"
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert run(list(arguments)) == 0
+    return capsys.readouterr().out
+
+
+def test_every_kind_is_described() -> None:
+    assert set(FIGURES) == set(get_args(FigureKind)) == set(KINDS)
+    assert set(TAKES) == set(get_args(What))
+    assert set(STARTS) == set(get_args(InitialTable.model_fields["kind"].annotation))
+    assert [k.name for k in all_kinds() if k.table == "analysis"] == list(all_analyses())
+
+
+def test_kinds_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    out = printed(capsys, "kinds")
+    for kind in all_kinds():
+        assert re.search(rf"^{re.escape(kind.name)} +{re.escape(kind.meaning)}", out, re.MULTILINE)
+    document = json.loads(printed(capsys, "kinds", "--json"))
+    assert len(document["kinds"]) == len(all_kinds())
+
+
+@pytest.mark.parametrize("name", sorted({kind.name for kind in all_kinds() if kind.keys}))
+def test_the_keys_of_a_kind_are_listed(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    out = printed(capsys, "kinds", name)
+    for kind in all_kinds():
+        for key in kind.keys if kind.name == name else ():
+            assert key.meaning and re.search(rf"^{key.name} ", out, re.MULTILINE)
+    analysis = all_analyses().get(name)
+    for setting in () if analysis is None else analysis.settings:
+        assert setting.description in out
+        for key in setting.keys if isinstance(setting, TableSetting) else ():
+            assert f"\n{setting.name}.{key.name} " in out
+
+
+def test_the_keys_of_a_table_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "\nexpect    required  a class" in printed(capsys, "kinds", "claim")
+    assert run(["kinds", "shar"]) == 2
+    assert "did you mean 'share'?" in capsys.readouterr().err
+
+
+def test_the_variables_listed_are_those_of_the_dataset(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "belt.toml"
+    case.write_text(BELT)
+    out = printed(capsys, "variables", str(case))
+    document = json.loads(printed(capsys, "variables", str(case), "--json"))["analyses"]
+    found = api.run(api.load(case), workers=1)
+    (listed,) = document.values()
+    own = {one["name"] for one in listed}
+    sizes = {name for name in found.data_vars if str(name).endswith("_row_size")}
+    assert set(found.data_vars) - sizes <= own <= {*found.data_vars, *found.coords}
+    for one in listed:
+        array = found[one["name"]]
+        assert array.attrs.get("units", "1") == one["unit"]
+        assert array.dims[len(array.dims) - len(one["dims"].split()) :] == tuple(
+            one["dims"].split()
+        )
+        assert re.search(rf"^{one['name']} .*{re.escape(one['meaning'])}$", out, re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_names_only_cases_that_there_are(name: str) -> None:
+    command = importlib.import_module(COMMANDS[name][0]).command
+    text = click.Context(command, info_name=name).get_help()
+    shipped = {path.stem for path in CONFIGS.rglob("*.toml")}
+    assert set(re.findall(r"fig_\w+", text)) <= shipped
+    assert all(any(CONFIGS.glob(place)) for place in re.findall(r"configs/(\S+\w)", text))
+
+
+def test_help_lists_every_kind_of_figure() -> None:
+    command = importlib.import_module(COMMANDS["plot"][0]).command
+    text = " ".join(click.Context(command, info_name="plot").get_help().split())
+    assert all(re.search(rf"\b{kind}\b", text) for kind in FIGURES)
