@@ -139,7 +139,7 @@ def _leave_for(number: int, said: str = "") -> NoReturn:
 def _watch(reader: int) -> None:
     """Wait for a signal, then for the main thread to heed it, and to do what follows."""
     number = _signal_from(reader)
-    if _heeding:
+    if _heeding or _heeded:
         another, _, _ = select([reader], [], [], PATIENCE)
         if _heeded and not another:
             _signal_from(reader)
