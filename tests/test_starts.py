@@ -147,6 +147,8 @@ def test_a_table_of_starts_is_a_start_for_each_row(tmp_path: Path) -> None:
     found = api.run(filed, workers=1)
     begun = found["initial_state"].transpose("initial", "state").values.tolist()
     assert begun == [[1.0, 0.5], [0.025, -0.2], [1.0, 0.0], [1.0, 0.5]]
+    other = table(tmp_path, "# x_dot [cm/s]; x [mm]\r\n50;1000\r\n-20;25\r\n0;1000\r\n50;1e3\r\n")
+    assert fingerprint(other) == fingerprint(filed)
     assert found["initial"].values.tolist() == [f"basin-{i:03d}" for i in range(4)]
     assert (found["status"] == 0).all() and fingerprint(filed) == fingerprint(inline)
     xr.testing.assert_identical(found.drop_attrs(), api.run(inline, workers=1).drop_attrs())
@@ -177,6 +179,7 @@ def test_thousands_of_starts_are_no_burden(tmp_path: Path) -> None:
         ("x, x\n1, 2\n", "file", "the column x stands in it twice"),
         ("x, x_dot\n1, 2\n3\n", "file", "row 3 has 1 cells, and the header 2"),
         ("x\n\n", "file", "holds no starts"),
+        ("x; x_dot\n1,5; 0\n", '"row 2".x', "decimals stand behind a point"),
         ("[]\n1\n", "file", "'[]' in its header is no state"),
         (None, "file", "cannot be read: No such file"),
     ],
