@@ -44,12 +44,16 @@ from = "state"
 kind = "response"
 t_max = 200.0
 [[analysis]]
-kind = "eigenvalues"
+kind = "spectrum"
+t_max = 200.0
+f_max = 1.0
 """
 
 
 def test_the_state_that_a_motion_began_in_is_stored_for_every_kind_of_start() -> None:
-    found = api.run(api.load(tomllib.loads(KINDS)), workers=1)["response"]
+    results = api.run(api.load(tomllib.loads(KINDS)), workers=1)
+    found = results["response"]
+    xr.testing.assert_identical(results["spectrum"]["initial_state"], found["initial_state"])
     begun = found["initial_state"].transpose("v", "initial", "state")
     at = {str(label): begun.sel(initial=label).values for label in found["initial"].values}
     rest = found["L_s_reference"].sel(initial="equilibrium", state="x").values
