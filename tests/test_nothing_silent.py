@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -133,6 +134,49 @@ def test_a_run_ends_with_its_answer(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "WARNING: 7 of 10 points of response have no answer" in told
     assert fiv([*hasty, "-q"]) == 0
     assert capsys.readouterr().err == ""
+
+
+# --- what a run will cost ------------------------------------------------------------------------
+def test_an_estimate_runs_a_few_points_and_keeps_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of two single starts and a chain of three; the points are the same each time."""
+    monkeypatch.chdir(tmp_path)
+    Path("chain.toml").write_text(CHAIN + '[[analysis]]\nkind = "eigenvalues"\n')
+    assert fiv(["check", "chain.toml", "--estimate", "--json", "--workers", "3"]) == 0
+    (case,) = json.loads(capsys.readouterr().out)["cases"]
+    of_response, of_eigenvalues = case["estimates"]
+    assert of_response["points"] == [10, 10] and of_eigenvalues["points"] == [5, 5]
+    assert 6 <= of_response["sampled"] <= 15
+    for one in case["estimates"]:
+        low, high = one["seconds"]
+        assert 0.0 < low < high and one["memory"] > one["disk"] > 0.0 and one["workers"] == 3
+    assert [path.name for path in tmp_path.iterdir()] == ["chain.toml"]
+    assert fiv(["check", "chain.toml", "--estimate"]) == 0
+    assert "  estimate of response: " in capsys.readouterr().out
+
+
+def test_a_grid_of_a_hundred_million_points_is_told_what_it_means(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    case = tmp_path / "large.toml"
+    axis = "{ start = 1.0, stop = 2.0, num = 10000 }"
+    case.write_text(f'schema = 1\n[model]\nname = "belt-1dof"\n[grid]\nv = {axis}\nN = {axis}\n'
+                    '[[analysis]]\nkind = "response"\n')  # fmt: skip
+    assert fiv(["check", str(case)]) == 0
+    told = capsys.readouterr().out
+    assert "100,000,000 points: 10 h to 16 h on two workers and 72 GB of memory" in told
+    assert "--estimate" in told
+
+
+def test_a_long_run_says_so_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("fiv_cli.sweep.scheduler.LONG", 0.0)
+    monkeypatch.setattr("fiv_cli.sweep.scheduler.LARGEST_CHUNK", 1)  # a point each
+    (tmp_path / "chain.toml").write_text(CHAIN)
+    assert fiv(["run", str(tmp_path / "chain.toml"), "-o", str(tmp_path / "a.nc")]) == 0
+    assert capsys.readouterr().err.count("to go on 2 workers") == 1
 
 
 # --- claims on points without a class -----------------------------------------------------------

@@ -498,6 +498,46 @@ def test_a_map_needs_two_axes():
         draw(one_start, figure("map"))
 
 
+# --- basin --------------------------------------------------------------------------------------
+def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches():
+    dataset = data.basin()
+    one, two = draw(dataset, figure("basin")).axes
+    for ax, radius in ((one, 1.0), (two, 2.0)):
+        rest, moving = (marks_of.get_offsets() for marks_of in ax.collections)
+        assert len(rest) + len(moving) == 200
+        assert np.hypot(*rest.T).max() < radius < np.hypot(*moving.T).min()
+    colours = [to_hex(marks_of.get_facecolor()[0]) for marks_of in two.collections]
+    assert colours == [c.lower() for c in class_colours(["equilibrium", "periodic"])]
+    assert two.get_xlabel() == "$x$ at the start (m)"
+    assert one.get_ylabel() == r"$\dot{x}$ at the start (m/s)"
+
+
+def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
+    """A circle of radius 2 in a square of side 6: the share is known, the error covers it."""
+    (ax,) = draw(data.basin(speeds=(2.0,)), figure("basin", select={"Omega": 2.0})).axes
+    share, error = (float(w) for w in legend_texts(ax)[0].split()[1::2])
+    assert error == pytest.approx(np.sqrt(share * (1 - share) / 200), abs=6e-4)
+    assert abs(share - np.pi / 9.0) < 3 * error
+    (ax,) = draw(data.basin(speeds=(9.0,)), figure("basin")).axes
+    assert legend_texts(ax) == ["equilibrium (all 200)"]
+
+
+def test_basins_need_starts_that_differ_in_two_states():
+    dataset = data.basin()
+    assert [spec.kind for spec in default_figures(dataset)] == ["basin"]
+    with pytest.raises(UsageError, match="run its case again"):
+        draw(dataset.drop_vars("initial_state"), figure("basin"))
+    with pytest.raises(UsageError, match="the states are: x, x_dot"):
+        draw(dataset, figure("basin", x="y"))
+    flat = dataset.assign(initial_state=dataset["initial_state"] * [1.0, 0.0])
+    with pytest.raises(UsageError, match="fewer than two"):
+        draw(flat, figure("basin"))
+    lost = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "failed"))
+    lost["status"].attrs = dataset["status"].attrs
+    with pytest.raises(EmptyFigureError, match="failed 400"):
+        draw(lost, figure("basin"))
+
+
 # --- history, phase, spectrum ------------------------------------------------------------------
 def test_a_history_has_every_sample_and_shades_every_contact_state():
     dataset = data.history()

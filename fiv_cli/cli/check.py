@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, set_option
+from fiv_cli.cli.common import json_option, print_json, provide_cache, set_option
 from fiv_cli.errors import CaseError, FivError, printable
+
+if TYPE_CHECKING:
+    from fiv_cli.case.case import Case
+    from fiv_cli.sweep.estimate import Estimate
 
 
 @dataclass(frozen=True)
@@ -17,6 +22,7 @@ class Verdict:
 
     source: str
     plan: tuple[str, ...] = ()
+    estimates: tuple[Estimate, ...] = ()
     error: FivError | None = None
 
     @property
@@ -29,19 +35,32 @@ class Verdict:
 @click.argument("cases", nargs=-1, required=True, metavar="CASE...")
 @set_option
 @json_option
-def command(cases: tuple[str, ...], overrides: tuple[str, ...], as_json: bool) -> int:
+@click.option("--estimate", is_flag=True, help="Run a few points to say what a run will cost.")
+@click.option(
+    "--workers", type=click.IntRange(min=1), default=2, show_default=True, help="... on so many."
+)
+def command(
+    cases: tuple[str, ...],
+    overrides: tuple[str, ...],
+    as_json: bool,
+    estimate: bool,
+    workers: int,
+) -> int:
     """Check case files and print what `fiv run` would do with them.
 
     Mistakes are listed in three looks at most, first all of the form, then all unknown names, then
     all wrong values, each with its line, what is allowed and what may have been meant. Nothing is
-    computed. The exit code is 3 when a case is invalid.
+    computed, unless an estimate of time, memory and disk is asked for: some twenty seconds for
+    each analysis, of which nothing is kept. The exit code is 3 when a case is invalid.
 
     \b
     Examples:
       fiv check configs/ch7/*.toml
+      fiv check a.toml --estimate --workers 4
       fiv check a.toml --set grid.mu_k=[0.3] --set 'model.parameters.N0="30 N"'
     """
-    verdicts = [check_case(source, overrides) for source in cases]
+    on = workers if estimate else 0
+    verdicts = [check_case(source, overrides, on) for source in cases]
     if as_json:
         print_json({"cases": [_document(verdict) for verdict in verdicts]})
     else:
@@ -49,21 +68,30 @@ def command(cases: tuple[str, ...], overrides: tuple[str, ...], as_json: bool) -
     return max(verdict.exit_code for verdict in verdicts)
 
 
-def check_case(source: str, overrides: Sequence[str]) -> Verdict:
-    """Read one case and plan it; an error becomes part of the verdict."""
+def check_case(source: str, overrides: Sequence[str], workers: int = 0) -> Verdict:
+    """Read one case, plan it, and estimate its run on `workers`; an error is in the verdict."""
     from fiv_cli import api
 
     try:
-        plan = api.check(api.load(source, overrides))
+        case = api.load(source, overrides)
+        plan = tuple(api.check(case).describe())
+        return Verdict(source, plan, tuple(_estimates(case, workers)) if workers else ())
     except FivError as error:
         return Verdict(source, error=error)
-    return Verdict(source, plan=tuple(plan.describe()))
+
+
+def _estimates(case: Case, workers: int) -> Iterator[Estimate]:
+    from fiv_cli.sweep.estimate import estimate
+
+    provide_cache()
+    return estimate(case, workers, lambda sentence: click.echo(sentence, err=True))
 
 
 def _print(verdicts: Iterable[Verdict]) -> None:
     for verdict in verdicts:
         if verdict.error is None:
-            click.echo(printable("\n".join(verdict.plan)))
+            lines = [*verdict.plan, *(one.line() for one in verdict.estimates)]
+            click.echo(printable("\n".join(lines)))
         else:
             click.echo(str(verdict.error), err=True)
 
@@ -74,6 +102,7 @@ def _document(verdict: Verdict) -> dict[str, object]:
         "case": verdict.source,
         "valid": verdict.error is None,
         "plan": verdict.plan,
+        "estimates": [asdict(one) for one in verdict.estimates],
         "error": None if verdict.error is None else str(verdict.error).splitlines()[0],
         "problems": problems,
     }

@@ -53,7 +53,7 @@ def command(
 
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
-    sense (curve, bifurcation, branch). Kinds: map, bifurcation, curve, branch, eigenvalues,
+    sense (curve, bifurcation, branch). Kinds: map, basin, bifurcation, curve, branch, eigenvalues,
     history, phase, spectrum, spectrogram, mode-shape. A figure that would be empty is not written,
     and says why.
 

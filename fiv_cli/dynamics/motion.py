@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
+from operator import attrgetter
 from time import perf_counter
 from typing import NamedTuple
 
@@ -123,6 +124,9 @@ class Ledger(NamedTuple):
     residuals: Vector
 
 
+LEDGER_OF = attrgetter(*(f"ledger_{name}" for name in Ledger._fields))
+
+
 @dataclass
 class Samples:
     """The motion at given times.
@@ -232,8 +236,8 @@ class Motion:
     @property
     def ledger(self) -> Ledger:
         """Events since `keep_ledger`, or since the start."""
-        arrays = (getattr(self.frame, f"ledger_{name}") for name in Ledger._fields)
-        return Ledger(*(array[: self.frame.n_ledger] for array in arrays))
+        count = self.frame.n_ledger
+        return Ledger(*[array[:count] for array in LEDGER_OF(self.frame)])
 
     # --- parameters that vary in time -----------------------------------------------------------
     def _take_up_schedule(self, time: float) -> float:

@@ -26,6 +26,7 @@ from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
+from fiv_cli.notation.amounts import duration, size
 from fiv_cli.sweep.refine import Maps, maps_of
 from fiv_cli.sweep.requests import (
     StartEntry,
@@ -42,6 +43,11 @@ from fiv_cli.sweep.requests import (
 )
 
 Positions = NDArray[np.int64]
+
+# What points take in a sweep of a million (README, "How fast it is"), and of how many it is said.
+USUAL_SECONDS = (360e-6, 560e-6)
+USUAL_BYTES = 720.0
+MANY = 100_000
 
 
 @dataclass(frozen=True)
@@ -114,8 +120,8 @@ class AnalysisPlan:
 
     def _chains(self, index: int, entry: StartEntry) -> Positions:
         numbers = np.arange(self.size).reshape(self.layout.shape)[..., index]
-        dim = _dim_of(self.layout.dims, entry.spec.along)
-        order = _visiting_order(self.layout.dims[dim], entry)
+        dim = dim_of(self.layout.dims, entry.spec.along)
+        order = visiting_order(self.layout.dims[dim], entry)
         along_last = np.moveaxis(numbers, dim, -1)[..., order]
         return along_last.reshape(-1, len(order))
 
@@ -223,7 +229,8 @@ class Plan:
             f"  model {case.model}, friction {_laws(case)}",
             *(f"  {_curve_text(name, points)}" for name, points in case.schedule.curves),
         ]
-        return head + [line for analysis in self.analyses for line in _described(analysis)]
+        lines = [line for analysis in self.analyses for line in _described(analysis)]
+        return [*head, *lines, *([_cost_of(self.size)] if self.size >= MANY else [])]
 
 
 def make_plan(case: Case) -> Plan:
@@ -312,11 +319,11 @@ def _dims(case: Case, uses_starts: bool) -> tuple[Dim, ...]:
     return tuple(Dim(axes) for axes in wanted if axes)
 
 
-def _dim_of(dims: tuple[Dim, ...], name: str) -> int:
+def dim_of(dims: tuple[Dim, ...], name: str) -> int:
     return next(i for i, dim in enumerate(dims) if name in [axis.name for axis in dim.axes])
 
 
-def _visiting_order(dim: Dim, entry: StartEntry) -> list[int]:
+def visiting_order(dim: Dim, entry: StartEntry) -> list[int]:
     """Indices along `dim` by rising or falling value of the axis that is followed."""
     axis = next(axis for axis in dim.axes if axis.name == entry.spec.along)
     indices = range(dim.size)
@@ -394,6 +401,15 @@ def _refined_text(maps: Maps, layout: Layout) -> str:
     return (
         f"{coarse} halved {halved} along the borders of {maps.refinement.of}: "
         f"{least} to {layout.size} points are run, the class of the others is filled in"
+    )
+
+
+def _cost_of(points: int) -> str:
+    """What so many points take if they are as cheap as the README's."""
+    low, high = (duration(points * seconds) for seconds in USUAL_SECONDS)
+    return (
+        f"  {points:,} points: {low} to {high} on two workers and {size(points * USUAL_BYTES)} of "
+        "memory where they are as cheap as those of the README; --estimate runs a few to say more"
     )
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from fiv_cli import ending
 from fiv_cli.errors import FivError
 from fiv_cli.flags import STATUS
+from fiv_cli.notation.amounts import HOUR, duration
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
@@ -38,6 +39,12 @@ LONGEST_CHUNK = 20.0
 
 LARGEST_CHUNK = 64 * 2**20
 """Bytes that the results of a chunk may take."""
+
+LONG = HOUR
+"""Seconds that a run may still take without a word."""
+
+SETTLED = 5
+"""Tasks after which what they cost says what the rest will."""
 
 LOADING = 1.0
 """Seconds that a first point may take to load code before it counts as slow itself."""
@@ -131,6 +138,7 @@ class Scheduler:
     _flights: dict[Future[Result], _Flight] = field(default_factory=dict)
     _held: Job | None = None
     _stopped: bool = False
+    _is_told: bool = False
     _dispatched: int = 0
     _fruitless: int = 0
     _beats: int = 0
@@ -231,6 +239,22 @@ class Scheduler:
         for row, message in result.block.messages.items():
             self.log(f"point {job.positions[row]}: {message}")
         self.progress.advance(len(job.positions), failed)
+        self._tell_if_long(queue, pace)
+
+    def _tell_if_long(self, queue: Queue, pace: Pace) -> None:
+        """Say once that a run will take long, as soon as its first tasks tell."""
+        if self._is_told or pace.tasks < SETTLED or pace.seconds_per_point is None:
+            return
+        limit = self.policy.max_points
+        left = queue.left if limit is None else min(queue.left, limit - self._dispatched)
+        seconds = pace.seconds_per_point * left / self.policy.workers
+        if seconds > LONG:
+            self._is_told = True
+            self.progress.note(
+                f"some {duration(seconds)} to go on {self.policy.workers} workers, at "
+                f"{duration(pace.seconds_per_point)} a point; Ctrl-C keeps what is finished, "
+                "`fiv check --estimate` says more"
+            )
 
     def _run_in_workers(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
         """Keep the workers busy, take what is finished, repair what broke."""

@@ -28,6 +28,7 @@ from fiv_cli.analyses.cycles.periodic import (
     Passage,
     Problem,
     Shooting,
+    across_flow,
     anchor_at,
     begin,
     close,
@@ -268,10 +269,8 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
     anchor = frame.anchor_of(unknowns[:-1])
     period = frame.period_of(problem, unknowns[:-1])
     shift = to_longest_piece(found.around.times, period)
-    motion, behind = (
-        _later(there, at, _same_phase(problem, there, shift))
-        for there, at in ((problem, anchor), (line.at(before.value), frame.anchor))
-    )
+    motion = _later(problem, anchor, shift)
+    behind = _later(line.at(before.value), frame.anchor, shift * frame.period / period)
     moved = describe(problem, anchor_at(problem, motion), period) if motion and behind else None
     if motion is None or behind is None or moved is None:
         return None
@@ -281,15 +280,20 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
     return None if point is None else _unreversed(before, point, float(gone[-1]))
 
 
-def _unreversed(before: Point, point: Point, gone: float) -> Point:
-    """`point` with its direction turned round where it contradicts where the parameter `gone`.
+def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
+    """`point`, of the same events as `before`, with a direction that suits where the parameter has
+    `gone`.
 
-    Between two cycles of the same events that both lie well off a fold there is none.
+    Where both directions contradict that the step has jumped, and there is none. Where the new one
+    alone does, and both cycles lie well off a fold, it is turned round.
     """
+    if before.cycle.signature != point.cycle.signature:
+        return point
+    ahead, onward = gone * before.slope, before.slope * point.slope
+    if ahead < 0.0 < onward:
+        return None
     steep = min(abs(before.slope), abs(point.slope)) > STEEP
-    same = before.cycle.signature == point.cycle.signature
-    reversed_ = gone * before.slope > 0.0 > before.slope * point.slope
-    return replace(point, tangent=-point.tangent) if steep and same and reversed_ else point
+    return replace(point, tangent=-point.tangent) if steep and onward < 0.0 < ahead else point
 
 
 def _within(line: Continuation, value: float) -> float:
@@ -306,16 +310,13 @@ def _later(problem: Problem, anchor: Anchor, span: float) -> Motion | None:
     return motion if motion.run(motion.time + span) == Stop.REACHED else None
 
 
-def _same_phase(here: Problem, beside: Problem, span: float) -> float:
-    """The time over which another problem's excitation turns as far as over `span`, s."""
-    if here.excitation is None or beside.excitation is None:
-        return span
-    return span * beside.excitation / here.excitation
-
-
 def _framed(line: Continuation, cycle: Cycle, value: float, way: Vector) -> Point | None:
     """The point of the branch at `cycle`, going on along `way` (physical units)."""
-    frame = shooting(line.at(value), cycle.anchor, cycle.period, cycle.scales)
+    place = cycle.anchor, cycle.period, cycle.scales
+    if cycle.autonomous:
+        frame = across_flow(*place, cycle.around.rates)
+    else:
+        frame = shooting(line.at(value), *place)
     unknowns = np.append(frame.start, value / line.span)
     jacobian = _jacobian(line, frame, frame.start, value, cycle.around)
     if jacobian is None:

@@ -142,10 +142,9 @@ def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
 
 def _stability(cycle: Cycle) -> str:
     """In words; neutral where a neighbour keeps its distance."""
-    largest = float(np.max(np.abs(cycle.nontrivial), initial=0.0))
-    if abs(largest - 1.0) <= NEUTRAL:
+    if abs(cycle.largest - 1.0) <= NEUTRAL:
         return "neutral"
-    return "stable" if largest < 1.0 else "unstable"
+    return "stable" if cycle.stable else "unstable"
 
 
 # --- its branch ----------------------------------------------------------------------------------
@@ -195,9 +194,7 @@ def _branch_arrays(points: list[Point], observed: int) -> dict[str, object]:
         "branch_period": np.array([cycle.period for cycle in cycles]),
         "branch_min": np.array([cycle.extremes[0, observed] for cycle in cycles]),
         "branch_max": np.array([cycle.extremes[1, observed] for cycle in cycles]),
-        "branch_multiplier": np.array(
-            [np.max(np.abs(cycle.nontrivial), initial=0.0) for cycle in cycles]
-        ),
+        "branch_multiplier": np.array([cycle.largest for cycle in cycles]),
         "branch_stable": [_stability(cycle) for cycle in cycles],
     }
 

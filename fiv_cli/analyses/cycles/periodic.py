@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,7 +110,8 @@ def begin(problem: Problem, anchor: Anchor, events: int = 0) -> Motion:
         problem.system, problem.parameters, problem.solver, anchor.state.copy(), time,
         anchor.sticking, events,
     )  # fmt: skip
-    return _closed(problem, anchor, motion, events) if _parted(anchor, motion) else motion
+    opened = SEPARATION in motion.kinds.tolist() and _parted(anchor, motion)
+    return _closed(problem, anchor, motion, events) if opened else motion
 
 
 def _parted(anchor: Anchor, motion: Motion) -> int:
@@ -337,9 +339,15 @@ def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) ->
         turns = max(round(period / problem.excitation), 1)
         return Shooting(anchor, turns * problem.excitation, scales, None, turns)
     motion = begin(problem, anchor)
-    flow = motion.rates() / scales if motion.started else np.zeros_like(scales)
+    rates = motion.rates() if motion.started else np.zeros_like(scales)
+    return across_flow(replace(anchor, state=motion.y.copy()), period, scales, rates)
+
+
+def across_flow(anchor: Anchor, period: float, scales: Vector, rates: Vector) -> Shooting:
+    """The closing conditions of a free period about a point that moves on with these rates."""
+    flow = rates / scales
     normal = flow / max(float(np.linalg.norm(flow)), np.finfo(float).tiny)
-    return Shooting(replace(anchor, state=motion.y.copy()), period, scales, normal, 0)
+    return Shooting(anchor, period, scales, normal, 0)
 
 
 def newton(
@@ -358,11 +366,11 @@ def newton(
     here, equations, slow = start, conditions(start), 0.0 if inverse is None else SLOW
 
     def bounded(trial: Vector) -> Equations | None:
-        return conditions(trial) if np.linalg.norm(trial - start) <= reach else None
+        return conditions(trial) if _length(trial - start) <= reach else None
 
     if equations is None:
         return None
-    if inverse is not None and np.linalg.norm(inverse @ equations.values) > reach:
+    if inverse is not None and _length(inverse @ equations.values) > reach:
         return None
     for _ in range(NEWTON_STEPS):
         known = inverse_of(equations.jacobian()) if inverse is None else inverse
@@ -402,7 +410,7 @@ def _chords(
     shares : of the first step that are tried; several where the derivative is that of `here`
     slow : share of the conditions beyond which what a step leaves asks for another derivative
     """
-    left = 0.0 if shares is SHORTENED else 1.0
+    left, before = 0.0 if shares is SHORTENED else 1.0, _length(equations.values)
     for _ in range(CHORDS):
         values = equations.values
         step = -inverse @ values
@@ -410,11 +418,12 @@ def _chords(
         if size <= CONVERGED and size * left <= SPENT:
             is_root = bool(abs(values).max() <= CLOSED)
             return (here + step, equations, True) if is_root else (here, None, False)
-        moved = _shortened(conditions, here, step / max(1.0, size), shares, equations)
+        moved = _shortened(conditions, here, step / max(1.0, size), shares, before)
         if moved is None:
             return here, None if shares is SHORTENED else equations, False
         taken, (here, equations), shares = moved[0] - here, moved, SHORTENED[:1]
-        left, change = _norm(equations) / float(np.linalg.norm(values)), equations.values - values
+        after, change = _length(equations.values), equations.values - values
+        left, before = after / before, after
         seen = taken @ inverse
         if left > slow or not seen @ change > 0.0:
             break
@@ -423,22 +432,19 @@ def _chords(
 
 
 def _shortened(
-    conditions: Conditions,
-    here: Vector,
-    step: Vector,
-    shares: tuple[float, ...],
-    equations: Equations,
+    conditions: Conditions, here: Vector, step: Vector, shares: tuple[float, ...], before: float
 ) -> tuple[Vector, Equations] | None:
-    """The longest share of a step that improves the conditions, and the equations there."""
+    """Where the longest share of a step leads that leaves less than `before`; the equations."""
     for share in shares:
         found = conditions(here + share * step)
-        if found is not None and _norm(found) < _norm(equations):
+        if found is not None and _length(found.values) < before:
             return here + share * step, found
     return None
 
 
-def _norm(equations: Equations) -> float:
-    return float(np.linalg.norm(equations.values))
+def _length(vector: Vector) -> float:
+    """Euclidean norm (numpy's own takes twice as long)."""
+    return sqrt(float(vector @ vector))
 
 
 # --- cycles --------------------------------------------------------------------------------------
@@ -472,10 +478,15 @@ class Cycle:
         """The multipliers without that of the flow's direction."""
         return self.multipliers[is_nontrivial(self.multipliers, self.autonomous)]
 
+    @cached_property
+    def largest(self) -> float:
+        """Modulus of the largest nontrivial multiplier."""
+        return float(np.max(np.abs(self.nontrivial), initial=0.0))
+
     @property
     def stable(self) -> bool:
         """Whether neighbours come nearer."""
-        return bool(np.max(np.abs(self.nontrivial), initial=0.0) < 1.0)
+        return self.largest < 1.0
 
     @cached_property
     def scales(self) -> Vector:
