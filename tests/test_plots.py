@@ -467,6 +467,16 @@ def test_lines_at_levels_of_several_maps_lie_in_one_panel():
     assert ax.get_ylabel() == "normal preload $N_0$ (N)"
 
 
+def test_lines_of_a_map_have_their_levels_written_on_them():
+    dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
+    levels = {"variable": "L_s", "level": [1e-3, 2e-4]}
+    for overlay in (False, True):
+        ax = draw(dataset, figure("map", overlay=overlay, **levels)).axes[0]
+        assert {text.get_text() for text in ax.texts} == {"0.001", "0.0002"}
+    (ax,) = draw(dataset, figure("map", variable="L_s", level=1e-3, overlay=True)).axes
+    assert not ax.texts  # the legend names the only one
+
+
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     dataset = data.stability_map()
     dataset["L_s"][:, :, 0] = 1.0
@@ -774,6 +784,7 @@ def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
     top, _ = draw(dataset, figure("eigenvalues")).axes
     assert "mode 2, nonlinear" in legend_texts(top)
     assert "mode 2, linear" not in legend_texts(top)
+    assert "mode 1, linear" in legend_texts(top)
 
 
 def test_a_line_stands_where_modes_merge():
@@ -806,9 +817,14 @@ def test_a_mode_can_be_selected_by_its_number():
     dataset = data.eigenvalues().assign_coords(mode=range(4))
     top, _ = draw(dataset, figure("eigenvalues", select={"mode": 2})).axes
     assert np.array_equal(
-        marks(top, "mode 2")[:, 1], dataset["eigenvalue_real"][:, 2], equal_nan=True
+        marks(top, "mode = 2")[:, 1], dataset["eigenvalue_real"][:, 2], equal_nan=True
     )
-    assert not [line for line in top.lines if line.get_label() == "mode 0"]
+    assert len([text for text in legend_texts(top) if text.startswith("mode")]) == 1
+
+
+def test_modes_are_counted_as_modes_not_as_eigenvalues():
+    top, _ = draw(data.eigenvalues(), figure("eigenvalues")).axes
+    assert legend_texts(top)[:2] == ["mode 1", "mode 2"]
 
 
 @pytest.mark.parametrize(
