@@ -342,7 +342,7 @@ def attacks_on_datasets(rng: random.Random) -> Iterator[tuple[str, list[str], se
         yield how, ["regress", f"sweep-{name}", "--workers", "1"], right
 
 
-KINDS = ("map", "bifurcation", "curve", "eigenvalues", "history", "phase", "spectrum",
+KINDS = ("map", "basin", "bifurcation", "curve", "eigenvalues", "history", "phase", "spectrum",
          "spectrogram", "mode-shape", "branch")  # fmt: skip
 
 

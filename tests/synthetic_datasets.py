@@ -148,6 +148,18 @@ def stability_map(initial=("reached", "exists"), nx=21, ny=17):
     return response(attractor, L_s, axes(Omega=omega, N0=preload, initial=initial), status)
 
 
+def basin(count=200, speeds=(1.0, 2.0)):
+    """Random starts in x and x_dot: within a circle of radius `speeds` they come to rest."""
+    starts = np.random.default_rng(3).uniform(-3.0, 3.0, (len(speeds), count, 2))
+    inside = np.hypot(*np.moveaxis(starts, -1, 0)) < np.array(speeds)[:, None]
+    attractor = np.where(inside, "equilibrium", "periodic").astype(object)
+    coords = axes(Omega=speeds, initial=[f"any-{number:03d}" for number in range(count)])
+    dataset = response(attractor, np.zeros(attractor.shape), coords)
+    dataset["initial_state"] = ((*coords, "state"), starts, {"units": "1"})
+    units = ("state", ["m", "m s-1"])
+    return dataset.assign_coords(state=["x", "x_dot"], state_units=units)
+
+
 def history(labels=("far", "near"), omega=9.0, t_end=8.0, sample=0.01):
     """Motions with stick, one per label; the last sample lies off the raster."""
     time = np.append(np.arange(0.0, t_end, sample), t_end + 0.3 * sample)

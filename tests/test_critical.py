@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import cos, pi, sin, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from fiv_cli.analyses.rest import crossings
 from fiv_cli.analyses.rest.crossings import Crossing, Sample, side_by_side
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import modes_at
-from fiv_cli.analyses.rest.modes import Modes
+from fiv_cli.analyses.rest.modes import modes_of
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import CaseError
@@ -242,6 +243,11 @@ def find_crossings(
     return found
 
 
+def sample(at: float, values: Any, shapes: Any) -> Sample:
+    """The modes at one value of the parameter."""
+    return Sample(at, modes_of(values[None], shapes[None])[0])
+
+
 def probe_of(*eigenvalues: Callable[[float], complex]) -> Callable[[float], Sample]:
     """Uncoupled modes: each eigenvalue and, where it is complex, its conjugate."""
 
@@ -249,7 +255,7 @@ def probe_of(*eigenvalues: Callable[[float], complex]) -> Callable[[float], Samp
         values = [z for f in eigenvalues for z in {complex(f(at)), complex(f(at)).conjugate()}]
         ordered = sorted(values, key=lambda z: (abs(z.imag), -z.imag))
         places = [values.index(z) for z in ordered]
-        return Sample(at, Modes(np.array(ordered), np.eye(len(values), dtype=complex)[places]))
+        return sample(at, np.array(ordered), np.eye(len(values), dtype=complex)[places])
 
     return probe
 
@@ -321,7 +327,7 @@ def test_weakly_coupled_modes_that_pass_flutter_in_between(coupling: float) -> N
         rates = np.diag([2.0 + 4.0 * at, 2.0 + 4.0 * centre]) * 1j - damping * np.eye(2)
         values, shapes = np.linalg.eig(rates + coupling * np.array([[0.0, 1.0], [1.0, 0.0]]))
         order = np.argsort(values.imag)
-        return Sample(at, Modes(values[order], shapes.T[order]))
+        return sample(at, values[order], shapes.T[order])
 
     found = find_crossings(probe, 0.0, 1.0)
     reach = sqrt(coupling**2 - damping**2) / 2.0
@@ -349,7 +355,7 @@ def test_the_ends_of_the_equilibrium() -> None:
     known = probe_of(lambda s: complex(-1.0, 3.0))
 
     def probe(at: float) -> Sample:
-        nothing = Sample(at, Modes(np.zeros(0, complex), np.zeros((0, 0), complex)))
+        nothing = sample(at, np.zeros(0, complex), np.zeros((0, 0), complex))
         return known(at) if 0.2 < at < 0.7 else nothing
 
     found = find_crossings(probe, 0.0, 1.0)

@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.rest.modes import Modes
+from fiv_cli.analyses.rest.modes import followed as matched
+from fiv_cli.analyses.rest.modes import modes_of
 from fiv_cli.api import analyse
 from fiv_cli.data.modes import coupling_points, follow_grid, follow_modes
 
@@ -105,7 +106,8 @@ def test_matching_gives_each_mode_one_successor(seed: int) -> None:
     matrices = generator.normal(size=(2, 6, 6))
     pairs = [np.linalg.eig(matrix) for matrix in matrices]
     (old, old_vectors), (new, new_vectors) = [(v.astype(complex), w.T) for v, w in pairs]
-    order = Modes(new, new_vectors.astype(complex)).follow(Modes(old, old_vectors.astype(complex)))
+    vectors = np.array([old_vectors, new_vectors], complex)
+    (order,) = matched([tuple(modes_of(np.array([old, new]), vectors))])
     assert sorted(order) == list(range(6))
     for mode in np.flatnonzero(old.imag > 0.0):
         if new[order[mode]].imag > 0.0:

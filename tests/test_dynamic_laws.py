@@ -9,6 +9,7 @@ from scipy.linalg import expm
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.codegen.codes import CODE_SEPARATION
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.settings import Section
@@ -118,3 +119,14 @@ def test_steady_sliding_and_its_modes_tend_to_those_of_the_set_valued_law() -> N
         np.testing.assert_allclose(x, x_exact, rtol=1e-14)
         errors.append(found["eigenvalues"]["growth_rate"] - exact["eigenvalues"]["growth_rate"])
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("law", ["dahl", "lugre"])
+def test_bristles_of_an_open_contact_stay_as_they_were(law: str) -> None:
+    """Also where the slip turns round, which nothing marks while the contact is open."""
+    start = {"x1": 0.02, "x1_dot": 5.1, "y1": 0.02, "y1_dot": 1.0, "deflection": 1e-4}
+    begun = motion("belt-5dof", law, start, mu_k=0.3)
+    assert begun.y[begun.system.places["x1_dot"]] > 5.0  # the speed of the belt
+    begun.run(0.004)
+    assert begun.y[begun.system.places["x1_dot"]] < 5.0 and begun.codes == [CODE_SEPARATION]
+    assert begun.y[begun.system.places["deflection"]] == 1e-4

@@ -467,6 +467,16 @@ def test_lines_at_levels_of_several_maps_lie_in_one_panel():
     assert ax.get_ylabel() == "normal preload $N_0$ (N)"
 
 
+def test_lines_of_a_map_have_their_levels_written_on_them():
+    dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
+    levels = {"variable": "L_s", "level": [1e-3, 2e-4]}
+    for overlay in (False, True):
+        ax = draw(dataset, figure("map", overlay=overlay, **levels)).axes[0]
+        assert {text.get_text() for text in ax.texts} == {"0.001", "0.0002"}
+    (ax,) = draw(dataset, figure("map", variable="L_s", level=1e-3, overlay=True)).axes
+    assert not ax.texts  # the legend names the only one
+
+
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     dataset = data.stability_map()
     dataset["L_s"][:, :, 0] = 1.0
@@ -496,6 +506,46 @@ def test_a_map_needs_two_axes():
     one_start = data.bifurcation().isel(initial=[0])[["status", "attractor", "L_s"]]
     with pytest.raises(UsageError, match="two axes"):
         draw(one_start, figure("map"))
+
+
+# --- basin --------------------------------------------------------------------------------------
+def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches():
+    dataset = data.basin()
+    one, two = draw(dataset, figure("basin")).axes
+    for ax, radius in ((one, 1.0), (two, 2.0)):
+        rest, moving = (marks_of.get_offsets() for marks_of in ax.collections)
+        assert len(rest) + len(moving) == 200
+        assert np.hypot(*rest.T).max() < radius < np.hypot(*moving.T).min()
+    colours = [to_hex(marks_of.get_facecolor()[0]) for marks_of in two.collections]
+    assert colours == [c.lower() for c in class_colours(["equilibrium", "periodic"])]
+    assert two.get_xlabel() == "$x$ at the start (m)"
+    assert one.get_ylabel() == r"$\dot{x}$ at the start (m/s)"
+
+
+def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
+    """A circle of radius 2 in a square of side 6: the share is known, the error covers it."""
+    (ax,) = draw(data.basin(speeds=(2.0,)), figure("basin", select={"Omega": 2.0})).axes
+    share, error = (float(w) for w in legend_texts(ax)[0].split()[1::2])
+    assert error == pytest.approx(np.sqrt(share * (1 - share) / 200), abs=6e-4)
+    assert abs(share - np.pi / 9.0) < 3 * error
+    (ax,) = draw(data.basin(speeds=(9.0,)), figure("basin")).axes
+    assert legend_texts(ax) == ["equilibrium (all 200)"]
+
+
+def test_basins_need_starts_that_differ_in_two_states():
+    dataset = data.basin()
+    assert [spec.kind for spec in default_figures(dataset)] == ["basin"]
+    with pytest.raises(UsageError, match="run its case again"):
+        draw(dataset.drop_vars("initial_state"), figure("basin"))
+    with pytest.raises(UsageError, match="the states are: x, x_dot"):
+        draw(dataset, figure("basin", x="y"))
+    flat = dataset.assign(initial_state=dataset["initial_state"] * [1.0, 0.0])
+    with pytest.raises(UsageError, match="fewer than two"):
+        draw(flat, figure("basin"))
+    lost = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "failed"))
+    lost["status"].attrs = dataset["status"].attrs
+    with pytest.raises(EmptyFigureError, match="failed 400"):
+        draw(lost, figure("basin"))
 
 
 # --- history, phase, spectrum ------------------------------------------------------------------
@@ -734,6 +784,7 @@ def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
     top, _ = draw(dataset, figure("eigenvalues")).axes
     assert "mode 2, nonlinear" in legend_texts(top)
     assert "mode 2, linear" not in legend_texts(top)
+    assert "mode 1, linear" in legend_texts(top)
 
 
 def test_a_line_stands_where_modes_merge():
@@ -766,9 +817,14 @@ def test_a_mode_can_be_selected_by_its_number():
     dataset = data.eigenvalues().assign_coords(mode=range(4))
     top, _ = draw(dataset, figure("eigenvalues", select={"mode": 2})).axes
     assert np.array_equal(
-        marks(top, "mode 2")[:, 1], dataset["eigenvalue_real"][:, 2], equal_nan=True
+        marks(top, "mode = 2")[:, 1], dataset["eigenvalue_real"][:, 2], equal_nan=True
     )
-    assert not [line for line in top.lines if line.get_label() == "mode 0"]
+    assert len([text for text in legend_texts(top) if text.startswith("mode")]) == 1
+
+
+def test_modes_are_counted_as_modes_not_as_eigenvalues():
+    top, _ = draw(data.eigenvalues(), figure("eigenvalues")).axes
+    assert legend_texts(top)[:2] == ["mode 1", "mode 2"]
 
 
 @pytest.mark.parametrize(

@@ -249,6 +249,7 @@ FigureKind = Literal[
     "curve",
     "bifurcation",
     "map",
+    "basin",
     "history",
     "phase",
     "spectrum",
@@ -268,8 +269,12 @@ class FigureTable(Table):
     name: str | None = Field(default=None, description="unique name; default: the kind")
     title: str | None = Field(default=None, description="title; default: the case's")
     analysis: str | None = Field(default=None, description="name of the analysis to draw")
-    x: str | None = Field(default=None, description="horizontal: an axis, or a state (phase)")
-    y: str | None = Field(default=None, description="vertical: an axis (map) or a state (phase)")
+    x: str | None = Field(
+        default=None, description="horizontal: an axis, or a state (phase, basin)"
+    )
+    y: str | None = Field(
+        default=None, description="vertical: an axis (map) or a state (phase, basin)"
+    )
     variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
     select: dict[str, Wanted] = Field(
         default={}, description="axis or initial -> value, list of values or condition to draw"

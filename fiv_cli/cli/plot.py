@@ -53,7 +53,7 @@ def command(
 
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
-    sense (curve, bifurcation, branch). Kinds: map, bifurcation, curve, branch, eigenvalues,
+    sense (curve, bifurcation, branch). Kinds: map, basin, bifurcation, curve, branch, eigenvalues,
     history, phase, spectrum, spectrogram, mode-shape. A figure that would be empty is not written,
     and says why.
 
@@ -111,6 +111,10 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
     from fiv_cli.reading.datasets import read_analyses
 
     sources = [(file, read_analyses(file)) for file in files]
+    for file, source in sources:
+        partial = next(iter(source.values())).attrs.get("partial")
+        if partial:
+            click.echo(f"{file}: partial, {partial}", err=True)
     for number, (file, source) in enumerate(sources):
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")

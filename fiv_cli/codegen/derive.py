@@ -203,7 +203,7 @@ class _Deriver:
         self._constrain(kinds, stuck, names)
         forces = self._forces(kinds, stuck, names)
         names.update(forces.nodes)
-        rates = self._rates(names)
+        rates = self._rates(kinds, names)
         return ContactState(
             kinds=kinds,
             values=tuple(names[self._entry(name)] for name in self.state_names),
@@ -400,12 +400,13 @@ class _Deriver:
         return [build(slope, names) for slope in slopes], build(rest, names)
 
     # --- rates, guards, outputs -------------------------------------------------------------------
-    def _rates(self, names: Mapping[Expr, Node]) -> list[Node]:
+    def _rates(self, kinds: tuple[int, ...], names: Mapping[Expr, Node]) -> list[Node]:
         build = self.graph.build
         rates = [names[self.symbols.velocity(name)] for name in self.coordinates]
         rates += [build(self.equations.accelerations[name], names) for name in self.coordinates]
-        for contact in range(len(self.contacts)):
-            rates += self._internal_rates(contact, names)
+        for contact, kind in enumerate(kinds):
+            apart = [self.graph.zero] * len(self.law.states)  # what nothing touches stays as it is
+            rates += apart if kind == SEPARATION else self._internal_rates(contact, names)
         return rates
 
     def _internal_rates(self, contact: int, names: Mapping[Expr, Node]) -> list[Node]:

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.rest.modes import Complex, Modes, Order
+from fiv_cli.analyses.rest.modes import Complex, Modes, Order, followed, modes_of
 
 # Two modes merge where they come to differ more in growth than in frequency, if they then differ
 # in both by less than this share of the frequency: with much damping they pass at a distance.
@@ -105,13 +106,14 @@ class _Row:
         """Where something was computed, (points,)."""
         return np.asarray(np.isfinite(self.values).all(axis=1))
 
-    def modes(self, point: int) -> Modes:
-        """The modes of a point as they are stored."""
-        return Modes(self.values[point], self.vectors[point])
+    @cached_property
+    def modes(self) -> list[Modes]:
+        """The modes of each point as they are stored."""
+        return modes_of(self.values, self.vectors)
 
     def ordered(self, point: int) -> Modes:
         """The modes of a point in their order."""
-        return self.modes(point).taken(self.orders[point])
+        return self.modes[point].taken(self.orders[point])
 
     def joined_to(self, rows: list[_Row]) -> int:
         """Number one point as its neighbour in the first of `rows` that has one; its place."""
@@ -119,7 +121,7 @@ class _Row:
             both = np.flatnonzero(self.known() & row.known())
             if both.size:
                 place = int(both[0])
-                self.orders[place] = self.modes(place).follow(row.ordered(place))
+                self.orders[place] = followed([(row.ordered(place), self.modes[place])])[0]
                 return place
         found = np.flatnonzero(self.known())
         return int(found[0]) if found.size else 0
@@ -131,9 +133,8 @@ class _Row:
         for points in (upwards, downwards):
             last = self.ordered(first)
             for point in points.tolist():
-                modes = self.modes(point)
-                self.orders[point] = modes.follow(last)
-                last = modes.taken(self.orders[point])
+                (self.orders[point],) = followed([(last, self.modes[point])])
+                last = self.ordered(point)
 
 
 # --- the dataset's axes ---------------------------------------------------------------------------

@@ -5,7 +5,8 @@
 z is the deflection of the surfaces' asperities, sigma_0 its stiffness per unit of normal force, so
 that the law holds under any load, also one that vanishes; the thesis' sigma_0, a force per length,
 is sigma_0 N. In steady sliding F_T = mu_k N. There is no static friction and no break-away: under a
-constant force the contact holds, under a pulsating one it creeps.
+constant force the contact holds, under a pulsating one it creeps. While a contact is open the
+deflection stays as it was.
 """
 
 from __future__ import annotations

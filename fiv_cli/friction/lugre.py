@@ -9,9 +9,9 @@ force, so that the law holds under any load, also one that vanishes (Canudas de 
 v. `delta` is a whole number, 2 in the original: Canudas de Wit, Olsson, Astrom & Lischinsky, IEEE
 Trans. Automatic Control 40 (1995) 419-425.
 
-It does not stick: under a pulsating force below break-away the contact creeps. Apart from what the
-bristles store it only takes energy where sigma_1^2 |v| <= 4 g (sigma_1 + sigma_2). Stiff bristles
-cost steps of the order of g/(sigma_0 |v|).
+It does not stick: under a pulsating force below break-away the contact creeps. While it is open the
+bristles stay as they were. Apart from what they store it only takes energy where sigma_1^2 |v| <=
+4 g (sigma_1 + sigma_2). Stiff bristles cost steps of the order of g/(sigma_0 |v|).
 """
 
 from __future__ import annotations

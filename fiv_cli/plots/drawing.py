@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import (
+    basin,
     bifurcation,
     branch,
     curve,
@@ -54,6 +55,7 @@ class Kind:
 # In the order in which a dataset without [[figure]] tables is asked what suits it.
 KINDS: dict[str, Kind] = {
     "map": Kind(map_.suits, map_.draw),
+    "basin": Kind(basin.suits, basin.draw),
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True),
     "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
@@ -67,8 +69,9 @@ KINDS: dict[str, Kind] = {
 
 # A default figure is left out where a figure before it says the same and more.
 SAID_BY = {
-    "bifurcation": {"map"},
-    "curve": {"map", "eigenvalues"},
+    "basin": {"map"},
+    "bifurcation": {"map", "basin"},
+    "curve": {"map", "basin", "eigenvalues"},
     "eigenvalues": {"map"},
     "spectrum": {"history"},
     "spectrogram": {"history"},

@@ -58,12 +58,12 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     colours = [c for c in style.line_colours(len(modes) + 1) if c != style.VERMILLION]
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
-        for (mode, label_of_mode), colour in zip(modes.items(), colours, strict=False):
+        for (mode, name_of_mode), colour in zip(modes.items(), colours, strict=False):
             y = part[name].isel(mode=mode).values
             if not np.any(np.isfinite(y)):
                 continue  # under other options the model has more modes
             dash = DASHES[number % len(DASHES)]
-            label = points.joined(f"mode {label_of_mode}", line.label)
+            label = points.joined(name_of_mode, line.label)
             ax.plot(x, y, dash, color=colour, label=label)
             unstable = part[PARTS[0]].isel(mode=mode).values > 0.0
             ax.plot(
@@ -85,8 +85,14 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
 
 
 def _modes(dataset: xr.Dataset) -> dict[int, str]:
-    """Place -> number of the modes to draw: of a conjugate pair the one of positive frequency."""
+    """Place -> name of the modes to draw: of a conjugate pair the one of positive frequency.
+
+    They are counted from 1 where all are there; of a selection each is called as it was selected.
+    """
     numbers = select.axis_of(dataset, "mode").values
     imaginary = dataset["eigenvalue_imag"].transpose(..., "mode").values.reshape(-1, numbers.size)
     twins = (imaginary < 0.0).any(axis=0) & ~(imaginary >= 0.0).any(axis=0)
-    return {place: str(numbers[place]) for place in np.flatnonzero(~twins).tolist()}
+    places = np.flatnonzero(~twins).tolist()
+    if numbers.tolist() == list(range(numbers.size)):
+        return {place: f"mode {count}" for count, place in enumerate(places, start=1)}
+    return {place: f"mode = {numbers[place]}" for place in places}

@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
@@ -20,6 +22,7 @@ from fiv_cli.reading.datasets import ends_of, flag_names
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.contour import QuadContourSet
     from matplotlib.typing import ColorType
 
 STYLES = ("solid", "dashed", "dotted", "dashdot")
@@ -53,15 +56,28 @@ def draw(
     planes: Sequence[np.ndarray],
     levels: Sequence[float],
     colour: ColorType,
+    *,
+    named: bool = True,
 ) -> None:
-    """Lines of a plane, shape (points along y, points along x), where its ends reach the levels."""
+    """Lines of a plane, shape (points along y, points along x), where its ends reach the levels.
+
+    Each has its level written on it, if they are `named`.
+    """
     for level, dashes in zip(levels, STYLES, strict=False):
         for plane in planes:
             if not _beside(plane, level):
-                ax.contour(
+                lines = ax.contour(
                     *places, plane, levels=[level], colors=[colour], linestyles=dashes,
                     linewidths=1.5,
                 )  # fmt: skip
+                if named:
+                    _name(ax, lines, level)
+
+
+def _name(ax: Axes, lines: QuadContourSet, level: float) -> None:
+    size = mpl.rcParams["legend.fontsize"]
+    for text in ax.clabel(lines, fmt={level: f"{level:g}"}, fontsize=size):
+        text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
 
 
 def _beside(plane: np.ndarray, level: float) -> str:
@@ -87,7 +103,7 @@ def overlay(
         raise UsageError("maps are overlaid as lines, and no `level` says which")
     colours = style.line_colours(len(planes))
     for (_, ends), colour in zip(planes, colours, strict=True):
-        draw(ax, places, ends, levels, colour)
+        draw(ax, places, ends, levels, colour, named=len(levels) > 1)
     handles = [
         Line2D([], [], color=colour, label=_entry(label, ends, levels))
         for (label, ends), colour in zip(planes, colours, strict=True)

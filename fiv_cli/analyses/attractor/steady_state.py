@@ -146,7 +146,12 @@ class Rests:
         """Of sliding at the first equilibrium, 1/s."""
         if self.first is None:
             return None
-        return np.linalg.eigvals(free_jacobian(self.unexcited, self.first)).astype(complex)
+        return np.linalg.eigvals(self.jacobians[0]).astype(complex)
+
+    @cached_property
+    def jacobians(self) -> list[NDArray[np.float64]]:
+        """Of sliding at each of them, of the free states, 1/s."""
+        return [free_jacobian(self.unexcited, solution) for solution in self.solutions]
 
     @cached_property
     def natural_period(self) -> float:
@@ -166,8 +171,10 @@ class Rests:
     def level_sets(self) -> list[LevelSet]:
         """About every stable one."""
         sets = (
-            level_set(self.unexcited, y, free_jacobian(self.unexcited, y), number)
-            for number, y in enumerate(self.solutions, start=1)
+            level_set(self.unexcited, y, jacobian, number)
+            for number, (y, jacobian) in enumerate(
+                zip(self.solutions, self.jacobians, strict=True), start=1
+            )
         )
         return [levels for levels in sets if levels is not None]
 

@@ -18,7 +18,7 @@ import math
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ from fiv_cli.analyses.rest.linearisation import (
     sliding_system,
     sliding_systems,
 )
-from fiv_cli.analyses.rest.modes import Modes
+from fiv_cli.analyses.rest.modes import Modes, followed, modes_of
 from fiv_cli.dynamics.system import System
 
 Real = NDArray[np.float64]
@@ -78,7 +78,7 @@ class Sample:
     @property
     def scale(self) -> float:
         """Modulus of the largest eigenvalue, rad/s."""
-        return self.modes.scale
+        return float(np.abs(self.values).max())
 
     @property
     def growing(self) -> NDArray[np.bool_]:
@@ -91,11 +91,11 @@ class Sample:
         """Number of growing modes; -1 where there is no equilibrium."""
         return int(self.growing.sum()) if self.exists else -1
 
-    def after(self, previous: Sample) -> Sample:
+    def after(self, previous: Sample) -> Scan[Sample]:
         """The same with its modes in the order in which they continue those of `previous`."""
         if not (self.exists and previous.exists):
             return self
-        modes = self.modes.taken(self.modes.follow(previous.modes))
+        modes = self.modes.taken((yield previous.modes, self.modes))
         return self if modes is self.modes else Sample(self.at, modes)
 
 
@@ -126,7 +126,8 @@ class Crossing:
 
 
 Found = TypeVar("Found")
-Scan = Generator[Sequence[float], Sequence[Sample], Found]
+Wish = list[float] | tuple[Modes, Modes]
+Scan = Generator[Wish, Any, Found]
 
 
 class ScanTooLong(Exception):
@@ -171,19 +172,29 @@ def side_by_side(
     answer : the modes for each (place of the scan, value) that is asked for
     """
     found: list[Found | None] = [None] * len(scans)
-    wanted: dict[int, Sequence[float]] = dict.fromkeys(range(len(scans)), ())
+    wanted: dict[int, Wish] = {}
+
+    def send(place: int, given: object) -> None:
+        try:
+            wanted[place] = scans[place].send(given)
+        except StopIteration as end:
+            found[place] = end.value
+        except ScanTooLong:
+            pass
+
+    for place in range(len(scans)):
+        send(place, None)
     while wanted:
-        asked = [(place, at) for place, values in wanted.items() for at in values]
-        samples = iter(answer(asked) if asked else ())
-        wanted, answered = {}, wanted
-        for place, values in answered.items():
-            given = list(islice(samples, len(values)))
-            try:
-                wanted[place] = scans[place].send(given) if given else next(scans[place])
-            except StopIteration as end:
-                found[place] = end.value
-            except ScanTooLong:
-                pass
+        while pairs := {place: wish for place, wish in wanted.items() if isinstance(wish, tuple)}:
+            for place, order in zip(pairs, followed(list(pairs.values())), strict=True):
+                del wanted[place]
+                send(place, order)
+        asked = {place: wish for place, wish in wanted.items() if isinstance(wish, list)}
+        wanted.clear()
+        values = [(place, at) for place, wish in asked.items() for at in wish]
+        samples = iter(answer(values) if values else ())
+        for place, wish in asked.items():
+            send(place, list(islice(samples, len(wish))))
     return found
 
 
@@ -241,15 +252,16 @@ def _samples(
     system: System, points: Sequence[Mapping[str, float]], which: str, values: Sequence[float]
 ) -> list[Sample]:
     """The modes at the first equilibrium of each point, where the parameter has these values."""
-    nowhere = Modes(np.zeros(0, complex), np.zeros((0, 0), complex))
+    nowhere = Modes(np.zeros(0, complex), np.zeros((0, 0), complex), np.zeros(0, np.intp))
     samples = [Sample(at, nowhere) for at in values]
     for rows, sliding in sliding_systems(system, points, which):
         firsts = [one.states[:1] for one in equilibria_at(sliding)]
         exist = [place for place, first in enumerate(firsts) if first]
         if exist:
-            modes = modes_at(sliding[exist], np.array([firsts[place][0] for place in exist]))
-            for row, own, vectors in zip(rows[exist].tolist(), *modes, strict=True):
-                samples[row] = Sample(values[row], Modes(own, vectors.T))
+            own, vectors = modes_at(sliding[exist], np.array([firsts[place][0] for place in exist]))
+            modes = modes_of(own, vectors.swapaxes(1, 2))
+            for row, one in zip(rows[exist].tolist(), modes, strict=True):
+                samples[row] = Sample(values[row], one)
     return samples
 
 
@@ -298,15 +310,15 @@ class _Scan:
     def piece(self, left: Sample, right: Sample) -> Scan[Sample]:
         """Find what lies between two samples; the right one with its modes in order."""
         (middle,) = yield from self.ask((left.at + right.at) / 2.0)
-        middle = middle.after(left)
-        followed = right.after(middle)
+        middle = yield from middle.after(left)
+        ordered = yield from right.after(middle)
         try:
-            if _is_resolved(left, middle, followed):
-                self.found += yield from self.roots(left, followed)
-                return followed
+            if _is_resolved(left, middle, ordered):
+                self.found += yield from self.roots(left, ordered)
+                return ordered
             if right.at - left.at <= self.narrowest and not _differs(middle, left, right):
-                self.found += yield from self.singularity(left, followed)
-                return followed
+                self.found += yield from self.singularity(left, ordered)
+                return ordered
         except _Hole as hole:
             middle = hole.sample
         yield from self.ask((left.at + middle.at) / 2.0, (middle.at + right.at) / 2.0)
@@ -366,7 +378,8 @@ class _Scan:
         near = left if share < 0.5 else right
         expected = (1.0 - share) * left.values + share * right.values
         (sample,) = yield from self.ask(at)
-        return sample.after(Sample(at, Modes(expected, near.modes.vectors)))
+        (modes,) = modes_of(expected[None], near.modes.shapes[None])
+        return (yield from sample.after(Sample(at, modes)))
 
     def singularity(self, left: Sample, right: Sample) -> Scan[list[Crossing]]:
         """What changes across a piece that cannot be resolved."""
@@ -375,7 +388,8 @@ class _Scan:
             return [_end(*ends)]
         if left.unstable != right.unstable:
             low, high = yield from self.bisected(left, right, _same_count(left, right))
-            return [_branching(low.after(left), high)]
+            low = yield from low.after(left)
+            return [_branching(low, (yield from high.after(low)))]
         return []
 
     def bisected(
@@ -548,7 +562,6 @@ def _end(low: Sample, high: Sample) -> Crossing:
 
 def _branching(low: Sample, high: Sample) -> Crossing:
     """A change of stability where modes branch (a root), or do not hang together (a jump)."""
-    high = high.after(low)
     rises = _count(high) > _count(low)
     mode, growing = _most_changed(low, high) if rises else _most_changed(high, low)
     moved = float(np.abs(high.values - low.values).max())

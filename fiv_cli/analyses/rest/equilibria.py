@@ -385,14 +385,18 @@ def _roots(coefficients: Vector) -> NDArray[np.complex128]:
     (polynomials, degree): NaN behind those of a polynomial of a lower degree
     """
     falling = coefficients[:, ::-1]
-    roots = np.full((len(falling), coefficients.shape[1] - 1), np.nan, complex)
-    plain = (falling[:, 0] != 0.0) & (falling[:, -1] != 0.0)  # else lower, or zero is a root
-    companions = np.tile(_shift(roots.shape[1]), (int(plain.sum()), 1, 1))
-    companions[:, 0] = -falling[plain, 1:] / falling[plain, :1]
-    roots[plain] = np.linalg.eigvals(companions)
-    for row in np.flatnonzero(~plain):
-        found = np.roots(falling[row])
-        roots[row, : len(found)] = found
+    degree = falling.shape[1] - 1
+    roots = np.full((len(falling), degree), np.nan, complex)
+    some = falling != 0.0
+    spans = np.column_stack([some.argmax(axis=1), degree - some[:, ::-1].argmax(axis=1)])
+    for first, last in set(map(tuple, spans.tolist())):  # of lower degrees, with zero as a root
+        rows = np.flatnonzero((spans == (first, last)).all(axis=1) & some.any(axis=1))
+        companions = np.tile(_shift(last - first), (len(rows), 1, 1))
+        if last > first:
+            own = falling[rows, first : last + 1]
+            companions[:, 0] = -own[:, 1:] / own[:, :1]
+        roots[rows, : last - first] = np.linalg.eigvals(companions)
+        roots[rows, last - first : degree - first] = 0.0
     return roots
 
 

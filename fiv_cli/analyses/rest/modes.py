@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,66 +25,82 @@ class Modes:
     Attributes
     ----------
     values : eigenvalues, (modes,)
-    vectors : eigenvectors as rows, (modes, states)
+    shapes : eigenvectors of unit length as rows, (modes, states)
+    twins : place of the conjugate of each mode, of a real one its own; -1: they are not in pairs
     """
 
     values: Complex
-    vectors: Complex
-
-    @cached_property
-    def scale(self) -> float:
-        """Modulus of the largest eigenvalue."""
-        return float(np.abs(self.values).max())
-
-    @cached_property
-    def shapes(self) -> Complex:
-        """The vectors, of unit length."""
-        return _unit_rows(self.vectors)
-
-    @cached_property
-    def twins(self) -> list[int]:
-        """See `_conjugates`."""
-        return _conjugates(self.values.tolist())
-
-    def follow(self, old: Modes) -> Order:
-        """For each old mode the one that continues it: near in value and alike in shape.
-
-        Returns
-        -------
-        (modes,): places; conjugate pairs go to conjugate pairs
-        """
-        scale = max(old.scale, np.finfo(float).tiny)
-        cost = np.abs(old.values[:, None] - self.values) / scale
-        cost += SHAPE * (1.0 - np.abs(old.shapes.conj() @ self.shapes.T))
-        cost += TURNED * (old.values.imag[:, None] * self.values.imag < 0.0)
-        cost += _ties(len(cost)) * self.values.real / scale
-        return _paired(_cheapest(cost), old, self)
+    shapes: Complex
+    twins: Order
 
     def taken(self, order: Order) -> Modes:
         """The same in another order."""
         if order.tolist() == list(range(len(order))):
             return self
-        return Modes(self.values[order], self.vectors[order])
+        twins = self.twins if self.twins[0] < 0 else np.argsort(order)[self.twins[order]]
+        return Modes(self.values[order], self.shapes[order], twins)
 
 
-@cache
-def _ties(count: int) -> NDArray[np.float64]:
-    """What a growth rate weighs for each old mode, (modes, 1)."""
-    return TIE * np.linspace(0.0, 1.0, count)[:, None]
+def modes_of(values: Complex, vectors: Complex) -> list[Modes]:
+    """The modes of each of some systems.
+
+    Parameters
+    ----------
+    values : (systems, modes)
+    vectors : as rows, (systems, modes, states)
+    """
+    parts = zip(values, _unit_rows(vectors), _twins(values), strict=True)
+    return [Modes(*own) for own in parts]
+
+
+def followed(pairs: Sequence[tuple[Modes, Modes]]) -> Order:
+    """For each old mode of a pair the new one that continues it: near in value, alike in shape.
+
+    Parameters
+    ----------
+    pairs : old and new modes, as many in each
+
+    Returns
+    -------
+    (pairs, modes): places; conjugate pairs go to conjugate pairs
+    """
+    old, new = zip(*pairs, strict=True)
+    cost = _cost(*(np.array([getattr(one, part) for one in some])
+                   for some in (old, new) for part in ("values", "shapes")))  # fmt: skip
+    orders = _cheapest(cost)
+    twins, new_twins = (np.array([one.twins for one in some]) for some in (old, new))
+    mixed = np.take_along_axis(orders, twins, 1) != np.take_along_axis(new_twins, orders, 1)
+    told = (twins >= 0).all(axis=1) & (new_twins >= 0).all(axis=1)
+    for place in np.flatnonzero(mixed.any(axis=1) & told).tolist():
+        orders[place] = _paired(orders[place], *pairs[place])
+    return orders
+
+
+def _cost(
+    values: Complex, shapes: Complex, new_values: Complex, new_shapes: Complex
+) -> NDArray[np.float64]:
+    """What it costs that a new mode continues an old one, (pairs, old modes, new modes)."""
+    scale = np.maximum(np.abs(values).max(axis=1), np.finfo(float).tiny)[:, None, None]
+    values, new_values = values[:, :, None], new_values[:, None, :]
+    cost: NDArray[np.float64] = np.abs(values - new_values) / scale
+    cost += SHAPE * (1.0 - np.abs(shapes.conj() @ new_shapes.swapaxes(1, 2)))
+    cost += TURNED * (values.imag * new_values.imag < 0.0)
+    cost += TIE * np.linspace(0.0, 1.0, cost.shape[1])[:, None] * new_values.real / scale
+    return cost
 
 
 def _cheapest(cost: NDArray[np.float64]) -> Order:
-    """The column of each row in the assignment of least cost.
+    """The column of each row in the assignment of least cost, for each matrix.
 
     Mostly every row has its cheapest column to itself, and nothing is to be weighed.
     """
-    cheapest = cost <= cost.min(axis=1, keepdims=True)
-    if (cheapest.sum(axis=0) == 1).all():
-        return cheapest.argmax(axis=1)
-    from scipy.optimize import linear_sum_assignment
+    cheapest = cost <= cost.min(axis=2, keepdims=True)
+    orders: Order = cheapest.argmax(axis=2)
+    for place in np.flatnonzero((cheapest.sum(axis=1) != 1).any(axis=1)):
+        from scipy.optimize import linear_sum_assignment
 
-    order: Order = linear_sum_assignment(cost)[1]
-    return order
+        orders[place] = linear_sum_assignment(cost[place])[1]
+    return orders
 
 
 def _paired(order: Order, old: Modes, new: Modes) -> Order:
@@ -92,36 +108,33 @@ def _paired(order: Order, old: Modes, new: Modes) -> Order:
 
     Where two modes merge, the halves of the two pairs could else be mixed.
     """
-    places, twins, new_twins = order.tolist(), old.twins, new.twins
-    if not (twins and new_twins) or all(
-        places[twin] == new_twins[place] for twin, place in zip(twins, places, strict=True)
-    ):
-        return order
-    upper, new_upper = old.values.imag > 0.0, new.values.imag > 0.0
-    for mode in range(len(places)):
-        if upper[mode] and new_upper[places[mode]]:
-            twin, holder = twins[mode], places.index(new_twins[places[mode]])
+    places = order.tolist()
+    for mode in np.flatnonzero(old.values.imag > 0.0):
+        if new.values[places[mode]].imag > 0.0:
+            twin, holder = old.twins[mode], places.index(new.twins[places[mode]])
             places[twin], places[holder] = places[holder], places[twin]
     return np.array(places, np.intp)
 
 
-def _conjugates(values: list[complex]) -> list[int]:
-    """Place of the conjugate of each eigenvalue; of a real one its own; empty: not in pairs."""
-    places = list(range(len(values)))
-    ranked = sorted(places, key=[(value.real, abs(value.imag)) for value in values].__getitem__)
-    upper = [place for place in ranked if values[place].imag > 0.0]
-    lower = [place for place in ranked if values[place].imag < 0.0]
-    if len(upper) != len(lower):
-        return []
-    for one, other in zip(upper, lower, strict=True):
-        places[one], places[other] = other, one
-    return places
+def _twins(values: Complex) -> Order:
+    """See `Modes.twins`, for each row: by rising real part, then modulus of the imaginary one."""
+    count = values.shape[1]
+    signs = np.sign(values.imag)
+    ranked = np.lexsort((np.abs(values.imag), values.real, signs))  # lower, real, upper
+    lower, upper = (signs < 0.0).sum(axis=1), (signs > 0.0).sum(axis=1)
+    reach, places = (count - lower)[:, None], np.arange(count)
+    partners = np.where(places < lower[:, None], places + reach, places)
+    partners = np.where(places >= reach, places - reach, partners)
+    twins = np.empty(values.shape, np.intp)
+    np.put_along_axis(twins, ranked, np.take_along_axis(ranked, partners % count, 1), 1)
+    twins[lower != upper] = -1
+    return twins
 
 
 def _unit_rows(vectors: Complex) -> Complex:
     if not np.isfinite(vectors).all():
         vectors = np.nan_to_num(vectors)
-    lengths = np.sqrt((vectors.conj() * vectors).real.sum(axis=1, keepdims=True))
+    lengths = np.sqrt((vectors.conj() * vectors).real.sum(axis=-1, keepdims=True))
     lengths[lengths == 0.0] = 1.0
     result: Complex = vectors / lengths
     return result

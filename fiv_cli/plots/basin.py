@@ -1,0 +1,135 @@
+"""Basins: the starts of the motions over two of their components, coloured by what they reach.
+
+The share of the starts that reach a class estimates the volume of its basin. Of starts drawn at
+random its standard error is sqrt(p (1 - p) / n) (Menck et al., Nature Physics 9 (2013) 89).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.transforms import ScaledTranslation
+
+from fiv_cli.errors import UsageError
+from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import map as map_
+from fiv_cli.reading.datasets import class_names, flag_names, is_class
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+STARTS = "initial_state"
+FEWEST = 10  # starts that make a figure of their own
+UNDER_LABEL = 3.8  # letters' sizes under a panel: ticks and a label stand between
+MARKS = ("o", "s", "^", "D", "x", "P", "v")
+
+
+def suits(dataset: xr.Dataset) -> bool:
+    """Whether the dataset holds many starts, and what they reach."""
+    if STARTS not in dataset or "attractor" not in dataset:
+        return False
+    return dataset.sizes["initial"] >= FEWEST and len(_varying(dataset)) >= 2
+
+
+def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
+    """A panel for each value of the other axes; the shares of the classes beside them."""
+    dataset = layers[0].dataset
+    names = _components(dataset, settings)
+    known = is_class(dataset["status"], ("ok", "budget"))
+    points.refuse_empty(dataset, bool(known.any()), "attractor")
+    panels = points.lines(dataset, ["initial"], points.grid_dims(dataset))
+    map_.refuse_many(panels, dataset["attractor"], ["initial"])
+    figure, axes, columns = style.grid_of_panels(
+        len(panels), map_.MOST_COLUMNS, points.title(dataset), sharex=True, sharey=True
+    )
+    for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
+        _scatter(ax, dataset.isel(panel.index), names)
+        ax.set_title(panel.label)
+        ax.set_xlabel(_label(dataset, names[0]))
+        ax.set_ylabel(_label(dataset, names[1]) if number % columns == 0 else "")
+        points.scale(ax, settings)
+        _name_shares(ax)
+    return figure
+
+
+def _varying(dataset: xr.Dataset) -> list[str]:
+    """The components in which the starts of some point differ."""
+    starts = dataset[STARTS]
+    spread = starts.max("initial") - starts.min("initial")
+    differ = (spread > 0.0).any([dim for dim in spread.dims if dim != "state"])
+    names = [str(name) for name in dataset["state"].values]
+    return [name for name, does in zip(names, differ.values, strict=True) if does]
+
+
+def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, str]:
+    """The components to draw: as the figure says, else a state and its velocity if both vary.
+
+    Raises
+    ------
+    UsageError : the starts are not in the dataset, or it has no such state
+    """
+    if STARTS not in dataset:
+        raise UsageError(
+            "the starts of the motions are not in this dataset\\n"
+            "next: run its case again; response analyses keep them (initial_state)"
+        )
+    known, free = [str(name) for name in dataset["state"].values], _varying(dataset)
+    for which in ("x", "y"):
+        name = str(settings.get(which, known[0]))
+        if name not in known:
+            raise UsageError(f"{which} = {name}: no state\\nthe states are: {', '.join(known)}")
+    if len(free) < 2 and not {"x", "y"} <= set(settings):
+        raise UsageError(
+            "the starts differ in fewer than two components\\n"
+            "next: draw a curve, or give [[initial]] a box in two states"
+        )
+    x = str(settings.get("x", free[0] if free else known[0]))
+    partner = f"{x}_dot" if f"{x}_dot" in free else next(name for name in [*free, x] if name != x)
+    return x, str(settings.get("y", partner))
+
+
+def _label(dataset: xr.Dataset, name: str) -> str:
+    unit = labels.unit_text(str(dataset["state_units"].sel(state=name).values))
+    return f"${labels.symbol_of_name(name)}$ at the start ({unit})"
+
+
+def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
+    """The starts of one panel; the legend of the panel has the shares."""
+    x, y = (part[STARTS].sel(state=name).values for name in names)
+    reached = class_names(part["attractor"])
+    answered = reached != NOT_COMPUTED
+    table = [name for name in flag_names(part["attractor"].attrs).values() if name in reached]
+    size = 3.5 * style.dot_size(len(x))
+    for name, colour in zip(table, style.class_colours(table), strict=True):
+        mask = reached == name
+        share = _share(int(mask.sum()), int(answered.sum())) if name != NOT_COMPUTED else ""
+        ax.scatter(
+            x[mask], y[mask], size, color=colour, marker=MARKS[table.index(name) % len(MARKS)],
+            lw=0.5, label=f"{name.replace('_', ' ')} {share}".rstrip(),
+            rasterized=len(x) > style.MANY_MARKS,
+        )  # fmt: skip
+
+
+def _name_shares(ax: Axes) -> None:
+    """A legend of the classes and their shares under a panel."""
+    figure = ax.figure.figure
+    down = -UNDER_LABEL * mpl.rcParams["font.size"] / style.POINTS
+    under = ax.transAxes + ScaledTranslation(0.0, down, figure.dpi_scale_trans)
+    ax.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=under, borderaxespad=0.0,
+        title="share ± standard error",
+    )  # fmt: skip
+
+
+def _share(count: int, total: int) -> str:
+    """A share with its standard error: ``0.62 ± 0.03``; where all are one class, of how many."""
+    if count == total:
+        return f"(all {total})"
+    share = count / total
+    return f"{share:.3f} ± {np.sqrt(share * (1.0 - share) / total):.3f}"
