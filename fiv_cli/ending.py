@@ -5,7 +5,8 @@ waits for itself, or within a finalizer, where it is lost. So the handlers only 
 watching thread, which also runs while the main thread is in compiled code, ends the process at
 once where there is nothing to put in order. Within `heeded` it leaves that to the work itself,
 which calls `heed` between its steps; it steps in where no such point is reached in time, or when
-a second signal comes. To be ended at any instant is safe: files appear whole or not at all.
+a second signal comes. What follows where one was heeded may take its time. To be ended at any
+instant is safe: files appear whole or not at all.
 
 A signal that was ignored on entry (a job in the background, ``nohup``) stays ignored.
 """
@@ -36,6 +37,7 @@ _SHOW_CURSOR = b"\x1b[?25h"  # a progress bar hides it
 
 _noted: list[int] = []
 _heeding: list[object] = []
+_heeded: list[object] = []
 _last_acts: list[Callable[[], object]] = []
 _starting = threading.Lock()
 
@@ -65,6 +67,7 @@ def heed() -> None:
         the program was asked to end.
     """
     if _noted:
+        _heeded.append(None)
         raise Ended(NAMES[_noted[0]])
 
 
@@ -115,17 +118,17 @@ def disregard() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-def finish() -> None:
-    """Say which signal ended the program, and leave; nothing where none did."""
+def finish(said: str = "") -> None:
+    """Say which signal ended the program, or `said`, and leave; nothing where none did."""
     if _noted:
-        _leave_for(_noted[0])
+        _leave_for(_noted[0], said)
 
 
-def _leave_for(number: int) -> NoReturn:
+def _leave_for(number: int, said: str = "") -> NoReturn:
     """End the process without running anything more of it but the last acts."""
     with contextlib.suppress(OSError):  # a terminal that is gone
         show_cursor = _SHOW_CURSOR if os.isatty(2) else b""
-        os.write(2, show_cursor + f"{NAMES[number]}\n".encode())
+        os.write(2, show_cursor + f"{said or NAMES[number]}\n".encode())
     _starting.acquire(timeout=PATIENCE)
     for act in reversed(_last_acts):
         with contextlib.suppress(Exception):
@@ -134,9 +137,17 @@ def _leave_for(number: int) -> NoReturn:
 
 
 def _watch(reader: int) -> None:
-    """Wait for a signal, then for the main thread to heed it."""
+    """Wait for a signal, then for the main thread to heed it, and to do what follows."""
+    number = _signal_from(reader)
+    if _heeding or _heeded:
+        another, _, _ = select([reader], [], [], PATIENCE)
+        if _heeded and not another:
+            _signal_from(reader)
+    _leave_for(number)
+
+
+def _signal_from(reader: int) -> int:
+    """The next signal that asks for an end."""
     while (number := os.read(reader, 1)[0]) not in NAMES:
         pass
-    if _heeding:
-        select([reader], [], [], PATIENCE)
-    _leave_for(number)
+    return number

@@ -143,8 +143,13 @@ def test_the_dataset_of_another_case_is_left_alone(capsys: pytest.CaptureFixture
 def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> None:
     assert fiv(["status", "pin.toml"]) == 0
     assert "0 of 4 points done" in capsys.readouterr().out
-    assert fiv(["run", "pin.toml", "--max-points", "3", "-q"]) == 4
+    assert fiv(["run", "pin.toml", "--max-points", "3", "-q"]) == 0
     capsys.readouterr()
+    assert fiv(["status", "pin.toml", "--exit-code"]) == 8
+    assert fiv(["show", "runs/pin.nc"]) == 0
+    assert "partial      3 of 4 points" in capsys.readouterr().out
+    assert fiv(["plot", "runs/pin.nc", "--figure", "curve"]) == 0
+    assert "runs/pin.nc: partial, 3 of 4 points" in capsys.readouterr().err
     assert fiv(["status", "pin.toml", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["counts"]["ok"] == 3

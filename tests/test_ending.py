@@ -26,6 +26,7 @@ AT_ONCE = STRUCK + "Finalised()\ntime.sleep(60.0)"
 HEEDED = (
     STRUCK
     + """
+ending.PATIENCE = 1.0
 with ending.last_act(lambda: print("last act", flush=True)):
     try:
         with ending.heeded():
@@ -34,6 +35,7 @@ with ending.last_act(lambda: print("last act", flush=True)):
             ending.heed()
             print("went on")
     except ending.Ended:
+        time.sleep(1.2)
         print("puts in order", flush=True)
     ending.finish()
 """

@@ -109,7 +109,7 @@ def test_workers_chunks_and_interruptions_leave_no_trace(tmp_path: Path) -> None
     for count in (1, 50, 100, 200):
         partial = sweep(tmp_path / "parts.nc", text, max_points=count, chunk_points=40)
         assert (partial.ran, partial.complete) == (count, False)
-        assert "so far" in partial.lines()[-1]
+        assert "so far" in partial.lines()[-2]
     assert sweep(tmp_path / "parts.nc", text).complete
     assert (tmp_path / "parts.nc").read_bytes() == expected
     (tmp_path / "parts.nc").unlink()

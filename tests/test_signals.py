@@ -15,6 +15,8 @@ import pytest
 from disturbed import ENDING, PATIENCE, Run, ignoring, wait_for
 from small_cases import FAR
 
+from fiv_cli.data.hdf5 import read_attributes
+
 SEED = 20
 WORKERS = ("--time-limit", "600")  # starts workers at once
 POINTS = FAR.format(v=10, N=40, transient=1000.0, t_max=2000.0)
@@ -82,6 +84,19 @@ def test_a_long_integration_is_ended(tmp_path: Path, number: signal.Signals) -> 
         endless.send(number)
         assert endless.code(10.0) == 128 + number
         assert "the same command goes on from here" in endless.said
+
+
+def test_what_there_is_becomes_a_dataset_and_then_the_whole_one(
+    tmp_path: Path, datasets: dict[str, bytes]
+) -> None:
+    with run(tmp_path, POINTS, *WORKERS) as ended:
+        wait_for(lambda: list(tmp_path.glob("a.run/shards/*.h5")), "no progress")
+        ended.send(signal.SIGINT, to_all=True)
+        assert ended.code(10.0) == 130
+        last = ended.said.splitlines()[-1]
+    told = read_attributes(tmp_path / "a.nc")["partial"]
+    assert last == f"interrupted: a.nc holds {told}; the same command goes on from here"
+    assert finished(tmp_path, POINTS) == datasets[POINTS]
 
 
 @pytest.mark.parametrize(("number", "pause"), [*zip(ENDING, (0.1, 0.0, 0.3), strict=True)])

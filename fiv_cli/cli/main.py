@@ -59,11 +59,12 @@ Start here:
 
 \b
 Exit codes:
-  0  done                            5  a difference (diff, regress, verify, claims)
+  0  done, or as much as asked for   5  a difference (diff, regress, verify, claims)
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
-  3  an input file is invalid        129 SIGHUP    130 Ctrl-C    143 SIGTERM
-  4  finished, but some points failed or ran out of budget
+  3  an input file is invalid        8  points are still to run (status --exit-code)
+  4  points failed or ran out of     129 SIGHUP    130 Ctrl-C    143 SIGTERM
+     budget
 
 \b
 Every option has a twin in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
@@ -139,8 +140,8 @@ def main() -> NoReturn:
     ending.take_over()
     try:
         code = run(sys.argv[1:])
-    except (ending.Ended, OSError):  # the latter: a terminal that is gone
-        ending.finish()
+    except (ending.Ended, OSError) as error:  # the latter: a terminal that is gone
+        ending.finish(str(error) if isinstance(error, ending.Ended) else "")
         raise
     ending.disregard()
     sys.exit(code)

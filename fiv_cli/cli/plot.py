@@ -111,6 +111,10 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
     from fiv_cli.reading.datasets import read_analyses
 
     sources = [(file, read_analyses(file)) for file in files]
+    for file, source in sources:
+        partial = next(iter(source.values())).attrs.get("partial")
+        if partial:
+            click.echo(f"{file}: partial, {partial}", err=True)
     for number, (file, source) in enumerate(sources):
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")

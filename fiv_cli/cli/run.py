@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.run import Summary
 
-INCOMPLETE = 4
-"""Exit code: finished, but some points failed, ran out of budget or are still to do."""
+UNSOUND = 4
+"""Exit code: some points failed or ran out of budget. That points are left to run, as --max-points
+asked for, is no failure: `fiv run --max-points 10 CASE && fiv plot ...` goes on."""
 
 
 @click.command("run")
@@ -46,7 +47,11 @@ INCOMPLETE = 4
     default=True,
     help="Go on after a failed point (default), or stop.",
 )
-@click.option("--max-points", type=click.IntRange(min=0), help="Run at most so many points now.")
+@click.option(
+    "--max-points",
+    type=click.IntRange(min=0),
+    help="Run at most so many points now; exit code 0 if none failed.",
+)
 @click.option(
     "--time-limit",
     type=click.FloatRange(min=0.0, min_open=True),
@@ -70,8 +75,12 @@ def command(
     """Run case files; each becomes one NetCDF dataset, whose path is printed.
 
     What is finished is kept in STEM.run beside the dataset: after a crash, Ctrl-C or kill the
-    same command goes on where it stopped, and the dataset is the same to the last bit. A longer
+    same command goes on where it stopped, and the dataset is the same to the last bit. Until then
+    the dataset says that it is partial (`fiv show`, `fiv plot`, its attribute `partial`). A longer
     axis computes only its new points.
+
+    Exit code: 0 where no point failed, also where --max-points left points to run (`fiv status
+    --exit-code` then gives 8); 4 where some failed or ran out of budget.
 
     \b
     Examples:
@@ -95,7 +104,7 @@ def command(
     summaries = [
         _run(case, path, policy, quiet, verbose) for case, path in zip(loaded, outputs, strict=True)
     ]
-    return 0 if all(summary.complete for summary in summaries) else INCOMPLETE
+    return 0 if all(summary.sound for summary in summaries) else UNSOUND
 
 
 def load_all(sources: Sequence[str], overrides: Sequence[str]) -> list[Case]:

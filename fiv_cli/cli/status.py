@@ -9,6 +9,9 @@ import click
 
 from fiv_cli.cli.common import json_option, plain, print_json, set_option
 
+STILL_TO_RUN = 8
+"""Exit code, where it is asked for."""
+
 
 @dataclass(frozen=True)
 class Standing:
@@ -56,19 +59,24 @@ class Standing:
 )
 @set_option
 @json_option
-def command(case: str, output: Path | None, overrides: tuple[str, ...], as_json: bool) -> None:
+@click.option("--exit-code", is_flag=True, help="Exit with 8 where points are still to run.")
+def command(
+    case: str, output: Path | None, overrides: tuple[str, ...], as_json: bool, exit_code: bool
+) -> int:
     """Say how many points of CASE are done, failed or still to run, without running anything.
 
     \b
     Examples:
       fiv status configs/ch7/fig_7_06_reached.toml
       fiv status a.toml --set grid.mu_k=[0.3] --json
+      until fiv status a.toml --exit-code; do fiv run a.toml --max-points 1000; done
     """
     standing = _standing(case, output, overrides)
     if as_json:
         print_json(plain(standing))
     else:
         click.echo("\n".join(standing.lines()))
+    return STILL_TO_RUN if exit_code and standing.counts["pending"] else 0
 
 
 def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> Standing:

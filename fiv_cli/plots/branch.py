@@ -32,8 +32,8 @@ MARKS = {
     "equilibrium": "*",
     "budget": "v",
     "other": "h",
-    "mu_k_above_mu_s": "|",
 }
+UNMET = "|"  # what the model asks of its parameters no longer holds
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -135,7 +135,7 @@ def _marks(
         dataset["cycle_end"].values[row], class_names(dataset["cycle_end_kind"])[row], strict=True
     ):
         if kind not in UNMARKED:
-            yield int(np.argmin(np.abs(value - at))), float(at), MARKS[kind]
+            yield int(np.argmin(np.abs(value - at))), float(at), MARKS.get(kind, UNMET)
 
 
 def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
@@ -145,7 +145,8 @@ def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
         if word in stabilities:
             ax.plot([], [], dash, color=style.BLACK, label=word)
     kinds = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
-    for word, mark in MARKS.items():
+    marks = MARKS | dict.fromkeys(sorted(kinds - {*MARKS, *UNMARKED}), UNMET)
+    for word, mark in marks.items():
         if word in kinds:
             label = word.replace("_", " ")
             ax.plot([], [], mark, color=style.BLACK, mec="white", ms=6, ls="none", label=label)

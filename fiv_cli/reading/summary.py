@@ -22,7 +22,7 @@ MOST_NAMES = 8
 
 OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
 
-GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source")
+GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source", "partial")
 
 
 def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +18,7 @@ from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
 from fiv_cli.data.provenance import provenance
-from fiv_cli.errors import StoreMismatchError
+from fiv_cli.errors import StorageError, StoreMismatchError
 from fiv_cli.files import append_line, leftovers
 from fiv_cli.flags import STATUS
 from fiv_cli.sweep import journal as store
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SHOWN_ERRORS = 3
+PENDING = "pending"
+GOES_ON = "what is finished is kept; the same command goes on from here"
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,12 @@ class Summary:
     @property
     def complete(self) -> bool:
         """Whether every point has its answer."""
-        wanting = ("failed", "budget", "pending")
-        return not any(self.counts.get(status, 0) for status in wanting)
+        return self.sound and not self.counts.get(PENDING, 0)
+
+    @property
+    def sound(self) -> bool:
+        """Whether every point that was run has its answer."""
+        return not any(self.counts.get(status, 0) for status in ("failed", "budget"))
 
     def lines(self) -> list[str]:
         """The summary for people."""
@@ -80,7 +86,8 @@ class Summary:
         lines += [line for answer in self.answers for line in answer.lines()]
         for what, command in self.errors:
             lines += [f"  {what}", f"    alone: {command}"]
-        return lines + [f"  {line}" for line in self.refined]
+        lines += [f"  {line}" for line in self.refined]
+        return lines + ([] if self.complete or not self.sound else [f"  {GOES_ON}"])
 
 
 def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Summary:
@@ -121,11 +128,14 @@ def _run_all(scheduler: Scheduler) -> None:
 
 
 def write_dataset(journal: Journal, output: Path) -> None:
-    """Assemble the dataset from the shards of a journal, unless it is there already."""
+    """Assemble the dataset from the shards of a journal, unless it is there already.
+
+    One that lacks points says so, in the attribute ``partial``.
+    """
     from fiv_cli.data.netcdf import write_datasets
 
     case = journal.plan.case
-    attributes = provenance(case, fingerprint(case))
+    attributes = provenance(case, fingerprint(case)) | _partial(journal)
     sources = made_from(journal.shards(), attributes)
     if is_made(journal.folder, output, sources):
         return
@@ -135,6 +145,18 @@ def write_dataset(journal: Journal, output: Path) -> None:
     }
     write_datasets(output, datasets, attributes)
     write_receipt(journal.folder, output, sources)
+
+
+def _partial(journal: Journal) -> dict[str, object]:
+    """What a dataset says of the points that it lacks; of one that is whole, nothing."""
+    counts = count_statuses(journal)
+    return {"partial": _done(counts)} if counts[PENDING] else {}
+
+
+def _done(counts: Mapping[str, int]) -> str:
+    """``3 of 10 points``."""
+    total = sum(counts.values())
+    return f"{total - counts[PENDING]} of {counted(total)}"
 
 
 def _assembled(journal: Journal, index: int) -> xr.Dataset:
@@ -197,11 +219,25 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
         asked = isinstance(error, ending.Ended)
         why = str(error) if asked else f"stopped by {type(error).__name__}"
         log(f"{why} after {scheduler.ran} points")
+        journal.ask()
         for line in _summed_up(journal, output, scheduler.ran, time.monotonic() - begun).lines():
             note(line)
-        note("what is finished is kept; the same command goes on from here")
+        if asked:
+            raise ending.Ended(f"{why}: {_left_behind(journal, output)}") from error
         raise
     log(f"finished: {scheduler.ran} points run")
+
+
+def _left_behind(journal: Journal, output: Path) -> str:
+    """What there is of a run that was ended: a dataset of the points that are done."""
+    counts = count_statuses(journal)
+    if not journal.shards():
+        return "no point is done, and there is no dataset; the same command goes on from here"
+    try:
+        write_dataset(journal, output)
+    except StorageError as error:
+        return f"{error}"
+    return f"{output} holds {_done(counts)}; the same command goes on from here"
 
 
 def _claim(folder: Path, case: Case, fresh: bool) -> None:

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 import math
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
+from fiv_cli.analyses.attractor import grounds
 from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN, LEADING
 from fiv_cli.analyses.attractor.level_set import LevelSet
-from fiv_cli.codegen.memory import FixedFloat, FixedInt, Floats, Floats2, Frame, Ints, native
+from fiv_cli.codegen.compiled import Compiled
+from fiv_cli.codegen.memory import (
+    FixedFloat,
+    FixedInt,
+    Floats,
+    Floats2,
+    Frame,
+    Ints,
+    address_of,
+    floats_at,
+    native,
+)
 from fiv_cli.dynamics.system import Vector
 
 # What a look at a slide says: nothing; that it is to be seen whether sliding is linear from here;
 # that it falls as it should; that there is no room for another look.
 NOTHING, MAY_BE_LINEAR, FALLS, FULL = 0, 1, 2, 3
-ROOM = 64  # looks
+ROOM = 32  # looks
 
 
 class Slide(Frame):
@@ -118,6 +134,42 @@ def agrees(slide: Slide, first: int, last: int) -> bool:
     return True
 
 
+def look_at(address: int, time: float, state: int) -> int:
+    """`look_at_slide` with the slide and the state at addresses."""
+    slide = slide_at(address)
+    return look_at_slide(slide, time, floats_at(state, 1, len(slide.equilibrium))[0])
+
+
+def _declared() -> Callable[..., int]:
+    from fiv_cli.codegen.kernels import register, register_frame
+
+    register_frame(Slide, slide_at)
+    register(sys.modules[__name__])
+    return look_at
+
+
+FILES = (Path(__file__), Path(grounds.__file__))
+LOOK = Compiled("look", "int64(int64, float64, int64)", FILES, _declared)
+
+
+@cache
+def _blank(states: int, free: int, guards: int) -> Slide:
+    """What slides of these sizes copy."""
+    return Slide.holding(
+        {
+            "equilibrium": np.zeros(states),
+            "free": np.zeros(free, np.int64),
+            "inverse_real": np.zeros((free, free)),
+            "inverse_imag": np.zeros((free, free)),
+            "shares": np.zeros((guards, free)),
+            **{name: np.zeros(free) for name in ("weights", "rates", "now")},
+            **{name: np.zeros(0) for name in ("times", "sizes")},
+            "amplitudes": np.zeros((0, free)),
+        },
+        {},
+    )
+
+
 class Descent:
     """A slide watched on its way down to an equilibrium.
 
@@ -129,23 +181,15 @@ class Descent:
 
     def __init__(self, target: LevelSet, bent: float = np.inf) -> None:
         self.target = target
-        modes = len(target.eigenvalues)
-        self.slide = Slide.holding(
-            {
-                "equilibrium": target.equilibrium,
-                "free": target.free.astype(np.int64),
-                "inverse_real": np.ascontiguousarray(target.inverse.real),
-                "inverse_imag": np.ascontiguousarray(target.inverse.imag),
-                "shares": np.ascontiguousarray(target.shares),
-                "weights": target.weights,
-                "rates": np.ascontiguousarray(target.eigenvalues.real),
-                "times": np.zeros(ROOM),
-                "sizes": np.zeros(ROOM),
-                "amplitudes": np.zeros((ROOM, modes)),
-                "now": np.zeros(modes),
-            },
-            {},
-        )
+        guards, modes = target.shares.shape
+        self.slide = _blank(len(target.equilibrium), modes, guards).copy()
+        self.slide.show("equilibrium", target.equilibrium)
+        self.slide.show("free", target.free.astype(np.int64))
+        self.slide.show("inverse_real", target.inverse.real.copy())
+        self.slide.show("inverse_imag", target.inverse.imag.copy())
+        self.slide.show("shares", np.ascontiguousarray(target.shares))
+        self.slide.show("weights", target.weights)
+        self.slide.show("rates", target.eigenvalues.real.copy())
         self.slide.is_bounded, self.slide.period = int(target.is_bounded), target.period
         self.slide.bent = bent
 
@@ -157,19 +201,24 @@ class Descent:
         time : s
         state : of sliding, shape (n_states,)
         """
-        found = look_at_slide(self.slide, time, state)
+        found = self._look(time, state)
         if found == MAY_BE_LINEAR:
             exact = self.target.margin(state)
             if not np.isnan(exact):
                 return exact
             self.slide.bent = self.slide.size
-            found = look_at_slide(self.slide, time, state)
+            found = self._look(time, state)
         if found == FULL:
             self._make_room()
-            found = look_at_slide(self.slide, time, state)
+            found = self._look(time, state)
         return 1.0 - self.target.level(self.target.amplitudes(state)) if found == FALLS else np.nan
+
+    def _look(self, time: float, state: Vector) -> int:
+        found: int = LOOK.function(self.slide.address, time, address_of(state))
+        return found
 
     def _make_room(self) -> None:
         for name in ("times", "sizes", "amplitudes"):
             looks = getattr(self.slide, name)
-            self.slide.show(name, np.concatenate([looks, np.zeros_like(looks)]))
+            more = np.zeros((max(len(looks), ROOM), *looks.shape[1:]))
+            self.slide.show(name, np.concatenate([looks, more]))

@@ -345,6 +345,7 @@ FOLLOW = Compiled("follow", "int64(int64)", FILES, _declared)
 def load_watch(announce: Callable[[str], None]) -> None:
     """Have all that follows motions at hand; `announce` is called if it must be compiled."""
     FOLLOW.load(announce, "compiling what follows motions (once per user, a few seconds)")
+    descent.LOOK.load(announce, "compiling what looks at slides (once per user, a few seconds)")
     settling.load_settling(announce)
 
 
