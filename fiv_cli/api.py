@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from fiv_cli.codegen.setup import Setup
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model
+    from fiv_cli.reading.claims import Verdict
     from fiv_cli.sweep.plan import Plan
     from fiv_cli.sweep.progress import Progress
 
@@ -51,6 +52,7 @@ __all__ = [
     "UsageError",
     "analyse",
     "check",
+    "claims",
     "figure",
     "history",
     "load",
@@ -330,6 +332,36 @@ def figure(
     return draw(source, chosen[0], axis, look_of(style, width, font, title))
 
 
+def claims(case: Case, data: str | Path | Results | None = None) -> list[Verdict]:
+    """The verdict of each claim of a case, as `fiv claims` has them.
+
+    Parameters
+    ----------
+    data : what `run` or `read` returned for the case, or the path of its dataset; None: the
+        dataset where `fiv run` puts it; where it is not there each verdict is "not run"
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> hunch = {"source": "a hunch", "text": "it rests", "variable": "attractor"}
+    >>> belt = {
+    ...     "schema": 1,
+    ...     "model": {"name": "belt-1dof"},
+    ...     "analysis": [{"kind": "response"}],
+    ...     "claim": [{**hunch, "expect": "equilibrium"}],
+    ... }
+    >>> case = api.load(belt)
+    >>> [verdict.verdict for verdict in api.claims(case, api.run(case))]
+    ['contradicted']
+    """
+    from fiv_cli.reading.claims import dataset_of, held_against
+
+    if data is not None:
+        return held_against(case, _analyses_of(data))
+    with _ALONE:
+        return held_against(case, *dataset_of(case))
+
+
 def analyse(
     model: str | Model,
     law: str | Law | None,
@@ -371,7 +403,7 @@ def analyse(
     Examples
     --------
     >>> from fiv_cli import api
-    >>> found = api.analyse("belt-1dof", "coulomb", "response", {"x": 0.0}, mu_k=0.2)
+    >>> found = api.analyse("belt-1dof", "coulomb", "response", start={"x": 0.0}, mu_k=0.2)
     >>> found.values["attractor"], round(found.values["period"], 6)
     ('periodic', 8.068888)
     """
@@ -386,6 +418,8 @@ def analyse(
         raise UsageError(f"{kind.unsuited(setup.model)}\nnext: choose another analysis")
     known = _parameters(setup, parameters)
     setup = replace(setup, structural={name: known[name] for name in setup.law.structural})
+    if start and not kind.uses_starts:
+        raise UsageError(f"{analysis} begins nowhere\nnext: leave start out; {_ASKED}")
     begin = _start(setup, start or {}) if kind.uses_starts else None
     chosen = _settings(kind, setup, parameters, settings or {})
     request = Request(setup, known, analysis, chosen, solver, begin)
@@ -424,7 +458,7 @@ def _option_text(model: Model, name: str, value: object) -> str:
         raise UsageError(f"{name}: {error}\nnext: choose from {option.allowed}") from None
 
 
-_NEXT_STATE = "name another; what an analysis is asked goes into settings = {...}"
+_ASKED = "what an analysis is asked goes into settings = {...}"
 
 
 def _start(setup: Setup, start: Mapping[str, float] | Start) -> Start:
@@ -436,7 +470,7 @@ def _start(setup: Setup, start: Mapping[str, float] | Start) -> Start:
     coordinates = [state.name for state in setup.model.states(setup.options)]
     known = [*coordinates, *(f"{name}_dot" for name in coordinates), *setup.law.states]
     for name in start:
-        pick(name, dict.fromkeys(known), f"state of {setup.model.name}", _NEXT_STATE)
+        pick(name, dict.fromkeys(known), f"state of {setup.model.name}", f"name another; {_ASKED}")
     return Start("start", "state", start)
 
 

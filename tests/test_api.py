@@ -89,7 +89,8 @@ class Told:
 
 def test_what_is_public() -> None:
     tree = {"CaseError", "FivError", "UsageError"}
-    functions = {"load", "check", "run", "history", "read", "names_of", "figure", "analyse"}
+    functions = {"load", "check", "run", "claims", "history", "read", "names_of", "figure"}
+    functions |= {"analyse"}
     assert set(api.__all__) == tree | functions
     shown = {test.name.split(".")[-1]: test.examples for test in doctest.DocTestFinder().find(api)}
     for name in functions:
@@ -357,6 +358,7 @@ def test_a_model_that_is_typed_has_no_versions() -> None:
         (("belt-1dof", None, "respons"), {}, "no analysis 'respons'; did you mean 'response'"),
         (("belt-1dof", None, "response"), {"mass": 1.0}, "no parameter of belt-1dof with coulomb"),
         (("belt-1dof", None, "response", {"y": 1.0}), {}, "no state of belt-1dof 'y'"),
+        (("belt-1dof", None, "eigenvalues", {"x": 1.0}), {}, "eigenvalues begins nowhere"),
         (("belt-1dof", None, "plate"), {}, "belt-1dof has no elastic disc"),
         (("belt-1dof", None, "response"), {"options": {"a": "b"}}, "no option of belt-1dof 'a'"),
         (("belt-5dof", None, "equilibrium"), {"options": {"impact": "x"}}, "impact: 'x' is not"),

@@ -2,6 +2,7 @@
 
 import json
 import operator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from synthetic_datasets import claim, tried
 
+from fiv_cli import api
 from fiv_cli.cli.claims import Entry, case_files, command, lines
 from fiv_cli.errors import UsageError
 from fiv_cli.reading import select
@@ -517,3 +519,22 @@ def test_the_ledger_groups_by_case():
     printed = lines(entries)
     assert printed[0] == "a"
     assert printed.count("a") == printed.count("b") == 1
+
+
+def test_from_python_the_verdicts_are_those_of_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("belt.toml").write_text(
+        'schema = 1\nmodel.name = "belt-1dof"\ngrid.v = [0.5, 3.0]\n'
+        'analysis = [{kind = "response"}]\n'
+        '[[claim]]\nsource = "a"\ntext = "b"\nvariable = "attractor"\nexpect = "periodic"\n'
+        '[[claim]]\nsource = "a"\ntext = "c"\nvariable = "period"\nexpect = { less_than = 100 }\n'
+    )
+    case = api.load("belt.toml")
+    assert {verdict.verdict for verdict in api.claims(case)} == {"not run"}
+    found = api.run(case, output="runs/belt.nc", workers=1)
+    ledger = json.loads(run("belt.toml", "--json").stdout)["claims"]
+    told = [(entry["verdict"], entry["found"]) for entry in ledger]
+    for source in (None, found, "runs/belt.nc"):
+        assert [(v.verdict, v.found) for v in api.claims(case, source)] == told

@@ -1,4 +1,4 @@
-"""What an analysis is: ``(system, request) -> Outcome``.
+"""What an analysis is: ``(system, request) -> Outcome``, or the same of many points at once.
 
 To add an analysis:
 
@@ -206,7 +206,7 @@ class Analysis:
     title : one line
     settings : what a case may say of it
     variables : what its answers hold on a subject, without ``status`` and ``reason``
-    run : ``(system, request) -> Outcome``
+    run : ``(system, request) -> Outcome``; see `in_blocks`
     uses_starts : whether the dim ``initial`` exists
     linear : no motion is followed: some requirements fall away, tangents are not carried
     varying : whether parameters may vary in time

@@ -38,6 +38,7 @@ FIGURES = {
         "a variable over two axes: classes in colours, numbers in shades or as lines",
         ("x", "y", "variable", "take", "level", "overlay"),
     ),
+    "basin": ("starts over two of their states, coloured by what they reach", ("x", "y")),
     "bifurcation": ("what motions pass at the section, along an axis", ("x",)),
     "curve": ("a variable along an axis, a line for each start", ("x", "variable", "take")),
     "branch": ("branches of cycles and their ends, along their parameter", ()),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,12 +13,8 @@ from fiv_cli.cli.common import json_option, print_json
 from fiv_cli.errors import DifferenceError, UsageError, printable
 
 if TYPE_CHECKING:
-    import xarray as xr
-
-    from fiv_cli.case.case import Case, ClaimSpec
     from fiv_cli.reading.undecided import Undecided
 
-NOT_RUN = "not run"
 DEFAULT = Path("configs")
 
 
@@ -103,59 +99,13 @@ def _is_case(file: Path) -> bool:
 def judge(path: Path, undecided: Undecided) -> list[Entry]:
     """The ledger of one case file; its points without a class are counted in `undecided`."""
     from fiv_cli import api
+    from fiv_cli.reading.claims import dataset_of, held_against
 
     case = api.load(path)
-    analyses, missing = _dataset_of(case)
+    analyses, missing = dataset_of(case)
     undecided.add((analyses or {}).values())
-    return [_entry(path, claim, analyses, missing) for claim in case.claims]
-
-
-def _dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
-    """The case's dataset, or None and why there is none with what to do."""
-    from fiv_cli.case.identity import default_output, fingerprint
-    from fiv_cli.reading.datasets import read_analyses
-
-    path = default_output(case)
-    advice = f"compute it with: fiv run {case.source}"
-    if not path.exists():
-        return None, f"{path} is not there; {advice}"
-    analyses = read_analyses(path)
-    stored = next(iter(analyses.values())).attrs.get("fingerprint")
-    if stored != fingerprint(case, None):
-        return None, f"{path} was computed from another version of the case; {advice} --fresh"
-    if not all(_same_grid(case, dataset) for dataset in analyses.values()):
-        return None, f"{path} was computed on another grid; {advice}"
-    return analyses, ""
-
-
-def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
-    """Whether the dataset has just the points that the case asks for."""
-    import numpy as np
-
-    return all(
-        axis.dim in dataset.coords
-        and np.array_equal(dataset.coords[axis.dim].values, np.asarray(axis.values))
-        for axis in case.axes
-    )
-
-
-def _entry(
-    path: Path, claim: ClaimSpec, analyses: Mapping[str, xr.Dataset] | None, missing: str
-) -> Entry:
-    from fiv_cli.reading.claims import evaluate
-
-    if analyses is None:
-        return Entry(str(path), claim.source, claim.text, NOT_RUN, missing, claim.note)
-    verdict = evaluate(claim, analyses, _stored)
-    return Entry(str(path), claim.source, claim.text, verdict.verdict, verdict.found, claim.note)
-
-
-def _stored(case: str) -> dict[str, xr.Dataset] | None:
-    """Analyses of another case by its name (``fig_7_07`` for ``runs/fig_7_07.nc``)."""
-    from fiv_cli.reading.datasets import read_analyses
-
-    path = Path("runs") / f"{case}.nc"
-    return read_analyses(path) if path.exists() else None
+    verdicts = zip(case.claims, held_against(case, analyses, missing), strict=True)
+    return [Entry(str(path), c.source, c.text, v.verdict, v.found, c.note) for c, v in verdicts]
 
 
 def lines(ledger: Sequence[Entry]) -> list[str]:
@@ -180,7 +130,7 @@ def _lines_of(entry: Entry) -> list[str]:
 
 def _demand(ledger: Sequence[Entry]) -> None:
     """DifferenceError when a claim is contradicted without a note, or was not tried."""
-    from fiv_cli.reading.claims import CONTRADICTED
+    from fiv_cli.reading.claims import CONTRADICTED, NOT_RUN
 
     contradicted = [e for e in ledger if e.verdict == CONTRADICTED and not e.note]
     not_run = [e for e in ledger if e.verdict == NOT_RUN]

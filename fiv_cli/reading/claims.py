@@ -20,10 +20,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fiv_cli.case.case import ClaimSpec
+from fiv_cli.case.case import Case, ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
+from fiv_cli.case.identity import default_output, fingerprint, output_of
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import ends_of, flag_names, name_of_only, numbers, unknown_points
+from fiv_cli.reading.datasets import (
+    ends_of,
+    flag_names,
+    name_of_only,
+    numbers,
+    read_analyses,
+    unknown_points,
+)
 from fiv_cli.reading.take import taken
 
 Analyses = Mapping[str, xr.Dataset]
@@ -31,6 +39,7 @@ Stored = Callable[[str], Analyses | None]
 """Name of another case -> its analyses, None where it has not been run."""
 
 CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermined"
+NOT_RUN = "not run"
 
 # Share of the points that may be open without leaving a claim undetermined that the rest decides.
 HANDFUL = 0.005
@@ -46,7 +55,7 @@ class Verdict:
 
     Attributes
     ----------
-    verdict : "confirmed", "contradicted" or "undetermined"
+    verdict : "confirmed", "contradicted" or "undetermined"; "not run" where there is no dataset
     found : one line, what the dataset holds
     hits, points, open : counts of what the claim was tried on (points of the grid, values of a
         ragged variable, or steps between neighbours)
@@ -102,6 +111,43 @@ class _Values:
         """Each value a hit, a miss, or open where it is not known or `unsure`."""
         name = lambda row: point_name(self.rows, row)  # noqa: E731
         return _Trial(hit & ~self.open, self.open | unsure, found, self.row, name)
+
+
+def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> list[Verdict]:
+    """The verdict of each claim of a case; `missing` says why there is no dataset."""
+    if analyses is None:
+        return [Verdict(NOT_RUN, missing) for _ in case.claims]
+    return [evaluate(claim, analyses, _stored) for claim in case.claims]
+
+
+def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
+    """What a run of the case has written, or None and why there is nothing, with what to do."""
+    path = default_output(case)
+    advice = f"compute it with: fiv run {case.source}"
+    if not path.exists():
+        return None, f"{path} is not there; {advice}"
+    analyses = read_analyses(path)
+    stored = next(iter(analyses.values())).attrs.get("fingerprint")
+    if stored != fingerprint(case, None):
+        return None, f"{path} was computed from another version of the case; {advice} --fresh"
+    if not all(_same_grid(case, dataset) for dataset in analyses.values()):
+        return None, f"{path} was computed on another grid; {advice}"
+    return analyses, ""
+
+
+def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
+    """Whether the dataset has just the points that the case asks for."""
+    return all(
+        axis.dim in dataset.coords
+        and np.array_equal(dataset.coords[axis.dim].values, np.asarray(axis.values))
+        for axis in case.axes
+    )
+
+
+def _stored(case: str) -> dict[str, xr.Dataset] | None:
+    """Analyses of another case by its name (``fig_7_07`` for ``runs/fig_7_07.nc``)."""
+    path = output_of(case)
+    return read_analyses(path) if path.exists() else None
 
 
 def evaluate(claim: ClaimSpec, analyses: Analyses, other: Stored) -> Verdict:
