@@ -50,13 +50,14 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
                 "give its analysis of kind `cycle` a parameter and a bracket"
             )
     first = layers[0].dataset
-    figure, (ax,) = style.new_panels(1, 1, points.title(first))
     named = [
         (points.joined(layer.label, line.label), layer.dataset, line.index)
         for layer in layers
         for line in points.lines(layer.dataset, [], points.grid_dims(layer.dataset))
         if _length(layer.dataset, line.index)
     ]
+    points.refuse_empty(first, bool(named), ALONG)
+    figure, (ax,) = style.new_panels(1, 1, points.title(first))
     entries = points.entries([name for name, _, _ in named])
     for (_, dataset, index), entry in zip(named, entries, strict=True):
         _branch(ax, dataset, index, entry)
