@@ -206,8 +206,9 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "dependent_contacts",
-        "contacts come to rest whose slip velocities have one direction at these parameters, so "
-        "what each would bear in stick is open: move them off it, or make one contact of them",
+        "what holds a contact here depends on another (slip velocities of one direction), or on a "
+        "slip_coordinate that does not move it: what each would bear in stick is open; move the "
+        "parameters off it, make one contact of them, or name another slip_coordinate",
     ),
     Reason(
         "no_number",

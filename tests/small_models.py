@@ -217,6 +217,7 @@ def _pads(symbols: Any, options: Options) -> Equations:
     x_dot, y_dot, z_dot = map(symbols.velocity, "xyz")
     moved, solved_for = {
         "crossed": ([x_dot, x_dot + p("a") * y_dot], "xy"),
+        "turning": ([x_dot, x_dot + z * y_dot], "xy"),
         "on-one-state": ([x_dot, x_dot + y_dot], "xx"),
         "three": ([x_dot, y_dot, x_dot + y_dot], "xyy"),
         "rigid": ([x_dot, x_dot], "xx"),
@@ -251,7 +252,12 @@ PADS = replace(
     equations=_pads,
     contacts=2,
     options=(
-        Option("pads", ("crossed", "on-one-state", "three", "rigid"), "crossed", "how they lie"),
+        Option(
+            "pads",
+            ("crossed", "turning", "on-one-state", "three", "rigid"),
+            "crossed",
+            "how they lie",
+        ),
     ),
 )
 

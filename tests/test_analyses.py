@@ -14,7 +14,16 @@ from motions import TIGHT, defaults, motion, system
 from small_models import TWO_MASSES
 
 from fiv_cli.analyses import all_analyses, execute, get_analysis
-from fiv_cli.analyses.base import Later, Outcome, Request, Section, SolverSettings, Start, Varied
+from fiv_cli.analyses.base import (
+    Batch,
+    Later,
+    Outcome,
+    Request,
+    Section,
+    SolverSettings,
+    Start,
+    Varied,
+)
 from fiv_cli.analyses.common import sliding
 from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
@@ -489,6 +498,20 @@ def test_points_run_at_once_are_answered_as_alone(
             else:
                 assert (found.status, found.reason) == (one.status, one.reason)
                 np.testing.assert_equal(found.values, one.values)
+
+
+def test_points_run_one_after_the_other_are_answered_as_alone() -> None:
+    """Their equilibria are found together, where none of them breaks its equations."""
+    setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")
+    points = [{**known, "Omega": 2.0, "N0": load} for load in (0.0, 10.0, 30.0)]
+    settings, start = {"t_end": 0.1, "sample": 0.01}, Start("a", "equilibrium", {"phi": 1e-3})
+    alone = [Request(setup, point, "history", settings, start=start) for point in points]
+    for others in ([], [replace(alone[0], parameters={})]):
+        batch = Batch([*alone, *others])
+        for request in alone:
+            found, one = execute.execute(replace(request, batch=batch)), execute.execute(request)
+            assert (found.status, found.reason) == (one.status, one.reason)
+            np.testing.assert_equal(found.values, one.values)
 
 
 def test_a_request_gives_what_the_analysis_gives() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from math import cos, pi, sin, sqrt
 from typing import Any
 
@@ -11,9 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motions import defaults, system
+from scipy.optimize import brentq
 
 from fiv_cli.analyses.base import Outcome, Varied
 from fiv_cli.analyses.rest import crossings
+from fiv_cli.analyses.rest.brent import ULP, zero
 from fiv_cli.analyses.rest.crossings import Crossing, Sample, side_by_side
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.analyses.rest.linearisation import modes_at
@@ -263,6 +265,25 @@ def probe_of(*eigenvalues: Callable[[float], complex]) -> Callable[[float], Samp
 def kinds(found: Sequence[Crossing]) -> list[tuple[str, str]]:
     """Kind and direction of each crossing."""
     return [(crossing.kind, crossing.direction) for crossing in found]
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.floats(-0.9, 0.9), st.floats(0.1, 9.0), st.floats(-3.0, 3.0), st.integers(1, 4))
+def test_a_zero_is_that_of_scipy_to_the_last_bit(
+    at: float, steep: float, bent: float, power: int
+) -> None:
+    def curve(x: float) -> float:
+        return (x - at) ** (2 * power - 1) * (steep + (bent * x) ** 2)
+
+    def asked(x: float) -> Generator[float, float, float]:
+        return (yield x)
+
+    search = zero(asked, -1.0, 1.0, 1e-15)
+    wanted = next(search)
+    with pytest.raises(StopIteration) as ended:
+        while True:
+            wanted = search.send(curve(wanted))
+    assert ended.value.value == brentq(curve, -1.0, 1.0, xtol=1e-15, rtol=4.0 * ULP, disp=False)
 
 
 @settings(max_examples=40, deadline=None)

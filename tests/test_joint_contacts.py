@@ -10,6 +10,7 @@ from motions import booked, motion, system, times, transitions
 from small_models import CLUTCH, ON_TWO_BELTS, PADS
 
 from fiv_cli import api
+from fiv_cli.analyses.common import balance
 from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK
 from fiv_cli.dynamics.motion import Stop, samples_at
 from fiv_cli.errors import UsageError
@@ -115,6 +116,17 @@ def test_directions_that_meet_only_at_some_parameters() -> None:
     start = {"x": 0.3}
     found = api.analyse(PADS, "coulomb", "history", start, {"t_end": 30.0, "sample": 1.0}, a=0.0)
     assert (found.status, found.reason) == ("failed", "dependent_contacts")
+
+
+@pytest.mark.parametrize("start", [{"z": 1.0, "x_dot": 1.0}, {"z": 0.3, "y": 1.0}])
+def test_directions_that_meet_on_the_way(start: dict[str, float]) -> None:
+    """The direction of a pad turns through that of the other after a quarter of a period."""
+    begun = motion(PADS, start=start, options={"pads": "turning"}, **MU)
+    begun.start_measuring(np.zeros(3))
+    before = begun.energy()
+    assert begun.run(20.0, measuring=True) == Stop.DEPENDENT
+    assert begun.time == pytest.approx(np.pi / 2, abs=1e-6)
+    assert balance(begun, before).residual < 1e-12
 
 
 def test_what_another_contact_holds_does_not_slip() -> None:

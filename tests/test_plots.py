@@ -152,26 +152,22 @@ def cycles_along_the_grid():
     )
 
 
-def branch_along_the_speed(parameter="Omega"):
-    """The dataset of a branch that turns unstable at 2 rad/s."""
-    value = np.array([3.0, 2.0, 1.5, 1.0])
-    sizes = (("initial",), np.array([4], np.int32), {"sample_dimension": "branch_obs"})
+def branch_along_the_speed(parameter="Omega", preloads=(30.0,)):
+    """The dataset of branches that turn unstable at 2 rad/s, one for each preload."""
+    count, of_branch = len(preloads), "branch_obs"
+    value = np.tile([3.0, 2.0, 1.5, 1.0], count)
+    stable = ["stable", "unstable", "unstable", "unstable"] * count
+    sizes = np.full((count, 1), 4, np.int32)
     return xr.Dataset(
         {
-            "status": data.statuses(("initial",), ["ok"]),
-            "branch_row_size": sizes,
-            "branch_value": ("branch_obs", value, {"long_name": f"{parameter} along the branch"}),
-            "branch_min": (
-                "branch_obs",
-                0.0 * value,
-                {"long_name": "least phi of the cycle"},
-            ),
-            "branch_max": ("branch_obs", value, {"long_name": "greatest phi of the cycle"}),
-            "branch_stable": data.flags(
-                "branch_obs", ["stable", "unstable", "unstable", "unstable"], ("unstable", "stable")
-            ),
+            "status": data.statuses(("N0", "initial"), np.full((count, 1), "ok")),
+            "branch_row_size": (("N0", "initial"), sizes, {"sample_dimension": of_branch}),
+            "branch_value": (of_branch, value, {"long_name": f"{parameter} along the branch"}),
+            "branch_min": (of_branch, 0.0 * value, {"long_name": "least phi of the cycle"}),
+            "branch_max": (of_branch, value, {"long_name": "greatest phi of the cycle"}),
+            "branch_stable": data.flags(of_branch, stable, ("unstable", "stable")),
         },
-        data.axes(initial=["followed"]),
+        data.axes(N0=list(preloads), initial=["followed"]),
         data.attributes(),
     )
 
@@ -197,6 +193,15 @@ def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():
     np.testing.assert_array_equal(low[:, 1], 0.0)
     other = [("", response), ("branch", branch_along_the_speed("N0"))]
     assert not dashed(draw(other, figure("bifurcation")).axes[0])
+
+
+@pytest.mark.parametrize(
+    ("preloads", "lines"), [((30.0,), 2), ((10.0, 30.0), 2), ((20.0,), 0), ((10.0, 20.0), 0)]
+)
+def test_only_branches_at_the_fixed_parameters_of_a_diagram_are_laid_over_it(preloads, lines):
+    response = data.bifurcation().assign_coords(N0=30.0)
+    named = [("", response), ("branch", branch_along_the_speed(preloads=preloads))]
+    assert len(dashed(draw(named, figure("bifurcation")).axes[0])) == lines
 
 
 @pytest.mark.parametrize("kind", ["bifurcation", "curve"])
@@ -591,10 +596,15 @@ def test_shades_follow_the_event_ledger_where_there_is_one():
     assert legend_texts(drawn) == [SLIP_PLUS, SLIP_MINUS, "stick"]
 
 
-def test_a_ledger_without_a_known_sample_shades_nothing():
+def test_motions_without_a_known_sample_are_not_drawn():
     dataset = with_ledger()
+    with pytest.raises(EmptyFigureError, match="window from 90 to 91 s: nothing to draw"):
+        draw(dataset, figure("phase", window=[90.0, 91.0]))
+    dataset["phi"][1] = np.nan
+    assert not draw(dataset, figure("history")).axes[1].patches
     dataset["phi"][:] = np.nan
-    assert not any(ax.patches for ax in draw(dataset, figure("history")).axes)
+    with pytest.raises(EmptyFigureError, match="nothing to draw"):
+        draw(dataset, figure("history"))
 
 
 def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():

@@ -44,12 +44,16 @@ from = "state"
 kind = "response"
 t_max = 200.0
 [[analysis]]
-kind = "eigenvalues"
+kind = "spectrum"
+t_max = 200.0
+f_max = 1.0
 """
 
 
 def test_the_state_that_a_motion_began_in_is_stored_for_every_kind_of_start() -> None:
-    found = api.run(api.load(tomllib.loads(KINDS)), workers=1)["response"]
+    results = api.run(api.load(tomllib.loads(KINDS)), workers=1)
+    found = results["response"]
+    xr.testing.assert_identical(results["spectrum"]["initial_state"], found["initial_state"])
     begun = found["initial_state"].transpose("v", "initial", "state")
     at = {str(label): begun.sel(initial=label).values for label in found["initial"].values}
     rest = found["L_s_reference"].sel(initial="equilibrium", state="x").values
@@ -147,6 +151,8 @@ def test_a_table_of_starts_is_a_start_for_each_row(tmp_path: Path) -> None:
     found = api.run(filed, workers=1)
     begun = found["initial_state"].transpose("initial", "state").values.tolist()
     assert begun == [[1.0, 0.5], [0.025, -0.2], [1.0, 0.0], [1.0, 0.5]]
+    other = table(tmp_path, "# x_dot [cm/s]; x [mm]\r\n50;1000\r\n-20;25\r\n0;1000\r\n50;1e3\r\n")
+    assert fingerprint(other) == fingerprint(filed)
     assert found["initial"].values.tolist() == [f"basin-{i:03d}" for i in range(4)]
     assert (found["status"] == 0).all() and fingerprint(filed) == fingerprint(inline)
     xr.testing.assert_identical(found.drop_attrs(), api.run(inline, workers=1).drop_attrs())
@@ -177,6 +183,7 @@ def test_thousands_of_starts_are_no_burden(tmp_path: Path) -> None:
         ("x, x\n1, 2\n", "file", "the column x stands in it twice"),
         ("x, x_dot\n1, 2\n3\n", "file", "row 3 has 1 cells, and the header 2"),
         ("x\n\n", "file", "holds no starts"),
+        ("x; x_dot\n1,5; 0\n", '"row 2".x', "decimals stand behind a point"),
         ("[]\n1\n", "file", "'[]' in its header is no state"),
         (None, "file", "cannot be read: No such file"),
     ],

@@ -37,8 +37,8 @@ def _read(path: FilePath, name: str) -> Sequence[tuple[int, list[str]]]:
     try:
         if path.stat().st_size > MOST_BYTES:
             raise ValueError(f"{name!r} is larger than {MOST_BYTES // 2**20} MiB")
-        text = path.read_text(encoding="utf-8-sig")
-        numbered = list(enumerate(csv.reader(text.splitlines()), start=1))
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        numbered = list(enumerate(csv.reader(lines, delimiter=_delimiter(lines)), start=1))
     except OSError as error:
         raise ValueError(f"{str(path)!r} cannot be read: {error.strerror}") from None
     except (UnicodeDecodeError, csv.Error) as error:
@@ -49,9 +49,15 @@ def _read(path: FilePath, name: str) -> Sequence[tuple[int, list[str]]]:
     return table
 
 
+def _delimiter(lines: Sequence[str]) -> str:
+    """What stands between the cells of a header."""
+    header = next(filter(str.strip, lines), "")
+    return next((mark for mark in ";\t" if mark in header), ",")
+
+
 def _column(cell: str) -> tuple[str, str]:
-    """State and unit of a column: ``x_dot [mm/s]``."""
-    match = _COLUMN.fullmatch(cell)
+    """State and unit of a column: ``x_dot [mm/s]``; a header may begin as a comment does."""
+    match = _COLUMN.fullmatch(cell.strip().removeprefix("#"))
     if match is None:
         raise ValueError(f"{cell!r} in its header is no state")
     return ascii_name(match[1]), match[2] or ""

@@ -15,8 +15,9 @@ CAPACITY_UP = 1  # static capacity - F_T of a sticking contact
 CAPACITY_DOWN = 2  # static capacity + F_T of a sticking contact
 NORMAL = 3  # F_N of a closed contact
 GAP = 4  # gap of a separated contact
-JAMMING = 5  # determinant of the algebraic forces: of stick, of a rigid contact
+JAMMING = 5  # determinant of the algebraic forces where a contact is rigid
 PARTING = 6  # of contacts that stick jointly: negative unless their drives go on alike
+SINGULAR = 7  # determinant of the conditions of stick, in forces or in velocities
 
 # What `field` functions report per contact, and of the energy balance: where each stands there.
 CONTACT_OUTPUTS = ("F_N", "F_T", "slip_velocity")

@@ -23,6 +23,7 @@ from fiv_cli.codegen.codes import (
     NORMAL,
     PARTING,
     SEPARATION,
+    SINGULAR,
     SLIP,
     STICK,
     VELOCITY,
@@ -200,7 +201,7 @@ class _Deriver:
     # --- one contact state ------------------------------------------------------------------------
     def _contact_state(self, kinds: tuple[int, ...]) -> ContactState:
         names, stuck = self._leaves(kinds), self._joints(kinds)
-        self._constrain(kinds, stuck, names)
+        pivots = self._constrain(kinds, stuck, names)
         forces = self._forces(kinds, stuck, names)
         names.update(forces.nodes)
         rates = self._rates(kinds, names)
@@ -208,7 +209,7 @@ class _Deriver:
             kinds=kinds,
             values=tuple(names[self._entry(name)] for name in self.state_names),
             rates=tuple(rates),
-            guards=self._guards(kinds, stuck, names, forces.determinant),
+            guards=self._guards(kinds, stuck, names, forces.determinant, pivots),
             angle=self._angle(kinds, names),
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
             energies=tuple(self._energies(names)),
@@ -253,10 +254,11 @@ class _Deriver:
 
     def _constrain(
         self, kinds: tuple[int, ...], stuck: Sequence[Joint], names: dict[Expr, Node]
-    ) -> None:
+    ) -> Node | None:
         """Replace the entries that a closed rigid gap or a sticking contact determines.
 
-        In stick the slip velocity is zero identically, not up to integration error.
+        In stick the slip velocity is zero identically, not up to integration error. Returned is
+        the determinant of what the velocities follow from.
         """
         closed = [self.contacts[i] for i in self._closed(kinds)]
         positions = {str(c.gap_coordinate): c.gap for c in closed}
@@ -270,13 +272,18 @@ class _Deriver:
                 f"{', '.join(velocities)}\n"
                 "next: give each contact a slip_coordinate and gap_coordinate of its own"
             )
-        self._eliminate(velocities, names)
+        return self._eliminate(velocities, names)
 
-    def _eliminate(self, conditions: Mapping[str, Expr], names: dict[Expr, Node]) -> None:
-        """Replace entries by what makes the conditions, affine in them, vanish jointly."""
+    def _eliminate(self, conditions: Mapping[str, Expr], names: dict[Expr, Node]) -> Node | None:
+        """Replace entries by what makes the conditions, affine in them, vanish jointly.
+
+        Returns the determinant.
+        """
         entries = [self._entry(name) for name in conditions]
         rows = [self._affine(condition, entries, names) for condition in conditions.values()]
-        names.update(zip(entries, _solve(self.graph, rows)[0], strict=True))
+        solution, determinant = _solve(self.graph, rows)
+        names.update(zip(entries, solution, strict=True))
+        return determinant
 
     @staticmethod
     def _is_rigid(contact: Contact) -> bool:
@@ -422,6 +429,7 @@ class _Deriver:
         stuck: Sequence[Joint],
         names: Mapping[Expr, Node],
         determinant: Node | None,
+        pivots: Node | None,
     ) -> tuple[Guard, ...]:
         guards: list[Guard] = []
         for i, kind in enumerate(kinds):
@@ -432,7 +440,10 @@ class _Deriver:
             # A friction force opposes the slip acceleration that it is solved from: each
             # sticking contact turns the sign of the determinant.
             orientation = self.graph.number((-1.0) ** len(stuck))
-            guards.append(Guard(JAMMING, 0, self.graph.mul(orientation, determinant)))
+            kind = JAMMING if self._closed(kinds) else SINGULAR
+            guards.append(Guard(kind, 0, self.graph.mul(orientation, determinant)))
+        if pivots is not None and not pivots.constant:
+            guards.append(Guard(SINGULAR, 0, self.graph.mul(pivots, pivots)))
         return tuple(guards)
 
     def _partings(self, joint: Joint, names: Mapping[Expr, Node]) -> Iterator[Guard]:

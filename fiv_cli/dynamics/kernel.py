@@ -32,6 +32,7 @@ from fiv_cli.codegen.codes import (
     OTHER_POWER,
     PER_CONTACT,
     SEPARATION,
+    SINGULAR,
     SLIP,
     SLIP_VELOCITY,
     STICK,
@@ -386,12 +387,11 @@ def polynomial_step(run: Run, index: int) -> float:
 def leading(series: Floats, offset: int, order: int, step: float, known_zeros: int) -> int:
     """First non-vanishing derivative of a switching function: its order + 1, with its sign.
 
-    0 when all vanish, -1 where the function has no value (0 / 0). `step` is the time over which
-    derivatives are compared; without one (0) the first that is not exactly zero counts.
+    0 when all vanish, -1 where the series is no finite number (0 / 0). `step` is the time over
+    which derivatives are compared; without one (0) the first that is not exactly zero counts.
     """
-    if np.isnan(series[offset]):
-        return -1
     scale = series_scale(series, offset, order, step)
+    is_finite = scale < np.inf
     if step == 0.0:
         step, scale = 1.0, 0.0
     power = 1.0
@@ -401,7 +401,7 @@ def leading(series: Floats, offset: int, order: int, step: float, known_zeros: i
         if k >= known_zeros and abs(term) > tolerance:
             return k + 1 if term > 0.0 else -k - 1
         power *= step
-    return 0
+    return 0 if is_finite else -1
 
 
 @native
@@ -511,6 +511,8 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
             return False
         if lead == 0 and kind == VELOCITY and sticks(run):
             return False  # held by another contact: test_what_another_contact_holds_does_not_slip
+        if lead != 1 and (kind == JAMMING or kind == SINGULAR):
+            return False  # forces without bound: test_directions_that_meet_on_the_way
         # A function that is zero throughout (a capacity that stays just reached) has no root.
         run.known_zeros[g] = max(lead - 1, 0) if lead != 0 else order + 1
     return True
@@ -1412,6 +1414,8 @@ def pass_event(
     note_codes(run)
     if trigger_kind == JAMMING:
         return JAMMED
+    if trigger_kind == SINGULAR:
+        return DEPENDENT
     if trigger_kind == NORMAL and run.is_end[contact] == 1:
         return CONTACT_LOST
     impacted = trigger_kind == GAP and run.impact[index, contact] != 0

@@ -21,6 +21,7 @@ from fiv_cli.codegen.codes import (
     PER_CONTACT,
     POTENTIAL,
     SEPARATION,
+    SINGULAR,
     SLIP,
     STICK,
 )
@@ -378,12 +379,14 @@ class Motion:
         return Stop.JAMMED if self._is_jammed() else stop
 
     def _is_dependent(self) -> bool:
-        """Whether contacts at rest cannot stick at once: what each would bear has no number."""
+        """Whether the conditions of the contacts at rest are not independent, or may not be."""
         kinds = np.where(self.frame.is_at_rest == 1, STICK, SLIP)
         index = int(kernel.state_index(kinds, len(kinds)))
-        if self.system.tables.field[index] == 0:
+        tables = self.system.tables
+        if tables.field[index] == 0:
             return False
-        return bool(np.isnan(self._field(index).switching).any())
+        is_singular = SINGULAR in tables.guard_kinds[index, : tables.n_guards[index]]
+        return is_singular or bool(np.isnan(self._field(index).switching).any())
 
     def _is_jammed(self) -> bool:
         """Whether the determinant of an algebraic normal force has lost its sign in sliding."""

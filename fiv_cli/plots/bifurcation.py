@@ -44,7 +44,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.refuse_empty(first, any(cloud.y.size or cloud.rest_y.size for cloud in clouds), name)
     figure, (ax,) = style.new_panels(1, 1, points.title(first))
     _mark(ax, clouds, style.dot_size(points.abscissa(first, settings).size))
-    _dash_unstable(ax, layers, points.abscissa(first, settings), _observed(first[name]))
+    others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
+    fitting = [part for one in others if (part := _of_the_same(one, first)) is not None]
+    _dash_unstable(ax, fitting, points.abscissa(first, settings), _observed(first[name]))
     ax.set_ylabel(labels.axis_label(first[name]))
     points.dress(ax, shown, settings)
     return figure
@@ -113,12 +115,30 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
 
 
 # --- unstable cycles ------------------------------------------------------------------------------
+def _of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
+    """The part of a dataset at the parameters that a diagram holds fixed; None: it has no such."""
+    known = {str(name): coord for name, coord in dataset.coords.items() if coord.ndim < 2}
+    fixed = {
+        str(name): float(coord)
+        for name, coord in diagram.coords.items()
+        if coord.size == 1 and coord.dtype.kind in "fiu" and name in known
+    }
+    if any(not np.isclose(known[n], v, atol=0.0) for n, v in fixed.items() if known[n].size == 1):
+        return None
+    try:
+        return select.subset(
+            dataset, {n: v for n, v in fixed.items() if known[n].size > 1}, nearest=False
+        )
+    except select.SelectionError:
+        return None
+
+
 def _dash_unstable(
-    ax: Axes, layers: Sequence[points.Layer], axis: xr.DataArray, observed: str
+    ax: Axes, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
 ) -> None:
     """The least and the greatest of every unstable cycle along `axis`."""
     label: str | None = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}$"
-    for dataset in (one for layer in layers for one in (layer.dataset, *layer.beside)):
+    for dataset in datasets:
         for x, extremes in _unstable(dataset, axis, observed):
             for height in extremes:
                 ax.plot(x, height, "--", lw=0.9, color=style.BLACK, zorder=1.5, label=label)

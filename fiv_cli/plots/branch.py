@@ -32,8 +32,8 @@ MARKS = {
     "equilibrium": "*",
     "budget": "v",
     "other": "h",
-    "mu_k_above_mu_s": "|",
 }
+UNMET = "|"  # what the model asks of its parameters no longer holds
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -50,13 +50,14 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
                 "give its analysis of kind `cycle` a parameter and a bracket"
             )
     first = layers[0].dataset
-    figure, (ax,) = style.new_panels(1, 1, points.title(first))
     named = [
         (points.joined(layer.label, line.label), layer.dataset, line.index)
         for layer in layers
         for line in points.lines(layer.dataset, [], points.grid_dims(layer.dataset))
         if _length(layer.dataset, line.index)
     ]
+    points.refuse_empty(first, bool(named), ALONG)
+    figure, (ax,) = style.new_panels(1, 1, points.title(first))
     entries = points.entries([name for name, _, _ in named])
     for (_, dataset, index), entry in zip(named, entries, strict=True):
         _branch(ax, dataset, index, entry)
@@ -134,7 +135,7 @@ def _marks(
         dataset["cycle_end"].values[row], class_names(dataset["cycle_end_kind"])[row], strict=True
     ):
         if kind not in UNMARKED:
-            yield int(np.argmin(np.abs(value - at))), float(at), MARKS[kind]
+            yield int(np.argmin(np.abs(value - at))), float(at), MARKS.get(kind, UNMET)
 
 
 def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
@@ -144,7 +145,8 @@ def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
         if word in stabilities:
             ax.plot([], [], dash, color=style.BLACK, label=word)
     kinds = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
-    for word, mark in MARKS.items():
+    marks = MARKS | dict.fromkeys(sorted(kinds - {*MARKS, *UNMARKED}), UNMET)
+    for word, mark in marks.items():
         if word in kinds:
             label = word.replace("_", " ")
             ax.plot([], [], mark, color=style.BLACK, mec="white", ms=6, ls="none", label=label)

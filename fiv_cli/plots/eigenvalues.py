@@ -35,11 +35,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     dataset = layers[0].dataset
     if PARTS[0] not in dataset:
         raise UsageError("no eigenvalues in this dataset\nadd an analysis of kind `eigenvalues`")
+    points.refuse_empty(dataset, bool(dataset[PARTS[0]].notnull().any()), PARTS[0])
     axis = points.abscissa(dataset, settings)
     figure, axes = style.new_panels(2, 1, points.title(dataset), sharex=True)
     for ax, name in zip(axes, PARTS, strict=True):
         _panel(ax, dataset, name, axis)
         ax.set_ylabel(labels.axis_label(dataset[name]))
+        points.reach(ax, axis)
         points.scale(ax, settings)
         _mark_mergers(ax, dataset, axis)
     axes[0].axhline(0.0, color=style.BLACK, lw=0.8)

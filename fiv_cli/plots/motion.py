@@ -135,6 +135,7 @@ def motions(dataset: xr.Dataset, settings: points.Settings) -> list[Motion]:
     Raises
     ------
     UsageError : it holds none, or more than a figure can show
+    EmptyFigureError : none has a sample in the window
     """
     refuse_without(dataset)
     lines = points.lines(dataset, [], points.grid_dims(dataset))
@@ -145,7 +146,10 @@ def motions(dataset: xr.Dataset, settings: points.Settings) -> list[Motion]:
             f"choose from {axes} with `select` in the figure"
         )
     begin, end = (points.in_si(bound) for bound in settings.get("window", (-np.inf, np.inf)))
-    return [_motion(dataset, line, begin, end) for line in lines]
+    span = f" in the window from {begin:g} to {end:g} s" if "window" in settings else ""
+    found = [_motion(dataset, line, begin, end) for line in lines]
+    points.refuse_empty(dataset, any(motion.time.size for motion in found), f"time{span}")
+    return found
 
 
 def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Motion:

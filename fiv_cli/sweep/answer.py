@@ -53,7 +53,8 @@ class Answer:
         if self.not_reached:
             yield (
                 f"  WARNING: {self.not_reached} points of {self.name} lie behind the end of what "
-                'was followed; on_loss = "restart" in its [[initial]] begins anew there'
+                'was followed; in its [[initial]], on_loss = "go-on" carries any motion on, '
+                'on_loss = "restart" begins anew'
             )
 
 

@@ -15,8 +15,9 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -139,12 +140,12 @@ def run_task(task: Task) -> Result:
     states: dict[int, ChainState] = {}
     carries: dict[int, dict[str, Any]] = {}
     points = [values for segment in task.segments for values in segment.values]
-    requests = _requests(task.template, points)
+    batches = _batches(task.template, points)
     with _Pulse(task) as pulse:
         if _is_run_in_blocks(task):
-            outcomes = list(_run_in_blocks(task.template, requests, pulse))
+            outcomes = list(_run_in_blocks(task.template, batches, pulse))
             keys = [point_key(task.template, values, None) for values in points]
-        coming = iter(requests)
+        coming = chain.from_iterable(batches)
         for number, segment in enumerate(() if outcomes else task.segments):
             ran = list(_run_segment(task.template, segment, coming, execute, pulse))
             outcomes += [outcome for outcome, _, _ in ran]
@@ -162,21 +163,22 @@ def _is_run_in_blocks(task: Task) -> bool:
     return task.template.linear and task.executor == EXECUTOR and task.time_limit is None
 
 
-def _requests(template: Template, points: Sequence[Values]) -> list[Request]:
-    """The points of a task, without starts, as one batch."""
-    requests = [request_at(template, values, None) for values in points]
-    batch = Batch(requests)
-    return [replace(request, batch=batch) for request in requests]
+def _batches(template: Template, points: Sequence[Values]) -> Iterator[list[Request]]:
+    """The points of a task, without starts, a batch at a time."""
+    for first in range(0, len(points), AT_ONCE):
+        some = points[first : first + AT_ONCE]
+        requests = [request_at(template, values, None) for values in some]
+        batch = Batch(requests)
+        yield [replace(request, batch=batch) for request in requests]
 
 
 def _run_in_blocks(
-    template: Template, requests: Sequence[Request], pulse: _Pulse
+    template: Template, batches: Iterable[Sequence[Request]], pulse: _Pulse
 ) -> Iterator[Outcome]:
     """Outcomes of points that start from nothing."""
     execute = imported(EXECUTOR_OF_BLOCKS)
-    for first in range(0, len(requests), AT_ONCE):
+    for block in batches:
         ending.heed()
-        block = requests[first : first + AT_ONCE]
         for _ in block:
             pulse.beat()
         try:

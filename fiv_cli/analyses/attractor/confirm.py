@@ -7,22 +7,18 @@ those of the cycle itself: it is gone round once more with tangents, unless the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.grounds import CLOSED, NEIGHBOUR, REACH, STRAIGHT
 from fiv_cli.analyses.cycles.first_guess import guess_between
 from fiv_cli.analyses.cycles.periodic import (
     RANK,
-    Anchor,
+    Orbit,
     Passage,
     Problem,
     Shooting,
     anchor_at,
     begin,
-    is_nontrivial,
     shooting,
     sorted_multipliers,
 )
@@ -38,27 +34,9 @@ ON_IT = 1e-8  # distance from the cycle that multipliers do not notice
 ROUNDING = 1e-9  # of the extent: a distance that says nothing
 
 
-@dataclass(frozen=True)
-class Confirmed:
-    """A stable cycle that a motion comes to.
-
-    Attributes
-    ----------
-    anchor : a point on it, inside a contact state
-    period : s
-    residual : what it misses itself by after a period, over its extent
-    multipliers : Floquet multipliers, largest first; complex, shape (n_states,)
-    """
-
-    anchor: Anchor
-    period: float
-    residual: float
-    multipliers: NDArray[np.complex128]
-
-
 def confirm(
     problem: Problem, motion: Motion, period: float, from_afar: bool = False
-) -> Confirmed | None:
+) -> Orbit | None:
     """The cycle that `motion`, which repeats after `period` (s), comes to; None: it is not sure.
 
     Parameters
@@ -81,7 +59,7 @@ def _scales(extents: Vector, n_coordinates: int) -> Vector:
     return np.concatenate(floors)
 
 
-def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Confirmed | None:
+def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Orbit | None:
     unknowns = conditions.start
     first = found = conditions.around(problem, unknowns)
     way = None  # of the first step
@@ -133,20 +111,18 @@ def _chords(
 
 def _own(
     problem: Problem, conditions: Shooting, unknowns: Vector, first: Passage, last: Passage
-) -> Confirmed | None:
+) -> Orbit | None:
     """The cycle gone round in `last`, where the motion itself, gone on in `first`, comes to it."""
     multipliers = sorted_multipliers(last.monodromy)
-    nontrivial = is_nontrivial(multipliers, autonomous=problem.excitation is None)
-    largest = float(np.max(np.abs(multipliers[nontrivial]), initial=0.0))
+    residual = _distance(last.state, last.begun, conditions.scales)
+    anchor, period = conditions.anchor_of(unknowns), conditions.period_of(problem, unknowns)
+    orbit = Orbit(anchor, period, residual, multipliers, autonomous=problem.excitation is None)
     gap = _distance(first.state, first.begun, conditions.scales)
     moved = float(np.max(np.abs(unknowns - conditions.start)))
-    residual = _distance(last.state, last.begun, conditions.scales)
     same = first.events == last.events
-    allowed = max(REACH * gap / max(1.0 - largest, 1e-300), ROUNDING)
-    if largest >= 1.0 or not same or moved > min(allowed, NEIGHBOUR) or residual > CLOSED:
-        return None
-    anchor, period = conditions.anchor_of(unknowns), conditions.period_of(problem, unknowns)
-    return Confirmed(anchor, period, residual, multipliers)
+    allowed = max(REACH * gap / max(1.0 - orbit.largest, 1e-300), ROUNDING)
+    close = moved <= min(allowed, NEIGHBOUR) and residual <= CLOSED
+    return orbit if orbit.stable and same and close else None
 
 
 def _distance(one: Vector, other: Vector, scales: Vector) -> float:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity
-from fiv_cli.analyses.attractor.confirm import Confirmed, confirm
+from fiv_cli.analyses.attractor.confirm import confirm
 from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
@@ -57,10 +57,10 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.cycles.periodic import (
+    Orbit,
     begin,
     extents,
     floquet,
-    is_nontrivial,
     problem_of,
     repeats,
 )
@@ -114,8 +114,9 @@ def _response(
     motion = start_motion(system, request, rests.first)
     if isinstance(motion, Outcome):
         return motion
-    judged = replace(request, settings={**request.settings, "section": section})
-    return _Response(system, judged, rests, motion)
+    if section is not request.settings["section"]:
+        request = replace(request, settings={**request.settings, "section": section})
+    return _Response(system, request, rests, motion)
 
 
 def from_least(values: Vector) -> Vector:
@@ -288,12 +289,12 @@ class _Response:
 
     def _has_stuck(self) -> bool:
         """Whether a motion that is followed as long as it slides has stuck."""
-        sticks = self.motion.measures.shares[:, STICK] if self.watch.ends_in_stick else np.zeros(0)
-        return bool(np.any(sticks > 0.0))
+        ends = self.watch.ends_in_stick
+        return bool(ends and np.any(self.motion.measures.shares[:, STICK] > 0.0))
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        return self._all_contacts(SLIP) and np.array_equal(self.motion.slip_signs, self.watch.ways)
+        return self._all_contacts(SLIP) and bool((self.motion.slip_signs == self.watch.ways).all())
 
     def _all_contacts(self, kind: int) -> bool:
         """Whether every contact is of this kind."""
@@ -453,9 +454,7 @@ class _Response:
         self.is_unconfirmed = True
         self.waiting_until = 2.0 * self.motion.time
 
-    def _measured_cycle(
-        self, cycle: Confirmed, multiplicity: int, section: Section
-    ) -> Outcome | None:
+    def _measured_cycle(self, cycle: Orbit, multiplicity: int, section: Section) -> Outcome | None:
         """Measure one period on the cycle, from a section point on; None: not the section's."""
         before = self.motion
         self.motion = begin(replace(self.problem, solver=self.solver), cycle.anchor)
@@ -479,7 +478,7 @@ class _Response:
         carry = self._carry("periodic")
         return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
 
-    def _described(self, cycle: Confirmed, period: float) -> dict[str, object]:
+    def _described(self, cycle: Orbit, period: float) -> dict[str, object]:
         """What is known of a cycle beside its measures; `period` is that at the section, s."""
         values: dict[str, object] = {
             "attractor": "periodic",
@@ -535,15 +534,13 @@ class _Response:
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))
         return values
 
-    def _floquet(self, cycle: Confirmed) -> dict[str, object]:
+    def _floquet(self, cycle: Orbit) -> dict[str, object]:
         """Multipliers, and the exponent of the largest nontrivial one where there is one."""
         if self.settings["lyapunov"] == "never":
             return {}
-        kept = is_nontrivial(cycle.multipliers, autonomous=self.excitation is None)
-        largest = float(np.max(np.abs(cycle.multipliers[kept]), initial=0.0))
         values: dict[str, object] = {**floquet(cycle.multipliers)}
-        if largest > 0.0:
-            values["lyapunov"] = float(np.log(largest) / cycle.period)
+        if cycle.largest > 0.0:
+            values["lyapunov"] = float(np.log(cycle.largest) / cycle.period)
         return values
 
     # --- not periodic -----------------------------------------------------------------------------
@@ -606,8 +603,8 @@ class _Response:
             slides = self._is_quiet() and self.excitation is None
             return "undecided", "slide_not_decided" if slides else "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
-        regular = regularity(self._points[:, self.observed])
-        if not (np.isfinite(exponent) and np.isfinite(regular)):
+        regular = regularity(self._points[:, self.observed]) if np.isfinite(exponent) else np.nan
+        if np.isnan(regular):
             return "undecided", "time_budget"
         told, reason = self._by_two_tests(exponent, regular)
         points = self._map_points()

@@ -41,6 +41,7 @@ from fiv_cli.analyses.cycles.periodic import (
 )
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import Vector
+from fiv_cli.flags import CYCLE_END
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.1, 1e-10  # lengths of a step along the branch
 LONGER = 1.5  # growth of a step ...
@@ -52,6 +53,7 @@ MOST_POINTS = 400
 TRIES = 5  # steps tried, per point allowed
 BISECTIONS = 200
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
+ASIDE = 0.05  # share of the way to a change by which a step ends beside where it is foreseen
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
@@ -68,7 +70,7 @@ ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a
 
 FLIP, TORUS, FOLD, BRANCHING = "flip", "torus", "fold", "branching"
 GRAZING, CONTACT_LOST, AT_REST, AT_EDGE = "grazing", "contact_lost", "equilibrium", "bracket"
-BUDGET, OTHER, RISES, CLOSED = "budget", "other", "mu_k_above_mu_s", "closed"
+BUDGET, OTHER, CLOSED = "budget", "other", "closed"
 
 
 @dataclass(frozen=True)
@@ -198,15 +200,21 @@ def _jacobian(
 ) -> Matrix | None:
     """Derivative of the closing conditions by `own` and by the parameter over the bracket's extent.
 
-    The last by a difference to the side where the events are the same; None where there is none.
+    The last by central differences, where multipliers are large nothing less will do; to one side
+    where the other side's events are others; None where there is neither.
     """
-    for shift in (DIFFERENCE * line.span, -DIFFERENCE * line.span):
+    sides: list[tuple[float, Vector]] = []
+    for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
         there = line.holding(value + shift)
         beside = None if there is None else frame.around(there, own, tangents=False)
         if beside is not None and beside.events == here.events:
-            slope = (frame.values(beside, own) - frame.values(here, own)) / shift * line.span
-            return np.column_stack([frame.jacobian(here), slope])
-    return None
+            sides.append((shift, frame.values(beside, own)))
+    if not sides:
+        return None
+    if len(sides) == 1:
+        sides.append((0.0, frame.values(here, own)))
+    (low, before), (high, after) = sides
+    return np.column_stack([frame.jacobian(here), (after - before) / (high - low) * line.span])
 
 
 def _across(inverse: Matrix, tangent: Vector, row: Vector) -> Matrix:
@@ -407,7 +415,8 @@ def _turn(line: Continuation, walk: _Walk) -> End | None:
     """Go on with the branch that begins where this one ends; the end where there is none."""
     end = _last_end(line, walk.here, walk.length)
     corner = walk.round_corners and end.kind == GRAZING
-    there = _round_corner(line, walk.here) if corner else None
+    met = [e.last for e in walk.ends if abs(e.value - end.value) <= MEETING * line.span and e.last]
+    there = _round_corner(line, walk.here, met) if corner else None
     if there is None:
         return end
     walk.ends.append(replace(end, goes_on=True))
@@ -467,19 +476,22 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
     Where what changes is not found on the way, `there` lies on another branch: no change, and the
     last point before it.
     """
-    here, away, length = walk.here, walk.length, 0.5 * walk.length
+    here, away, seen = walk.here, walk.length, True
+    length = _aim(here, there, away, beyond=False)
     for _ in range(BISECTIONS):
         middle = step(line, here, length)
         if middle is not None and middle.character == here.character:
             here, away = middle, away - length
             if away <= 0.0 or here.value in line.bracket:
                 return None, here, length
+            length = _aim(here, there, away, beyond=True) if seen else length
             continue
         if middle is not None:
             there, away = middle, length
         if is_close(line, here, length):
             break
-        length *= 0.5
+        seen = seen and middle is not None
+        length = _aim(here, there, away, beyond=False) if seen else 0.5 * length
     found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
     if not found:
         return None, here, length
@@ -490,6 +502,17 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
         there,
         max(length, FIRST * SHRUNK),
     )
+
+
+def _aim(here: Point, there: Point, away: float, beyond: bool) -> float:
+    """Length of a step that ends a little before, or `beyond`, where stability changes on the way.
+
+    Where something else changes on the way to `there`: half of it, or all.
+    """
+    if here.character[::2] != there.character[::2]:
+        return away if beyond else 0.5 * away
+    share = (here.cycle.largest - 1.0) / (here.cycle.largest - there.cycle.largest)
+    return away * (min(share + ASIDE, 1.0) if beyond else max(share - ASIDE, 0.5 * share))
 
 
 def _begins_at(line: Continuation, there: Point, here: Point) -> bool:
@@ -531,7 +554,8 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
         unknowns = here.unknowns + distance * here.tangent
         value = _in_bracket(line, unknowns)
         if line.holding(value) is None:
-            return RISES if line.invalid(value) == RISES else OTHER
+            unmet = line.invalid(value)
+            return unmet if unmet in CYCLE_END.codes else OTHER
         beyond = _over_period(line, here, unknowns)
         if beyond.stop == Stop.CONTACT_LOST:
             return CONTACT_LOST
@@ -583,14 +607,15 @@ def _distance(here: Point, one: Vector, other: Vector) -> float:
     return float(np.max(np.abs(one - other) / here.frame.scales))
 
 
-def _round_corner(line: Continuation, here: Point) -> Point | None:
+def _round_corner(line: Continuation, here: Point, met: list[Point]) -> Point | None:
     """The first cycle with another sequence of events on a branch that begins where this ends.
 
     Cycles near the last one are looked for from all sides; one counts if its own branch, followed
-    back, ends at the same value of the parameter.
+    back, ends at the same value of the parameter. The branches of `met`, which have ended there,
+    are gone on with already.
     """
     for distance in CORNERS:
-        tried = {here.cycle.signature}
+        tried = {point.cycle.signature for point in (here, *met)}
         for way in np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))]):
             found = _beyond_corner(line, here, here.unknowns + distance * way)
             if found is None or found.cycle.signature in tried:

@@ -449,8 +449,8 @@ def _length(vector: Vector) -> float:
 
 # --- cycles --------------------------------------------------------------------------------------
 @dataclass(frozen=True)
-class Cycle:
-    """A periodic motion.
+class Orbit:
+    """A closed motion, and what becomes of its neighbours.
 
     Attributes
     ----------
@@ -459,9 +459,6 @@ class Cycle:
     residual : what the motion misses itself by after a period, relative to its extent
     multipliers : Floquet multipliers, largest first; complex, shape (n_states,)
     autonomous : whether one of them, 1, is the direction of the flow
-    around : the motion over a period
-    points : states at the section, in order; shape (multiplicity, n_states)
-    extremes : least and greatest value of every state; shape (2, n_states)
     """
 
     anchor: Anchor
@@ -469,14 +466,14 @@ class Cycle:
     residual: float
     multipliers: NDArray[np.complex128]
     autonomous: bool
-    around: Passage
-    points: Matrix
-    extremes: Matrix
 
     @cached_property
     def nontrivial(self) -> NDArray[np.complex128]:
         """The multipliers without that of the flow's direction."""
-        return self.multipliers[is_nontrivial(self.multipliers, self.autonomous)]
+        kept = np.ones(len(self.multipliers), bool)
+        if self.autonomous:
+            kept[np.argmin(np.abs(self.multipliers - 1.0))] = False
+        return self.multipliers[kept]
 
     @cached_property
     def largest(self) -> float:
@@ -487,6 +484,22 @@ class Cycle:
     def stable(self) -> bool:
         """Whether neighbours come nearer."""
         return self.largest < 1.0
+
+
+@dataclass(frozen=True)
+class Cycle(Orbit):
+    """A periodic motion that was watched over a period.
+
+    Attributes
+    ----------
+    around : the motion over a period
+    points : states at the section, in order; shape (multiplicity, n_states)
+    extremes : least and greatest value of every state; shape (2, n_states)
+    """
+
+    around: Passage
+    points: Matrix
+    extremes: Matrix
 
     @cached_property
     def scales(self) -> Vector:
@@ -513,14 +526,6 @@ def floquet(multipliers: NDArray[np.complex128]) -> dict[str, Vector]:
         "floquet_multiplier_real": multipliers.real,
         "floquet_multiplier_imag": multipliers.imag,
     }
-
-
-def is_nontrivial(multipliers: NDArray[np.complex128], autonomous: bool) -> NDArray[np.bool_]:
-    """Which multipliers are not 1 because the flow's own direction is."""
-    kept = np.ones(len(multipliers), bool)
-    if autonomous:
-        kept[np.argmin(np.abs(multipliers - 1.0))] = False
-    return kept
 
 
 def extents(extremes: Matrix) -> Vector:

@@ -14,7 +14,6 @@ that scans of many points advance side by side and what all of them want is comp
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, frequency_ratio
+from fiv_cli.analyses.rest.brent import ULP, zero
 from fiv_cli.analyses.rest.equilibria import equilibria, equilibria_at, why_none
 from fiv_cli.analyses.rest.linearisation import (
     NEUTRAL,
@@ -47,9 +47,7 @@ MARGIN = 2.0  # by which departures from a straight line must be smaller than wh
 MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
 JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
 HALVINGS = 64
-MOST_STEPS = 100  # of Brent's method
 NEIGHBOURS = 8  # numbers on each side of a root without frequency that are looked at
-ULP = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
@@ -403,52 +401,6 @@ class _Scan:
                 break
             low, high = (middle, high) if is_left(middle) else (low, middle)
         return low, high
-
-
-def zero(
-    function: Callable[[float], Scan[float]], low: float, high: float, resolution: float
-) -> Scan[float]:
-    """A zero of a function of opposite signs at both ends, by Brent's method.
-
-    R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4, in the order of
-    operations of `scipy.optimize.brentq`.
-    """
-    before, best = low, high
-    f_before = yield from function(before)
-    f_best = yield from function(best)
-    other, f_other, last, step = before, f_before, 0.0, 0.0
-    for _ in range(MOST_STEPS):
-        if f_before != 0.0 and f_best != 0.0 and (f_before < 0.0) != (f_best < 0.0):
-            other, f_other = before, f_before
-            last = step = best - before
-        if abs(f_other) < abs(f_best):
-            before, best, other = best, other, best
-            f_before, f_best, f_other = f_best, f_other, f_best
-        least = (resolution + 4.0 * ULP * abs(best)) / 2.0
-        half = (other - best) / 2.0
-        if f_best == 0.0 or abs(half) < least:
-            break
-        tried = math.inf
-        if abs(last) > least and abs(f_best) < abs(f_before):
-            tried = _interpolated(before, best, other, f_before, f_best, f_other)
-        is_short = 2.0 * abs(tried) < min(abs(last), 3.0 * abs(half) - least)
-        last, step = (step, tried) if is_short else (half, half)
-        before, f_before = best, f_best
-        best += step if abs(step) > least else math.copysign(least, half)
-        f_best = yield from function(best)
-    return best
-
-
-def _interpolated(
-    before: float, best: float, other: float, f_before: float, f_best: float, f_other: float
-) -> float:
-    """Step from the best value to where a straight line, or a parabola on its side, is zero."""
-    if before == other:
-        return -f_best * (best - before) / (f_best - f_before)
-    slope, other_slope = (f_before - f_best) / (before - best), (f_other - f_best) / (other - best)
-    bent = f_other * other_slope - f_before * slope
-    scale = other_slope * slope * (f_other - f_before)
-    return -f_best * bent / scale if scale != 0.0 else math.inf
 
 
 def _solid(sample: Sample) -> Sample:

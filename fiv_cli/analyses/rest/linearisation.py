@@ -93,14 +93,15 @@ def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
     its own: it has no eigenvalues, and follows in the vectors.
     """
     free, n = free_states(state.system), y.shape[-1]
-    values, free_vectors = spectrum(free_jacobian(state, y))
+    jacobian = state.jacobian(y)
+    values, free_vectors = spectrum(_square(jacobian, free))
     if len(free) == n:
         return values, free_vectors
     m = len(state.system.coordinates)
     determined = np.setdiff1d(np.arange(m), free)
     vectors = np.zeros((*y.shape, values.shape[-1]), complex)
     vectors[..., free, :] = free_vectors
-    rates = state.jacobian(y)[..., determined[:, None], free] @ free_vectors
+    rates = jacobian[..., determined[:, None], free] @ free_vectors
     vectors[..., m + determined, :] = rates
     moving = np.broadcast_to((values != 0.0)[..., None, :], rates.shape)
     vectors[..., determined, :] = np.divide(
@@ -111,8 +112,12 @@ def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
 
 def free_jacobian(state: Sliding, y: Vector) -> Real:
     """Derivative of the rates of `free_states` by these; shape (..., free states, free states)."""
-    free = free_states(state.system)
-    return np.ascontiguousarray(state.jacobian(y)[..., free[:, None], free])
+    return _square(state.jacobian(y), free_states(state.system))
+
+
+def _square(matrices: Real, places: NDArray[np.intp]) -> Real:
+    """These rows and columns."""
+    return np.ascontiguousarray(matrices[..., places[:, None], places])
 
 
 @cache

@@ -12,6 +12,7 @@ from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import Number
 from fiv_cli.analyses.variables import (
     ATTRACTOR,
+    INITIAL_STATE,
     MULTIPLICITY,
     OF_STEADY_STATE,
     PERIOD,
@@ -26,7 +27,7 @@ RESOLUTION = Number(
     "resolution", "width of a frequency bin; f_max / 256 when left out", unit="Hz", above=0.0
 )
 
-KEPT_OF_STEADY_STATE = (ATTRACTOR, PERIOD, MULTIPLICITY, *OF_STEADY_STATE)
+KEPT_OF_STEADY_STATE = (ATTRACTOR, INITIAL_STATE, PERIOD, MULTIPLICITY, *OF_STEADY_STATE)
 """What a spectrum says of the steady state that it is of."""
 
 FREQUENCY = axis("frequency", "Hz", "middle of the bin", symbol="f")
@@ -39,6 +40,7 @@ def variables(subject: Subject) -> list[Variable]:
     return [
         FREQUENCY,
         ATTRACTOR,
+        INITIAL_STATE,
         Variable(
             "amplitude",
             unit,
