@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import exp, tanh
 from typing import Any
 
 import pytest
 import sympy
 
-from fiv_cli.friction import TANH_OF, all_laws, get_law
+from fiv_cli.friction import TANH_OF, all_laws, get_law, why_unfit
 from fiv_cli.friction.base import Law, Slip
+from fiv_cli.models import all_models
 
 # Values of every parameter, then |F_T| at a slip speed of 0.7 m/s and the static capacity, for
 # F_N = 5 N, by hand.
@@ -184,3 +186,9 @@ def test_laws_contain_one_another(
     for v in (-2.0, -0.3, 0.1, 1.0):
         contained = force(get_law(other), v, ROWS[other][0] | values)
         assert force(get_law(law), v, own) == pytest.approx(contained, rel=1e-14)
+
+
+def test_a_law_with_a_name_of_the_model_is_not_taken() -> None:
+    disc = all_models()["disc-rigid-contact"]
+    mine = replace(get_law("hyperbolic"), name="mine", parameters=disc.parameters[:1])
+    assert why_unfit(disc, mine) == "'mine' and disc-rigid-contact have parameters of one name: a"

@@ -20,8 +20,6 @@ from fiv_cli.case.structure import FigureKind, InitialTable, What
 from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.plots.drawing import KINDS
 
-CONFIGS = Path(__file__).parent.parent / "configs"
-
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     assert run(list(arguments)) == 0
@@ -81,15 +79,6 @@ def test_the_variables_listed_are_those_of_the_dataset(
             one["dims"].split()
         )
         assert re.search(rf"^{one['name']} .*{re.escape(one['meaning'])}$", out, re.MULTILINE)
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_help_names_only_cases_that_there_are(name: str) -> None:
-    command = importlib.import_module(COMMANDS[name][0]).command
-    text = click.Context(command, info_name=name).get_help()
-    shipped = {path.stem for path in CONFIGS.rglob("*.toml")}
-    assert set(re.findall(r"fig_\w+", text)) <= shipped
-    assert all(any(CONFIGS.glob(place)) for place in re.findall(r"configs/(\S+\w)", text))
 
 
 def test_help_lists_every_kind_of_figure() -> None:

@@ -59,6 +59,19 @@ def test_where_nothing_goes_on_there_is_no_section() -> None:
     assert found.values["attractor"] == "equilibrium" and "section_kind" not in found.values
 
 
+def test_a_slide_that_has_not_settled_is_no_torus() -> None:
+    """Forced, hardly damped and linear, it is periodic in the end; until then it passes for one."""
+
+    def slide(**settings: Any) -> Outcome:
+        forced = {"v": 5.0, "u0": 0.5, "omega": 1.618, "c": 1e-4}
+        asked = {"t_max": 1000.0, **settings}
+        return api.analyse("belt-1dof", "coulomb", "response", {"x": 2.5}, asked, **forced)
+
+    named, found = slide(section={"zero": "x_dot", "direction": "up"}), slide()
+    assert named.values["attractor"] == "quasiperiodic"
+    assert (found.values["attractor"], found.reason) == ("undecided", "slide_not_decided")
+
+
 def belt(**settings: Any) -> dict[str, Any]:
     """A case of the simplest belt."""
     analysis = {"kind": "response", **settings}

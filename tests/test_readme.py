@@ -82,7 +82,7 @@ def test_the_notebook_runs(
 def test_the_claim_is_understood() -> None:
     """On the grid that it speaks of, with every way of taking and of expecting that is listed."""
     case, claim = blocks("toml")
-    grid = "[grid]\npsi_a = [0.0, 1.0]\nbeta = [0.0, 0.2]"
+    grid = '[grid]\npsi_a = [0.0, 1.0]\nbeta = [0.0, "15 deg"]'
     (_, said) = parse_case(case.replace("[grid]", grid) + claim, "a.toml").claims
     page = README.partition("## What a figure or a claim can say")[2].partition("\n## ")[0]
     listed = re.findall(r"^\| (.*?) \|", page, re.MULTILINE)

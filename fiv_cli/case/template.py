@@ -65,8 +65,8 @@ class _Template:
         others = [known[name] for name in _SWEPT_FIRST if name in known] or list(known.values())
         varies = any(isinstance(setting, ParameterName) for setting in analysis.settings)
         axis = None if analysis.single else others[0] if varies else first
-        drives = [p for p in model.parameters if p.role == "speed" and p != axis]
-        drive = drives[0] if drives and analysis.varying else None
+        driven = [p for p in model.parameters if p.role == "speed" and p != axis] or others
+        drive = driven[0] if analysis.varying else None
         return cls(model, analysis, law, example, axis, first, drive)
 
     def blocks(self) -> Iterable[list[str]]:

@@ -70,4 +70,7 @@ def why_unfit(model: Model, law: Law) -> str:
         return f"{model.name} has no frictional contact"
     if law.constant_load and not model.constant_load:
         return f"{law.name!r} gives a force whatever the load, and that of {model.name} varies"
+    shared = {p.name for p in law.parameters} & {p.name for p in model.parameters}
+    if shared:
+        return f"{law.name!r} and {model.name} have parameters of one name: {', '.join(shared)}"
     return ""

@@ -1,7 +1,8 @@
 """What a run will cost, from a few of its points: `fiv check --estimate`.
 
-Run are corners of the grid, its middle and points by chance (seeded), from every start in turn; of
-a chain its first points. What they take says what the others will, as far as these are like them.
+Run are corners of the grid, its middle and points by chance (seeded), the starts an axis like any
+other; of a chain its first points. What they take says what the others will, as far as these are
+like them.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
 from fiv_cli.notation.amounts import duration, size
 from fiv_cli.sweep.plan import AnalysisPlan, counted, dim_of, make_plan, visiting_order
+from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.requests import StartEntry, Values
 from fiv_cli.sweep.worker import Result, Segment, Task, run_task
 
@@ -30,9 +32,9 @@ PATIENCE = 20.0  # s for the points of an analysis, after which no other is begu
 LOADING = 1.0  # s below which the first point is run again: it also loads code
 
 # Bytes of a run for each byte of results, and besides (measured on runs of 4 to 5,000 points).
-ON_DISK = 2.3  # shards and dataset
-IN_MEMORY = 1.3
-OF_A_PROCESS = 200e6
+ON_DISK, OF_FILES = 2.3, 100e3  # shards and dataset
+IN_MEMORY, OF_A_PROCESS = 1.3, 200e6
+STARTING = 1.0  # s that a run takes besides its points
 
 
 @dataclass(frozen=True)
@@ -79,23 +81,28 @@ def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Itera
 
 def _estimated(analysis: AnalysisPlan, results: Sequence[Result], workers: int) -> Estimate:
     sampled = sum(len(result.block) for result in results)
-    costs = np.array([result.seconds / len(result.block) for result in results])
     bytes_per_point = sum(result.block.nbytes for result in results) / sampled
-    points = _points(analysis)
-    usual, error = float(costs.mean()), 2.0 * float(costs.std()) / sqrt(len(costs))
-    error = error if len(costs) > 1 else 0.5 * usual
-    at_once = _parallel(analysis, workers)
-    low, high = max(usual - error, min(0.5 * usual, float(costs.min()))), usual + error
+    points, at_once = _points(analysis), _parallel(analysis, workers)
+    low, high = _of_a_point([result.seconds / len(result.block) for result in results])
+    span = STARTING + low * points[0] / at_once, STARTING + high * points[1] / at_once
+    processes = 1 + workers * (workers > 1 and span[1] > Policy().in_process_below)
     stored = bytes_per_point * analysis.size
     return Estimate(
         name=analysis.layout.name,
         points=points,
         sampled=sampled,
-        seconds=(low * points[0] / at_once, high * points[1] / at_once),
-        memory=OF_A_PROCESS * (1 + (workers if workers > 1 else 0)) + IN_MEMORY * stored,
-        disk=ON_DISK * stored,
+        seconds=span,
+        memory=OF_A_PROCESS * processes + IN_MEMORY * stored,
+        disk=OF_FILES + ON_DISK * stored,
         workers=workers,
     )
+
+
+def _of_a_point(costs: Sequence[float]) -> tuple[float, float]:
+    """What a point takes in the mean, s: two standard errors to either side, of one cost a half."""
+    usual, error = float(np.mean(costs)), 2.0 * float(np.std(costs)) / sqrt(len(costs))
+    error = error if len(costs) > 1 else 0.5 * usual
+    return max(usual - error, min(0.5 * usual, *costs)), usual + error
 
 
 def _points(analysis: AnalysisPlan) -> tuple[int, int]:
@@ -144,24 +151,25 @@ def _task(analysis: AnalysisPlan, segments: Sequence[Segment]) -> Task:
 
 
 def _segments(analysis: AnalysisPlan) -> Iterator[Segment]:
-    """Points that are computed, from every start in turn; of a chain its beginning."""
-    entries = itertools.cycle(enumerate(analysis.template.entries))
-    for places in _places([dim.size for dim in analysis.layout.dims]):
-        index, entry = next(entries)
-        values = tuple(_values(analysis, along) for along in _followed(analysis, places, entry))
+    """Points that are computed, from starts likewise; of a chain its beginning."""
+    entries = analysis.template.entries
+    sizes = [dim.size for dim in analysis.layout.dims]
+    for *places, index in _places([*sizes, len(entries)]):
+        followed = _followed(analysis, places, entries[index])
+        values = tuple(_values(analysis, along) for along in followed)
         if analysis.unmet(values[0]) is None:
             yield Segment(values, index)
 
 
 def _followed(
-    analysis: AnalysisPlan, places: tuple[int, ...], entry: StartEntry | None
-) -> list[tuple[int, ...]]:
+    analysis: AnalysisPlan, places: list[int], entry: StartEntry | None
+) -> list[list[int]]:
     """The place itself, or the first places of the chain that leads through it."""
     if entry is None or entry.spec.kind != "continue":
         return [places]
     dim = dim_of(analysis.layout.dims, entry.spec.along)
     begin = visiting_order(analysis.layout.dims[dim], entry)[:LINKS]
-    return [(*places[:dim], place, *places[dim + 1 :]) for place in begin]
+    return [[*places[:dim], place, *places[dim + 1 :]] for place in begin]
 
 
 def _values(analysis: AnalysisPlan, places: Sequence[int]) -> Values:

@@ -30,7 +30,7 @@ from fiv_cli.dynamics.system import Vector
 # What a look at a slide says: nothing; that it is to be seen whether sliding is linear from here;
 # that it falls as it should; that there is no room for another look.
 NOTHING, MAY_BE_LINEAR, FALLS, FULL = 0, 1, 2, 3
-ROOM = 32  # looks
+ROOM = 64  # looks
 
 
 class Slide(Frame):

@@ -145,12 +145,8 @@ class LevelSet:
     def shapes(self) -> Real:
         """Distances from the equilibrium whose weighted amplitudes sum to one."""
         sizes, phases = _drawn(len(self.eigenvalues))
-        turned = sizes / self.weights * phases
-        shapes = np.zeros(sizes.shape)
-        for row, amplitudes in enumerate(turned):
-            away = (self.vectors @ amplitudes).real
-            shapes[row] = away / float(self.weights @ np.abs(self.inverse @ away))
-        return shapes
+        away = (sizes / self.weights * phases @ self.vectors.T).real
+        return np.asarray(away / (np.abs(away @ self.inverse.T) @ self.weights)[:, None])
 
     def margin(self, state: Vector) -> float:
         """1 - V/c where sliding from `state` is linear and meets nothing; NaN where it is not."""

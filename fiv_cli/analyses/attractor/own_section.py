@@ -33,8 +33,12 @@ def is_missed(outcome: Outcome) -> bool:
 
 
 def tells_more(found: Outcome, before: Outcome) -> bool:
-    """Whether the run by another section is the better answer."""
-    return found.values["attractor"] != "undecided" or before.reason == "no_section_points"
+    """Whether the run by another section is the better answer.
+
+    Of a slide only what is proved: until it has settled it passes for a torus.
+    """
+    proved = found.values["attractor"] not in ("undecided", "quasiperiodic", "chaotic")
+    return proved or before.reason == "no_section_points"
 
 
 def own_section(motion: Motion, observed: str, span: float) -> Section:

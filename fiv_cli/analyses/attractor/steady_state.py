@@ -114,8 +114,9 @@ def _response(
     motion = start_motion(system, request, rests.first)
     if isinstance(motion, Outcome):
         return motion
-    judged = replace(request, settings={**request.settings, "section": section})
-    return _Response(system, judged, rests, motion)
+    if section is not request.settings["section"]:
+        request = replace(request, settings={**request.settings, "section": section})
+    return _Response(system, request, rests, motion)
 
 
 def from_least(values: Vector) -> Vector:
@@ -288,12 +289,12 @@ class _Response:
 
     def _has_stuck(self) -> bool:
         """Whether a motion that is followed as long as it slides has stuck."""
-        sticks = self.motion.measures.shares[:, STICK] if self.watch.ends_in_stick else np.zeros(0)
-        return bool(np.any(sticks > 0.0))
+        ends = self.watch.ends_in_stick
+        return bool(ends and np.any(self.motion.measures.shares[:, STICK] > 0.0))
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        return self._all_contacts(SLIP) and np.array_equal(self.motion.slip_signs, self.watch.ways)
+        return self._all_contacts(SLIP) and bool((self.motion.slip_signs == self.watch.ways).all())
 
     def _all_contacts(self, kind: int) -> bool:
         """Whether every contact is of this kind."""
@@ -602,8 +603,8 @@ class _Response:
             slides = self._is_quiet() and self.excitation is None
             return "undecided", "slide_not_decided" if slides else "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
-        regular = regularity(self._points[:, self.observed])
-        if not (np.isfinite(exponent) and np.isfinite(regular)):
+        regular = regularity(self._points[:, self.observed]) if np.isfinite(exponent) else np.nan
+        if np.isnan(regular):
             return "undecided", "time_budget"
         told, reason = self._by_two_tests(exponent, regular)
         points = self._map_points()
