@@ -121,11 +121,13 @@ class Result:
     ----------
     block : the outcomes, row by row in the order of the task
     seconds : time the points took
+    longest : the row that took longest, and how long, s
     states : segment number -> state after its last point, for segments of chains
     """
 
     block: Block
     seconds: float
+    longest: tuple[int, float] = (0, 0.0)
     states: dict[int, ChainState] = field(default_factory=dict)
 
 
@@ -153,7 +155,7 @@ def run_task(task: Task) -> Result:
                 states[number] = last
                 carries[len(outcomes) - 1] = last.plain()
     block = pack(outcomes, keys, task.variables, carries)
-    return Result(block, time.perf_counter() - begun, states)
+    return Result(block, time.perf_counter() - begun, pulse.longest, states)
 
 
 def _is_run_in_blocks(task: Task) -> bool:
@@ -217,7 +219,7 @@ def lost_point(task: Task, reason: str, message: str) -> Result:
         state = _next_state(outcome, segment.state, entry)
     carries = {} if state is None else {0: state.plain()}
     states = {} if state is None else {0: state}
-    return Result(pack([outcome], [key], task.variables, carries), 0.0, states)
+    return Result(pack([outcome], [key], task.variables, carries), 0.0, states=states)
 
 
 def initialise(parent: int) -> None:
@@ -342,10 +344,16 @@ def imported(path: str) -> Callable[..., Any]:
 
 
 class _Pulse:
-    """Tells the parent which row is being run, and ends the process when one takes too long."""
+    """Tells the parent which row is being run, and ends the process when one takes too long.
+
+    Attributes
+    ----------
+    longest : the row that took longest, and how long, s
+    """
 
     def __init__(self, task: Task) -> None:
-        self._row = -1
+        self.longest = (0, 0.0)
+        self._row, self._since = -1, time.perf_counter()
         self._path = task.heartbeat
         self._limit = task.time_limit
         self._file = -1
@@ -358,6 +366,7 @@ class _Pulse:
         return self
 
     def __exit__(self, *exception: object) -> None:
+        self._take_time()
         if self._path is not None and self._file >= 0:
             os.close(self._file)
             self._path.unlink(missing_ok=True)
@@ -369,12 +378,19 @@ class _Pulse:
 
         SIGALRM keeps its default action, which ends the process even inside compiled code.
         """
+        self._take_time()
         self._row += 1
         if self._file >= 0:
             with contextlib.suppress(OSError):
                 os.pwrite(self._file, self._row.to_bytes(8, "little"), 0)
         if self._limit is not None:
             signal.setitimer(signal.ITIMER_REAL, self._limit)
+
+    def _take_time(self) -> None:
+        """Of the row that has just ended."""
+        begun, self._since = self._since, time.perf_counter()
+        if self._since - begun > self.longest[1] and self._row >= 0:
+            self.longest = (self._row, self._since - begun)
 
 
 def last_beat(heartbeat: Path) -> tuple[int, float] | None:
