@@ -225,6 +225,10 @@ REASONS: tuple[Reason, ...] = (
 # Reasons of motions that ended: answers, without what a motion has at its end.
 ENDED_EARLY = ("diverged", "contact_lost")
 
+# ... and of undecided ones whose time was up before they had settled: what they did until then
+# says nothing of where they end.
+ON_THE_WAY = ("time_budget", "slide_not_decided")
+
 STATUS = FlagTable(
     {"ok": 0, "pending": 1, "failed": 2, "budget": 3, "not_reached": 4, NOT_COMPUTED: 5},
     fill="pending",

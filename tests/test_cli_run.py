@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ import pytest
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.flags import ATTRACTOR
+from fiv_cli.sweep.lock import hold
 
 EQUILIBRIUM = """
 schema = 1
@@ -146,6 +149,10 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert fiv(["run", "pin.toml", "--max-points", "3", "-q"]) == 0
     capsys.readouterr()
     assert fiv(["status", "pin.toml", "--exit-code"]) == 8
+    with hold(Path("runs/pin.run")):  # as a run that began a while ago
+        os.utime("runs/pin.run/lock", (time.time() - 100.0,) * 2)
+        assert fiv(["status", "pin.toml"]) == 0
+    assert "is running it: 100 s elapsed, 0.03 points/s, some 33 s to go" in capsys.readouterr().out
     assert fiv(["show", "runs/pin.nc"]) == 0
     assert "partial      3 of 4 points" in capsys.readouterr().out
     assert fiv(["plot", "runs/pin.nc", "--figure", "curve"]) == 0

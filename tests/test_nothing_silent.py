@@ -197,3 +197,19 @@ def test_a_share_is_known_as_far_as_the_decided_points_say(expect: Any, verdict:
     points = data.response(classes, np.ones(200), data.axes(Omega=np.arange(200.0)))
     share = {"what": "share", "of": "periodic", "over": ["Omega"]}
     assert data.tried(points, "attractor", expect, take=share).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("reason", "verdict"),
+    [("section_drifts", CONFIRMED), ("time_budget", UNDETERMINED), ("none", CONFIRMED)],
+)
+def test_how_a_motion_sticks_on_its_way_is_not_how_it_ends(reason: str, verdict: str) -> None:
+    """Of 200 motions 150 have no class: what they do is known if they had settled, else not."""
+    classes = np.repeat(["periodic", "undecided"], [50, 150]).astype(object)
+    axis = data.axes(Omega=np.arange(200.0))
+    flag = data.flags(("Omega",), np.full(200, reason), ("none", "section_drifts", "time_budget"))
+    sticking = (("Omega",), np.full(200, 0.3))
+    points = data.response(classes, np.ones(200), axis, reason=flag, stick_fraction=sticking)
+    share = {"what": "share", "of": ". > 0", "over": ["Omega"]}
+    found = data.tried(points, "stick_fraction", {"greater_than": 0.9}, take=share)
+    assert found.verdict == verdict

@@ -95,7 +95,7 @@ def test_what_there_is_becomes_a_dataset_and_then_the_whole_one(
         assert ended.code(10.0) == 130
         last = ended.said.splitlines()[-1]
     told = read_attributes(tmp_path / "a.nc")["partial"]
-    assert last == f"interrupted: a.nc holds {told}; the same command goes on from here"
+    assert last == f"interrupted: a.nc holds {told}"
     assert finished(tmp_path, POINTS) == datasets[POINTS]
 
 

@@ -6,6 +6,7 @@ import dataclasses
 import errno
 import json
 import os
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,10 @@ from fiv_cli import files
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
 from fiv_cli.sweep import journal
+from fiv_cli.sweep import progress as progress_of
 from fiv_cli.sweep.lock import hold, holder
 from fiv_cli.sweep.policy import Policy
-from fiv_cli.sweep.progress import INTERVAL, Lines, Silent
+from fiv_cli.sweep.progress import Lines, Silent
 from fiv_cli.sweep.run import Summary, run_case
 from fiv_cli.sweep.scheduler import Pace
 
@@ -493,16 +495,34 @@ def test_what_is_not_kept_in_memory_is_read_again(
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
-def test_lines_come_every_thirty_seconds() -> None:
+def test_a_line_tells_time_rate_and_what_is_left() -> None:
     now = [0.0]
     lines: list[str] = []
-    progress = Lines(lines.append, lambda: now[0])
+    progress = Lines(lines.append, "2 of 3, a.toml: ", lambda: now[0])
     progress.begin(100, 10)
-    progress.advance(5, 0)
-    now[0] += INTERVAL
-    progress.advance(5, 1)
+    for seconds, points in ((100.0, 50), (300.0, 10)):  # the rest is slower
+        now[0] += seconds
+        progress.advance(points, 1)
+        progress.tell()
+    progress.slow(299.0, "v=1.0,initial=far")
+    now[0] += 700.0  # nothing happens
+    progress.tell()
     progress.end()
     assert lines == [
-        "100 points, 10 already stored, 90 to run",
-        "20 of 100 points done, 1 failed",
+        "2 of 3, a.toml: 100 points, 10 already stored, 90 to run",
+        "2 of 3, a.toml: 60 of 100 points done, 1 failed; "
+        "100 s elapsed, 0.5 points/s, some 80 s to go",
+        "2 of 3, a.toml: 70 of 100 points done, 2 failed; "
+        "6.7 min elapsed, 0.033 points/s, some 15 min to go",
+        "2 of 3, a.toml: 70 of 100 points done, 2 failed; "
+        "18 min elapsed, 0.01 points/s, some 50 min to go; slowest 5 min at v=1.0,initial=far",
     ]
+
+
+def test_lines_come_whether_anything_happens_or_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress_of, "INTERVAL", 0.01)
+    told = threading.Semaphore(0)
+    progress = Lines(lambda text: told.release())
+    progress.begin(100, 10)
+    assert all(told.acquire(timeout=10.0) for _ in range(3))
+    progress.end()

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
-from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -133,17 +132,11 @@ class Batch:
     requests: Sequence[Request]
     known: dict[tuple[object, int], Any] = field(default_factory=dict)
 
-    def from_(self, request: Request) -> list[Mapping[str, float]]:
-        """Parameters of a point and of those that follow in the same system."""
-        place = self._places.get(id(request.parameters))
-        if place is None:
-            return [request.parameters]
-        coming = self.requests[place : place + AT_ONCE]
-        return [one.parameters for one in coming if one.setup.key == request.setup.key]
-
-    @cached_property
-    def _places(self) -> Mapping[int, int]:
-        return {id(one.parameters): place for place, one in enumerate(self.requests)}
+    def alike(self, request: Request) -> list[Mapping[str, float]]:
+        """Parameters of the points in the same system, of this one alone if it is none of them."""
+        key, own = request.setup.key, request.parameters
+        points = [one.parameters for one in self.requests if one.setup.key == key]
+        return points if any(point is own for point in points) else [own]
 
 
 @dataclass

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -35,23 +36,28 @@ __all__ = [
 def rest_of(system: System, request: Request) -> tuple[Sliding, list[Vector]]:
     """The unexcited system in sliding, and its equilibria.
 
-    Those of the points that follow in a sweep are found with them, in a fifth of the time.
+    Those of the points that are run with it are found with them, in a fifth of the time.
     """
     batch = request.batch or Batch([request])
     own = system, id(request.parameters)
     if own not in batch.known:
-        points = batch.from_(request)
+        points = batch.alike(request)
         try:
-            state = sliding_at(system, points)
-            found = equilibria_at(state)
+            found = _rests(system, points)
         except Exception:  # of one of them: which, and what, is found alone
-            points = points[:1]
-            state = sliding_at(system, points)
-            found = equilibria_at(state)
-        for row, point in enumerate(points):
-            batch.known[system, id(point)] = state[row], found[row].states
+            points = [request.parameters]
+            found = _rests(system, points)
+        for point, one in zip(points, found, strict=True):
+            batch.known[system, id(point)] = one
     rest: tuple[Sliding, list[Vector]] = batch.known[own]
     return rest
+
+
+def _rests(
+    system: System, points: Sequence[Mapping[str, float]]
+) -> list[tuple[Sliding, list[Vector]]]:
+    state = sliding_at(system, points)
+    return [(state[row], one.states) for row, one in enumerate(equilibria_at(state))]
 
 
 def start_motion(system: System, request: Request, equilibrium: Vector | None) -> Motion | Outcome:

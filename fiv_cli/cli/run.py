@@ -14,6 +14,7 @@ from fiv_cli.errors import CaseError, InputError, UsageError
 if TYPE_CHECKING:
     from fiv_cli.case.case import Case
     from fiv_cli.sweep.policy import Policy
+    from fiv_cli.sweep.progress import Progress
     from fiv_cli.sweep.run import Summary
 
 UNSOUND = 4
@@ -90,6 +91,7 @@ def command(
       fiv run a.toml --max-points 20          # a first look
     """
     from fiv_cli.sweep.policy import Policy
+    from fiv_cli.sweep.progress import for_stderr
 
     provide_cache()
     policy = Policy(
@@ -101,9 +103,13 @@ def command(
     )
     loaded = load_all(cases, overrides)
     outputs = _outputs(loaded, output)
-    summaries = [
-        _run(case, path, policy, quiet, verbose) for case, path in zip(loaded, outputs, strict=True)
-    ]
+    summaries = []
+    for number, (case, path) in enumerate(zip(loaded, outputs, strict=True), 1):
+        title = f"{number} of {len(loaded)}, {case.source}: " if len(loaded) > 1 else ""
+        summaries.append(_run(case, path, policy, for_stderr(quiet, title), verbose))
+        if not quiet:
+            click.echo("\n".join(summaries[-1].lines()), err=True)
+        click.echo(path)
     return 0 if all(summary.sound for summary in summaries) else UNSOUND
 
 
@@ -140,15 +146,10 @@ def _outputs(cases: Sequence[Case], output: Path | None) -> list[Path]:
     return paths
 
 
-def _run(case: Case, output: Path, policy: Policy, quiet: bool, verbose: bool) -> Summary:
+def _run(case: Case, output: Path, policy: Policy, progress: Progress, verbose: bool) -> Summary:
     from fiv_cli import api
-    from fiv_cli.sweep.progress import for_stderr
     from fiv_cli.sweep.run import run_case
 
     if verbose:
         click.echo(api.check(case), err=True)
-    summary = run_case(case, output, policy, for_stderr(quiet))
-    if not quiet:
-        click.echo("\n".join(summary.lines()), err=True)
-    click.echo(output)
-    return summary
+    return run_case(case, output, policy, progress)

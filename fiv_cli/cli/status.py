@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from fiv_cli.cli.common import json_option, plain, print_json, set_option
+
+if TYPE_CHECKING:
+    from fiv_cli.sweep.journal import Journal
 
 STILL_TO_RUN = 8
 """Exit code, where it is asked for."""
@@ -23,6 +28,9 @@ class Standing:
     counts : status -> number of points
     refined : of each refined analysis, in a line, how much of it was run
     stored_case_differs : how what is stored differs from the case; then it is not counted
+    elapsed, rate, left : of a live run: seconds since it began, points per second, seconds to go
+        at that rate
+    pace : the same in words
     """
 
     case: str
@@ -34,17 +42,22 @@ class Standing:
     refined: list[str]
     ignored_shards: list[str]
     stored_case_differs: list[str]
+    elapsed: float | None = None
+    rate: float | None = None
+    left: float | None = None
+    pace: str = ""
 
     def lines(self) -> list[str]:
         """For people."""
         done = self.points - self.counts["pending"]
         written = "" if self.dataset_exists else " (not written yet)"
+        running = [f"  process {self.running} is running it{self.pace}"] if self.running else []
         lines = [
             f"{self.case}: {done} of {self.points} points done",
             *(f"  {count} {status}" for status, count in self.counts.items() if count),
             *(f"  {line}" for line in self.refined),
             f"  dataset {self.dataset}{written}",
-            *([] if self.running is None else [f"  process {self.running} is running it"]),
+            *running,
             *(f"  ignored {shard}" for shard in self.ignored_shards),
         ]
         if self.stored_case_differs:
@@ -98,7 +111,7 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
     if not differing:
         journal.load()
     counts = count_statuses(journal)
-    return Standing(
+    standing = Standing(
         case=source,
         dataset=str(path),
         dataset_exists=path.exists(),
@@ -108,4 +121,18 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
         refined=refinements(journal),
         ignored_shards=[f"{shard}: {why}" for shard, why in journal.ignored],
         stored_case_differs=differing,
+    )
+    return standing if standing.running is None else _on_its_way(standing, journal)
+
+
+def _on_its_way(standing: Standing, journal: Journal) -> Standing:
+    """What its files tell of a run that goes on: a lock since it began, a shard for each chunk."""
+    begun, now = (journal.folder / "lock").stat().st_mtime, time.time()
+    course = journal.course(begun, standing.counts["pending"])
+    return replace(
+        standing,
+        elapsed=course.elapsed(now),
+        rate=course.rate(now),
+        left=course.left(now),
+        pace=f": {course.pace(now)}",
     )

@@ -23,18 +23,22 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DEFAULT = "section_value"
+CROWD = 64  # values at one point of the grid, which are drawn smaller: a cloud has an inside
+FINER = 0.5
 
 
 def suits(dataset: xr.Dataset) -> bool:
-    """Whether the dataset holds section values along some axis."""
-    return DEFAULT in dataset and bool(points.varying_axes(dataset))
+    """Whether the dataset holds section values along some axis; a branch is another figure."""
+    along_axes = DEFAULT in dataset and bool(points.varying_axes(dataset))
+    return along_axes and not branch.suits(dataset)
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Marks of every layer, one sort for each start or further axis; unstable cycles dashed."""
     name = points.one_variable(settings, DEFAULT)
-    clouds = [cloud for layer in layers for cloud in _clouds(layer, name, settings)]
-    shown = [layer for layer in layers if name in layer.dataset]
+    holding = [layer for layer in layers if name in layer.dataset]
+    shown = [layer for layer in holding if not branch.suits(layer.dataset)] or holding
+    clouds = [cloud for layer in shown for cloud in _clouds(layer, name, settings)]
     if not shown:
         raise UsageError(
             f"{name}: no values at a section in this dataset\n"
@@ -54,11 +58,15 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
 @dataclass(frozen=True)
 class _Cloud:
-    """One line of points: what their motions pass at the section, and where they are at rest."""
+    """One line of points: what their motions pass at the section, and where they are at rest.
+
+    `crowded` are the values at points that have many.
+    """
 
     label: str
     x: np.ndarray
     y: np.ndarray
+    crowded: np.ndarray
     rest_x: np.ndarray
     rest_y: np.ndarray
 
@@ -66,12 +74,13 @@ class _Cloud:
 def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterator[_Cloud]:
     """The lines of points of one dataset, a line for each start and value of the other axes."""
     dataset = layer.dataset
-    sizes = select.row_sizes(dataset, name) if name in dataset else None
+    sizes = select.row_sizes(dataset, name)
     if sizes is None:
-        return
+        raise UsageError(f"{name}: no values at a section\nnext: draw it as a curve")
     axis = points.abscissa(dataset, settings)
     dim, dims = str(axis.dims[0]), [str(d) for d in sizes.dims]
     place = dict(zip(dims, np.unravel_index(select.row_of_each(sizes), sizes.shape), strict=True))
+    crowded = np.repeat(sizes.values.ravel() > CROWD, sizes.values.ravel())
     x, y, rest = points.positions(axis), dataset[name].values, _rest(dataset, name)
     for line in points.lines(dataset, [dim], dims):
         belongs = np.logical_and.reduce(
@@ -80,7 +89,8 @@ def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterat
         still = rest.isel(line.index).values
         known = np.isfinite(still)
         label = points.joined(layer.label, line.label)
-        yield _Cloud(label, x[place[dim][belongs]], y[belongs], x[known], still[known])
+        at_section = x[place[dim][belongs]], y[belongs], crowded[belongs]
+        yield _Cloud(label, *at_section, x[known], still[known])
 
 
 def _observed(variable: xr.DataArray) -> str:
@@ -100,14 +110,17 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
     """Marks that show through one another: what comes first is the widest."""
     entries = points.entries([cloud.label for cloud in clouds])
     many = sum(cloud.y.size for cloud in clouds) > style.MANY_MARKS
-    fine = 0.5 * size if many else size  # what lies within a cloud is not to be hidden
     sorts = 1 + max(entry.number for entry in entries)
     for cloud, entry in zip(clouds, entries, strict=True):
         later = sorts - 1 - entry.number
-        look = style.mark_of(entry.number, sorts, fine) | {"color": entry.colour, "ls": "none"}
-        ax.plot(cloud.x, cloud.y, label=entry.label, rasterized=many, **look)
+        for part, finer, label in (
+            (~cloud.crowded, 1.0, entry.label),
+            (cloud.crowded, FINER, None),
+        ):
+            look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
+            ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
         ax.plot(
-            cloud.rest_x, cloud.rest_y, "_", ms=size * (2.0 + 1.2 * later), mew=1.2 + 0.6 * later,
+            cloud.rest_x, cloud.rest_y, "_", ms=size * (1.5 + 0.7 * later), mew=1.2 + 0.6 * later,
             color=entry.colour,
         )  # fmt: skip
     if any(cloud.rest_x.size for cloud in clouds):
@@ -119,7 +132,7 @@ def _of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
     """The part of a dataset at the parameters that a diagram holds fixed; None: it has no such."""
     known = {str(name): coord for name, coord in dataset.coords.items() if coord.ndim < 2}
     fixed = {
-        str(name): float(coord)
+        str(name): float(coord.item())
         for name, coord in diagram.coords.items()
         if coord.size == 1 and coord.dtype.kind in "fiu" and name in known
     }

@@ -212,7 +212,8 @@ def _layer(label: str, source: Source, figure: FigureSpec, kind: Kind) -> Layer:
     dataset = next((d for d in named if _holds(d, figure) and kind.suits(d)), named[0])
     selection = figure.settings.get("select", {})
     beside = tuple(_selected(d, selection) for d in analyses.values() if d is not dataset)
-    return Layer(label, select.subset(dataset, selection), beside)
+    narrowed = select.subset if kind.suits(dataset) else _selected
+    return Layer(label, narrowed(dataset, selection), beside)
 
 
 def _selected(dataset: xr.Dataset, selection: Mapping[str, Any]) -> xr.Dataset:

@@ -331,7 +331,7 @@ def dot_size(columns: int) -> float:
 def mark_of(number: int, count: int, size: float) -> dict[str, Any]:
     """The mark of one of `count` sorts of points, each of which shows through those after it."""
     if count == 1 or number >= len(MARKS):
-        return {"marker": ".", "ms": size, "mew": 0.0}
+        return {"marker": ".", "ms": 1.5 * size, "mew": 0.0}
     marker, wide = MARKS[number]
     return {"marker": marker, "ms": wide * size, "mfc": "none", "mew": 0.25 * size}
 

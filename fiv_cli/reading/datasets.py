@@ -16,7 +16,7 @@ from fiv_cli.case.grammar import figure_of_before, text_of_before
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.data.sound import fault_of
 from fiv_cli.errors import InputError
-from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.flags import NOT_COMPUTED, ON_THE_WAY
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -143,10 +143,11 @@ def unknown_points(part: xr.Dataset, variable: str, allow_undecided: bool) -> xr
     if role is Role.STATUS:
         return status != status
     missing = ~is_class(status, ("ok",)) & ~filled_in(part, variable)
-    # how a motion that has not settled sticks and slips is known even where its period is not
-    if "attractor" not in part or role is Role.SHARE:
+    if "attractor" not in part:
         return missing
     undecided = is_class(part["attractor"], ("undecided",))
+    if role is Role.SHARE:  # how a motion that goes on sticks and slips is known without its class
+        return missing | (undecided & is_class(part.get("reason", status), ON_THE_WAY))
     if allow_undecided and variable == "attractor":
         return missing & ~undecided
     return missing | undecided

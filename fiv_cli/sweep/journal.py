@@ -26,6 +26,7 @@ from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, wr
 from fiv_cli.errors import StorageError
 from fiv_cli.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
 from fiv_cli.sweep.borders import BLANK
+from fiv_cli.sweep.course import Course
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
 from fiv_cli.sweep.refine import Stage
 from fiv_cli.sweep.worker import ChainState
@@ -223,6 +224,16 @@ class Journal:
     def shards(self) -> list[Path]:
         """The files that hold what is stored, in the order in which they count."""
         return [shard.path for record in self.records for shard in record.shards]
+
+    def course(self, begun: float, left: int) -> Course:
+        """How a run that began at `begun`, by the clock of files, has come on; `left` is to do."""
+        ages = [(s.path.stat().st_mtime, len(s.positions)) for r in self.records for s in r.shards]
+        late = sorted(age for age in ages if age[0] >= begun)
+        before = sum(points for _, points in ages) - sum(points for _, points in late)
+        course = Course(sum(points for _, points in ages) + left, [begun], [before])
+        for now, points in late:
+            course.note(now, points)
+        return course
 
     def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
         """(position, what) of failed points for different reasons, at most `limit`."""

@@ -88,6 +88,15 @@ class AnalysisPlan:
         (point,) = self.points(np.array([position]))
         return point
 
+    def named(self, position: int) -> str:
+        """A point as ``--at`` names it: ``Omega=2.0,initial=far``."""
+        values, index = self.point(position)
+        names = (name for name, _ in self.template.axes)
+        entry = self.entry(index)
+        parts = [f"{name}={value}" for name, value in zip(names, values, strict=True)]
+        parts += [] if entry is None else [f"initial={entry.label}"]
+        return ",".join(parts) or "its only point"
+
     def points(self, positions: Positions) -> Iterator[tuple[Values, int]]:
         """Axis values and start index of points."""
         sizes = [dim.size for dim in self.layout.dims]

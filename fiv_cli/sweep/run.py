@@ -232,12 +232,12 @@ def _left_behind(journal: Journal, output: Path) -> str:
     """What there is of a run that was ended: a dataset of the points that are done."""
     counts = count_statuses(journal)
     if not journal.shards():
-        return "no point is done, and there is no dataset; the same command goes on from here"
+        return "no point is done, and there is no dataset"
     try:
         write_dataset(journal, output)
     except StorageError as error:
         return f"{error}"
-    return f"{output} holds {_done(counts)}; the same command goes on from here"
+    return f"{output} holds {_done(counts)}"
 
 
 def _claim(folder: Path, case: Case, fresh: bool) -> None:

@@ -23,6 +23,7 @@ from fiv_cli.errors import FivError
 from fiv_cli.flags import STATUS
 from fiv_cli.notation.amounts import HOUR, duration
 from fiv_cli.sweep.journal import Journal
+from fiv_cli.sweep.plan import counted
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
@@ -48,6 +49,9 @@ SETTLED = 5
 
 LOADING = 1.0
 """Seconds that a first point may take to load code before it counts as slow itself."""
+
+NOT_SLOW = 0.5
+"""Seconds that a point may take without being called slow."""
 
 FRUITLESS_RESTARTS = 3
 """Deaths of workers in a row, none of which had begun a point, after which we give up."""
@@ -142,6 +146,7 @@ class Scheduler:
     _dispatched: int = 0
     _fruitless: int = 0
     _beats: int = 0
+    _slowest: float = 0.0
 
     def __enter__(self) -> Scheduler:
         return self
@@ -238,8 +243,22 @@ class Scheduler:
         self._stopped |= bool(failed) and self.policy.fail_fast
         for row, message in result.block.messages.items():
             self.log(f"point {job.positions[row]}: {message}")
+        self._log_chunk(index, job, result, failed)
         self.progress.advance(len(job.positions), failed)
         self._tell_if_long(queue, pace)
+
+    def _log_chunk(self, index: int, job: Job, result: Result, failed: int) -> None:
+        """A line of the log; whoever watches hears of a point that took longer than any before."""
+        analysis = self.journal.plan.analyses[index]
+        row, seconds = result.longest
+        where = analysis.named(int(job.positions[row]))
+        self.log(
+            f"{analysis.layout.name}: {counted(len(job.positions))} in {result.seconds:.2f} s, "
+            f"{failed} failed, {self.ran} run so far; slowest {seconds:.2f} s at {where}"
+        )
+        if seconds > max(self._slowest, NOT_SLOW):
+            self._slowest = seconds
+            self.progress.slow(seconds, where)
 
     def _tell_if_long(self, queue: Queue, pace: Pace) -> None:
         """Say once that a run will take long, as soon as its first tasks tell."""

@@ -15,8 +15,9 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -120,11 +121,13 @@ class Result:
     ----------
     block : the outcomes, row by row in the order of the task
     seconds : time the points took
+    longest : the row that took longest, and how long, s
     states : segment number -> state after its last point, for segments of chains
     """
 
     block: Block
     seconds: float
+    longest: tuple[int, float] = (0, 0.0)
     states: dict[int, ChainState] = field(default_factory=dict)
 
 
@@ -137,12 +140,12 @@ def run_task(task: Task) -> Result:
     states: dict[int, ChainState] = {}
     carries: dict[int, dict[str, Any]] = {}
     points = [values for segment in task.segments for values in segment.values]
-    requests = _requests(task.template, points)
+    batches = _batches(task.template, points)
     with _Pulse(task) as pulse:
         if _is_run_in_blocks(task):
-            outcomes = list(_run_in_blocks(task.template, requests, pulse))
+            outcomes = list(_run_in_blocks(task.template, batches, pulse))
             keys = [point_key(task.template, values, None) for values in points]
-        coming = iter(requests)
+        coming = chain.from_iterable(batches)
         for number, segment in enumerate(() if outcomes else task.segments):
             ran = list(_run_segment(task.template, segment, coming, execute, pulse))
             outcomes += [outcome for outcome, _, _ in ran]
@@ -152,7 +155,7 @@ def run_task(task: Task) -> Result:
                 states[number] = last
                 carries[len(outcomes) - 1] = last.plain()
     block = pack(outcomes, keys, task.variables, carries)
-    return Result(block, time.perf_counter() - begun, states)
+    return Result(block, time.perf_counter() - begun, pulse.longest, states)
 
 
 def _is_run_in_blocks(task: Task) -> bool:
@@ -160,21 +163,22 @@ def _is_run_in_blocks(task: Task) -> bool:
     return task.template.linear and task.executor == EXECUTOR and task.time_limit is None
 
 
-def _requests(template: Template, points: Sequence[Values]) -> list[Request]:
-    """The points of a task, without starts, as one batch."""
-    requests = [request_at(template, values, None) for values in points]
-    batch = Batch(requests)
-    return [replace(request, batch=batch) for request in requests]
+def _batches(template: Template, points: Sequence[Values]) -> Iterator[list[Request]]:
+    """The points of a task, without starts, a batch at a time."""
+    for first in range(0, len(points), AT_ONCE):
+        some = points[first : first + AT_ONCE]
+        requests = [request_at(template, values, None) for values in some]
+        batch = Batch(requests)
+        yield [replace(request, batch=batch) for request in requests]
 
 
 def _run_in_blocks(
-    template: Template, requests: Sequence[Request], pulse: _Pulse
+    template: Template, batches: Iterable[Sequence[Request]], pulse: _Pulse
 ) -> Iterator[Outcome]:
     """Outcomes of points that start from nothing."""
     execute = imported(EXECUTOR_OF_BLOCKS)
-    for first in range(0, len(requests), AT_ONCE):
+    for block in batches:
         ending.heed()
-        block = requests[first : first + AT_ONCE]
         for _ in block:
             pulse.beat()
         try:
@@ -215,7 +219,7 @@ def lost_point(task: Task, reason: str, message: str) -> Result:
         state = _next_state(outcome, segment.state, entry)
     carries = {} if state is None else {0: state.plain()}
     states = {} if state is None else {0: state}
-    return Result(pack([outcome], [key], task.variables, carries), 0.0, states)
+    return Result(pack([outcome], [key], task.variables, carries), 0.0, states=states)
 
 
 def initialise(parent: int) -> None:
@@ -340,10 +344,16 @@ def imported(path: str) -> Callable[..., Any]:
 
 
 class _Pulse:
-    """Tells the parent which row is being run, and ends the process when one takes too long."""
+    """Tells the parent which row is being run, and ends the process when one takes too long.
+
+    Attributes
+    ----------
+    longest : the row that took longest, and how long, s
+    """
 
     def __init__(self, task: Task) -> None:
-        self._row = -1
+        self.longest = (0, 0.0)
+        self._row, self._since = -1, time.perf_counter()
         self._path = task.heartbeat
         self._limit = task.time_limit
         self._file = -1
@@ -356,6 +366,7 @@ class _Pulse:
         return self
 
     def __exit__(self, *exception: object) -> None:
+        self._take_time()
         if self._path is not None and self._file >= 0:
             os.close(self._file)
             self._path.unlink(missing_ok=True)
@@ -367,12 +378,19 @@ class _Pulse:
 
         SIGALRM keeps its default action, which ends the process even inside compiled code.
         """
+        self._take_time()
         self._row += 1
         if self._file >= 0:
             with contextlib.suppress(OSError):
                 os.pwrite(self._file, self._row.to_bytes(8, "little"), 0)
         if self._limit is not None:
             signal.setitimer(signal.ITIMER_REAL, self._limit)
+
+    def _take_time(self) -> None:
+        """Of the row that has just ended."""
+        begun, self._since = self._since, time.perf_counter()
+        if self._since - begun > self.longest[1] and self._row >= 0:
+            self.longest = (self._row, self._since - begun)
 
 
 def last_beat(heartbeat: Path) -> tuple[int, float] | None:

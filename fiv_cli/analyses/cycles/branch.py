@@ -2,7 +2,7 @@
 
 Pseudo-arclength continuation (H. B. Keller, 1977): the unknowns of a cycle and the parameter are
 moved together along the branch, so that it is followed round folds, and past every change of
-stability. A change between two points of the branch is bisected along it. Where no cycle follows,
+stability. A change between two points of the branch is bracketed along it. Where no cycle follows,
 the step is bisected until the parameter of the last cycle and that of the first failure are as
 close as asked for: between them the branch ends.
 
@@ -53,6 +53,7 @@ MOST_POINTS = 400
 TRIES = 5  # steps tried, per point allowed
 BISECTIONS = 200
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
+ASIDE = 0.05  # share of the way to a change by which a step ends beside where it is foreseen
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
@@ -288,11 +289,10 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
 
 
 def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
-    """`point`, of the same events as `before`, with a direction that suits where the parameter has
-    `gone`.
+    """`point` with a direction that suits where the parameter has `gone` since `before`.
 
-    Where both directions contradict that the step has jumped, and there is none. Where the new one
-    alone does, and both cycles lie well off a fold, it is turned round.
+    Between cycles of the same events: where both directions contradict it the step has jumped, and
+    there is no point; where the new one alone does, well off a fold, it is turned round.
     """
     if before.cycle.signature != point.cycle.signature:
         return point
@@ -475,19 +475,22 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
     Where what changes is not found on the way, `there` lies on another branch: no change, and the
     last point before it.
     """
-    here, away, length = walk.here, walk.length, 0.5 * walk.length
+    here, away, seen = walk.here, walk.length, True
+    length = _aim(here, there, away, beyond=False)
     for _ in range(BISECTIONS):
         middle = step(line, here, length)
         if middle is not None and middle.character == here.character:
             here, away = middle, away - length
             if away <= 0.0 or here.value in line.bracket:
                 return None, here, length
+            length = _aim(here, there, away, beyond=True) if seen else length
             continue
         if middle is not None:
             there, away = middle, length
         if is_close(line, here, length):
             break
-        length *= 0.5
+        seen = seen and middle is not None
+        length = _aim(here, there, away, beyond=False) if seen else 0.5 * length
     found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
     if not found:
         return None, here, length
@@ -498,6 +501,17 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
         there,
         max(length, FIRST * SHRUNK),
     )
+
+
+def _aim(here: Point, there: Point, away: float, beyond: bool) -> float:
+    """Length of a step that ends a little before, or `beyond`, where stability changes on the way.
+
+    Where something else changes on the way to `there`: half of it, or all.
+    """
+    if here.character[::2] != there.character[::2]:
+        return away if beyond else 0.5 * away
+    share = (here.cycle.largest - 1.0) / (here.cycle.largest - there.cycle.largest)
+    return away * (min(share + ASIDE, 1.0) if beyond else max(share - ASIDE, 0.5 * share))
 
 
 def _begins_at(line: Continuation, there: Point, here: Point) -> bool:
