@@ -176,6 +176,10 @@ class _Template:
         many = ['label = "many"', 'kind = "random"', "count = 3", _with_comment(box, "in it")]
         yield _commented([_with_comment("[[initial]]", "at a sliding equilibrium, moved"), *near])
         yield _commented([_with_comment("[[initial]]", "random states, seeded"), *many])
+        listed = f"states = [{{ {state.name} = 1e-3 }}, {{ {state.name} = 2e-3 }}]"
+        listed = _with_comment(listed, 'or file = "starts.csv"')
+        table = ['label = "listed"', 'kind = "table"', listed]
+        yield _commented([_with_comment("[[initial]]", "states from a list, or a file"), *table])
         if self.axis is not None and self.analysis.chains:
             down = [f'along = "{self.axis.name}"', 'direction = "down"', 'from = "rest"']
             head = _with_comment("[[initial]]", "where the neighbour on the axis ended")
