@@ -6,7 +6,7 @@ A misspelt variable is told before anything is computed, not after.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
@@ -15,16 +15,25 @@ from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass, parse_condition
 from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import COUNTED
+from fiv_cli.case.structure import COUNTED, FigureKind
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed, suggest
 
 # Kinds of figures of what `fiv history` computes of a point, too.
-OF_MOTIONS = ("history", "phase", "spectrogram")
+OF_MOTIONS = ("history", "phase", "spectrum", "spectrogram")
 
 # Kinds of figures of one variable: the group of ragged variables that it belongs to, "" for none.
 RAGGED = {"curve": "", "map": "", "bifurcation": "section"}
+
+# Kinds of figures of one analysis -> a variable that it alone has.
+SHOWN = {
+    "basin": "initial_state",
+    "bifurcation": "section_value",
+    "branch": "branch_value",
+    "eigenvalues": "eigenvalue_real",
+    "mode-shape": "shape",
+}
 
 Held = Mapping[str, Sequence[Variable] | None]
 """Name of an analysis -> its variables; None where it does not suit the model."""
@@ -42,6 +51,10 @@ def check_what_is_asked(case: Case, report: Report) -> None:
     for index, figure in enumerate(case.figures):
         place: Path = ("figure", index)
         known = _known(case, held, figure.settings.get("analysis"), figure.kind in OF_MOTIONS)
+        if known and SHOWN.get(figure.kind, "status") not in known:
+            message = f"no analysis of this case gives what a figure of kind {figure.kind!r} shows"
+            report.add((*place, "kind"), message, _kinds(known))
+            continue
         for name in _named(figure) if known else ():
             if _check(name, known, (*place, "variable"), report):
                 places = _places(case, held, figure.settings.get("analysis"), name)
@@ -78,6 +91,12 @@ def _check_drawn(
         places.check(figure.settings.get("select", {}), (*place, "select"), report, near=True)
         if take:
             places.check_over(take["over"], variable, (*place, "take", "over"), report)
+
+
+def _kinds(known: Mapping[str, Variable | None]) -> str:
+    """The kinds of figures that analyses with these variables can be drawn as."""
+    every = get_args(FigureKind)
+    return listed([kind for kind in every if SHOWN.get(kind, "status") in known])
 
 
 def _drawable(known: Mapping[str, Variable | None], ragged: str) -> str:
