@@ -24,7 +24,7 @@ from fiv_cli.analyses.base import (
     Start,
     Varied,
 )
-from fiv_cli.analyses.common import sliding
+from fiv_cli.analyses.common import rest_of, sliding
 from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
 from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
@@ -512,6 +512,17 @@ def test_points_run_one_after_the_other_are_answered_as_alone() -> None:
             found, one = execute.execute(replace(request, batch=batch)), execute.execute(request)
             assert (found.status, found.reason) == (one.status, one.reason)
             np.testing.assert_equal(found.values, one.values)
+
+
+def test_what_is_asked_along_a_parameter_is_none_of_the_points_of_a_batch() -> None:
+    """Parameters made on the way, one after the other, may lie at the same place in memory."""
+    setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")
+    first = Request(setup, known, "response", {})
+    first, built = replace(first, batch=Batch([first])), system("pin-on-disc")
+    for load in np.linspace(5.0, 40.0, 300):
+        there = replace(first, parameters={**known, "N0": load})
+        found, alone = (rest_of(built, one)[1] for one in (there, replace(there, batch=None)))
+        np.testing.assert_array_equal(found, alone)
 
 
 def test_a_request_gives_what_the_analysis_gives() -> None:

@@ -21,6 +21,7 @@ from fiv_cli.analyses.cycles.branch import (
     _jumps,
     _kind_of_change,
     _over_period,
+    _unreversed,
     first_point,
 )
 from fiv_cli.analyses.cycles.first_guess import Returns, near_returns
@@ -400,6 +401,27 @@ def test_what_a_multiplier_does_at_the_unit_circle(before: Any, after: Any, kind
         for m in (before, after)
     )
     assert _kind_of_change(here, there) == kind
+
+
+@pytest.mark.parametrize(
+    ("slopes", "gone", "turned"),
+    [
+        ((0.5, 0.5), 0.1, 1.0),
+        ((0.5, 0.5), -0.1, None),  # up at both, but down between them
+        ((-0.5, -0.5), 0.1, None),
+        ((0.5, -0.5), 0.1, -1.0),  # no fold so near
+        ((0.05, -0.05), 0.1, 1.0),  # a fold
+    ],
+)
+def test_directions_suit_where_the_parameter_went(slopes: Any, gone: float, turned: Any) -> None:
+    line = Continuation(coulomb_belt(), Varied("v"), (0.5, 2.0), 1e-6)
+    found = close(line.problem, Anchor(np.array([2.3, -1.97]), (False,)), 7.6, np.ones(2))
+    assert found is not None
+    point = first_point(line, found, 1.0, True)
+    assert point is not None
+    before, after = (replace(point, tangent=np.array([1.0, slope])) for slope in slopes)
+    kept = _unreversed(before, after, gone)
+    assert (None if kept is None else kept.slope / slopes[1]) == turned
 
 
 def test_the_pin_s_stick_slip_exists_beyond_what_starts_reach() -> None:

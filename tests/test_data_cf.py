@@ -126,6 +126,14 @@ def run(**changes: Any) -> xr.Dataset:
     return api.run(api.load(case, overrides=changes), workers=1)
 
 
+@pytest.fixture(params=[False, True], ids=["as it was", "as it will be"])
+def _defaults(request: pytest.FixtureRequest) -> Iterator[None]:
+    """What xr.concat takes for granted."""
+    with xr.set_options(use_new_combine_kwarg_defaults=request.param):
+        yield
+
+
+@pytest.mark.usefixtures("_defaults")
 def test_two_runs_are_one_along_a_parameter_that_neither_varied() -> None:
     runs = [run(**{"model.parameters.c": c}) for c in (0.1, 0.2)]
     assert [float(one["c"]) for one in runs] == [0.1, 0.2]
@@ -136,8 +144,11 @@ def test_two_runs_are_one_along_a_parameter_that_neither_varied() -> None:
         np.testing.assert_array_equal(part["L_s"], one["L_s"])
         values = part["section_value"].dropna("section_obs")
         np.testing.assert_array_equal(values, one["section_value"])
+        points = part["section_point"].dropna("section_obs")
+        np.testing.assert_array_equal(points, one["section_point"])
 
 
+@pytest.mark.usefixtures("_defaults")
 def test_two_runs_are_one_along_a_parameter_that_both_varied() -> None:
     first, second = run(), run(**{"grid.v": [2.0, 3.0]})
     whole = run(**{"grid.v": [0.5, 1.0, 9.0, 2.0, 3.0]})

@@ -138,6 +138,10 @@ class Batch:
         points = [one.parameters for one in self.requests if one.setup.key == key]
         return points if any(point is own for point in points) else [own]
 
+    def has(self, request: Request) -> bool:
+        """Whether this is one of the points."""
+        return any(one.parameters is request.parameters for one in self.requests)
+
 
 @dataclass
 class Outcome:

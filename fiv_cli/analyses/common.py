@@ -40,7 +40,8 @@ def rest_of(system: System, request: Request) -> tuple[Sliding, list[Vector]]:
     """
     batch = request.batch or Batch([request])
     own = system, id(request.parameters)
-    if own not in batch.known:
+    known = batch.known if batch.has(request) else {}  # the `id` of another may be given again
+    if own not in known:
         points = batch.alike(request)
         try:
             found = _rests(system, points)
@@ -48,8 +49,8 @@ def rest_of(system: System, request: Request) -> tuple[Sliding, list[Vector]]:
             points = [request.parameters]
             found = _rests(system, points)
         for point, one in zip(points, found, strict=True):
-            batch.known[system, id(point)] = one
-    rest: tuple[Sliding, list[Vector]] = batch.known[own]
+            known[system, id(point)] = one
+    rest: tuple[Sliding, list[Vector]] = known[own]
     return rest
 
 

@@ -158,7 +158,8 @@ class _Assembly:
         coordinates = _coordinates(self.layout) | self._own_coordinates()
         for group, sizes in self.survey.row_sizes.items():
             variables[f"{group}_row_size"] = _row_size(group, self.layout, sizes)
-            coordinates |= _observations(group, self.layout, sizes)
+            variables[f"{group}_point"] = _point(group, self.layout, sizes)
+            coordinates[f"{group}_obs"] = _numbers(f"{group}_obs", int(sizes.sum(dtype=np.int64)))
         for variable in self.layout.variables:
             if variable.role is Role.ALONG:
                 coordinates[variable.name] = variables.pop(variable.name)
@@ -205,16 +206,15 @@ def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variab
     return xr.Variable(layout.dim_names, sizes.reshape(layout.shape), attributes)
 
 
-def _observations(group: str, layout: Layout, sizes: NDArray[np.int32]) -> dict[str, xr.Variable]:
-    """The numbers of the values of a ragged group, and the point that each belongs to."""
-    dim, points = f"{group}_obs", np.repeat(np.arange(layout.size, dtype=np.int32), sizes)
+def _point(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variable:
+    """The point that each value of a ragged group belongs to."""
     attributes = {
         "units": "1",
         "long_name": "point that the value belongs to",
         "comment": f"flat (C order) index over ({', '.join(layout.dim_names)}), from 0",
     }
-    numbers = _numbers(dim, len(points))
-    return {dim: numbers, f"{group}_point": xr.Variable((dim,), points, attributes)}
+    points = np.repeat(np.arange(layout.size, dtype=np.int32), sizes)
+    return xr.Variable((f"{group}_obs",), points, attributes)
 
 
 def _numbers(dim: str, count: int) -> xr.Variable:

@@ -102,6 +102,7 @@ def _is_number(dataset: xr.Dataset, name: str) -> bool:
 def _ranges(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Least and greatest value of every variable of numbers that has any."""
     counts = {str(sizes.name) for sizes in select.ragged_dims(dataset).values()}
+    counts |= {name.replace("_row_size", "_point") for name in counts}
     told = counts | {variable.name for variable in variables_in(dataset, Role.TRUST, Role.WORK)}
     names = [str(name) for name in dataset.data_vars if _is_number(dataset, str(name))]
     ranges = {name: _range(dataset[name]) for name in names if name not in told}

@@ -2,7 +2,7 @@
 
 Pseudo-arclength continuation (H. B. Keller, 1977): the unknowns of a cycle and the parameter are
 moved together along the branch, so that it is followed round folds, and past every change of
-stability. A change between two points of the branch is bisected along it. Where no cycle follows,
+stability. A change between two points of the branch is bracketed along it. Where no cycle follows,
 the step is bisected until the parameter of the last cycle and that of the first failure are as
 close as asked for: between them the branch ends.
 
@@ -289,11 +289,10 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
 
 
 def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
-    """`point`, of the same events as `before`, with a direction that suits where the parameter has
-    `gone`.
+    """`point` with a direction that suits where the parameter has `gone` since `before`.
 
-    Where both directions contradict that the step has jumped, and there is none. Where the new one
-    alone does, and both cycles lie well off a fold, it is turned round.
+    Between cycles of the same events: where both directions contradict it the step has jumped, and
+    there is no point; where the new one alone does, well off a fold, it is turned round.
     """
     if before.cycle.signature != point.cycle.signature:
         return point

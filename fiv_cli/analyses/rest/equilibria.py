@@ -243,6 +243,8 @@ def _without_pulling(
     found: Equilibria, held: NDArray[np.bool_], exact: NDArray[np.bool_]
 ) -> Equilibria:
     """The solutions of a point in which no contact has to pull."""
+    if (held & exact).all():
+        return found
     if not exact[held].all():
         return Equilibria(reason="inexact_equilibrium")
     states = [y for y, is_held in zip(found.states, held.tolist(), strict=True) if is_held]
@@ -547,8 +549,10 @@ def _keep(found: list[Vector], candidate: Vector) -> None:
 
 
 def _is_new(candidate: Vector, found: list[Vector]) -> bool:
-    scale = max(np.max(np.abs(candidate), initial=0.0), 1e-300)
-    return all(np.max(np.abs(candidate - known)) > SAME_SOLUTION * scale for known in found)
+    return all(
+        np.max(np.abs(candidate - known)) > SAME_SOLUTION * max(np.max(np.abs(candidate)), 1e-300)
+        for known in found
+    )
 
 
 # --- which comes first ----------------------------------------------------------------------------
