@@ -75,6 +75,7 @@ def checked(capsys: pytest.CaptureFixture[str], old: str = "", new: str = "") ->
         ('label = "far"', "label = None", "a key without a value is left out"),
         ("[grid]", "[model]", "each table once"),
         ("schema = 1\n", "schema = 1\nschema = 1\n", "each key once"),
+        ("Omega = {", "Ω = {", 'stands in quotes: "Ω" ='),
     ],
 )
 def test_what_is_no_toml_is_shown_with_what_to_write(
@@ -191,6 +192,11 @@ def test_every_model_says_which_parameter_is_its_preload_and_its_speed(
         ('"n_solutions"', '"amplitude"', "`fiv variables pin.toml` says what each is"),
         ("[[claim]]", '[[figure]]\nkind = "curve"\ny = "n_solution"\n[[claim]]', "'n_solutions'"),
         ("{ value = 1, tolerance = 0 }", '"all of them"', '"not CLASS", "increasing"'),
+        ("[[initial]]", "[solver]\nrtol = 1\n[[initial]]", "allowed: at most 0.001"),
+        ("[[initial]]", "[schedule]\nN0 = [1, 2]\n[[initial]]", "{ start = 1, stop = 2, over"),
+        ("[[initial]]", '[sweep]\nzip = ["Omega"]\n[[initial]]', '[["a", "b"]]'),
+        ('{ Omega = ". >= 7" }', '{ start = "far" }', "allowed: Omega, initial\n"),
+        ('{ Omega = ". >= 7" }', '{ v = ". >= 7" }', "here it is 'Omega' (disc speed)"),
     ],
 )
 def test_a_word_that_is_none_leads_to_those_there_are(

@@ -110,10 +110,14 @@ def note_no_axis(
     name: str, message: str, place: Path, axes: Collection[str], physics: Physics, report: Report
 ) -> None:
     """Note that `name` is no axis of the case, nor, perhaps, anything that could be one."""
-    if name in physics.what_varies():
+    known = physics.what_varies()
+    if name in known:
         report.add(place, message, listed(axes), suggest(name, axes))
-    else:
+    elif suggest(name, known) or counterpart(name, physics.table()):
         note_nothing_to_vary(name, place, physics, report)
+    else:
+        nothing = f"there is nothing called {name!r} to vary"
+        report.add(place, nothing, listed(axes), of_name=True)
 
 
 def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Report) -> None:

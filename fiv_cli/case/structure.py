@@ -129,6 +129,8 @@ class RangeTable(Table):
 class CurveTable(Table):
     """How a parameter varies in time: a ramp from t = 0, or straight lines between points."""
 
+    example: ClassVar[str] = "{ start = 1, stop = 2, over = 10 } or { points = [[0, 1], [10, 2]] }"
+
     start: Quantity | None = Field(default=None, description="value up to t = 0")
     stop: Quantity | None = Field(default=None, description="value from t = over on")
     over: Quantity | None = Field(default=None, description="how long the ramp takes, s")
@@ -158,7 +160,9 @@ class RefineTable(Table):
 class SweepTable(Table):
     """How axes combine, and which of their points are run."""
 
-    zip: list[list[str]] = Field(default=[], description="groups of axes that advance together")
+    zip: list[list[str]] = Field(
+        default=[], description='groups of axes that advance together: [["a", "b"]]'
+    )
     refine: RefineTable | None = Field(
         default=None, description="[grid] is coarse, and halved along the borders of a class only"
     )
@@ -291,7 +295,9 @@ class FigureTable(Table):
         default=False,
         description="phase: all motions in one panel; map: the lines at `level` alone, all in one",
     )
-    log: bool | Literal["x", "y", "xy"] = Field(default=False, description="logarithmic axes")
+    log: bool | Literal["x", "y", "xy"] = Field(
+        default=False, description='logarithmic axes: true, "x", "y" or "xy"'
+    )
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Interval | None = Field(default=None, description="range of y")
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit of frequencies")

@@ -17,6 +17,10 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _ADVICE = tuple(
     (re.compile(pattern), advice)
     for pattern, advice in (
+        (
+            r"^([^\s\"'=\[]*[^\x00-\x7F][^\s\"'=]*)\s*=",
+            'a name in other letters stands in quotes: "{0}" = ...',
+        ),
         (r"=\s*(?:None|null|nil|none|NULL)\b", "a key without a value is left out"),
         (r"[=\[,]\s*(True|False|yes|no|on|off)" + _ENDS, "write true or false"),
         (

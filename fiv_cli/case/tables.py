@@ -20,7 +20,7 @@ T = TypeVar("T", bound=BaseModel)
 def read_table(form: type[T], raw: object, path: Path, report: Report) -> T | None:
     """`raw` as a `form`, or None, and every problem noted, when it is none."""
     if not isinstance(raw, dict):
-        report.add(path, f"must be a table, not {describe(raw)}")
+        report.add(path, f"must be a table, not {describe(raw)}", getattr(form, "example", ""))
         return None
     try:
         return form.model_validate(raw)
@@ -89,15 +89,17 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
         expected = str(details["ctx"]["expected"])
         names = expected.replace("'", "").replace(" or ", ", ").split(", ")
         hint = suggest(str(value), names) or (
-            "`fiv kinds` says what each is" * (path[-1] == "kind")
+            "`fiv kinds` says what each is" * (path[-1] in ("kind", "what"))
         )
         report.add(path, f"{describe(value)} is not allowed", expected, hint)
     elif kind == "value_error":
         report.add(path, str(details["ctx"]["error"]))
     elif kind in ("greater_than_equal", "less_than_equal"):
-        report.add(path, f"{value!r} is out of range", str(details["msg"]).lower())
+        ((bound, limit),) = details["ctx"].items()
+        allowed = f"{'at least' if bound == 'ge' else 'at most'} {limit}"
+        report.add(path, f"{value!r} is out of range", allowed)
     else:
-        about = keys_of(form).get(str(path[-1]), "")
+        about = keys_of(form).get([part for part in path if isinstance(part, str)][-1], "")
         wanted = _expected(kind, details) + (f" ({about})" if about else "")
         report.add(path, f"{describe(value)} does not fit", wanted)
 
