@@ -17,6 +17,7 @@ import contextlib
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -25,6 +26,11 @@ from typing import NoReturn
 
 PATIENCE = 3.0
 """Seconds in which a safe point must be reached."""
+
+ECHO = 0.5
+"""Seconds in which another signal is the same: `timeout` sends it to a process and to its group."""
+
+MANY = 4096  # signals at once
 
 NAMES: dict[int, str] = {
     signal.SIGINT: "interrupted",
@@ -140,10 +146,17 @@ def _watch(reader: int) -> None:
     """Wait for a signal, then for the main thread to heed it, and to do what follows."""
     number = _signal_from(reader)
     if _heeding or _heeded:
-        another, _, _ = select([reader], [], [], PATIENCE)
-        if _heeded and not another:
+        time.sleep(ECHO)
+        if _comes(reader, 0.0):
+            os.read(reader, MANY)
+        if not _comes(reader, PATIENCE) and _heeded:
             _signal_from(reader)
     _leave_for(number)
+
+
+def _comes(reader: int, seconds: float) -> bool:
+    """Whether a signal comes within so many seconds."""
+    return bool(select([reader], [], [], seconds)[0])
 
 
 def _signal_from(reader: int) -> int:

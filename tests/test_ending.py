@@ -31,6 +31,7 @@ with ending.last_act(lambda: print("last act", flush=True)):
     try:
         with ending.heeded():
             Finalised()
+            os.kill(os.getpid(), {number})  # an echo
             print("goes on", flush=True)
             ending.heed()
             print("went on")
@@ -43,8 +44,10 @@ with ending.last_act(lambda: print("last act", flush=True)):
 STUBBORN = (
     STRUCK
     + """
+ending.PATIENCE = 60.0
 with ending.heeded():
     Finalised()
+    time.sleep(2.0 * ending.ECHO)
     os.kill(os.getpid(), {number})
     time.sleep(60.0)
 """

@@ -50,8 +50,8 @@ SETTLED = 5
 LOADING = 1.0
 """Seconds that a first point may take to load code before it counts as slow itself."""
 
-NOT_SLOW = 0.5
-"""Seconds that a point may take without being called slow."""
+NOT_SLOW, LINGERING = 0.5, 2.0
+"""Seconds that a point may take without being called slow: one that has ended, one that has not."""
 
 FRUITLESS_RESTARTS = 3
 """Deaths of workers in a row, none of which had begun a point, after which we give up."""
@@ -260,6 +260,15 @@ class Scheduler:
             self._slowest = seconds
             self.progress.slow(seconds, where)
 
+    def _tell_what_goes_on(self, index: int) -> None:
+        """Whoever watches hears of a point that goes on for longer than any before it took."""
+        beats = [(last_beat(flight.heartbeat), flight.job) for flight in self._flights.values()]
+        rows = [(time.time() - beat[1], job.positions[beat[0]]) for beat, job in beats if beat]
+        seconds, position = max(rows, default=(0.0, 0))
+        if seconds > max(self._slowest, LINGERING):
+            where = self.journal.plan.analyses[index].named(int(position))
+            self.progress.slow(seconds, f"{where}, and goes on")
+
     def _tell_if_long(self, queue: Queue, pace: Pace) -> None:
         """Say once that a run will take long, as soon as its first tasks tell."""
         if self._is_told or pace.tasks < SETTLED or pace.seconds_per_point is None:
@@ -286,6 +295,8 @@ class Scheduler:
         done, _ = wait(self._flights, timeout=0.2, return_when=FIRST_COMPLETED)
         ending.heed()  # before workers that were ended with this process count as dead
         broken = not done and pool.has_lost_a_worker()
+        if not done:
+            self._tell_what_goes_on(index)
         for future in done:
             if isinstance(future.exception(), BrokenExecutor):
                 broken = True
