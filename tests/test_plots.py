@@ -81,6 +81,18 @@ def test_points_without_answer_are_marked(kind):
     assert {"failed", "undecided", "near", "far"} == set(legend_texts(ax))
 
 
+def test_each_reason_for_a_missing_answer_has_a_mark_of_its_own():
+    dataset = data.bifurcation()
+    for code in range(1, len(data.STATUS)):
+        dataset["status"][code, 0] = code
+    (ax,) = draw(dataset, figure("curve")).axes
+    kinds = [status.replace("_", " ") for status in data.STATUS[1:]]
+    looks = {
+        (line.get_marker(), line.get_color()) for line in ax.lines if line.get_label() in kinds
+    }
+    assert len(looks) == len(kinds)
+
+
 def test_a_selection_leaves_its_rows_only_and_is_named():
     drawn = draw(data.bifurcation(), figure("bifurcation", select={"initial": "near"}))
     dots = marks(drawn.axes[0], drawn.axes[0].lines[0].get_label())
@@ -617,6 +629,16 @@ def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():
     ended = draw(dataset, figure("history")).axes[1]
     assert np.isin(ended.lines[0].get_xdata(), dataset["time"]).sum() == 300
     assert max(p.get_x() + p.get_width() for p in ended.patches) < 3.0
+
+
+@pytest.mark.parametrize("kind", ["history", "phase"])
+def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
+    dataset = data.history(labels=("far",))
+    dataset["contact_state"] = dataset["contact_state"].expand_dims(contact=2, axis=1)
+    drawn = draw(dataset, figure(kind, contact=2, variable="phi"))
+    assert drawn.legends[0].get_title().get_text() == "contact 2"
+    alone = draw(data.history(labels=("far",)), figure(kind, variable="phi"))
+    assert alone.legends[0].get_title().get_text() == ""
 
 
 def test_other_variables_of_a_history_can_be_asked_for():

@@ -32,7 +32,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             ax.set_ylabel(labels.short_label(dataset[names[row]]))
         if row == len(names) - 1:
             ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
-    _legend(figure, motion.states_present(motions, settings))
+    contact = motion.named_contact(dataset, settings)
+    _legend(figure, motion.states_present(motions, settings), contact)
     return figure
 
 
@@ -52,9 +53,9 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     points.scale(ax, settings)
 
 
-def _legend(figure: Figure, states: Sequence[str]) -> None:
+def _legend(figure: Figure, states: Sequence[str], contact: str) -> None:
     handles = [
         Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=motion.CONTACT_STATES[state])
         for state in states
     ]
-    style.legend_below(figure, handles)
+    style.legend_below(figure, handles, contact)

@@ -240,3 +240,9 @@ def states_present(every: Sequence[Motion], settings: points.Settings) -> list[s
     """The contact states that occur, in their fixed order."""
     seen = {name for motion in every for name, _, _ in contact_spans(motion, settings)}
     return [name for name in CONTACT_STATES if name in seen]
+
+
+def named_contact(dataset: xr.Dataset, settings: points.Settings) -> str:
+    """Which contact the colours are about, where there are several."""
+    several = "contact" in dataset["contact_state"].dims
+    return f"contact {settings.get('contact', 1)}" if several else ""

@@ -35,7 +35,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.set_title("" if shared else one.label)
         ax.set_xlabel(labels.short_label(dataset[names[0]]))
     axes[0].set_ylabel(labels.short_label(dataset[names[1]]))
-    _legend(figure, motion.states_present(motions, settings), _shows_starts(dataset, settings))
+    present, contact = (
+        motion.states_present(motions, settings),
+        motion.named_contact(dataset, settings),
+    )
+    _legend(figure, present, contact, _shows_starts(dataset, settings))
     return figure
 
 
@@ -92,11 +96,11 @@ def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     return smooth
 
 
-def _legend(figure: Figure, states: Sequence[str], with_start: bool) -> None:
+def _legend(figure: Figure, states: Sequence[str], contact: str, with_start: bool) -> None:
     handles = [
         Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state])
         for state in states
     ]
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
     handles += [start] * with_start
-    style.legend_below(figure, handles)
+    style.legend_below(figure, handles, contact)

@@ -210,17 +210,18 @@ def letters(figure: Figure) -> int:
     )
 
 
-def legend_below(figure: Figure, handles: Sequence[Artist]) -> None:
+def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
     words = [MARKUP.sub("", str(handle.get_label())) for handle in handles]
     beside = letters(figure) // (KEY_LETTERS + max(map(len, words), default=0))
     columns = max(1, min(beside, len(words)))
     if words:
         figure.legend(
-            handles=handles, loc="outside lower center", ncols=columns, markerscale=KEY_SCALE
-        )
+            handles=handles, loc="outside lower center", ncols=columns, markerscale=KEY_SCALE,
+            title=title or None,
+        )  # fmt: skip
     if _LOOK.get().width is not None:  # the panels of a small figure have nothing to spare
-        lines = -(-len(words) // columns)
+        lines = bool(title) - (-len(words) // columns)
         figure.set_figheight(figure.get_figheight() + LINE * lines * _LOOK.get().size / POINTS)
 
 
