@@ -71,7 +71,7 @@ class Estimate:
         low, high = map(duration, self.seconds)
         return (
             f"  estimate of {self.name}: {duration(self.expected)} ({low} to {high}) on "
-            f"{counted(self.workers, 'worker')} with a core each, {size(self.memory)} of memory, "
+            f"{counted(self.workers, 'worker')}, cores being free; {size(self.memory)} of memory, "
             f"{size(self.disk)} on disk (from {self.sampled} of {_span(self.points)})"
         )
 
