@@ -318,7 +318,7 @@ def test_the_figures_of_a_case_go_first() -> None:
     found = api.run(api.load(parse_toml(TEXT)))
     axis = api.figure(found).axes[0]
     assert axis.get_ylabel().startswith("$L_s$") or "vibration" in axis.get_ylabel()
-    with pytest.raises(api.UsageError, match="no such figure"):
+    with pytest.raises(api.UsageError, match="there is no figure, nor kind of figure,"):
         api.figure(found, "nonsense")
 
 

@@ -312,7 +312,7 @@ class TestNew:
         settings = {s.name for s in analysis.settings if s.suits(model)}
         assert all(case.analyses[0].settings[setting] is not None for setting in settings)
         assert case.claims and case.figures and case.figures[0].settings
-        kinds = ["state", "equilibrium", "random"] + ["continue"] * bool(case.axes)
+        kinds = ["state", "equilibrium", "random", "table"] + ["continue"] * bool(case.axes)
         if analysis.uses_starts and analysis.chains:
             assert [start.kind for start in case.starts] == kinds
 

@@ -213,3 +213,11 @@ def test_a_broken_axis_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_law_is_shown_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["models", "coulomb"]) == 0
     assert "|F_T| <= F_N*mu_s" in capsys.readouterr().out
+
+
+def test_a_misspelt_figure_or_law_to_draw(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["run", "pin.toml", "--workers", "1", "-q"]) == 0
+    assert run(["plot", "runs/pin.nc", "--figure", "curvy"]) == 2
+    assert "did you mean 'curve'?" in capsys.readouterr().err
+    assert run(["plot", "--law", "stribek"]) == 2
+    assert "did you mean 'stribeck'" in capsys.readouterr().err

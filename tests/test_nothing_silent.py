@@ -54,6 +54,7 @@ OVER_PHASES = {"what": "mean", "over": ["psi_a"]}
     ("table", "said", "told", "allowed"),
     [
         ("figure", {"kind": "curve", "variable": "F_N"}, "computes 'F_N'", ""),
+        ("figure", {"kind": "mode-shape"}, "of kind 'mode-shape' shows", "bifurcation, map"),
         ("figure", {"kind": "curve", "variable": "section_value"}, "be drawn as a curve", "L_s"),
         ("figure", {"kind": "bifurcation", "variable": "L_s"}, "a bifurcation", "section_value"),
         ("figure", {"kind": "map", "variable": "section_value"}, "be drawn as a map", "L_s"),

@@ -6,7 +6,7 @@ A misspelt variable is told before anything is computed, not after.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
@@ -15,16 +15,25 @@ from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass, parse_condition
 from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import COUNTED
+from fiv_cli.case.structure import COUNTED, FigureKind
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed, suggest
 
 # Kinds of figures of what `fiv history` computes of a point, too.
-OF_MOTIONS = ("history", "phase", "spectrogram")
+OF_MOTIONS = ("history", "phase", "spectrum", "spectrogram")
 
 # Kinds of figures of one variable: the group of ragged variables that it belongs to, "" for none.
 RAGGED = {"curve": "", "map": "", "bifurcation": "section"}
+
+# Kinds of figures of one analysis -> a variable that it alone has.
+SHOWN = {
+    "basin": "initial_state",
+    "bifurcation": "section_value",
+    "branch": "branch_value",
+    "eigenvalues": "eigenvalue_real",
+    "mode-shape": "shape",
+}
 
 Held = Mapping[str, Sequence[Variable] | None]
 """Name of an analysis -> its variables; None where it does not suit the model."""
@@ -40,22 +49,41 @@ def check_what_is_asked(case: Case, report: Report) -> None:
         for index, spec in enumerate(case.analyses)
     }
     for index, figure in enumerate(case.figures):
-        place: Path = ("figure", index)
-        known = _known(case, held, figure.settings.get("analysis"), figure.kind in OF_MOTIONS)
-        for name in _named(figure) if known else ():
-            if _check(name, known, (*place, "variable"), report):
-                places = _places(case, held, figure.settings.get("analysis"), name)
-                _check_drawn(figure, name, known, places, place, report)
-        _check_scale(figure, place, report)
+        _check_figure(figure, case, held, ("figure", index), report)
     for index, claim in enumerate(case.claims):
-        place = ("claim", index)
-        known = _known(case, held, claim.analysis, with_motions=False)
-        if known and _check(claim.variable, known, (*place, "variable"), report):
-            _check_expected(claim, known, place, report)
-            places = _places(case, held, claim.analysis, claim.variable)
-            if places is not None:
-                _check_claimed(claim, known[claim.variable], places, place, report)
+        _check_claim(claim, case, held, ("claim", index), report)
     _check_refined(case, held, report)
+
+
+def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, report: Report) -> None:
+    """Note what no analysis gives that a figure shows."""
+    _check_scale(figure, place, report)
+    analysis = figure.settings.get("analysis")
+    known = _known(case, held, analysis, figure.kind in OF_MOTIONS)
+    if known and SHOWN.get(figure.kind, "status") not in known:
+        message = f"no analysis of this case gives what a figure of kind {figure.kind!r} shows"
+        report.add((*place, "kind"), message, _kinds(known))
+        return
+    for name in _named(figure) if known else ():
+        if _check(name, known, (*place, "variable"), report):
+            places = _places(case, held, analysis, name)
+            _check_drawn(figure, name, known, places, place, report)
+
+
+def _check_claim(claim: ClaimSpec, case: Case, held: Held, place: Path, report: Report) -> None:
+    """Note what no analysis gives that a claim speaks of."""
+    known = _known(case, held, claim.analysis, with_motions=False)
+    if not known or not _check(claim.variable, known, (*place, "variable"), report):
+        return
+    _check_expected(claim, known, place, report)
+    places = _places(case, held, claim.analysis, claim.variable)
+    if places is None:
+        return
+    places.check(claim.at, (*place, "at"), report, near=False)
+    if claim.take:
+        over, reference = claim.take["over"], claim.take.get("relative_to", {})
+        places.check_over(over, known[claim.variable], (*place, "take", "over"), report)
+        places.check(reference, (*place, "take", "relative_to"), report, near=False)
 
 
 def _check_drawn(
@@ -80,19 +108,14 @@ def _check_drawn(
             places.check_over(take["over"], variable, (*place, "take", "over"), report)
 
 
+def _kinds(known: Mapping[str, Variable | None]) -> str:
+    """The kinds of figures that analyses with these variables can be drawn as."""
+    every = get_args(FigureKind)
+    return listed([kind for kind in every if SHOWN.get(kind, "status") in known])
+
+
 def _drawable(known: Mapping[str, Variable | None], ragged: str) -> str:
     return listed([v.name for v in known.values() if v and v.ragged == ragged and not v.dims])
-
-
-def _check_claimed(
-    claim: ClaimSpec, variable: Variable | None, places: Places, place: Path, report: Report
-) -> None:
-    """Note points and axes of which a claim speaks and that the analysis has not."""
-    places.check(claim.at, (*place, "at"), report, near=False)
-    if claim.take:
-        places.check_over(claim.take["over"], variable, (*place, "take", "over"), report)
-        reference = claim.take.get("relative_to", {})
-        places.check(reference, (*place, "take", "relative_to"), report, near=False)
 
 
 def _places(case: Case, held: Held, analysis: str | None, variable: str) -> Places | None:

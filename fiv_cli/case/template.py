@@ -7,7 +7,8 @@ below it that stand behind ``#   ``.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
@@ -24,6 +25,7 @@ from fiv_cli.notation.names import listed
 _SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
 _CLAIMED = ("periodic", "stable", "to_unstable")
 _POINTS = 7
+_WINDOWS = 40.0  # over a resolution: how long a drive slows down, ten windows of a spectrogram
 _COMMENT_COLUMN = 34
 _HOW_TO_READ = "take the # off a line, and off those with #   below it, to have what it says"
 _AXES = "ordered; ends included; a list, or step = instead of num =; two axes make a map"
@@ -65,9 +67,11 @@ class _Template:
         others = [known[name] for name in _SWEPT_FIRST if name in known] or list(known.values())
         varies = any(isinstance(setting, ParameterName) for setting in analysis.settings)
         axis = None if analysis.single else others[0] if varies else first
-        driven = [p for p in model.parameters if p.role == "speed" and p != axis] or others
-        drive = driven[0] if analysis.varying else None
-        return cls(model, analysis, law, example, axis, first, drive)
+        drive = _drive(model, first if analysis.constant else axis) or others[0]
+        if analysis.single and analysis.uses_starts and (analysis.constant or drive != first):
+            example = replace(example, given={**example.given, first.name: example.middle})
+        varying = drive if analysis.varying else None
+        return cls(model, analysis, law, example, axis, first, varying)
 
     def blocks(self) -> Iterable[list[str]]:
         """The tables in order."""
@@ -135,8 +139,10 @@ class _Template:
 
     def schedule(self, drive: Parameter) -> list[str]:
         """The drive slowing down; of an analysis that needs no such thing, in comments."""
-        start = drive.default or 1.0
-        line = f"{drive.name} = {{ start = {start!r}, stop = {start / 2!r}, over = 20.0 }}"
+        stop, highest = self.range_of(drive)
+        start = self.example.middle if drive == self.varied else highest
+        over = _WINDOWS / self.example.settings.get("resolution", 0.01)
+        line = f"{drive.name} = {{ start = {start!r}, stop = {stop!r}, over = {over!r} }}"
         head = _with_comment("[schedule]", "what varies in time; or points = [[t, value], ...]")
         if not self.analysis.constant:
             return [head, line]
@@ -176,6 +182,10 @@ class _Template:
         many = ['label = "many"', 'kind = "random"', "count = 3", _with_comment(box, "in it")]
         yield _commented([_with_comment("[[initial]]", "at a sliding equilibrium, moved"), *near])
         yield _commented([_with_comment("[[initial]]", "random states, seeded"), *many])
+        listed = f"states = [{{ {state.name} = 1e-3 }}, {{ {state.name} = 2e-3 }}]"
+        listed = _with_comment(listed, 'or file = "starts.csv"')
+        table = ['label = "listed"', 'kind = "table"', listed]
+        yield _commented([_with_comment("[[initial]]", "states from a list, or a file"), *table])
         if self.axis is not None and self.analysis.chains:
             down = [f'along = "{self.axis.name}"', 'direction = "down"', 'from = "rest"']
             head = _with_comment("[[initial]]", "where the neighbour on the axis ended")
@@ -184,17 +194,23 @@ class _Template:
     def settings(self) -> list[str]:
         lines, shown = ["[[analysis]]", f'kind = "{self.analysis.kind}"'], set()
         for setting in self.analysis.settings:
-            given = setting.required or setting.name in self.example.settings
+            given = setting.required or self.is_given(setting)
             mark = "" if given else "#   " if setting.partner in shown else "# "
             if setting.suits(self.model):
                 lines.append(_behind(mark, self.setting(setting)))
                 shown.add(setting.name)
         return lines
 
+    def is_given(self, setting: Setting) -> bool:
+        """Whether the example says what a setting is that has a value in any case."""
+        known = setting.required or setting.default is not None
+        return known and setting.name in self.example.settings
+
     def setting(self, setting: Setting) -> str:
         """A setting as the example has it, else with its default or a sample."""
-        own = {"bracket": list(self.range_of(self.varied)), **self.example.settings}
         name = setting.name
+        own: dict[str, Any] = {"bracket": list(self.range_of(self.varied))}
+        own |= self.example.settings if self.is_given(setting) else {}
         shown = toml_value(own[name], name) if name in own else None
         line = f"{name} = {shown or setting.example(self.model, self.varied)}"
         return _with_comment(line, setting.description)
@@ -235,6 +251,12 @@ class _Template:
         """What the analysis gives."""
         options = self.model.default_options()
         return variables_of(self.analysis.kind, self.model, options, ALL_ASKED)
+
+
+def _drive(model: Model, other: Parameter | None) -> Parameter | None:
+    """What drives a model, or else presses on it, and is not the `other`."""
+    driving = [p for role in ("speed", "preload") for p in model.parameters if p.role == role]
+    return next((p for p in driving if p != other), None)
 
 
 def _telling(variables: Iterable[Variable]) -> Variable:

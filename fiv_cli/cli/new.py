@@ -15,16 +15,18 @@ from fiv_cli.errors import UsageError
     metavar="KIND",
     default="response",
     show_default=True,
-    help="What to compute: history, equilibrium, eigenvalues, response, ...",
+    help="What to compute; `fiv kinds` lists the analyses.",
 )
 def command(model: str, kind: str) -> None:
     """Write a commented case file of MODEL to stdout.
 
-    It is valid as it stands; everything that may be changed is in it, behind a #.
+    It is valid as it stands, and in a response the model vibrates somewhere on its grid. What may
+    be changed stands behind a #: take it off a line, and off those with three blanks behind it.
 
     \b
-    Example:
-      fiv new pin-on-disc --analysis response > a.toml
+    Examples:
+      fiv new pin-on-disc > a.toml && fiv run a.toml && fiv plot runs/a.nc
+      fiv new flutter-2dof --analysis critical > b.toml
     """
     from fiv_cli.analyses import all_analyses
     from fiv_cli.case.template import case_template
@@ -33,7 +35,7 @@ def command(model: str, kind: str) -> None:
 
     analyses = all_analyses()
     chosen = pick(model, all_models(), "model", "fiv models")
-    analysis = pick(kind, analyses, "analysis", f"fiv new {model} --analysis KIND")
+    analysis = pick(kind, analyses, "analysis", "fiv kinds")
     unsuited = analysis.unsuited(chosen)
     if unsuited:
         suited = [name for name, one in analyses.items() if not one.unsuited(chosen)]

@@ -82,7 +82,7 @@ def command(
     Examples:
       fiv status configs/ch7/fig_7_06_reached.toml
       fiv status a.toml --set grid.mu_k=[0.3] --json
-      until fiv status a.toml --exit-code; do fiv run a.toml --max-points 1000; done
+      until fiv status a.toml --exit-code; do fiv run a.toml --max-points 1000 || break; done
     """
     standing = _standing(case, output, overrides)
     if as_json:

@@ -295,7 +295,7 @@ class Example:
     axis : a parameter of the model or of its default law
     low, high : its range; somewhere in it the steady state is periodic
     given : parameters and options that are not their defaults
-    settings : settings of analyses likewise, for those that have them
+    settings : settings of analyses likewise, where they are required or have a default
     """
 
     axis: str
@@ -303,6 +303,11 @@ class Example:
     high: float
     given: Mapping[str, float | str] = field(default_factory=dict)
     settings: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def middle(self) -> float:
+        """The middle of the range, where it vibrates too."""
+        return (self.low + self.high) / 2
 
 
 def _regular(known: Mapping[str, float], options: Options) -> tuple[str, str]:

@@ -77,5 +77,5 @@ MODEL = Model(
     constant_load=True,
     law_defaults={"mu_k": 0.1, "mu_s": 0.4},
     contacts=2,
-    example=Example("v", 1.0, 4.0),
+    example=Example("v", 1.0, 4.0, {}, {"f_max": 2.0}),
 )

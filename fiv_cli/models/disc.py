@@ -63,7 +63,7 @@ ON_THE_DISC = Requirement(
     "no_plate",
 )
 
-SHORT = {"t_max": 60.0, "t_end": 2.0, "sample": 1e-3, "f_max": 1000.0, "resolution": 2.0}
+SHORT = {"t_max": 60.0, "t_end": 2.0, "f_max": 1000.0, "resolution": 2.0}
 """Settings of a first case: discs vibrate in milliseconds."""
 
 SPEED = Parameter("Omega", r"\Omega", "rad s-1", 10.0, "disc speed", "4.3", role="speed")

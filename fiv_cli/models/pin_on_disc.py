@@ -140,5 +140,5 @@ MODEL = Model(
     forcings=(Forcing("beta", lambda p: p["Omega"], "sector of the disc passing the pin"),),
     revolution=lambda p: p["Omega"],
     requirements=(FALLING_ON_THE_SECTOR, READ_ON_THE_SECTOR),
-    example=Example("Omega", 0.5, 9.0),
+    example=Example("Omega", 0.5, 7.0, {}, {"t_end": 2.0, "f_max": 200.0, "resolution": 1.0}),
 )

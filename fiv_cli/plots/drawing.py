@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import pick
 from fiv_cli.plots import (
     basin,
     bifurcation,
@@ -135,9 +136,8 @@ def figures_called(source: Source, name: str) -> list[FigureSpec]:
     """
     figures = figures_of(source)
     named = [figure for figure in figures if figure.name == name]
-    if not named and name not in KINDS:
-        known = ", ".join(dict.fromkeys([*(figure.name for figure in figures), *KINDS]))
-        raise UsageError(f"--figure {name}: no such figure\nthere are: {known}")
+    names = [figure.name for figure in figures]
+    pick(name, dict.fromkeys([*names, *KINDS]), "figure, nor kind of figure,", "fiv kinds")
     return named or [FigureSpec(name, name, {})]
 
 

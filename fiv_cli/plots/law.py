@@ -10,6 +10,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import all_laws
 from fiv_cli.friction.base import Law, Slip
+from fiv_cli.notation.names import pick
 from fiv_cli.plots import labels, style
 
 if TYPE_CHECKING:
@@ -28,7 +29,8 @@ def draw_laws(names: Sequence[str], look: style.Look | None = None) -> Figure:
     ------
     UsageError : there is no such law, or they share no axis
     """
-    laws = [_law(name) for name in names]
+    known = all_laws()
+    laws = [pick(name, known, "friction law", "fiv models --laws") for name in names]
     with style.looks(look=look):
         figure = _draw(laws)
         style.finish(figure)
@@ -65,13 +67,6 @@ def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np
     slip = Slip(v, sympy.Integer(sign), sign * v, sympy.Integer(1))
     evaluate = sympy.lambdify(v, law.sliding(slip, values), "numpy")
     return np.broadcast_to(np.asarray(evaluate(velocity), dtype=float), velocity.shape)
-
-
-def _law(name: str) -> Law:
-    laws = all_laws()
-    if name not in laws:
-        raise UsageError(f"{name}: no such friction law\nthere are: {', '.join(laws)}")
-    return laws[name]
 
 
 def _scales_with_load(law: Law) -> bool:
