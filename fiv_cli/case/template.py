@@ -65,13 +65,15 @@ class _Template:
         example = _example(model, law, known, analysis.linear)
         first = known.pop(example.axis)
         others = [known[name] for name in _SWEPT_FIRST if name in known] or list(known.values())
-        varies = any(isinstance(setting, ParameterName) for setting in analysis.settings)
-        axis = None if analysis.single else others[0] if varies else first
+        found = [setting for setting in analysis.settings if isinstance(setting, ParameterName)]
+        finds = any(setting.required for setting in found)  # where along the first it changes
+        axis = None if analysis.single else others[0] if finds else first
+        varied = others[0] if found and not finds else first
         drive = _drive(model, first if analysis.constant else axis) or others[0]
         if analysis.single and analysis.uses_starts and (analysis.constant or drive != first):
             example = replace(example, given={**example.given, first.name: example.middle})
         varying = drive if analysis.varying else None
-        return cls(model, analysis, law, example, axis, first, varying)
+        return cls(model, analysis, law, example, axis, varied, varying)
 
     def blocks(self) -> Iterable[list[str]]:
         """The tables in order."""
@@ -140,7 +142,7 @@ class _Template:
     def schedule(self, drive: Parameter) -> list[str]:
         """The drive slowing down; of an analysis that needs no such thing, in comments."""
         stop, highest = self.range_of(drive)
-        start = self.example.middle if drive == self.varied else highest
+        start = self.example.middle if drive.name == self.example.axis else highest
         over = _WINDOWS / self.example.settings.get("resolution", 0.01)
         line = f"{drive.name} = {{ start = {start!r}, stop = {stop!r}, over = {over!r} }}"
         head = _with_comment("[schedule]", "what varies in time; or points = [[t, value], ...]")
