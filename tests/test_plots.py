@@ -903,7 +903,7 @@ def test_what_a_contact_holds_in_stick_is_drawn():
 
 
 def test_unknown_laws_and_kinds_are_named():
-    with pytest.raises(UsageError, match="did you mean .coulomb."):
+    with pytest.raises(UsageError, match="did you mean 'coulomb'"):
         draw_laws(["columb"])
     with pytest.raises(UsageError, match=r"there are: map"):
         draw(data.bifurcation(), figure("pie"))
