@@ -305,6 +305,17 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     assert ax.get_legend() is None
 
 
+def test_where_colours_tell_another_axis_dashes_tell_the_sorts_of_crossings():
+    one = data.crossings()
+    both = xr.concat([one, one.assign(critical_value=2 * one["critical_value"])], "mu_k")
+    (ax,) = draw(both.assign_coords(data.axes(mu_k=[0.2, 0.3])), figure("curve", x="R")).axes
+    sorts = ["a mode turns stable", "a mode turns unstable", AT_A_JUMP]
+    assert legend_texts(ax) == [*sorts, r"$\mu_k$ = 0.2", r"$\mu_k$ = 0.3"]
+    drawn = [line for line in ax.lines if len(line.get_xdata())]
+    assert len({line.get_linestyle() for line in drawn}) == 3
+    assert len({line.get_color() for line in drawn}) == 2
+
+
 def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
     """To a question about a number; elsewhere by their classes."""
     answers, dims = ("no", "yes"), ("N0", "crossing")
@@ -892,7 +903,7 @@ def test_what_a_contact_holds_in_stick_is_drawn():
 
 
 def test_unknown_laws_and_kinds_are_named():
-    with pytest.raises(UsageError, match=r"there are: coulomb"):
+    with pytest.raises(UsageError, match="did you mean 'coulomb'"):
         draw_laws(["columb"])
     with pytest.raises(UsageError, match=r"there are: map"):
         draw(data.bifurcation(), figure("pie"))
