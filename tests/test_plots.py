@@ -571,7 +571,7 @@ def test_basins_need_starts_that_differ_in_two_states():
     with pytest.raises(UsageError, match="the states are: x, x_dot"):
         draw(dataset, figure("basin", x="y"))
     flat = dataset.assign(initial_state=dataset["initial_state"] * [1.0, 0.0])
-    with pytest.raises(UsageError, match="fewer than two"):
+    with pytest.raises(UsageError, match=r"fewer than two components\nnext: "):
         draw(flat, figure("basin"))
     lost = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "failed"))
     lost["status"].attrs = dataset["status"].attrs

@@ -76,17 +76,17 @@ def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, st
     """
     if STARTS not in dataset:
         raise UsageError(
-            "the starts of the motions are not in this dataset\\n"
+            "the starts of the motions are not in this dataset\n"
             "next: run its case again; response analyses keep them (initial_state)"
         )
     known, free = [str(name) for name in dataset["state"].values], _varying(dataset)
     for which in ("x", "y"):
         name = str(settings.get(which, known[0]))
         if name not in known:
-            raise UsageError(f"{which} = {name}: no state\\nthe states are: {', '.join(known)}")
+            raise UsageError(f"{which} = {name}: no state\nthe states are: {', '.join(known)}")
     if len(free) < 2 and not {"x", "y"} <= set(settings):
         raise UsageError(
-            "the starts differ in fewer than two components\\n"
+            "the starts differ in fewer than two components\n"
             "next: draw a curve, or give [[initial]] a box in two states"
         )
     x = str(settings.get("x", free[0] if free else known[0]))
