@@ -549,8 +549,8 @@ def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches()
         assert np.hypot(*rest.T).max() < radius < np.hypot(*moving.T).min()
     colours = [to_hex(marks_of.get_facecolor()[0]) for marks_of in two.collections]
     assert colours == [c.lower() for c in class_colours(["equilibrium", "periodic"])]
-    assert two.get_xlabel() == "$x$ at the start (m)"
-    assert one.get_ylabel() == r"$\dot{x}$ at the start (m/s)"
+    assert two.get_xlabel() == "initial $x$ (m)"
+    assert one.get_ylabel() == r"initial $\dot{x}$ (m/s)"
 
 
 def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():

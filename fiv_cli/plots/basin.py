@@ -55,6 +55,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.set_ylabel(_label(dataset, names[1]) if number % columns == 0 else "")
         points.scale(ax, settings)
         _name_shares(ax)
+    style.make_room(figure, 1 + max(len(ax.collections) for ax in axes))
     return figure
 
 
@@ -96,7 +97,7 @@ def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, st
 
 def _label(dataset: xr.Dataset, name: str) -> str:
     unit = labels.unit_text(str(dataset["state_units"].sel(state=name).values))
-    return f"${labels.symbol_of_name(name)}$ at the start ({unit})"
+    return f"initial ${labels.symbol_of_name(name)}$ ({unit})"
 
 
 def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
@@ -105,7 +106,7 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
     reached = class_names(part["attractor"])
     answered = reached != NOT_COMPUTED
     table = [name for name in flag_names(part["attractor"].attrs).values() if name in reached]
-    size = 3.5 * style.dot_size(len(x))
+    size = 3.5 * style.dot_size(len(x)) * min(1.0, ax.figure.figure.get_figwidth() / style.PANEL[0])
     for name, colour in zip(table, style.class_colours(table), strict=True):
         mask = reached == name
         share = _share(int(mask.sum()), int(answered.sum())) if name != NOT_COMPUTED else ""

@@ -220,9 +220,14 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
             handles=handles, loc="outside lower center", ncols=columns, markerscale=KEY_SCALE,
             title=title or None,
         )  # fmt: skip
-    if _LOOK.get().width is not None:  # the panels of a small figure have nothing to spare
-        lines = bool(title) - (-len(words) // columns)
-        figure.set_figheight(figure.get_figheight() + LINE * lines * _LOOK.get().size / POINTS)
+    make_room(figure, bool(title) - (-len(words) // columns))
+
+
+def make_room(figure: Figure, lines: int) -> None:
+    """Make a small figure higher by the lines of a legend: its panels have nothing to spare."""
+    look = _LOOK.get()
+    if look.width is not None:
+        figure.set_figheight(figure.get_figheight() + LINE * lines * look.size / POINTS)
 
 
 def resize(figure: Figure, width: float, height: float, rows: int) -> None:
