@@ -1113,13 +1113,15 @@ def test_looks_that_cannot_be_had_are_told(arguments, message):
         look_of(*arguments)
 
 
-def test_long_labels_beside_a_low_panel_are_folded_but_not_in_a_formula():
+def test_long_labels_of_small_panels_are_folded_but_not_in_a_formula():
     dataset = data.eigenvalues()
     dataset["eigenvalue_real"].attrs["long_name"] = "damping ratio c2 / (2 sqrt(m2 k2))"
     drawn = draw(dataset, figure("eigenvalues"), look=look_of("paper", width=50.0))
     lines = drawn.axes[0].get_ylabel().split("\n")
     assert len(lines) > 1
     assert all(line.count("$") % 2 == 0 for line in lines)
+    maps = draw(data.stability_map(), figure("map"), look=look_of("paper", width=60.0))
+    assert maps.axes[0].get_xlabel() == "disc speed $\\Omega$\n(rad/s)"
 
 
 def test_figures_need_a_known_suffix_and_a_place(tmp_path):
