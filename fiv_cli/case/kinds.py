@@ -89,19 +89,20 @@ class Key:
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind: the table that it stands in, how it is written there, what it is, and its keys."""
+    """One kind: its table, how it is written there, what it is, its keys, and what it gives."""
 
     table: str
     name: str
     meaning: str
     keys: tuple[Key, ...] = ()
+    answer: str = ""
 
 
 def all_kinds() -> list[Kind]:
     """Everything that ``[[analysis]]``, ``[[initial]]``, ``[[figure]]`` and ``[[claim]]`` know."""
     analyses = all_analyses().values()
     return [
-        *(Kind("analysis", a.kind, a.title, _of_settings(a.settings)) for a in analyses),
+        *(Kind("analysis", a.kind, a.title, _of_settings(a.settings), a.answer) for a in analyses),
         *(
             Kind("initial", name, meaning, keys_in(InitialTable, [*own, *OF_EVERY_START]))
             for name, (meaning, own) in STARTS.items()

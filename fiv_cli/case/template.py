@@ -240,10 +240,10 @@ class _Template:
         at = [] if self.axis is None else [f'at = {{ {self.axis.name} = ". > 0" }}']
         return _commented(
             [
-                _with_comment("[[claim]]", "what the publication says, checked by `fiv claims`"),
+                _with_comment("[[claim]]", "what the publication says; `fiv kinds claim`"),
                 'source = "7.3, Figure 7.6"',
                 f'text = "{variable.long_name}: {said}"',
-                f'variable = "{variable.name}"',
+                _with_comment(f'variable = "{variable.name}"', "`fiv variables CASE` lists them"),
                 *(_with_comment(line, "where; left out: everywhere") for line in at),
                 f"expect = {expected}",
             ]
