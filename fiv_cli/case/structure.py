@@ -192,7 +192,10 @@ class InitialTable(Table):
     along: str | None = Field(default=None, description="axis along which a start is continued")
     direction: Literal["up", "down"] = Field(default="up", description="sense along the axis")
     from_label: str | None = Field(
-        default=None, alias="from", description="label of the start of the first point"
+        default=None,
+        alias="from",
+        description="label of the start of the first point; of a chain the other way along: this "
+        "one begins where that one ended (a hysteresis loop; mostly with on_loss go-on)",
     )
     on_loss: Literal["stop", "restart", "go-on"] = Field(
         default="stop",
