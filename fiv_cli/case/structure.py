@@ -50,6 +50,18 @@ LEVELS_SCHEMA = {
 }
 
 
+SEVERAL_LAWS = (
+    'several laws are an axis: write friction = ["coulomb", "stribeck"] under [grid]; '
+    "parameters of one law stand under [friction.stribeck]"
+)
+
+
+def _check_law(value: object) -> object:
+    if isinstance(value, list):
+        raise ValueError(SEVERAL_LAWS)
+    return value
+
+
 def check_levels(value: object) -> list[float]:
     """One number, or a list of numbers, as a list; ValueError for anything else."""
     if isinstance(value, list) and not value:
@@ -110,7 +122,11 @@ class ModelTable(Table):
 class FrictionTable(OpenTable):
     """The friction law; its parameters stand directly in this table."""
 
-    law: str | None = Field(default=None, description="name of the law; `fiv models --laws`")
+    example: ClassVar[str] = f"one table [friction]; {SEVERAL_LAWS}"
+
+    law: Annotated[str | None, BeforeValidator(_check_law)] = Field(
+        default=None, description="name of the law; `fiv models --laws`"
+    )
     of: str | None = Field(default=None, description='the law that law = "tanh" regularises')
 
 

@@ -119,7 +119,11 @@ class _Template:
             ["tanh (with of = one of these)"] if any(n.startswith(TANH_OF) for n in known) else []
         )
         head = _with_comment(f'law = "{self.law.name}"', f"or {listed([*others, *smooth])}")
-        return ["[friction]", head, *self.parameters(self.model.adopted(self.law.parameters))]
+        table = "[friction]"
+        if others:
+            axis = f"friction = {toml_value([self.law.name, others[0]], 'friction')}"
+            table = _with_comment(table, f"several laws: {axis} under [grid], and no law here")
+        return [table, head, *self.parameters(self.model.adopted(self.law.parameters))]
 
     def parameters(self, table: Iterable[Parameter]) -> list[str]:
         """A line for each parameter that neither the grid nor a schedule gives."""
