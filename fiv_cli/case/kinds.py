@@ -55,7 +55,11 @@ FIGURES = {
 OF_EVERY_FIGURE = ("name", "title", "analysis", "select", "log", "xlim", "ylim")
 
 TAKES = {
-    "share": ("at how many points `of` holds, of 1", ("of", "over", "relative_to")),
+    "share": (
+        "at how many points `of` holds, of 1; over random starts alone, p of n, claims tell its "
+        "standard error sqrt(p (1 - p) / n)",
+        ("of", "over", "relative_to"),
+    ),
     "entries": ("how often `of` comes to hold along an axis", ("of", "over")),
     "first": ("where along an axis `of` holds first", ("of", "over")),
     "last": ("where along an axis `of` holds last", ("of", "over")),

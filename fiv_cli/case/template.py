@@ -96,7 +96,7 @@ class _Template:
         return [
             _with_comment("schema = 1", _HOW_TO_READ),
             f'title = "{self.model.title}: {self.analysis.title}"',
-            '# reference = "Figure 7.6"',
+            '# reference = "the publication"',
             '# assumed = ["what the publication leaves open and this case chose"]',
         ]
 
@@ -245,7 +245,7 @@ class _Template:
         return _commented(
             [
                 _with_comment("[[claim]]", "what the publication says; `fiv kinds claim`"),
-                'source = "7.3, Figure 7.6"',
+                'source = "its section or figure"',
                 f'text = "{variable.long_name}: {said}"',
                 _with_comment(f'variable = "{variable.name}"', "`fiv variables CASE` lists them"),
                 *(_with_comment(line, "where; left out: everywhere") for line in at),

@@ -254,6 +254,7 @@ class Plan:
             f"  model {case.model}, friction {_laws(case)}",
             *(f"  {_curve_text(name, points)}" for name, points in case.schedule.curves),
         ]
+        head += _defaults_text(case, self.analyses)
         lines = [line for analysis in self.analyses for line in _described(analysis)]
         return [*head, *lines, *([_cost_of(self.size)] if self.size >= MANY else [])]
 
@@ -378,6 +379,15 @@ def _continues(entry: StartEntry | None) -> bool:
 def _laws(case: Case) -> str:
     names = [axis.values for axis in case.axes if axis.kind == "law"]
     return ", ".join(names[0]) if names else case.law
+
+
+def _defaults_text(case: Case, analyses: tuple[AnalysisPlan, ...]) -> list[str]:
+    """The values in force that the case leaves to the model and its law."""
+    varied = filter(None, (one.layout.settings.get("parameter") for one in analyses))
+    given = {*case.explicit, *case.schedule.names}
+    given |= {name for one in varied for name in (one.name, *one.followers)}
+    left = [f"{n} = {value:.12g}" for n, value in case.parameters.items() if n not in given]
+    return [f"  by default, in SI: {', '.join(left)}"] if left else []
 
 
 def _described(analysis: AnalysisPlan) -> list[str]:
