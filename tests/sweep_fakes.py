@@ -58,6 +58,21 @@ from = "far"
 kind = "response"
 """
 
+LOOP = CHAIN.replace(
+    'from = "far"\n',
+    """from = "far"
+on_loss = "go-on"
+[[initial]]
+label = "down"
+kind = "continue"
+along = "N"
+direction = "down"
+from = "up"
+on_loss = "go-on"
+""",
+)
+"""Up, and down again from where it ended."""
+
 
 def case(text: str = BELT, *overrides: str) -> Case:
     """A case from TOML text."""

@@ -253,6 +253,32 @@ class TestStarts:
             "restart",
         )
 
+    @pytest.mark.parametrize(
+        ("chains", "faulty"),
+        [
+            ([("up", "up", "far"), ("down", "down", "up"), ("again", "up", "down")], []),
+            ([("down", "down", "up"), ("up", "up", "far")], []),  # in any order
+            ([("up", "up", "down"), ("down", "down", "up")], [1, 2]),
+            ([("up", "up", "up")], [1]),
+            ([("up", "up", "far"), ("again", "up", "up")], [2]),
+            ([("up", "up", "far"), ("down", "down", "up"), ("other", "down", "up")], [3]),
+        ],
+    )
+    def test_continued_from_a_chain(
+        self, chains: list[tuple[str, str, str]], faulty: list[int]
+    ) -> None:
+        tables = [
+            f'[[initial]]\nlabel = "{label}"\nkind = "continue"\nalong = "v"\n'
+            f'direction = "{direction}"\nfrom = "{origin}"'
+            for label, direction, origin in chains
+        ]
+        far = '[[initial]]\nlabel = "far"\nkind = "state"'
+        text = belt("[grid]", "v = [1, 2]", far, *tables)
+        if faulty:
+            assert [p.path for p in problems(text)] == [f"initial.{i}.from" for i in faulty]
+        else:
+            assert len(parse(text).starts) == 1 + len(chains)
+
     def test_continued_from_nowhere_along_nothing(self) -> None:
         text = belt("[[initial]]", 'kind = "continue"', 'from = "far"', 'along = "v"')
         assert only_problem(text).path == "initial.0.from"

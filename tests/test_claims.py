@@ -273,6 +273,23 @@ def test_an_undecided_point_matters_only_where_it_could_come_first(place, verdic
     assert tried(sweep(classes), "attractor", expect, take=where("first")).verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("labels", "error"),
+    [("many", 0.25), ("listed", None), ("many listed", None)],
+)
+def test_a_share_of_random_starts_has_a_standard_error(labels, error):
+    """Of 4 starts, p = 1/2; of starts that were chosen there is none."""
+    named = [f"{(labels.split() * 4)[i]}-{i:03d}" for i in range(4)]
+    classes = ["periodic", "equilibrium"] * 2
+    dataset = data.response(classes, np.zeros(4), data.axes(initial=named))
+    take = {"what": "share", "of": "periodic", "over": ["initial"]}
+    said = claim("attractor", {"between": [0.4, 0.6]}, take=take)
+    verdict = evaluate(said, {"": dataset}, lambda case: None, {"many"})
+    assert verdict.verdict == CONFIRMED
+    assert verdict.standard_error == error
+    assert ("standard error 0.25" in verdict.found) == (error is not None)
+
+
 def test_what_occurs_nowhere_begins_nowhere():
     expect = {"value": 0.4, "tolerance": 0.01}
     never, perhaps = (sweep([*["equilibrium"] * 3, last]) for last in ("chaotic", "undecided"))

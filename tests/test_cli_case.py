@@ -229,6 +229,9 @@ class TestModels:
         out = capsys.readouterr().out
         assert "F_T = " in out
         assert ("never sticks" in out) == (all_laws()[name].capacity is None)
+        named = [parameter.name for parameter in all_laws()[name].parameters]
+        own = "mu_k = 0.23" in out  # on the belt, where the law alone has another
+        assert own == ("mu_k" in named)
 
     def test_json(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert run(["models", "--json"]) == 0

@@ -9,9 +9,9 @@ from scipy.linalg import expm
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.codegen.codes import CODE_SEPARATION
+from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS
 from fiv_cli.codegen.setup import Setup, default_parameters
-from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.settings import Section
 from fiv_cli.dynamics.system import build_system
 from fiv_cli.friction.base import Law
@@ -130,3 +130,11 @@ def test_bristles_of_an_open_contact_stay_as_they_were(law: str) -> None:
     begun.run(0.004)
     assert begun.y[begun.system.places["x1_dot"]] < 5.0 and begun.codes == [CODE_SEPARATION]
     assert begun.y[begun.system.places["deflection"]] == 1e-4
+
+
+@pytest.mark.parametrize("law", ["dahl", "tanh of stribeck"])
+def test_one_of_two_contacts_at_rest_that_cannot_stick(law: str) -> None:
+    """It begins to slide, the way that it is left behind; the process died of it."""
+    begun = motion("belt-2mass", law, {"x1_dot": 1.0, "x1": 0.5}, v=1.0)
+    assert begun.codes == [CODE_SLIP_PLUS, CODE_SLIP_PLUS]
+    assert begun.run(5.0) == Stop.REACHED and np.all(np.isfinite(begun.y))

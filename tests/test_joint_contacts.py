@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,22 @@ from small_models import CLUTCH, ON_TWO_BELTS, PADS
 
 from fiv_cli import api
 from fiv_cli.analyses.common import balance
+from fiv_cli.cli.equations import equation_lines
 from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK
 from fiv_cli.dynamics.motion import Stop, samples_at
 from fiv_cli.errors import UsageError
 
 MU = {"mu_k": 0.3, "mu_s": 0.4}
 RAMP = ((0.0, 1.0), (5.0, 2.0), (200.0, 2.0))
+
+
+def test_contacts_that_are_not_declared_are_refused() -> None:
+    silent = replace(ON_TWO_BELTS, name="two-belts", contacts=1)
+    said = r"two-belts returns 2 contacts and declares 1\nnext: write contacts=2 .*small_models"
+    with pytest.raises(UsageError, match=said):
+        api.analyse(silent, "coulomb", "response", {"x": 0.0})
+    with pytest.raises(UsageError, match=said):
+        equation_lines(silent)
 
 
 # --- a mass on two belts ---------------------------------------------------------------------
@@ -104,7 +115,7 @@ def test_a_pad_holds_by_its_lever() -> None:
 def test_what_leaves_forces_open_is_refused(pads: str, says: str) -> None:
     """When the system is set up, with what to do."""
     with pytest.raises(UsageError, match=says) as refused:
-        system(PADS, options={"pads": pads})
+        system(replace(PADS, contacts=3 if pads == "three" else 2), options={"pads": pads})
     assert "\nnext: " in str(refused.value)
 
 

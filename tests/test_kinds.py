@@ -33,6 +33,12 @@ def test_every_kind_is_described() -> None:
     assert [k.name for k in all_kinds() if k.table == "analysis"] == list(all_analyses())
 
 
+def test_a_key_that_takes_one_of_some_words_says_them(capsys: pytest.CaptureFixture[str]) -> None:
+    assert re.search(
+        r"^on_loss .*: stop \| restart \| go-on$", printed(capsys, "kinds", "continue"), re.M
+    )
+
+
 def test_kinds_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     out = printed(capsys, "kinds")
     for kind in all_kinds():

@@ -305,6 +305,17 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     assert ax.get_legend() is None
 
 
+def test_where_colours_tell_another_axis_dashes_tell_the_sorts_of_crossings():
+    one = data.crossings()
+    both = xr.concat([one, one.assign(critical_value=2 * one["critical_value"])], "mu_k")
+    (ax,) = draw(both.assign_coords(data.axes(mu_k=[0.2, 0.3])), figure("curve", x="R")).axes
+    sorts = ["a mode turns stable", "a mode turns unstable", AT_A_JUMP]
+    assert legend_texts(ax) == [*sorts, r"$\mu_k$ = 0.2", r"$\mu_k$ = 0.3"]
+    drawn = [line for line in ax.lines if len(line.get_xdata())]
+    assert len({line.get_linestyle() for line in drawn}) == 3
+    assert len({line.get_color() for line in drawn}) == 2
+
+
 def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
     """To a question about a number; elsewhere by their classes."""
     answers, dims = ("no", "yes"), ("N0", "crossing")
@@ -538,8 +549,8 @@ def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches()
         assert np.hypot(*rest.T).max() < radius < np.hypot(*moving.T).min()
     colours = [to_hex(marks_of.get_facecolor()[0]) for marks_of in two.collections]
     assert colours == [c.lower() for c in class_colours(["equilibrium", "periodic"])]
-    assert two.get_xlabel() == "$x$ at the start (m)"
-    assert one.get_ylabel() == r"$\dot{x}$ at the start (m/s)"
+    assert two.get_xlabel() == "initial $x$ (m)"
+    assert one.get_ylabel() == r"initial $\dot{x}$ (m/s)"
 
 
 def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
@@ -560,7 +571,7 @@ def test_basins_need_starts_that_differ_in_two_states():
     with pytest.raises(UsageError, match="the states are: x, x_dot"):
         draw(dataset, figure("basin", x="y"))
     flat = dataset.assign(initial_state=dataset["initial_state"] * [1.0, 0.0])
-    with pytest.raises(UsageError, match="fewer than two"):
+    with pytest.raises(UsageError, match=r"fewer than two components\nnext: "):
         draw(flat, figure("basin"))
     lost = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "failed"))
     lost["status"].attrs = dataset["status"].attrs
@@ -892,7 +903,7 @@ def test_what_a_contact_holds_in_stick_is_drawn():
 
 
 def test_unknown_laws_and_kinds_are_named():
-    with pytest.raises(UsageError, match=r"there are: coulomb"):
+    with pytest.raises(UsageError, match="did you mean 'coulomb'"):
         draw_laws(["columb"])
     with pytest.raises(UsageError, match=r"there are: map"):
         draw(data.bifurcation(), figure("pie"))
@@ -1102,13 +1113,15 @@ def test_looks_that_cannot_be_had_are_told(arguments, message):
         look_of(*arguments)
 
 
-def test_long_labels_beside_a_low_panel_are_folded_but_not_in_a_formula():
+def test_long_labels_of_small_panels_are_folded_but_not_in_a_formula():
     dataset = data.eigenvalues()
     dataset["eigenvalue_real"].attrs["long_name"] = "damping ratio c2 / (2 sqrt(m2 k2))"
     drawn = draw(dataset, figure("eigenvalues"), look=look_of("paper", width=50.0))
     lines = drawn.axes[0].get_ylabel().split("\n")
     assert len(lines) > 1
     assert all(line.count("$") % 2 == 0 for line in lines)
+    maps = draw(data.stability_map(), figure("map"), look=look_of("paper", width=60.0))
+    assert maps.axes[0].get_xlabel() == "disc speed $\\Omega$\n(rad/s)"
 
 
 def test_figures_need_a_known_suffix_and_a_place(tmp_path):

@@ -61,9 +61,11 @@ def test_every_make_target_exists(target: str) -> None:
     assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
 
 
-def test_the_case_is_right() -> None:
-    case, _ = blocks("toml")
+def test_the_case_is_right_under_one_law_and_several() -> None:
+    case, laws, _ = blocks("toml")
     assert parse_case(case, "squeal.toml").model == "pin-on-disc"
+    several = parse_case(case.replace("[grid]\n", laws), "squeal.toml")
+    assert [axis.name for axis in several.axes] == ["friction", "Omega"]
 
 
 def test_the_notebook_runs(
@@ -81,7 +83,7 @@ def test_the_notebook_runs(
 
 def test_the_claim_is_understood() -> None:
     """On the grid that it speaks of, with every way of taking and of expecting that is listed."""
-    case, claim = blocks("toml")
+    case, _, claim = blocks("toml")
     grid = '[grid]\npsi_a = [0.0, 1.0]\nbeta = [0.0, "15 deg"]'
     (_, said) = parse_case(case.replace("[grid]", grid) + claim, "a.toml").claims
     page = README.partition("## What a figure or a claim can say")[2].partition("\n## ")[0]

@@ -149,3 +149,15 @@ def test_datasets_and_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     wrong = type(stored)("x", "spectrogram", {"analysis": "history", "resolution": 1e-4})
     with pytest.raises(UsageError, match="resolution"):
         drawing.draw("runs/a.nc", wrong)
+
+
+def test_a_spectrogram_without_a_window_is_not_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.toml").write_text(CASE.partition('[[analysis]]\nkind = "history"')[0])
+    failed = ["run", "a.toml", "--workers", "1", "-q", "--set", "analysis.0.resolution=0.001"]
+    assert run([*failed, "-o", "a.nc"]) == 4
+    (stored,) = drawing.figures_of("a.nc")
+    with pytest.raises(UsageError, match="nothing to draw"):
+        drawing.draw("a.nc", stored)

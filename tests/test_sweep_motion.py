@@ -60,6 +60,17 @@ def test_a_continued_start_is_followed_to_the_point(seen: list[Request]) -> None
     assert start.carried["x"] == pytest.approx(np.sin(2 * 1.7 + 1.0) + 0.1 * first, rel=1e-15)
 
 
+def test_a_chain_that_begins_where_another_ended_is_followed_through_both(
+    seen: list[Request],
+) -> None:
+    run(sweep_fakes.LOOP, {"N": "7", "v": "1.0", "initial": "down"})
+    x = 3.0
+    for N in [*range(1, 9), 8]:
+        x = np.sin(N * 1.7 + 1.0) + 0.1 * x
+    assert seen[0].start is not None and seen[0].start.carried is not None
+    assert seen[0].start.carried["x"] == pytest.approx(x, rel=1e-15)
+
+
 def test_the_first_point_of_a_branch_has_the_start_of_the_chain(seen: list[Request]) -> None:
     run(sweep_fakes.CHAIN, {"N": "1", "v": "1.0", "initial": "up"})
     start = seen[0].start

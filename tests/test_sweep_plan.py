@@ -117,9 +117,31 @@ def test_a_chain_keeps_its_keys_when_it_grows_at_its_far_end_only() -> None:
     assert not set(chain_keys(0.5, 1.0, 2.0, 3.0)) & set(short)
 
 
+def test_a_chain_that_begins_at_the_end_of_another_has_other_keys_where_that_grew() -> None:
+    def keys(text: str) -> tuple[set[bytes], set[bytes]]:
+        plan = plan_of(text)
+        (chains,) = plan.chain_sets()
+        up, down = np.hsplit(plan.keys()[chains.positions], 2)
+        return set(map(bytes, up.reshape(-1, 32))), set(map(bytes, down.reshape(-1, 32)))
+
+    up, down = keys(sweep_fakes.LOOP)
+    longer = keys(sweep_fakes.LOOP.replace("stop = 8, num = 8", "stop = 9, num = 9"))
+    assert longer[0] > up
+    assert not longer[1] & down
+
+
+def test_a_plan_says_what_the_case_leaves_to_the_model_and_its_law() -> None:
+    """The default on this model, not that of the law; nothing that an axis or the case gives."""
+    text = sweep_fakes.BELT.replace('"belt-1dof"', '"belt-1dof"\nparameters = { k = 2.0 }')
+    (line,) = [
+        line for line in make_plan(sweep_fakes.case(text)).describe() if "by default" in line
+    ]
+    assert line == "  by default, in SI: m = 1, c = 0, u0 = 0, omega = 1, mu_s = 0.4, mu_k = 0.23"
+
+
 def test_keys_made_together_are_those_of_the_points() -> None:
     """With axes of numbers and of laws, points on their own and chains."""
-    plan = plan_of(sweep_fakes.CHAIN.replace("v = [", 'friction = ["coulomb", "stribeck"]\nv = ['))
+    plan = plan_of(sweep_fakes.LOOP.replace("v = [", 'friction = ["coulomb", "stribeck"]\nv = ['))
     keys, entries = plan.keys(), plan.template.entries
     (chains,) = plan.chain_sets()
     for position in plan.single_positions():

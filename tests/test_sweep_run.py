@@ -51,7 +51,7 @@ def runs(count_file: Path) -> list[str]:
     return count_file.read_text().splitlines() if count_file.exists() else []
 
 
-@pytest.mark.parametrize("text", [sweep_fakes.BELT, sweep_fakes.CHAIN])
+@pytest.mark.parametrize("text", [sweep_fakes.BELT, sweep_fakes.CHAIN, sweep_fakes.LOOP])
 def test_workers_and_chunks_leave_no_trace(tmp_path: Path, text: str) -> None:
     sweep(tmp_path / "a.nc", text)
     expected = (tmp_path / "a.nc").read_bytes()
@@ -65,7 +65,7 @@ def test_workers_and_chunks_leave_no_trace(tmp_path: Path, text: str) -> None:
         assert (tmp_path / f"{name}.nc").read_bytes() == expected, name
 
 
-@pytest.mark.parametrize("text", [sweep_fakes.BELT, sweep_fakes.CHAIN])
+@pytest.mark.parametrize("text", [sweep_fakes.BELT, sweep_fakes.CHAIN, sweep_fakes.LOOP])
 @pytest.mark.parametrize("first", [1, 7, 20])
 def test_a_run_in_two_goes_is_the_run_in_one(tmp_path: Path, text: str, first: int) -> None:
     sweep(tmp_path / "a.nc", text)
@@ -180,6 +180,32 @@ def test_a_chain_may_go_on_whatever_its_class(tmp_path: Path) -> None:
     assert up["status"].values.tolist() == [0, 0, 0, 0, 4, 4, 4, 4]
 
 
+def test_a_chain_may_begin_where_another_ended(tmp_path: Path, count_file: Path) -> None:
+    """Up, and down again; of a chain that grew at its far end the way back is another."""
+    shorter = sweep_fakes.LOOP.replace("stop = 8, num = 8", "stop = 5, num = 5")
+    sweep(tmp_path / "a.nc", shorter)
+    sweep(tmp_path / "a.nc", sweep_fakes.LOOP, executor="sweep_fakes:counted")
+    assert len(runs(count_file)) == 2 * (3 + 3 + 8)  # far, up and down, at two speeds
+    loop = read_datasets(tmp_path / "a.nc")[""].sel(v=1.0, initial=["up", "down"])["L_s"]
+    expected, x = [], 3.0
+    for N in [*range(1, 9), *range(8, 0, -1)]:
+        x = np.sin(N * 1.7 + 1.0) + 0.1 * x
+        expected.append(x * x)
+    found = [*loop.sel(initial="up"), *loop.sel(initial="down")[::-1]]
+    np.testing.assert_allclose(found, expected, rtol=1e-14)
+
+
+def test_a_chain_whose_beginning_was_not_reached_is_not_reached_but_may_restart(
+    tmp_path: Path,
+) -> None:
+    for on_loss, reached in {"stop": 0, "go-on": 0, "restart": 8}.items():
+        up, down = (f'on_loss = "{word}"' for word in ("stop", on_loss))
+        first, second, third = sweep_fakes.LOOP.split('on_loss = "go-on"')
+        sweep(tmp_path / f"{on_loss}.nc", first + up + second + down + third)
+        found = read_datasets(tmp_path / f"{on_loss}.nc")[""].sel(v=1.0, initial="down")
+        assert int((found["status"] == 0).sum()) == reached
+
+
 @pytest.mark.parametrize("on_loss", ["stop", "restart"])
 def test_a_chain_goes_through_points_that_could_not_be_told(tmp_path: Path, on_loss: str) -> None:
     """It hands on their states, and ends where the class changes from what was told before."""
@@ -231,7 +257,7 @@ def test_fail_fast_stops_and_keeps_what_is_finished(tmp_path: Path) -> None:
 
 def test_a_chain_broken_by_an_outer_failure_is_made_whole_on_resume(tmp_path: Path) -> None:
     for on_loss in ("stop", "restart"):
-        text = sweep_fakes.CHAIN.replace('from = "far"', f'from = "far"\non_loss = "{on_loss}"')
+        text = sweep_fakes.LOOP.replace('"go-on"', f'"{on_loss}"')
         output = tmp_path / f"{on_loss}.nc"
         broken = sweep(output, text, executor="sweep_fakes:raising")
         assert broken.counts["failed"] == 4

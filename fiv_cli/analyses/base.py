@@ -218,6 +218,7 @@ class Analysis:
         from a given state, equilibria
     single : whether one point says something, so that a template has no grid
     figure : kind of figure that shows its answer
+    answer : what it gives, in a sentence, where the title does not say all
     """
 
     kind: str
@@ -238,6 +239,7 @@ class Analysis:
     recorded: bool = False
     single: bool = False
     figure: str = "curve"
+    answer: str = ""
 
     @property
     def default_settings(self) -> dict[str, Any]:

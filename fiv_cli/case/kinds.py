@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -54,7 +55,11 @@ FIGURES = {
 OF_EVERY_FIGURE = ("name", "title", "analysis", "select", "log", "xlim", "ylim")
 
 TAKES = {
-    "share": ("at how many points `of` holds, of 1", ("of", "over", "relative_to")),
+    "share": (
+        "at how many points `of` holds, of 1; over random starts alone, p of n, claims tell its "
+        "standard error sqrt(p (1 - p) / n)",
+        ("of", "over", "relative_to"),
+    ),
     "entries": ("how often `of` comes to hold along an axis", ("of", "over")),
     "first": ("where along an axis `of` holds first", ("of", "over")),
     "last": ("where along an axis `of` holds last", ("of", "over")),
@@ -88,19 +93,20 @@ class Key:
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind: the table that it stands in, how it is written there, what it is, and its keys."""
+    """One kind: its table, how it is written there, what it is, its keys, and what it gives."""
 
     table: str
     name: str
     meaning: str
     keys: tuple[Key, ...] = ()
+    answer: str = ""
 
 
 def all_kinds() -> list[Kind]:
     """Everything that ``[[analysis]]``, ``[[initial]]``, ``[[figure]]`` and ``[[claim]]`` know."""
     analyses = all_analyses().values()
     return [
-        *(Kind("analysis", a.kind, a.title, _of_settings(a.settings)) for a in analyses),
+        *(Kind("analysis", a.kind, a.title, _of_settings(a.settings), a.answer) for a in analyses),
         *(
             Kind("initial", name, meaning, keys_in(InitialTable, [*own, *OF_EVERY_START]))
             for name, (meaning, own) in STARTS.items()
@@ -133,9 +139,14 @@ def keys_in(form: type[BaseModel], names: Sequence[str] = ()) -> tuple[Key, ...]
     """The keys of a table of a case, those called `names` or all."""
     fields = {field.alias or name: field for name, field in form.model_fields.items()}
     return tuple(
-        Key(name, _default(fields[name]), fields[name].description or "")
-        for name in names or list(fields)
+        Key(name, _default(fields[name]), _meaning(fields[name])) for name in names or list(fields)
     )
+
+
+def _meaning(field: FieldInfo) -> str:
+    """What a key means, and the words that it takes, if it is one of some."""
+    words = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
+    return ": ".join([field.description or "", *([" | ".join(words)] if words else [])])
 
 
 def _default(field: FieldInfo) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from fiv_cli.case.form import Form
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import FrictionTable, ModelTable
+from fiv_cli.case.structure import SEVERAL_LAWS, FrictionTable, ModelTable
 from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
@@ -123,7 +123,7 @@ def note_no_axis(
 def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Report) -> None:
     """Note that nothing is called `name` that could be an axis of some case."""
     message = f"there is nothing called {name!r} to vary"
-    hint = counterpart(name, physics.table())
+    hint = SEVERAL_LAWS if name == "law" else counterpart(name, physics.table())
     report.unknown(place, message, name, physics.what_varies(), hint)
 
 

@@ -19,6 +19,7 @@ from fiv_cli.notation.units import convert
 AT_REST = StartSpec("rest", "state")
 
 _LABEL = re.compile(r"[A-Za-z0-9_.+-]+")
+BEGINNINGS = ("equilibrium", "state", "continue")
 ONE_OF = 'states = [{ STATE = value, ... }, ...], or file = "starts.csv"'
 
 
@@ -148,16 +149,41 @@ def _check_continued(
     physics: Physics,
     report: Report,
 ) -> None:
-    """A continued start follows a numeric axis and begins where another start does."""
+    """A continued start follows a numeric axis; it begins where another does, or a chain ends."""
     followable = [axis.name for axis in axes if axis.kind == "parameter"]
     if not start.along:
         report.add((*place, "along"), "is missing", f"a numeric axis: {listed(followable)}")
     elif start.along not in followable:
         message = f"{start.along!r} is no numeric axis of the grid"
         note_no_axis(start.along, message, (*place, "along"), followable, physics, report)
-    beginnings = [other.label for other in starts if other.kind in ("equilibrium", "state")]
+    by_label = {other.label: other for other in starts if other.kind in BEGINNINGS}
+    beginnings = [label for label in by_label if label != start.label]
     if not start.from_label:
         report.add((*place, "from"), "is missing", f"the label of a start: {listed(beginnings)}")
     elif start.from_label not in beginnings:
-        message = f"there is no start {start.from_label!r} of kind equilibrium or state"
+        message = f"there is no other start {start.from_label!r} of kind {listed(BEGINNINGS)}"
         report.unknown((*place, "from"), message, start.from_label, beginnings)
+    elif by_label[start.from_label].kind == "continue":
+        _check_next_leg(start, (*place, "from"), by_label, report)
+
+
+def _check_next_leg(
+    start: StartSpec, place: Path, by_label: Mapping[str, StartSpec], report: Report
+) -> None:
+    """A chain that begins at the end of another goes back along the axis, and alone."""
+    before = by_label[start.from_label]
+    back = "down" if start.direction == "up" else "up"
+    if (before.along, before.direction) != (start.along, back):
+        message = f"{before.label!r} goes {before.direction} along {before.along}, not {back} along"
+        report.add(place, f"{message} {start.along}", "a chain begins where one the other way ends")
+    rivals = [o.label for o in by_label.values() if o.from_label == before.label]
+    if rivals[0] != start.label:
+        message = f"{rivals[0]!r} begins at the end of {before.label!r} already"
+        report.add(place, message, "one chain; give this one a chain of its own to begin at")
+    passed = [start.label]
+    while before.kind == "continue" and before.label not in passed:
+        passed.append(before.label)
+        before = by_label.get(before.from_label, AT_REST)
+    if before.label in passed:
+        chains = " from ".join(map(repr, [*passed, before.label]))
+        report.add(place, f"{chains}: none has a beginning", "a start that is no chain at last")

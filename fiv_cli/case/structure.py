@@ -50,6 +50,18 @@ LEVELS_SCHEMA = {
 }
 
 
+SEVERAL_LAWS = (
+    'several laws are an axis: write friction = ["coulomb", "stribeck"] under [grid]; '
+    "parameters of one law stand under [friction.stribeck]"
+)
+
+
+def _check_law(value: object) -> object:
+    if isinstance(value, list):
+        raise ValueError(SEVERAL_LAWS)
+    return value
+
+
 def check_levels(value: object) -> list[float]:
     """One number, or a list of numbers, as a list; ValueError for anything else."""
     if isinstance(value, list) and not value:
@@ -110,7 +122,11 @@ class ModelTable(Table):
 class FrictionTable(OpenTable):
     """The friction law; its parameters stand directly in this table."""
 
-    law: str | None = Field(default=None, description="name of the law; `fiv models --laws`")
+    example: ClassVar[str] = f"one table [friction]; {SEVERAL_LAWS}"
+
+    law: Annotated[str | None, BeforeValidator(_check_law)] = Field(
+        default=None, description="name of the law; `fiv models --laws`"
+    )
     of: str | None = Field(default=None, description='the law that law = "tanh" regularises')
 
 
@@ -192,7 +208,10 @@ class InitialTable(Table):
     along: str | None = Field(default=None, description="axis along which a start is continued")
     direction: Literal["up", "down"] = Field(default="up", description="sense along the axis")
     from_label: str | None = Field(
-        default=None, alias="from", description="label of the start of the first point"
+        default=None,
+        alias="from",
+        description="label of the start of the first point; of a chain the other way along: this "
+        "one begins where that one ended (a hysteresis loop; mostly with on_loss go-on)",
     )
     on_loss: Literal["stop", "restart", "go-on"] = Field(
         default="stop",

@@ -96,7 +96,7 @@ class _Template:
         return [
             _with_comment("schema = 1", _HOW_TO_READ),
             f'title = "{self.model.title}: {self.analysis.title}"',
-            '# reference = "Figure 7.6"',
+            '# reference = "the publication"',
             '# assumed = ["what the publication leaves open and this case chose"]',
         ]
 
@@ -119,7 +119,11 @@ class _Template:
             ["tanh (with of = one of these)"] if any(n.startswith(TANH_OF) for n in known) else []
         )
         head = _with_comment(f'law = "{self.law.name}"', f"or {listed([*others, *smooth])}")
-        return ["[friction]", head, *self.parameters(self.model.adopted(self.law.parameters))]
+        table = "[friction]"
+        if others:
+            axis = f"friction = {toml_value([self.law.name, others[0]], 'friction')}"
+            table = _with_comment(table, f"several laws: {axis} under [grid], and no law here")
+        return [table, head, *self.parameters(self.model.adopted(self.law.parameters))]
 
     def parameters(self, table: Iterable[Parameter]) -> list[str]:
         """A line for each parameter that neither the grid nor a schedule gives."""
@@ -240,10 +244,10 @@ class _Template:
         at = [] if self.axis is None else [f'at = {{ {self.axis.name} = ". > 0" }}']
         return _commented(
             [
-                _with_comment("[[claim]]", "what the publication says, checked by `fiv claims`"),
-                'source = "7.3, Figure 7.6"',
+                _with_comment("[[claim]]", "what the publication says; `fiv kinds claim`"),
+                'source = "its section or figure"',
                 f'text = "{variable.long_name}: {said}"',
-                f'variable = "{variable.name}"',
+                _with_comment(f'variable = "{variable.name}"', "`fiv variables CASE` lists them"),
                 *(_with_comment(line, "where; left out: everywhere") for line in at),
                 f"expect = {expected}",
             ]

@@ -28,6 +28,7 @@ class Entry:
     verdict: str
     found: str
     note: str
+    standard_error: float | None = None
 
 
 @click.command("claims")
@@ -105,7 +106,10 @@ def judge(path: Path, undecided: Undecided) -> list[Entry]:
     analyses, missing = dataset_of(case)
     undecided.add((analyses or {}).values())
     verdicts = zip(case.claims, held_against(case, analyses, missing), strict=True)
-    return [Entry(str(path), c.source, c.text, v.verdict, v.found, c.note) for c, v in verdicts]
+    return [
+        Entry(str(path), c.source, c.text, v.verdict, v.found, c.note, v.standard_error)
+        for c, v in verdicts
+    ]
 
 
 def lines(ledger: Sequence[Entry]) -> list[str]:

@@ -15,7 +15,7 @@ def equation_lines(model: Model) -> list[str]:
 
     options = model.default_options()
     symbols = Symbols()
-    equations = model.equations(symbols, options)
+    equations = model.mechanics(symbols, options)
     printer = _printer(model)
     lines = ["Equations (F_T: friction force on the body, F_N: normal force)", ""]
     for name, acceleration in equations.accelerations.items():

@@ -78,7 +78,7 @@ def _print_all(kinds: Sequence[Kind]) -> None:
 def _print_one(kinds: Sequence[Kind], keys: Sequence[Key]) -> None:
     for kind in kinds:
         title = f"{TITLES[kind.table].replace('NAME', kind.name)}: {kind.meaning}"
-        _print_keys(title, kind.keys)
+        _print_keys(f"{title}\n{kind.answer}".rstrip(), kind.keys)
     if keys:
         _print_keys("Every key of the table", keys)
 

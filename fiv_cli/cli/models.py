@@ -10,6 +10,8 @@ from fiv_cli.cli.common import json_option, print_json, print_table
 from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model, Parameter
 
@@ -88,7 +90,22 @@ def _model_document(model: Model) -> dict[str, object]:
 def _law_document(law: Law) -> dict[str, object]:
     """Everything the table of a law says."""
     keys = ("name", "title", "reference", "kind", "parameters", "states")
-    return {key: getattr(law, key) for key in keys} | {"sticks": law.capacity is not None}
+    own = {"sticks": law.capacity is not None, "defaults_on": _defaults_on(law)}
+    return {key: getattr(law, key) for key in keys} | own
+
+
+def _defaults_on(law: Law) -> dict[str, dict[str, float | str]]:
+    """Model -> the defaults that parameters of the law have on it, of those that have their own."""
+    from fiv_cli.friction import laws_of
+    from fiv_cli.models import all_models
+
+    names = [parameter.name for parameter in law.parameters]
+    own = {
+        model.name: {n: model.law_defaults[n] for n in names if n in model.law_defaults}
+        for model in all_models().values()
+        if law.name in laws_of(model)
+    }
+    return {name: defaults for name, defaults in own.items() if defaults}
 
 
 def _print_model(model: Model) -> None:
@@ -143,6 +160,7 @@ def _print_law_parameters(model: Model) -> None:
     law = get_law(model.default_law)
     click.echo()
     _print_parameters(f"Parameters of {law.name}, under [friction]", model.adopted(law.parameters))
+    click.echo(f"\nOn this model, under every law: {_assigned(model.law_defaults)}")
 
 
 def _print_law(law: Law) -> None:
@@ -150,6 +168,10 @@ def _print_law(law: Law) -> None:
 
     click.echo(f"{law.name}: {law.title}\n{law.reference}\n")
     _print_parameters("Parameters, under [friction]", law.parameters)
+    rows = [(model, _assigned(defaults)) for model, defaults in _defaults_on(law).items()]
+    if rows:
+        click.echo()
+        print_table("Models that have defaults of their own", ("model", "defaults"), rows)
     click.echo("\n" + "\n".join(law_lines(law)))
     if law.capacity is None:
         click.echo("\nIt never sticks: it has no static coefficient.")
@@ -162,6 +184,10 @@ def _print_parameters(title: str, parameters: tuple[Parameter, ...]) -> None:
     ]
     columns = ("name", "role", "symbol", "unit", "default", "range", "meaning", "equation")
     print_table(title, columns, rows)
+
+
+def _assigned(defaults: Mapping[str, float | str]) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in defaults.items())
 
 
 def _default(parameter: Parameter) -> str:

@@ -115,7 +115,7 @@ class _Deriver:
         self.law, scheduled = setup.law, setup.schedule.names
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
-        self.equations: Equations = setup.model.equations(self.symbols, setup.options)
+        self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [

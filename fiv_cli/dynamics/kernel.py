@@ -533,6 +533,10 @@ def series_at_hand(run: Run, index: int) -> float:
 def slip_velocity(run: Run, y: Floats, contact: int) -> float:
     """v_rel of a contact; zero when it is zero to rounding."""
     index, outputs = state_index(run.kinds, run.n_contacts), run.outputs
+    if run.taylor[index] == 0:  # one at rest that cannot stick: it slides, one way or the other
+        index = 0
+        for i in range(run.n_contacts - 1, -1, -1):
+            index = 3 * index + (SLIP if run.kinds[i] == STICK else run.kinds[i])
     call_generated(run.field[index], run.coefficients, run.time, y, outputs)
     v = outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
     scale = 0.0

@@ -328,7 +328,7 @@ class Model:
     parameters : the model's own parameters
     states : generalised coordinates under given options
     options : switches
-    contacts : number of contacts
+    contacts : number of contacts that `equations` returns
     constant_load : every contact is pressed by the same force at all times
     default_law : name of the friction law where a case names none
     law_defaults : law parameter -> default on this model; a name: the value of that parameter
@@ -367,6 +367,21 @@ class Model:
     requirements: tuple[Requirement, ...] = ()
     singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
     example: Example | None = None
+
+    def mechanics(self, symbols: Symbols, options: Options) -> Equations:
+        """The equations under `options`; UsageError unless their contacts are as many as declared.
+
+        The table alone says how many contacts the results of a case have.
+        """
+        found = self.equations(symbols, options)
+        count = len(found.contacts)
+        if count != self.contacts:
+            contacts = "contact" if count == 1 else "contacts"
+            raise UsageError(
+                f"{self.name} returns {count} {contacts} and declares {self.contacts}\n"
+                f"next: write contacts={count} in the MODEL of {self.equations.__module__}"
+            )
+        return found
 
     def default_options(self) -> dict[str, str]:
         """Option name -> default choice."""

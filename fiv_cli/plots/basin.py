@@ -55,6 +55,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.set_ylabel(_label(dataset, names[1]) if number % columns == 0 else "")
         points.scale(ax, settings)
         _name_shares(ax)
+    style.make_room(figure, 1 + max(len(ax.collections) for ax in axes))
     return figure
 
 
@@ -76,17 +77,17 @@ def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, st
     """
     if STARTS not in dataset:
         raise UsageError(
-            "the starts of the motions are not in this dataset\\n"
+            "the starts of the motions are not in this dataset\n"
             "next: run its case again; response analyses keep them (initial_state)"
         )
     known, free = [str(name) for name in dataset["state"].values], _varying(dataset)
     for which in ("x", "y"):
         name = str(settings.get(which, known[0]))
         if name not in known:
-            raise UsageError(f"{which} = {name}: no state\\nthe states are: {', '.join(known)}")
+            raise UsageError(f"{which} = {name}: no state\nthe states are: {', '.join(known)}")
     if len(free) < 2 and not {"x", "y"} <= set(settings):
         raise UsageError(
-            "the starts differ in fewer than two components\\n"
+            "the starts differ in fewer than two components\n"
             "next: draw a curve, or give [[initial]] a box in two states"
         )
     x = str(settings.get("x", free[0] if free else known[0]))
@@ -96,7 +97,7 @@ def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, st
 
 def _label(dataset: xr.Dataset, name: str) -> str:
     unit = labels.unit_text(str(dataset["state_units"].sel(state=name).values))
-    return f"${labels.symbol_of_name(name)}$ at the start ({unit})"
+    return f"initial ${labels.symbol_of_name(name)}$ ({unit})"
 
 
 def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
@@ -105,7 +106,7 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
     reached = class_names(part["attractor"])
     answered = reached != NOT_COMPUTED
     table = [name for name in flag_names(part["attractor"].attrs).values() if name in reached]
-    size = 3.5 * style.dot_size(len(x))
+    size = 3.5 * style.dot_size(len(x)) * min(1.0, ax.figure.figure.get_figwidth() / style.PANEL[0])
     for name, colour in zip(table, style.class_colours(table), strict=True):
         mask = reached == name
         share = _share(int(mask.sum()), int(answered.sum())) if name != NOT_COMPUTED else ""

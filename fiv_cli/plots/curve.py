@@ -53,7 +53,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     )
     classes = bool(flag_names(layers[0].dataset[names[0]].attrs))
     apart = classes or not select.is_numeric(points.abscissa(layers[0].dataset, settings))
-    for dash, sort in {curve.dash: curve.sort for curve in curves if curve.sort}.items():
+    for dash, sort in dict.fromkeys((curve.dash, curve.sort) for curve in curves if curve.sort):
         ax.plot([], [], dash, color=style.BLACK, label=sort)
     for curve, entry in zip(curves, entries, strict=True):
         # lines of classes lie on one another: each is moved a little

@@ -64,6 +64,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 def _stored(dataset: xr.Dataset) -> tuple[list[Panel], str]:
     """The spectrograms of a dataset."""
     array = numbers(dataset[VARIABLE])
+    points.refuse_empty(dataset, bool(array.notnull().any()), VARIABLE)
     spread = ["time", "frequency"]
     lines = points.lines(dataset, spread, [str(dim) for dim in array.dims])
     map_.refuse_many(lines, array, spread)

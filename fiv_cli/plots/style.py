@@ -220,9 +220,14 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
             handles=handles, loc="outside lower center", ncols=columns, markerscale=KEY_SCALE,
             title=title or None,
         )  # fmt: skip
-    if _LOOK.get().width is not None:  # the panels of a small figure have nothing to spare
-        lines = bool(title) - (-len(words) // columns)
-        figure.set_figheight(figure.get_figheight() + LINE * lines * _LOOK.get().size / POINTS)
+    make_room(figure, bool(title) - (-len(words) // columns))
+
+
+def make_room(figure: Figure, lines: int) -> None:
+    """Make a small figure higher by the lines of a legend: its panels have nothing to spare."""
+    look = _LOOK.get()
+    if look.width is not None:
+        figure.set_figheight(figure.get_figheight() + LINE * lines * look.size / POINTS)
 
 
 def resize(figure: Figure, width: float, height: float, rows: int) -> None:
@@ -235,18 +240,21 @@ def resize(figure: Figure, width: float, height: float, rows: int) -> None:
 
 
 def finish(figure: Figure) -> None:
-    """Give lines and marks the weight of the look, and upright labels the lines that they need."""
+    """Give lines and marks the weight of the look, and labels of axes the lines that they need."""
     for ax in figure.axes:
-        ax.set_ylabel(_folded(ax.get_ylabel(), _letters_upright(ax)))
+        beside, upright = _room(ax)
+        ax.set_xlabel(_folded(ax.get_xlabel(), beside))
+        ax.set_ylabel(_folded(ax.get_ylabel(), upright))
     thicken(figure)
 
 
-def _letters_upright(ax: Axes) -> int:
-    """How many letters stand one above the other along a panel."""
-    place = ax.get_subplotspec()
-    rows = place.get_gridspec().nrows if place is not None else 1
-    height = 0.8 * ax.figure.figure.get_figheight() / rows
-    return int(height * POINTS / (LETTER * _LOOK.get().size))
+def _room(ax: Axes) -> tuple[int, int]:
+    """How many letters there is room for along the sides of a panel."""
+    place, figure = ax.get_subplotspec(), ax.figure.figure
+    rows, columns = place.get_gridspec().get_geometry() if place is not None else (1, 1)
+    letter = LETTER * _LOOK.get().size / POINTS
+    sides = figure.get_figwidth() / columns, figure.get_figheight() / rows
+    return int(0.9 * sides[0] / letter), int(0.8 * sides[1] / letter)
 
 
 def _folded(words: str, most: int) -> str:

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,7 @@ HANDFUL = 0.005
 # Counterexamples that a finding names; the rest is counted.
 NAMED_MISSES = 3
 NOTHING = "no value"
+ERROR = "standard_error"
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,7 @@ class Verdict:
     found : one line, what the dataset holds
     hits, points, open : counts of what the claim was tried on (points of the grid, values of a
         ragged variable, or steps between neighbours)
+    standard_error : the greatest of the shares found, where they are over random starts alone
     """
 
     verdict: str
@@ -66,6 +68,7 @@ class Verdict:
     hits: int = 0
     points: int = 0
     open: int = 0
+    standard_error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,8 @@ def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> li
     """The verdict of each claim of a case; `missing` says why there is no dataset."""
     if analyses is None:
         return [Verdict(NOT_RUN, missing) for _ in case.claims]
-    return [evaluate(claim, analyses, _stored) for claim in case.claims]
+    drawn = {start.label for start in case.starts if start.kind == "random"}
+    return [evaluate(claim, analyses, _stored, drawn) for claim in case.claims]
 
 
 def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
@@ -150,7 +154,9 @@ def _stored(case: str) -> dict[str, xr.Dataset] | None:
     return read_analyses(path) if path.exists() else None
 
 
-def evaluate(claim: ClaimSpec, analyses: Analyses, other: Stored) -> Verdict:
+def evaluate(
+    claim: ClaimSpec, analyses: Analyses, other: Stored, drawn: Container[str] = ()
+) -> Verdict:
     """Hold `claim` against the analyses of its case's dataset.
 
     Parameters
@@ -158,6 +164,7 @@ def evaluate(claim: ClaimSpec, analyses: Analyses, other: Stored) -> Verdict:
     claim : what is claimed
     analyses : name of the analysis -> dataset
     other : name of another case -> its analyses, None where it has not been run
+    drawn : labels of the starts that are random
 
     Returns
     -------
@@ -165,7 +172,7 @@ def evaluate(claim: ClaimSpec, analyses: Analyses, other: Stored) -> Verdict:
     """
     try:
         dataset = _dataset_of(claim.variable, claim.analysis, analyses)
-        part, variable = _asked(dataset, claim)
+        part, variable = _asked(dataset, claim, drawn)
         match claim.expect:
             case OfClass():
                 trial = _try_class(claim.expect, part, variable)
@@ -175,10 +182,14 @@ def evaluate(claim: ClaimSpec, analyses: Analyses, other: Stored) -> Verdict:
                 trial = _try_bounds(claim.expect, part, variable, claim.at, other)
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
-    return _judge(trial, claim.holds)
+    margin = float(part[ERROR].max()) if ERROR in part else 0.0
+    if not margin > 0.0:  # no share of a sample, or a sample that is all alike
+        return _judge(trial, claim.holds)
+    trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
+    return replace(_judge(trial, claim.holds), standard_error=margin)
 
 
-def _asked(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, str]:
+def _asked(dataset: xr.Dataset, claim: ClaimSpec, drawn: Container[str]) -> tuple[xr.Dataset, str]:
     """The part of the dataset that a claim is about, and the variable of it.
 
     What `at` says of axes along which something is taken says of what; the rest selects results.
@@ -189,8 +200,19 @@ def _asked(dataset: xr.Dataset, claim: ClaimSpec) -> tuple[xr.Dataset, str]:
     inner = {name: at for name, at in claim.at.items() if name.replace(".", "_") in over}
     outer = {name: at for name, at in claim.at.items() if name not in inner}
     part = select.subset(dataset, inner, nearest=False)
+    is_sample = _is_sample(part, claim.take, drawn)
+    size = part.sizes.get("initial", 1)
     part = taken(part, claim.variable, claim.take)
+    if is_sample:
+        part = part.assign({ERROR: (part["share"] * (1.0 - part["share"]) / size) ** 0.5})
     return select.subset(part, outer, nearest=False), claim.take["what"]
+
+
+def _is_sample(part: xr.Dataset, take: Mapping[str, Any], drawn: Container[str]) -> bool:
+    """Whether what is taken is a share of random starts, and over nothing else."""
+    if take["what"] != "share" or [*take["over"]] != ["initial"] or take.get("relative_to"):
+        return False
+    return all(str(label).rpartition("-")[0] in drawn for label in part["initial"].values)
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:

@@ -186,9 +186,7 @@ def _parallel(analysis: AnalysisPlan, workers: int) -> float:
     most = min(workers, os.cpu_count() or 1)
     if len(chained) < len(entries):
         return most
-    dims = analysis.layout.dims
-    lengths = [dims[dim_of(dims, entry.spec.along)].size for entry in chained]
-    return min(most, analysis.size / max(lengths))
+    return min(most, analysis.size / max(c.positions.shape[1] for c in analysis.chain_sets()))
 
 
 def _sampled(analysis: AnalysisPlan) -> list[Stratum]:

@@ -6,6 +6,8 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -309,10 +311,10 @@ class _Run:
         analysis = self.point.analysis
         _, start = analysis.point(self.point.position)
         values, _ = alone.point(start)
-        before = _points_before(self.point, start) if state is None else ()
+        before = _points_before(self.point, start) if state is None else []
         if before:
             prepare([request_at(analysis.template, values, None)], self.announce)
-            state = _state_after(before, start, analysis, self.policy.executor)
+            state = _state_after(before, analysis, self.policy.executor)
         return run_task(_task(alone, Segment((values,), start, state), self.policy.executor))
 
     def steady_state(self) -> tuple[float, ChainState]:
@@ -376,22 +378,25 @@ def _ends(case: Case) -> Iterator[float]:
     yield from (s.settings["t_max"] for s in case.analyses if "t_max" in s.settings)
 
 
-def _points_before(point: Point, start: int) -> Sequence[Values]:
-    """The points of the branch that lead to this one; none where it starts on its own."""
+def _points_before(point: Point, start: int) -> list[tuple[Values, int]]:
+    """The points, with their starts, that lead to this one; none where it starts on its own."""
     for chains in point.analysis.chain_sets():
-        for chain in chains.positions if chains.entry == start else ():
+        for chain in chains.positions if start in chains.entries else ():
             if point.position in chain:
                 before = chain[: int(np.flatnonzero(chain == point.position)[0])]
-                return [values for values, _ in point.analysis.points(before)]
-    return ()
+                return list(point.analysis.points(before))
+    return []
 
 
 def _state_after(
-    points: Sequence[Values], start: int, analysis: AnalysisPlan, executor: str
-) -> ChainState:
+    points: Sequence[tuple[Values, int]], analysis: AnalysisPlan, executor: str
+) -> ChainState | None:
     """What the last of these points of a branch leaves to the next."""
-    segment = Segment(tuple(points), start)
-    return run_task(_task(analysis, segment, executor)).states[0]
+    state = None
+    for start, leg in groupby(points, key=itemgetter(1)):
+        segment = Segment(tuple(values for values, _ in leg), start, state)
+        state = run_task(_task(analysis, segment, executor)).states[0]
+    return state
 
 
 def _task(analysis: AnalysisPlan, segment: Segment, executor: str) -> Task:

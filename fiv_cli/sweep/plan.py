@@ -51,16 +51,21 @@ MANY = 100_000
 
 @dataclass(frozen=True)
 class ChainSet:
-    """The chains of one continued start.
+    """The chains of one continued start, and of those that begin where they end.
 
     Attributes
     ----------
-    entry : index of the start along ``initial``
-    positions : (number of chains, length), in the order in which points are visited
+    entries : indices of these starts along ``initial``: the legs of each chain, equally long
+    positions : (number of chains, length of all legs), in the order in which points are visited
     """
 
-    entry: int
+    entries: tuple[int, ...]
     positions: Positions
+
+    @property
+    def leg(self) -> int:
+        """Length of one leg."""
+        return self.positions.shape[1] // len(self.entries)
 
 
 @dataclass(frozen=True)
@@ -121,10 +126,21 @@ class AnalysisPlan:
     def chain_sets(self) -> tuple[ChainSet, ...]:
         """The chains of every continued start."""
         return tuple(
-            ChainSet(index, self._chains(index, entry))
-            for index, entry in enumerate(self.template.entries)
-            if entry is not None and continues(entry)
+            ChainSet(tuple(legs), np.hstack([self._chains(i, entry) for i, entry in legs.items()]))
+            for legs in self._legs()
         )
+
+    def _legs(self) -> Iterator[dict[int, StartEntry]]:
+        """The starts whose chains follow one another, the first of them from a start of its own."""
+        chains = {i: e for i, e in enumerate(self.template.entries) if e and continues(e)}
+        following = {entry.origin.label: index for index, entry in chains.items() if entry.origin}
+        for index in [i for i, entry in chains.items() if not continues(entry.origin)]:
+            legs: dict[int, StartEntry] = {}
+            last: int | None = index
+            while last is not None:
+                legs[last] = chains[last]
+                last = following.get(chains[last].label)
+            yield legs
 
     def _chains(self, index: int, entry: StartEntry) -> Positions:
         numbers = np.arange(self.size).reshape(self.layout.shape)[..., index]
@@ -143,9 +159,9 @@ class AnalysisPlan:
                 own = b"".join(keys_at(places, entry))
                 keys[:, index] = np.frombuffer(own, np.uint8).reshape(-1, KEY_BYTES)
         for chains in self.chain_sets():
-            for chain in chains.positions // len(entries):
-                along = keys_along([places[i] for i in chain], entries[chains.entry])
-                keys[chain, chains.entry] = np.frombuffer(along, np.uint8).reshape(-1, KEY_BYTES)
+            for points in zip(*np.divmod(chains.positions, len(entries)), strict=True):
+                along = keys_along((places[i], entries[j]) for i, j in zip(*points, strict=True))
+                keys[points] = np.frombuffer(along, np.uint8).reshape(-1, KEY_BYTES)
         return keys.reshape(-1, KEY_BYTES)
 
     def chain_key(self, positions: Positions) -> bytes:
@@ -237,6 +253,7 @@ class Plan:
             f"  model {case.model}, friction {_laws(case)}",
             *(f"  {_curve_text(name, points)}" for name, points in case.schedule.curves),
         ]
+        head += _defaults_text(case, self.analyses)
         lines = [line for analysis in self.analyses for line in _described(analysis)]
         return [*head, *lines, *([_cost_of(self.size)] if self.size >= MANY else [])]
 
@@ -364,6 +381,15 @@ def _laws(case: Case) -> str:
     return ", ".join(names[0]) if names else case.law
 
 
+def _defaults_text(case: Case, analyses: tuple[AnalysisPlan, ...]) -> list[str]:
+    """The values in force that the case leaves to the model and its law."""
+    varied = filter(None, (one.layout.settings.get("parameter") for one in analyses))
+    given = {*case.explicit, *case.schedule.names}
+    given |= {name for one in varied for name in (one.name, *one.followers)}
+    left = [f"{n} = {value:.12g}" for n, value in case.parameters.items() if n not in given]
+    return [f"  by default, in SI: {', '.join(left)}"] if left else []
+
+
 def _described(analysis: AnalysisPlan) -> list[str]:
     layout = analysis.layout
     sizes = zip(layout.dim_names, layout.shape, strict=True)
@@ -376,16 +402,20 @@ def _described(analysis: AnalysisPlan) -> list[str]:
     if analysis.maps is not None:
         lines.append(f"    {_refined_text(analysis.maps, layout)}")
     for chains in analysis.chain_sets():
-        entry = analysis.template.entries[chains.entry]
-        assert entry is not None
-        number, length = chains.positions.shape
-        direction = f"{entry.spec.along} {entry.spec.direction}"
-        lines.append(
-            f"    {entry.label}: {counted(number, 'chain')} of {counted(length)} along {direction}"
-        )
+        lines.extend(_chains_text(analysis, chains, index) for index in chains.entries)
     for fault, count in analysis.excluded().items():
         lines.append(f"    {counted(count)} where {fault} will not be computed")
     return lines
+
+
+def _chains_text(analysis: AnalysisPlan, chains: ChainSet, index: int) -> str:
+    """``up: 2 chains of 8 points along N up``."""
+    entry = analysis.template.entries[index]
+    assert entry is not None
+    spec, number = entry.spec, counted(len(chains.positions), "chain")
+    begun = "" if index == chains.entries[0] else f", from the end of {spec.from_label}"
+    points = f"{number} of {counted(chains.leg)}"
+    return f"    {entry.label}: {points} along {spec.along} {spec.direction}{begun}"
 
 
 def _varied(settings: Mapping[str, Any]) -> list[str]:

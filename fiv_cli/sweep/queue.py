@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from fiv_cli.sweep.journal import Record
 from fiv_cli.sweep.plan import AnalysisPlan, ChainSet
-from fiv_cli.sweep.requests import Values
 from fiv_cli.sweep.worker import ChainState, Result, Segment, Task
 
 Positions = NDArray[np.int64]
@@ -28,16 +27,16 @@ class Cursor:
 
     Attributes
     ----------
-    entry : index of its start
     positions : its points, in the order in which they are visited
+    leg : of so many points each has one start; the next leg begins where the one before ends
     offset : the next point
     state : what the point before left; None at the beginning
     previous : key of the point before
     alone : offsets of points that are run in a task of their own
     """
 
-    entry: int
     positions: Positions
+    leg: int
     offset: int = 0
     state: ChainState | None = None
     previous: bytes = b""
@@ -52,7 +51,7 @@ class Cursor:
         """Offset at which the next piece of at most `count` points ends."""
         if self.is_alone:
             return self.offset + 1
-        end = min(self.offset + count, len(self.positions))
+        end = min(self.offset + count, (self.offset // self.leg + 1) * self.leg)
         return min([end, *(cut for cut in self.alone if cut > self.offset)])
 
 
@@ -155,13 +154,14 @@ class Queue:
             pieces.append((cursor, len(ran[-1])))
             count -= len(ran[-1])
         segments = tuple(
-            Segment(self._values(positions), cursor.entry, cursor.state, cursor.previous)
+            self._segment(cursor, positions)
             for (cursor, _), positions in zip(pieces, ran, strict=True)
         )
         return Job(self._task(segments, heartbeat), np.concatenate(ran), tuple(pieces), alone)
 
-    def _values(self, positions: Positions) -> tuple[Values, ...]:
-        return tuple(values for values, _ in self._analysis.points(positions))
+    def _segment(self, cursor: Cursor, positions: Positions) -> Segment:
+        values, entries = zip(*self._analysis.points(positions), strict=True)
+        return Segment(values, entries[0], cursor.state, cursor.previous)
 
     def _task(self, segments: tuple[Segment, ...], heartbeat: Path | None) -> Task:
         return Task(
@@ -191,7 +191,7 @@ def _cursors(
         stored = done[positions]
         prefix = len(positions) if stored.all() else int(np.argmin(stored))
         if prefix < len(positions):
-            yield _resumed(analysis, Cursor(chains.entry, positions), record, prefix)
+            yield _resumed(analysis, Cursor(positions, chains.leg), record, prefix)
 
 
 def _resumed(analysis: AnalysisPlan, cursor: Cursor, record: Record, prefix: int) -> Cursor:

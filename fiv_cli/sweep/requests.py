@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from itertools import islice, product
@@ -41,7 +41,7 @@ class StartEntry:
     label : the coordinate
     spec : the ``[[initial]]`` table it comes from
     number : which of the starts of `spec` it is
-    origin : for "continue", the entry that starts the chain
+    origin : for "continue", the entry that starts the chain, or the chain at whose end it begins
     """
 
     label: str
@@ -183,10 +183,11 @@ def keys_at(places: Sequence[bytes], entry: StartEntry | None) -> Iterator[bytes
     return (hashlib.sha256(place + own).digest() for place in places)
 
 
-def keys_along(places: Sequence[bytes], entry: StartEntry | None) -> bytes:
-    """`point_key` of the points of a chain, one after the other."""
-    own, keys = b"" if entry is None else entry.identity.encode(), [b""]
-    for place in places:
+def keys_along(points: Iterable[tuple[bytes, StartEntry | None]]) -> bytes:
+    """`point_key` of the points of a chain, (place, start) of each, one after the other."""
+    keys = [b""]
+    for place, entry in points:
+        own = b"" if entry is None else entry.identity.encode()
         keys.append(hashlib.sha256(place + own + keys[-1]).digest())
     return b"".join(keys)
 
@@ -208,7 +209,9 @@ def point_key(
 
 def resolve_start(template: Template, values: Values, entry: StartEntry) -> Start:
     """The start of a point that does not continue from a neighbour."""
-    origin = entry if entry.origin is None else entry.origin
+    origin = entry
+    while origin.origin is not None:
+        origin = origin.origin
     kind = "equilibrium" if origin.spec.kind == "equilibrium" else "state"
     own = _START_VALUES[origin.spec.kind](template, values, origin)
     varied = start_axes(template, values)
@@ -268,14 +271,16 @@ def expand_starts(specs: Sequence[StartSpec]) -> tuple[StartEntry, ...]:
     plain = [entry for spec in specs if spec.kind != "continue" for entry in _expanded(spec)]
     origins = {entry.label: entry for entry in reversed(plain)}
     origins |= {entry.spec.label: entry for entry in reversed(plain)}
-    by_spec = {id(spec): [e for e in plain if e.spec is spec] for spec in specs}
-    entries: list[StartEntry] = []
-    for spec in specs:
-        if spec.kind == "continue":
-            entries.append(StartEntry(spec.label, spec, origin=origins[spec.from_label]))
-        else:
-            entries.extend(by_spec[id(spec)])
-    return tuple(entries)
+    by_spec = {spec.label: [e for e in plain if e.spec is spec] for spec in specs}
+    chains = {spec.label: spec for spec in specs if spec.kind == "continue"}
+
+    def begun(label: str) -> StartEntry:
+        if label not in origins:
+            spec = chains[label]
+            origins[label] = StartEntry(label, spec, origin=begun(spec.from_label))
+        return origins[label]
+
+    return tuple(e for spec in specs for e in by_spec.get(spec.label) or [begun(spec.label)])
 
 
 def _expanded(spec: StartSpec) -> list[StartEntry]:

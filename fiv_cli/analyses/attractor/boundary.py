@@ -92,4 +92,8 @@ ANALYSIS = Analysis(
     variables,
     Later("fiv_cli.analyses.attractor.scan:boundaries"),
     chains=False,
+    answer=(
+        "where the answer changes along a parameter, by simulation, bisected; ends of followed "
+        "branches and bistable ranges"
+    ),
 )

@@ -134,4 +134,9 @@ ANALYSIS = Analysis(
     variables,
     Later("fiv_cli.analyses.attractor.steady_state:steady_state"),
     figure="bifurcation",
+    answer=(
+        "class, period, multiplicity, vibration intensity L_s, shares of stick and slip, "
+        "extremes, Floquet multipliers or the largest Lyapunov exponent, section points: of "
+        "what each start reaches"
+    ),
 )

@@ -155,4 +155,8 @@ ANALYSIS = Analysis(
     ),
     variables,
     Later("fiv_cli.analyses.cycles.find_cycle:find_cycle"),
+    answer=(
+        "periodic orbits, stable or not, by Newton on the return map; their branch along a "
+        "parameter and where it ends: fold, flip, grazing"
+    ),
 )

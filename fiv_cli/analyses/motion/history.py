@@ -74,4 +74,5 @@ ANALYSIS = Analysis(
     recorded=True,
     single=True,
     figure="history",
+    answer="states, forces, contact state and energies over time, and every event",
 )

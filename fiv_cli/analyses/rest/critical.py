@@ -51,4 +51,8 @@ ANALYSIS = Analysis(
     uses_starts=False,
     linear=True,
     in_blocks=True,
+    answer=(
+        "every value of a parameter in a bracket at which a mode changes stability, to "
+        "rounding: curves without a grid in that parameter"
+    ),
 )

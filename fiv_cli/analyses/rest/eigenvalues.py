@@ -63,4 +63,8 @@ ANALYSIS = Analysis(
     linear=True,
     in_blocks=True,
     figure="eigenvalues",
+    answer=(
+        "eigenvalues and modes from exact derivatives, followed along the grid, with the points "
+        "where modes merge; of the system as it is or averaged over a fast excitation"
+    ),
 )

@@ -108,4 +108,5 @@ ANALYSIS = Analysis(
     uses_starts=False,
     linear=True,
     in_blocks=True,
+    answer="all of them and their contact forces; whether that is all is said",
 )

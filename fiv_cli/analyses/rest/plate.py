@@ -95,4 +95,5 @@ ANALYSIS = Analysis(
     generated=False,
     single=True,
     figure="mode-shape",
+    answer="frequencies, modal masses and shapes of the disc alone",
 )

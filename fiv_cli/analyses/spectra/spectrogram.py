@@ -59,4 +59,5 @@ ANALYSIS = Analysis(
     recorded=True,
     single=True,
     figure="spectrogram",
+    answer="amplitudes of a motion whose parameters vary ([schedule])",
 )

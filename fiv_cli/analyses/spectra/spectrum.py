@@ -83,4 +83,5 @@ ANALYSIS = Analysis(
     Later("fiv_cli.analyses.spectra.amplitudes:steady_spectrum"),
     counterpart="spectrogram",
     figure="spectrum",
+    answer="amplitudes of the steady state, beside the unstable eigenfrequencies",
 )
