@@ -19,6 +19,7 @@ BASELINE = "FIV_BASELINE"
 CONFIGS = Path(__file__).parents[2] / "configs"
 CASES = (
     "ch3/fig_3_06", "ch7/fig_7_06_reached", "ch7/fig_7_17", "ch6/fig_6_09",  # motions
+    "ch6/fig_6_10", "ch6/fig_6_26",  # followed, and on an elastic disc
     "ch4/fig_4_03", "ch6/fig_6_04", "ch6/fig_6_02", "ch7/fig_7_06_cycles",  # roots and branches
 )  # fmt: skip
 DONE = (0, 4)  # exit codes of a finished run
