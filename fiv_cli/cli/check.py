@@ -35,7 +35,7 @@ class Verdict:
 @click.argument("cases", nargs=-1, required=True, metavar="CASE...")
 @set_option
 @json_option
-@click.option("--estimate", is_flag=True, help="Run a few points to say what a run will cost.")
+@click.option("--estimate", is_flag=True, help="Run a sample to say what a run will cost.")
 @click.option(
     "--workers", type=click.IntRange(min=1), default=2, show_default=True, help="... on so many."
 )
@@ -50,8 +50,8 @@ def command(
 
     Mistakes are listed in three looks at most, first all of the form, then all unknown names, then
     all wrong values, each with its line, what is allowed and what may have been meant. Nothing is
-    computed, unless an estimate of time, memory and disk is asked for: some twenty seconds for
-    each analysis, of which nothing is kept. The exit code is 3 when a case is invalid.
+    computed, unless an estimate of time, memory and disk is asked for: up to some twenty seconds
+    for each analysis, of which nothing is kept. The exit code is 3 when a case is invalid.
 
     \b
     Examples:

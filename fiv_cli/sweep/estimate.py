@@ -1,8 +1,9 @@
-"""What a run will cost, from a few of its points: `fiv check --estimate`.
+"""What a run will cost, from a sample of its points: `fiv check --estimate`.
 
-Run are corners of the grid, its middle and points by chance (seeded), the starts an axis like any
-other; of a chain its first points. What they take says what the others will, as far as these are
-like them.
+The sample is spread evenly over the grid and the starts, the same each time, and grows until it
+tells the mean cost of a point or patience ends. Chains are a stratum for each start, sampled in
+pieces. The costs of points differ a hundredfold, chaos being dear, so the range is that of the mean
+of the sample, symmetric in its logarithm.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ import itertools
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from math import prod, sqrt
+from dataclasses import dataclass, field, replace
+from math import ceil, exp, hypot, inf, prod, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,17 +22,21 @@ from fiv_cli.analyses.base import AT_ONCE
 from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
 from fiv_cli.notation.amounts import duration, size
-from fiv_cli.sweep.plan import AnalysisPlan, counted, dim_of, make_plan, visiting_order
+from fiv_cli.sweep.plan import AnalysisPlan, continues, counted, dim_of, make_plan, visiting_order
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.requests import StartEntry, Values
 from fiv_cli.sweep.worker import Result, Segment, Task, run_task
 
-SAMPLES = 12  # points of an analysis that are run; of one that is computed in blocks, a block
-MOST_CORNERS = 4
-LINKS = 3  # points at the beginning of a chain
 PATIENCE = 20.0  # s for the points of an analysis, after which no other is begun
+ENOUGH = 0.1  # relative standard error of the mean cost at which the sample is large enough
+LEAST_POINTS, LEAST_UNITS = 200, 8  # ... if it holds so many (fewer rarely hold the dearest ones)
+MOST = 20_000  # places that are spread evenly; those after them come in order
+LINKS = 30  # points of a piece of a chain
+TASK, BLOCK = 0.02, 1.0  # s that a task aims for, of points that are run alone and in blocks
 LOADING = 1.0  # s below which the first point is run again: it also loads code
 
+# Relative error that no sample removes: of the timing, and of work besides the points.
+OF_TIMING = 0.1
 # Bytes of a run for each byte of results, and besides (measured on runs of 4 to 5,000 points).
 ON_DISK, OF_FILES = 2.3, 100e3  # shards and dataset
 IN_MEMORY, OF_A_PROCESS = 1.3, 200e6
@@ -46,13 +52,15 @@ class Estimate:
     name : of the analysis
     points : to be run, least and most
     sampled : points that were run for this
-    seconds : of the whole run on `workers`, least and most that is likely
+    expected : s of the whole run, processor time over the workers
+    seconds : ... least and most that is likely
     memory, disk : bytes
     """
 
     name: str
     points: tuple[int, int]
     sampled: int
+    expected: float
     seconds: tuple[float, float]
     memory: float
     disk: float
@@ -61,48 +69,106 @@ class Estimate:
     def line(self) -> str:
         """For people."""
         low, high = map(duration, self.seconds)
-        span = low if low == high else f"{low} to {high}"
         return (
-            f"  estimate of {self.name}: {span} on {counted(self.workers, 'worker')}, "
-            f"{size(self.memory)} of memory, {size(self.disk)} on disk "
-            f"(from {counted(self.sampled)} of {_span(self.points)})"
+            f"  estimate of {self.name}: {duration(self.expected)} ({low} to {high}) on "
+            f"{counted(self.workers, 'worker')}, cores being free; {size(self.memory)} of memory, "
+            f"{size(self.disk)} on disk (from {self.sampled} of {_span(self.points)})"
         )
+
+
+class Unit(NamedTuple):
+    """Points that are sampled together: some that start on their own, or a piece of a chain.
+
+    Attributes
+    ----------
+    segments : the points
+    lead : the point before a piece that does not begin its chain, run for its end alone
+    """
+
+    segments: tuple[Segment, ...]
+    lead: Segment | None = None
+
+
+@dataclass
+class Stratum:
+    """The points that start on their own, or the chains of one start.
+
+    Attributes
+    ----------
+    points : how many are to be run
+    left : units that were not run yet
+    counts, seconds : of each unit that was, its points and what they took
+    stored : bytes of the results
+    is_exhausted : there are no more units
+    """
+
+    points: float
+    left: Iterator[Unit]
+    counts: list[int] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    stored: int = 0
+    is_exhausted: bool = False
+
+    @property
+    def share(self) -> float:
+        """How much of it is sampled."""
+        return inf if self.is_exhausted else sum(self.counts) / self.points
+
+    @property
+    def total(self) -> float:
+        """What all its points take, s."""
+        return self.points * sum(self.seconds) / max(1, sum(self.counts))
+
+    @property
+    def error(self) -> float:
+        """Standard error of `total`, s: of a ratio, from units of a finite number of points."""
+        many = len(self.counts)
+        if many < 2 or self.is_exhausted:
+            return 0.0 if self.is_exhausted else self.total
+        expected = np.multiply(self.counts, self.total / self.points)
+        deviation = float(np.subtract(self.seconds, expected).std(ddof=1))
+        return deviation * sqrt(many * max(0.0, 1.0 - self.share)) / self.share
+
+    @property
+    def is_told(self) -> bool:
+        """Whether there are units enough to believe `error`."""
+        return self.is_exhausted or len(self.counts) >= LEAST_UNITS
 
 
 def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Iterator[Estimate]:
     """What each analysis of a case will cost, run from nothing; stores nothing."""
     for analysis in make_plan(case).analyses:
         prepare(analysis.systems(), announce)
-        announce(f"running a few points of {analysis.layout.name}")
-        results = _results(analysis)
-        if results:
-            yield _estimated(analysis, results, workers)
+        announce(f"running a sample of the points of {analysis.layout.name}")
+        strata = _sampled(analysis)
+        if any(stratum.counts for stratum in strata):
+            yield _estimated(analysis, strata, workers)
 
 
-def _estimated(analysis: AnalysisPlan, results: Sequence[Result], workers: int) -> Estimate:
-    sampled = sum(len(result.block) for result in results)
-    bytes_per_point = sum(result.block.nbytes for result in results) / sampled
+def _estimated(analysis: AnalysisPlan, strata: Sequence[Stratum], workers: int) -> Estimate:
+    sampled = sum(sum(stratum.counts) for stratum in strata)
+    stored = sum(stratum.stored for stratum in strata) / sampled * analysis.size
     points, at_once = _points(analysis), _parallel(analysis, workers)
-    low, high = _of_a_point([result.seconds / len(result.block) for result in results])
-    span = STARTING + low * points[0] / at_once, STARTING + high * points[1] / at_once
-    processes = 1 + workers * (workers > 1 and span[1] > Policy().in_process_below)
-    stored = bytes_per_point * analysis.size
+    of_a_point = sum(stratum.total for stratum in strata) / points[1] / at_once
+    spread = exp(2.0 * hypot(_relative_error(strata), OF_TIMING))
+    low, high = of_a_point * points[0] / spread, of_a_point * points[1] * spread
+    processes = 1 + workers * (workers > 1 and high * at_once > Policy().in_process_below)
     return Estimate(
         name=analysis.layout.name,
         points=points,
         sampled=sampled,
-        seconds=span,
+        expected=STARTING + sqrt(low * high),
+        seconds=(STARTING + low, STARTING + high),
         memory=OF_A_PROCESS * processes + IN_MEMORY * stored,
         disk=OF_FILES + ON_DISK * stored,
         workers=workers,
     )
 
 
-def _of_a_point(costs: Sequence[float]) -> tuple[float, float]:
-    """What a point takes in the mean, s: two standard errors to either side, of one cost a half."""
-    usual, error = float(np.mean(costs)), 2.0 * float(np.std(costs)) / sqrt(len(costs))
-    error = error if len(costs) > 1 else 0.5 * usual
-    return max(usual - error, min(0.5 * usual, *costs)), usual + error
+def _relative_error(strata: Sequence[Stratum]) -> float:
+    """Standard error of what all points take, over it."""
+    total = sum(stratum.total for stratum in strata)
+    return hypot(*(stratum.error for stratum in strata)) / total if total else inf
 
 
 def _points(analysis: AnalysisPlan) -> tuple[int, int]:
@@ -116,58 +182,119 @@ def _points(analysis: AnalysisPlan) -> tuple[int, int]:
 def _parallel(analysis: AnalysisPlan, workers: int) -> float:
     """How many points are run at once: of a chain one after the other."""
     entries = analysis.template.entries
-    chained = [entry for entry in entries if entry is not None and entry.spec.kind == "continue"]
+    chained = [entry for entry in entries if entry is not None and continues(entry)]
     most = min(workers, os.cpu_count() or 1)
     if len(chained) < len(entries):
         return most
     return min(most, analysis.size / max(c.positions.shape[1] for c in analysis.chain_sets()))
 
 
-def _results(analysis: AnalysisPlan) -> list[Result]:
-    """What a few points give and take."""
-    segments = list(itertools.islice(_segments(analysis), SAMPLES))
-    if not segments:
-        return []
-    if analysis.template.linear:
-        segments = [segments[i % len(segments)] for i in range(min(AT_ONCE, analysis.size))]
-        task = _task(analysis, segments)
-        run_task(task)  # loads code
-        return [run_task(task)]
-    begun, results = time.monotonic(), []
-    first = run_task(_task(analysis, segments[:1]))
-    if first.seconds > LOADING:
-        results.append(first)
-    for segment in segments[len(results) :]:
-        if results and time.monotonic() - begun > PATIENCE:
+def _sampled(analysis: AnalysisPlan) -> list[Stratum]:
+    """The strata of an analysis, with what a sample of their points takes."""
+    begun = time.monotonic()
+    strata = _strata(analysis, _seconds_of_first(analysis))
+    while not _is_enough(strata):
+        stratum = min(strata, key=lambda stratum: stratum.share)
+        if stratum.counts and time.monotonic() - begun > PATIENCE:
             break
-        results.append(run_task(_task(analysis, [segment])))
-    return results
+        unit = next(stratum.left, None)
+        stratum.is_exhausted = unit is None
+        if unit is not None:
+            _run(analysis, unit, stratum)
+    return strata
 
 
-def _task(analysis: AnalysisPlan, segments: Sequence[Segment]) -> Task:
-    return Task(analysis.template, analysis.layout.variables, tuple(segments))
+def _is_enough(strata: Sequence[Stratum]) -> bool:
+    if all(stratum.is_exhausted for stratum in strata):
+        return True
+    many = sum(sum(stratum.counts) for stratum in strata) >= LEAST_POINTS
+    told = all(stratum.is_told for stratum in strata)
+    return many and told and _relative_error(strata) < ENOUGH
 
 
-def _segments(analysis: AnalysisPlan) -> Iterator[Segment]:
-    """Points that are computed, from starts likewise; of a chain its beginning."""
+def _seconds_of_first(analysis: AnalysisPlan) -> float:
+    """What one point takes, which is not kept: the first may load code."""
+    starts = range(len(analysis.template.entries))
+    segment = next(_single(analysis, starts), None)
+    if segment is None:
+        return 0.0
+    _, seconds = _timed(analysis, (segment,))
+    return seconds if seconds > LOADING else _timed(analysis, (segment,))[1]
+
+
+def _run(analysis: AnalysisPlan, unit: Unit, stratum: Stratum) -> None:
+    """Run a unit and note what it takes."""
+    segments = unit.segments
+    if unit.lead is not None:
+        ended, _ = _timed(analysis, (unit.lead,))
+        segments = (replace(segments[0], state=ended.states[0]),)
+    result, seconds = _timed(analysis, segments)
+    points = (values for segment in segments for values in segment.values)
+    stratum.counts.append(sum(analysis.unmet(values) is None for values in points))
+    stratum.seconds.append(seconds)
+    stratum.stored += result.block.nbytes
+
+
+def _timed(analysis: AnalysisPlan, segments: tuple[Segment, ...]) -> tuple[Result, float]:
+    """What points give, and their processor time, s: others may use this machine too."""
+    begun = time.process_time()
+    result = run_task(Task(analysis.template, analysis.layout.variables, segments))
+    return result, time.process_time() - begun
+
+
+def _strata(analysis: AnalysisPlan, seconds: float) -> list[Stratum]:
+    """All points, where one takes some `seconds`."""
     entries = analysis.template.entries
-    sizes = [dim.size for dim in analysis.layout.dims]
-    for *places, index in _places([*sizes, len(entries)]):
-        followed = _followed(analysis, places, entries[index])
-        values = tuple(_values(analysis, along) for along in followed)
-        if analysis.unmet(values[0]) is None:
-            yield Segment(values, index)
+    of_a_start = _points(analysis)[1] / len(entries)
+    if not of_a_start:
+        return []
+    alone = [index for index, entry in enumerate(entries) if not continues(entry)]
+    aimed_for = BLOCK if analysis.template.linear else TASK
+    at_once = _fitting(aimed_for, seconds, AT_ONCE)
+    links = _fitting(PATIENCE / 8.0, seconds, LINKS)
+    strata = [Stratum(of_a_start * len(alone), _units(_single(analysis, alone), at_once))]
+    strata += [
+        Stratum(of_a_start, _pieces(analysis, index, entry, links))
+        for index, entry in enumerate(entries)
+        if entry is not None and continues(entry)
+    ]
+    return strata if alone else strata[1:]
 
 
-def _followed(
-    analysis: AnalysisPlan, places: list[int], entry: StartEntry | None
-) -> list[list[int]]:
-    """The place itself, or the first places of the chain that leads through it."""
-    if entry is None or entry.spec.kind != "continue":
-        return [places]
-    dim = dim_of(analysis.layout.dims, entry.spec.along)
-    begin = visiting_order(analysis.layout.dims[dim], entry)[:LINKS]
-    return [[*places[:dim], place, *places[dim + 1 :]] for place in begin]
+def _fitting(aimed_for: float, seconds: float, most: int) -> int:
+    """How many points of some `seconds` take what is aimed for."""
+    return max(1, min(most, int(aimed_for / max(seconds, 1e-6))))
+
+
+def _units(segments: Iterator[Segment], at_once: int) -> Iterator[Unit]:
+    while together := tuple(itertools.islice(segments, at_once)):
+        yield Unit(together)
+
+
+def _single(analysis: AnalysisPlan, starts: Sequence[int]) -> Iterator[Segment]:
+    """Points that are computed, each by itself."""
+    for *places, start in _spread([*(dim.size for dim in analysis.layout.dims), len(starts)]):
+        values = _values(analysis, places)
+        if analysis.unmet(values) is None:
+            yield Segment((values,), starts[start])
+
+
+def _pieces(analysis: AnalysisPlan, index: int, entry: StartEntry, links: int) -> Iterator[Unit]:
+    """Pieces of the chains of a start."""
+    dims = analysis.layout.dims
+    dim = dim_of(dims, entry.spec.along)
+    order = visiting_order(dims[dim], entry)
+    sizes = [one.size for one in dims]
+    sizes[dim] = ceil(len(order) / links)
+    for places in _spread(sizes):
+        along = range(places[dim] * links, min((places[dim] + 1) * links, len(order)))
+        points = [[*places[:dim], order[link], *places[dim + 1 :]] for link in along]
+        segment = Segment(tuple(_values(analysis, point) for point in points), index)
+        if not along.start:
+            yield Unit((segment,))
+            continue
+        before = [*places[:dim], order[along.start - 1], *places[dim + 1 :]]
+        yield Unit((segment,), Segment((_values(analysis, before),), index))
 
 
 def _values(analysis: AnalysisPlan, places: Sequence[int]) -> Values:
@@ -179,16 +306,17 @@ def _values(analysis: AnalysisPlan, places: Sequence[int]) -> Values:
     return tuple(found[name] for name, _ in analysis.template.axes)
 
 
-def _places(sizes: Sequence[int]) -> list[tuple[int, ...]]:
-    """Corners, the middle and places by chance: more than are needed, some may not be computed."""
-    random = np.random.default_rng(0)
-    corners = list(itertools.product(*((0, size - 1) for size in sizes[:8])))
-    rest = tuple(size // 2 for size in sizes[8:])
-    chosen = random.permutation(len(corners))[:MOST_CORNERS]
-    places = [(*corners[i], *rest) for i in chosen] + [tuple(size // 2 for size in sizes)]
-    count = min(4 * SAMPLES, prod(sizes)) - len(places)
-    places += [tuple(random.integers(sizes).tolist()) for _ in range(count)]
-    return list(dict.fromkeys(places))
+def _spread(sizes: Sequence[int]) -> Iterator[list[int]]:
+    """All places, the first many of which are spread evenly (multiples of irrational steps)."""
+    ratio = float(max(np.roots([1.0, *[0.0] * (len(sizes) - 1), -1.0, -1.0]).real))
+    steps = ratio ** -np.arange(1.0, len(sizes) + 1.0)
+    drawn = ((0.5 + np.outer(np.arange(MOST), steps)) % 1.0 * sizes).astype(np.int64)
+    numbers: list[int] = np.ravel_multi_index(tuple(drawn.T), sizes).tolist()
+    seen = set()
+    for number in itertools.chain(numbers, range(prod(sizes))):
+        if number not in seen:
+            seen.add(number)
+            yield [int(place) for place in np.unravel_index(number, sizes)]
 
 
 def _span(points: tuple[int, int]) -> str:

@@ -26,7 +26,7 @@ from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
-from fiv_cli.notation.amounts import duration, size
+from fiv_cli.notation.amounts import size
 from fiv_cli.sweep.refine import Maps, maps_of
 from fiv_cli.sweep.requests import (
     StartEntry,
@@ -45,7 +45,6 @@ from fiv_cli.sweep.requests import (
 Positions = NDArray[np.int64]
 
 # What points take in a sweep of a million (README, "How fast it is"), and of how many it is said.
-USUAL_SECONDS = (360e-6, 560e-6)
 USUAL_BYTES = 720.0
 MANY = 100_000
 
@@ -122,7 +121,7 @@ class AnalysisPlan:
     def single_positions(self) -> Positions:
         """Positions of all points that start on their own, in order."""
         grid = np.arange(self.size).reshape(-1, len(self.template.entries))
-        return grid[:, [not _continues(entry) for entry in self.template.entries]].ravel()
+        return grid[:, [not continues(entry) for entry in self.template.entries]].ravel()
 
     def chain_sets(self) -> tuple[ChainSet, ...]:
         """The chains of every continued start."""
@@ -133,9 +132,9 @@ class AnalysisPlan:
 
     def _legs(self) -> Iterator[dict[int, StartEntry]]:
         """The starts whose chains follow one another, the first of them from a start of its own."""
-        chains = {i: e for i, e in enumerate(self.template.entries) if e and _continues(e)}
+        chains = {i: e for i, e in enumerate(self.template.entries) if e and continues(e)}
         following = {entry.origin.label: index for index, entry in chains.items() if entry.origin}
-        for index in [i for i, entry in chains.items() if not _continues(entry.origin)]:
+        for index in [i for i, entry in chains.items() if not continues(entry.origin)]:
             legs: dict[int, StartEntry] = {}
             last: int | None = index
             while last is not None:
@@ -156,7 +155,7 @@ class AnalysisPlan:
         places = place_digests(self.template, [_choices_of(dim) for dim in self.layout.dims])
         keys = np.empty((len(places), len(entries), KEY_BYTES), np.uint8)
         for index, entry in enumerate(entries):
-            if not _continues(entry):
+            if not continues(entry):
                 own = b"".join(keys_at(places, entry))
                 keys[:, index] = np.frombuffer(own, np.uint8).reshape(-1, KEY_BYTES)
         for chains in self.chain_sets():
@@ -372,7 +371,8 @@ def _choices_of(dim: Dim) -> list[Values]:
     return list(zip(*(axis.values for axis in dim.axes), strict=True))
 
 
-def _continues(entry: StartEntry | None) -> bool:
+def continues(entry: StartEntry | None) -> bool:
+    """Whether the points of a start are chains."""
     return entry is not None and entry.spec.kind == "continue"
 
 
@@ -444,11 +444,10 @@ def _refined_text(maps: Maps, layout: Layout) -> str:
 
 
 def _cost_of(points: int) -> str:
-    """What so many points take if they are as cheap as the README's."""
-    low, high = (duration(points * seconds) for seconds in USUAL_SECONDS)
+    """What so many points hold, and what to type for how long they take."""
     return (
-        f"  {points:,} points: {low} to {high} on two workers and {size(points * USUAL_BYTES)} of "
-        "memory where they are as cheap as those of the README; --estimate runs a few to say more"
+        f"  {points:,} points: some {size(points * USUAL_BYTES)} of memory; how long depends on "
+        "what moves: type fiv check --estimate, which runs a few"
     )
 
 

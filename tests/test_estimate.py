@@ -1,0 +1,60 @@
+"""What a run will cost: the range holds it, whichever points cost most."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fiv_cli import api
+from fiv_cli.sweep.estimate import _spread, estimate
+from fiv_cli.sweep.plan import make_plan
+from fiv_cli.sweep.worker import ChainState, Segment
+
+
+@pytest.mark.parametrize("chained", [False, True])
+def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
+    monkeypatch: pytest.MonkeyPatch, chained: bool
+) -> None:
+    """Of a million points of which one in 25 takes a hundred times as long, in one corner."""
+    table: dict[str, Any] = {
+        "schema": 1,
+        "model": {"name": "belt-1dof"},
+        "analysis": [{"kind": "response"}],
+    }
+    table["grid"] = {axis: {"start": 1.0, "stop": 2.0, "num": 1000} for axis in ("v", "N")}
+    table["initial"] = [{"label": "rest", "kind": "state"}]
+    if chained:
+        followed = {"label": "up", "kind": "continue", "along": "v", "direction": "up"}
+        table["initial"].append({**followed, "from": "rest"})
+    names = [name for name, _ in make_plan(api.load(table)).analyses[0].template.axes]
+
+    def costs(segments: tuple[Segment, ...]) -> Iterator[float]:
+        for values in (values for segment in segments for values in segment.values):
+            at = dict(zip(names, values, strict=True))
+            yield 1.0 if at["v"] < 1.2 and at["N"] > 1.8 else 0.01
+
+    def timed(_: object, segments: tuple[Segment, ...]) -> tuple[SimpleNamespace, float]:
+        state = ChainState(False, {}, "periodic")
+        block = SimpleNamespace(nbytes=100 * len(segments))
+        return SimpleNamespace(block=block, states={0: state}), sum(costs(segments))
+
+    monkeypatch.setattr("fiv_cli.sweep.estimate._timed", timed)
+    (found,) = estimate(api.load(table), 1, lambda _: None)
+    low, high = found.seconds
+    assert low < (1 + chained) * 1e6 * (0.04 + 0.96 * 0.01) < high < 2.0 * low
+    assert found.sampled < 0.02 * found.points[1]
+
+
+def test_a_sample_is_spread_over_every_axis_and_reaches_every_point() -> None:
+    sizes = (4, 3, 50)
+    places = np.array(list(_spread(sizes)))
+    assert len(places) == 600 == len({tuple(place) for place in places.tolist()})
+    first = np.array(list(islice(_spread((4, 3, 10**6)), 120)))
+    for axis, bins in ((0, 4), (1, 3), (2, 10)):
+        shares = np.bincount(first[:, axis] * bins // (4, 3, 10**6)[axis], minlength=bins) / 120
+        assert np.abs(shares * bins - 1.0).max() < 0.25
