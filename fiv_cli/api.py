@@ -126,6 +126,7 @@ def check(case: Case) -> Plan:
     >>> print(plan)
     <dict>
       model belt-1dof, friction coulomb
+      by default, in SI: m = 1, k = 1, c = 0, N = 10, v = 1, u0 = 0, omega = 1, mu_s = 0.4
       response: 3 points (mu_k 3 x initial 1)
         mu_k = 0.2, 0.3, 0.5
         1 point where mu_k is above mu_s will not be computed
@@ -321,14 +322,12 @@ def figure(
     >>> drawn.axes[0].get_ylabel()
     'sliding equilibria with closed contacts'
     """
-    from fiv_cli.plots import draw, figures_called, look_of, possible_figures
+    from fiv_cli.plots import draw, figures_called, look_of, nothing_suits, possible_figures
 
     source = _analyses_of(data)
     chosen = possible_figures(source) if name is None else figures_called(source, name)
     if not chosen:
-        raise UsageError(
-            "no kind of figure suits this dataset\nnext: print it to see what it holds"
-        )
+        raise nothing_suits(source)
     return draw(source, chosen[0], axis, look_of(style, width, font, title))
 
 

@@ -132,8 +132,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_crossing",
-        "nothing changes inside the bracket: widen it, or look closer (`critical`: at "
-        "`eigenvalues` along it; `boundary`: at more points, scan)",
+        "nothing changes inside the bracket (`boundary`: scan_class says what holds): widen it, or "
+        "look closer (`critical`: at `eigenvalues` along it; `boundary`: at more points, scan)",
     ),
     Reason(
         "no_equilibrium_in_part",
