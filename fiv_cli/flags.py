@@ -114,7 +114,7 @@ REASONS: tuple[Reason, ...] = (
         "chattering",
         "more than 50 transitions at one instant: no contact state lasts; move the start or mu_s",
     ),
-    Reason("stuck", "every contact sticks and nothing moves: an equilibrium, but not of sliding"),
+    Reason("stuck", "what sticks holds all, nothing moves: an equilibrium, but not of sliding"),
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
     Reason(
         "contact_would_pull",
@@ -132,8 +132,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_crossing",
-        "nothing changes inside the bracket: widen it, or look closer (`critical`: at "
-        "`eigenvalues` along it; `boundary`: at more points, scan)",
+        "nothing changes inside the bracket (`boundary`: scan_class says what holds): widen it, or "
+        "look closer (`critical`: at `eigenvalues` along it; `boundary`: at more points, scan)",
     ),
     Reason(
         "no_equilibrium_in_part",

@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 from motions import booked, motion, system, times, transitions
-from small_models import CLUTCH, ON_TWO_BELTS, PADS
+from small_models import CLUTCH, ON_TWO_BELTS, PADS, TWO_MASSES
 
 from fiv_cli import api
 from fiv_cli.analyses.common import balance
 from fiv_cli.cli.equations import equation_lines
-from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK
+from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK, SLIP, STICK
 from fiv_cli.dynamics.motion import Stop, samples_at
 from fiv_cli.errors import UsageError
+from fiv_cli.models.base import Equations, Options
 
 MU = {"mu_k": 0.3, "mu_s": 0.4}
 RAMP = ((0.0, 1.0), (5.0, 2.0), (200.0, 2.0))
@@ -90,6 +91,33 @@ def test_the_steady_state_on_two_belts_has_a_balance() -> None:
     assert found.values["attractor"] == "periodic"
     assert found.values["energy_residual"] < 1e-10
     assert found.values["period"] == pytest.approx(alone.values["period"], rel=1e-10)
+
+
+def test_a_mass_that_a_belt_at_standstill_holds_is_stuck_beside_one_that_slides() -> None:
+    """It comes to rest where belt 2, which bears 3.2, holds it against belt 1, 0.6, and spring."""
+    held = {"N1": 2.0, "N2": 8.0, "V2": 0.0}
+    found = api.analyse(ON_TWO_BELTS, "coulomb", "response", {"x": 8.0}, **held, **MU)
+    assert (found.values["attractor"], found.reason) == ("equilibrium", "stuck")
+    assert found.values["stick_fraction"].tolist() == [0.0, 1.0]
+    assert found.values["slip_fraction"].tolist() == [1.0, 0.0]
+    assert found.values["transient_used"] < 30.0
+    assert -3.2 <= found.values["x_max"] - 0.6 <= 3.2
+
+
+def test_a_mass_that_stands_still_and_is_free_to_move_is_not_stuck() -> None:
+    """The belt of mass 2 stands: it sticks; mass 1 is where its springs and friction balance."""
+
+    def equations(symbols: Any, options: Options) -> Equations:
+        found = TWO_MASSES.equations(symbols, options)
+        first, second = found.contacts
+        still = replace(second, slip_velocity=-symbols.velocity("x2"))
+        return replace(found, contacts=(first, still))
+
+    model = replace(TWO_MASSES, name="two-masses-on-two-belts", equations=equations)
+    begun = motion(model, start={"x1": 2.0}, **MU)
+    assert begun.kinds.tolist() == [SLIP, STICK] and not begun.rates().any()
+    found = api.analyse(model, "coulomb", "response", {"x1": 2.0}, {"t_max": 40.0}, **MU)
+    assert found.values["attractor"] == "undecided"
 
 
 # --- levers: directions that differ by a factor ------------------------------------------------

@@ -1278,6 +1278,42 @@ def test_show_says_what_the_reasons_mean_that_occur():
     assert not any("nothing to report" in line for line in text)
 
 
+def a_scan(N=(1.0, 2.0), **given):
+    """A bracket of four values at two loads, followed up and down, with a bistable range at one."""
+    dims, along, size = ("N", "initial"), ("N", "initial", "scan"), (len(N), 1)
+    up = [["equilibrium"] * 2 + ["periodic"] * 2, ["periodic"] * 4]
+    low, high = np.full((2, *size, 1), np.nan)
+    low[0], high[0] = 0.25, 1.75
+    coords = data.axes(N=N, initial=["rest"], scan=np.arange(4.0)) | given
+    of_classes = {
+        "status": data.statuses(dims, np.full(size, "ok")),
+        "scan_class": data.flags(along, np.reshape(up[: len(N)], (*size, 4)), data.ATTRACTORS),
+        "scan_class_back": data.flags(along, np.full((*size, 4), "periodic"), data.ATTRACTORS),
+    }
+    ends = {f"bistable_{end}": ((*dims, "range"), v) for end, v in (("low", low), ("high", high))}
+    return xr.Dataset({**of_classes, **ends}, coords, data.attributes())
+
+
+def test_show_says_what_holds_along_each_bracket():
+    text = summary_lines(summarise({"": a_scan()}))
+    row = text.index("  along the bracket:")
+    assert text[row + 1 : row + 3] == [
+        "    N = 1: equilibrium from 0 to 1, periodic from 2 to 3; back periodic throughout; "
+        "bistable from 0.25 to 1.75",
+        "    N = 2: periodic throughout; back periodic throughout",
+    ]
+    many = xr.concat([a_scan()] * 5, "N").assign_coords(N=np.arange(10.0))
+    assert "    and 2 more brackets" in summary_lines(summarise({"": many}))
+
+
+@pytest.mark.parametrize("figure", [(), ("--figure", "curve")])
+def test_a_figure_of_a_single_point_asks_for_an_axis(tmp_path, monkeypatch, figure):
+    monkeypatch.chdir(tmp_path)
+    a_scan(N=(1.0,), mu_k=((), 0.3, {"units": "1"})).to_netcdf("one.nc")
+    with pytest.raises(UsageError, match=r"a single point.*\n.*under \[grid\]: mu_k"):
+        run(plot_command, "one.nc", *figure)
+
+
 def test_show_names_the_point_of_the_worst_value():
     dataset = data.bifurcation()
     residual = np.full((46, 2), 1e-12)

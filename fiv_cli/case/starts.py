@@ -161,7 +161,7 @@ def _check_continued(
     if not start.from_label:
         report.add((*place, "from"), "is missing", f"the label of a start: {listed(beginnings)}")
     elif start.from_label not in beginnings:
-        message = f"there is no other start {start.from_label!r} of kind {listed(BEGINNINGS)}"
+        message = f"there is no start {start.from_label!r} to begin at, {listed(BEGINNINGS)}"
         report.unknown((*place, "from"), message, start.from_label, beginnings)
     elif by_label[start.from_label].kind == "continue":
         _check_next_leg(start, (*place, "from"), by_label, report)

@@ -91,7 +91,11 @@ def _of_files(files: Sequence[Path], name: str | None, look: Look) -> list[tuple
     Raises
     ------
     EmptyFigureError : there is no other
+    UsageError : there is none at all
     """
+    from fiv_cli.plots import nothing_suits
+    from fiv_cli.reading.datasets import read_analyses
+
     drawn, empty = [], []
     for default, sources, figure in _asked(files, name):
         try:
@@ -102,6 +106,8 @@ def _of_files(files: Sequence[Path], name: str | None, look: Look) -> list[tuple
         raise empty[0]
     for left_out in empty:
         click.echo(left_out, err=True)
+    if not drawn:
+        raise nothing_suits(read_analyses(files[0]))
     return drawn
 
 
@@ -126,7 +132,7 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
 
 def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
     """One figure of all files; UsageError names the first, and what it can be drawn as."""
-    from fiv_cli.plots import draw
+    from fiv_cli.plots import draw, nothing_suits
     from fiv_cli.plots.drawing import kinds_that_suit
 
     (file, source), *others = sources
@@ -136,8 +142,11 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
     except EmptyFigureError:
         raise
     except UsageError as error:
-        kinds = listed(kinds_that_suit(source))
-        raise UsageError(f"{file}: {error}\nit can be drawn with --figure {kinds}") from None
+        kinds = kinds_that_suit(source)
+        if not kinds:
+            raise nothing_suits(source) from None
+        suiting = listed(kinds)
+        raise UsageError(f"{file}: {error}\nit can be drawn with --figure {suiting}") from None
 
 
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:
@@ -158,16 +167,7 @@ def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list
 def _with_paths(
     figures: list[tuple[Path, Figure]], output: Path | None
 ) -> Iterator[tuple[Path, Figure]]:
-    """Each figure with where it goes: `output` itself, or beside it when there are several.
-
-    Raises
-    ------
-    UsageError : there is nothing to draw
-    """
-    if not figures:
-        raise UsageError(
-            "plot: no kind of figure suits this dataset\nsee what it holds: fiv show FILE.nc"
-        )
+    """Each figure with where it goes: `output` itself, or beside it when there are several."""
     for default, figure in figures:
         if output is None or len(figures) == 1:
             yield output or default, figure

@@ -13,6 +13,7 @@ from fiv_cli.plots.drawing import (
     draw,
     figures_called,
     figures_of,
+    nothing_suits,
     possible_figures,
 )
 from fiv_cli.plots.law import draw_laws
@@ -28,6 +29,7 @@ __all__ = [
     "figures_called",
     "figures_of",
     "look_of",
+    "nothing_suits",
     "possible_figures",
     "save",
 ]

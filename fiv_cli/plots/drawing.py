@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.errors import UsageError
-from fiv_cli.notation.names import pick
+from fiv_cli.notation.names import listed, pick
 from fiv_cli.plots import (
     basin,
     bifurcation,
@@ -125,6 +125,19 @@ def possible_figures(source: Source) -> list[FigureSpec]:
     """The figures of the case that the dataset can show; where it shows none, the default ones."""
     figures = [figure for figure in figures_of(source) if can_draw(source, figure)]
     return figures or default_figures(source)
+
+
+def nothing_suits(source: Source) -> UsageError:
+    """That no kind of figure suits a dataset; of a single point, the axes that it may be given."""
+    datasets = _analyses(source).values()
+    single = all(one["status"].size == one.sizes.get("initial", 1) for one in datasets)
+    fixed = {str(name) for one in datasets for name, axis in one.coords.items() if not axis.ndim}
+    if single and fixed:
+        return UsageError(
+            "a single point, which no kind of figure suits\n"
+            f"next: give the case an axis to draw it along, under [grid]: {listed(sorted(fixed))}"
+        )
+    return UsageError("no kind of figure suits this dataset\nnext: `fiv show` says what it holds")
 
 
 def figures_called(source: Source, name: str) -> list[FigureSpec]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
 from fiv_cli.reading import over_laws, select
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import flag_names, is_class, numbers, variables_in
+from fiv_cli.reading.scans import scanned
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,6 +57,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
             if _is_number(dataset, variable.name)
         },
         "over_laws": over_laws.spread(dataset),
+        **({"scanned": scanned(dataset)} if "scan_class" in dataset else {}),
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
 
@@ -163,10 +166,20 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *(f"  {axis:<22} {_axis_line(facts)}" for axis, facts in part["axes"].items()),
         *_count_lines(part),
         *(f"  {key:<22} {_range_line(facts)}" for key, facts in part["ranges"].items()),
+        *_scan_lines(part),
         *over_laws.lines(part["over_laws"]),
         *_trust_lines(part["trust"]),
         *([f"  refined {part['refined']}"] if "refined" in part else []),
     ]
+
+
+def _scan_lines(part: Mapping[str, Any]) -> list[str]:
+    """What was met along the brackets of a `boundary`."""
+    told = part.get("scanned", {})
+    rest = prod(part["dims"].values()) - len(told)
+    lines = [f"    {f'{place}: ' if place else ''}{found}" for place, found in told.items()]
+    more = [f"    and {rest} more brackets"] if rest else []
+    return ["  along the bracket:", *lines, *more] if told else []
 
 
 def _axis_line(axis: Mapping[str, Any]) -> str:

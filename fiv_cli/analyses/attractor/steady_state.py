@@ -342,28 +342,40 @@ class _Response:
         return self._stuck()
 
     def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
-        outcome = self._resting_values(target.equilibrium, sticking=False)
+        outcome = self._resting_values(target.equilibrium)
         reached = {"equilibrium_index": target.number, "L_s_reference_index": target.number}
         outcome.values |= reached | {"L_s": 0.0, "decay_margin": margin}
         return outcome
 
     def _stuck(self) -> Outcome | None:
-        """Every contact sticks and nothing moves: it stays so (a drive at standstill)."""
-        if self.excitation is not None or not self._all_contacts(STICK):
+        """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
+        if self.excitation is not None or np.any(self.motion.rates() != 0.0):
             return None
-        if np.any(self.motion.rates() != 0.0):
+        if not (self._all_contacts(STICK) or self._is_held()):
             return None
-        outcome = self._resting_values(self.motion.y, sticking=True)
+        outcome = self._resting_values(self.motion.y)
         outcome.values["decay_margin"] = 1.0
         outcome.reason = "stuck"
         return outcome
 
-    def _resting_values(self, state: Vector, sticking: bool) -> Outcome:
+    def _is_held(self) -> bool:
+        """Whether sticking contacts determine every velocity, whatever the others do.
+
+        Where they leave one free, a motion may stand still on the border between two basins.
+        """
+        motion, m = self.motion, len(self.system.coordinates)
+        pushed = motion.y.copy()
+        pushed[m : 2 * m] += 1.0
+        index = motion.state_index
+        moved = self.system.field(index, motion.coefficients, motion.time, pushed).rates
+        return not np.any(moved[:m])
+
+    def _resting_values(self, state: Vector) -> Outcome:
         values: dict[str, object] = {
             "attractor": "equilibrium",
-            "stick_fraction": self._per_contact(float(sticking)),
-            "slip_fraction": self._per_contact(float(not sticking)),
-            "separation_fraction": self._per_contact(0.0),
+            "stick_fraction": self._share_of(STICK),
+            "slip_fraction": self._share_of(SLIP),
+            "separation_fraction": self._share_of(SEPARATION),
             "transient_used": self.motion.time,
             "energy_residual": 0.0,
         }
@@ -372,9 +384,10 @@ class _Response:
         carry = self._carry("equilibrium") | {"state": state.tolist()}
         return Outcome(values=values, carry=carry)
 
-    def _per_contact(self, value: float) -> Any:
-        count = self.system.n_contacts
-        return value if count == 1 else np.full(count, value)
+    def _share_of(self, kind: int) -> Any:
+        """Of each contact, the share of time in which it is what it is now: 1 or 0."""
+        shares = (self.motion.kinds == kind).astype(float)
+        return shares if len(shares) > 1 else float(shares[0])
 
     def _neutral(self) -> Outcome:
         """Undamped sliding: what is found depends on the start, so it is no attractor."""

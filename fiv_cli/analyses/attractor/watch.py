@@ -46,6 +46,7 @@ from fiv_cli.dynamics.kernel import (
     STEP_BUDGET,
     Run,
     state_index,
+    sticks,
 )
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import Vector
@@ -242,8 +243,8 @@ def comes_down(watch: Watch, run: Run) -> bool:
 
 @native
 def is_stuck(watch: Watch, run: Run) -> bool:
-    """Whether every contact sticks and nothing moves."""
-    if watch.excitation > 0.0 or not are_all(run, STICK):
+    """Whether a contact sticks and nothing moves."""
+    if watch.excitation > 0.0 or not sticks(run):
         return False
     n, index = run.n_states, state_index(run.kinds, run.n_contacts)
     call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)

@@ -1,0 +1,63 @@
+"""What a `boundary` analysis found along each bracket, in a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fiv_cli.reading.claims import point_name
+from fiv_cli.reading.datasets import class_names
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Brackets that are told of; of more, only the first.
+MOST_BRACKETS = 8
+
+
+def scanned(dataset: xr.Dataset) -> dict[str, str]:
+    """Point -> the classes along its bracket, both ways where it was followed so; at most some."""
+    if "scan_class" not in dataset:
+        return {}
+    points = dataset["status"]
+    return {
+        point_name(points, row): "; ".join(_told(dataset, row))
+        for row in range(min(points.size, MOST_BRACKETS))
+    }
+
+
+def _told(dataset: xr.Dataset, row: int) -> Iterator[str]:
+    scan = dataset["scan"].values
+    yield _stretches(scan, class_names(_of(dataset, "scan_class", row)))
+    if "scan_class_back" in dataset:
+        yield f"back {_stretches(scan, class_names(_of(dataset, 'scan_class_back', row)))}"
+        ends = (_of(dataset, f"bistable_{end}", row).values for end in ("low", "high"))
+        for low, high in zip(*ends, strict=True):
+            if np.isfinite(low):
+                yield f"bistable from {low:g} to {high:g}"
+
+
+def _of(dataset: xr.Dataset, name: str, row: int) -> xr.DataArray:
+    """What a variable holds along its own dim at one point."""
+    points = dataset["status"]
+    place = np.unravel_index(row, points.shape) if points.ndim else ()
+    return dataset[name].isel(dict(zip(points.dims, place, strict=True)))
+
+
+def _stretches(scan: np.ndarray, classes: Iterable[str]) -> str:
+    """``equilibrium from 0 to 5, periodic from 7.5 to 20``; of one class, that it holds."""
+    found = [
+        (name, [value for value, _ in members])
+        for name, members in groupby(zip(scan, classes, strict=True), key=lambda one: one[1])
+    ]
+    if len(found) == 1:
+        return f"{found[0][0]} throughout"
+    return ", ".join(f"{name} {_span(values)}" for name, values in found)
+
+
+def _span(values: Sequence[float]) -> str:
+    first, last = values[0], values[-1]
+    return f"at {first:g}" if first == last else f"from {first:g} to {last:g}"
