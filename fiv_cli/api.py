@@ -19,7 +19,7 @@ text that the command would print.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -415,7 +415,7 @@ def analyse(
     setup = _setup(model, law, options or {}, solver.rtol)
     if kind.unsuited(setup.model):
         raise UsageError(f"{kind.unsuited(setup.model)}\nnext: choose another analysis")
-    known = _parameters(setup, parameters)
+    known = _parameters(setup, parameters, {setting.name for setting in kind.settings})
     setup = replace(setup, structural={name: known[name] for name in setup.law.structural})
     if start and not kind.uses_starts:
         raise UsageError(f"{analysis} begins nowhere\nnext: leave start out; {_ASKED}")
@@ -473,13 +473,17 @@ def _start(setup: Setup, start: Mapping[str, float] | Start) -> Start:
     return Start("start", "state", start)
 
 
-def _parameters(setup: Setup, changes: Mapping[str, float]) -> dict[str, float]:
-    """Every parameter, where all that are changed exist."""
+def _parameters(
+    setup: Setup, changes: Mapping[str, float], settings: Container[str]
+) -> dict[str, float]:
+    """Every parameter, where all that are changed exist and none is one of the `settings`."""
     from fiv_cli.codegen.setup import default_parameters
 
     known = default_parameters(setup.model, setup.law)
-    for name in changes:
-        pick(name, known, f"parameter of {setup.title}", f"fiv models {setup.model.name}")
+    for name, value in changes.items():
+        models = f"fiv models {setup.model.name}"
+        following = f"settings={{{name!r}: {value!r}}}" if name in settings else models
+        pick(name, known, f"parameter of {setup.title}", following)
     return default_parameters(setup.model, setup.law, **changes)
 
 

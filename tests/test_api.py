@@ -357,6 +357,7 @@ def test_a_model_that_is_typed_has_no_versions() -> None:
         (("belt-1dof", "coulom", "response"), {}, "no friction law 'coulom'; did you mean"),
         (("belt-1dof", None, "respons"), {}, "no analysis 'respons'; did you mean 'response'"),
         (("belt-1dof", None, "response"), {"mass": 1.0}, "no parameter of belt-1dof with coulomb"),
+        (("belt-1dof", None, "history"), {"t_end": 10}, "\nnext: settings={'t_end': 10}"),
         (("belt-1dof", None, "response", {"y": 1.0}), {}, "no state of belt-1dof 'y'"),
         (("belt-1dof", None, "eigenvalues", {"x": 1.0}), {}, "eigenvalues begins nowhere"),
         (("belt-1dof", None, "plate"), {}, "belt-1dof has no elastic disc"),

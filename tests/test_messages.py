@@ -219,6 +219,11 @@ def test_a_law_is_shown_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
     assert "|F_T| <= F_N*mu_s" in capsys.readouterr().out
 
 
+def test_a_name_that_is_no_model_may_be_that_of_a_law(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["models", "tanh"]) == 2
+    assert "did you mean 'tanh of coulomb'" in capsys.readouterr().err
+
+
 def test_a_misspelt_figure_or_law_to_draw(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["run", "pin.toml", "--workers", "1", "-q"]) == 0
     assert run(["plot", "runs/pin.nc", "--figure", "curvy"]) == 2

@@ -23,6 +23,11 @@ TITLES = {
     "claim.expect": "What a [[claim]] expects: expect = ...",
 }
 
+ELSEWHERE = (
+    "fiv kinds; what stands under [model], [grid] and [friction]: fiv models NAME, "
+    "fiv models --laws, and README.md"
+)
+
 
 @click.command("kinds")
 @click.argument("name", required=False)
@@ -45,7 +50,7 @@ def command(name: str | None, as_json: bool) -> None:
     kinds, tables = all_kinds(), _tables()
     if name is not None:
         known = [kind.name for kind in kinds if kind.keys]
-        pick(name, dict.fromkeys([*tables, *known]), "kind", "fiv kinds")
+        pick(name, dict.fromkeys([*tables, *known]), "kind", ELSEWHERE)
         found, keys = [kind for kind in kinds if kind.name == name], tables.get(name, ())
         print_json({"kinds": found, "keys": keys}) if as_json else _print_one(found, keys)
     elif as_json:

@@ -39,8 +39,13 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
       fiv models stribeck
     """
     from fiv_cli.friction import all_laws
+    from fiv_cli.models import all_models
 
-    if want_laws or name in all_laws():
+    laws = all_laws()
+    if name is not None and not want_laws:
+        known = dict.fromkeys([*all_models(), *laws])
+        pick(name, known, "model or friction law", "fiv models, or fiv models --laws")
+    if want_laws or name in laws:
         _show_laws(name, as_json)
     else:
         _show_models(name, as_json)
@@ -51,8 +56,7 @@ def _show_models(name: str | None, as_json: bool) -> None:
 
     models = all_models()
     if name is not None:
-        model = pick(name, models, "model", "fiv models")
-        print_json(_model_document(model)) if as_json else _print_model(model)
+        print_json(_model_document(models[name])) if as_json else _print_model(models[name])
     elif as_json:
         print_json({"models": [_model_document(model) for model in models.values()]})
     else:
