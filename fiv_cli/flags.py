@@ -114,7 +114,7 @@ REASONS: tuple[Reason, ...] = (
         "chattering",
         "more than 50 transitions at one instant: no contact state lasts; move the start or mu_s",
     ),
-    Reason("stuck", "what sticks holds all, nothing moves: an equilibrium, but not of sliding"),
+    Reason("stuck", "what sticks holds all and nothing moves: an equilibrium, but not of sliding"),
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
     Reason(
         "contact_would_pull",

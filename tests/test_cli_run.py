@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -244,13 +245,17 @@ def test_the_real_engine_leaves_no_trace_of_how_it_was_run() -> None:
 
 def test_history_of_a_point(capsys: pytest.CaptureFixture[str]) -> None:
     assert fiv(["history", "belt.toml", "--at", "v=0.5,initial=fast", "--t-end", "5"]) == 0
-    path = Path(capsys.readouterr().out.strip())
+    out, err = capsys.readouterr()
+    path = Path(out.strip())
     assert path == Path("runs/belt-history-v=0.5_initial=fast.nc")
     dataset = read_datasets(path)[""]
     assert dataset["time"].values[-1] == 5.0
     assert dataset["v"].values.tolist() == [0.5]
     assert float(dataset["x_dot"].isel(time=0).item()) == 0.5
     assert dataset.attrs["point"] == "v=0.5, initial=fast"
+    when, end = err.splitlines()[-1].split(": ", 1)
+    last = {name: dataset[name].values.ravel()[-1] for name in ("x", "x_dot")}
+    assert (when, tomllib.loads(end)) == ("at t = 5 s", {"state": last})
 
 
 @pytest.mark.parametrize(

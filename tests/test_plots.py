@@ -73,6 +73,29 @@ def test_a_bifurcation_diagram_reaches_over_the_whole_grid():
     assert ax.get_xlim()[0] <= 0.5 and ax.get_xlim()[1] >= 5.0
 
 
+@pytest.mark.parametrize(("share", "words"), [(0.0, "steady sliding"), (1.0, "at rest")])
+def test_an_equilibrium_is_called_what_its_contacts_do(share, words):
+    dataset = data.bifurcation().assign(phi_max=lambda whole: whole["L_s"])
+    dataset["stick_fraction"] = dataset["L_s"] * 0.0 + share
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    assert {"at rest", "steady sliding"} & set(legend_texts(ax)) == {words}
+
+
+@pytest.mark.parametrize("value", [3.349364905e-2, -3.349364905e-2])
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_a_constant_is_drawn_as_one_and_its_ticks_hold_whole_values(kind, value):
+    dataset = data.bifurcation()
+    name = "section_value" if kind == "bifurcation" else "L_s"
+    noise = 1e-14 * np.arange(dataset[name].size).reshape(dataset[name].shape)
+    dataset[name] = dataset[name] * 0.0 + value + noise
+    drawn = draw(dataset, figure(kind, variable=name))
+    (ax,) = drawn.axes
+    drawn.canvas.draw()
+    low, high = ax.get_ylim()
+    assert low < value < high and high - low > 0.1 * abs(value)
+    assert not ax.yaxis.get_offset_text().get_text()
+
+
 @pytest.mark.parametrize("kind", ["bifurcation", "curve"])
 def test_points_without_answer_are_marked(kind):
     (ax,) = draw(data.bifurcation(), figure(kind)).axes

@@ -123,7 +123,7 @@ def note_no_axis(
 def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Report) -> None:
     """Note that nothing is called `name` that could be an axis of some case."""
     message = f"there is nothing called {name!r} to vary"
-    hint = SEVERAL_LAWS if name == "law" else counterpart(name, physics.table())
+    hint = SEVERAL_LAWS if name in ("law", "laws") else counterpart(name, physics.table())
     report.unknown(place, message, name, physics.what_varies(), hint)
 
 

@@ -65,7 +65,8 @@ def command(
     """Run any point of a sweep again and keep its whole motion: states, forces, events.
 
     The point must be on the grid of CASE; an axis with a single value may be left out. A start
-    that continues from its neighbour is followed along its branch up to the point.
+    that continues from its neighbour is followed along its branch up to the point. The last state
+    is printed as a start takes it: to begin another motion there.
 
     \b
     Examples:
@@ -82,7 +83,7 @@ def command(
     path = output or _default_output(loaded, point.place)
     steady = steady_part(periods, settled, t_end)
     outcome = write_motion(point, settings, path, lambda text: click.echo(text, err=True), steady)
-    return _report(outcome, path)
+    return _report(outcome, path, loaded)
 
 
 def parse_places(places: tuple[str, ...]) -> dict[str, str]:
@@ -118,9 +119,22 @@ def _default_output(case: Case, place: dict[str, Any]) -> Path:
     return Path("runs") / f"{stem}-history-{point.replace('/', '-') or 'point'}.nc"
 
 
-def _report(outcome: Outcome, path: Path) -> int:
+def _report(outcome: Outcome, path: Path, case: Case) -> int:
     click.echo(path)
     if outcome.status == "ok":
+        click.echo(_end(path, case), err=True)
         return 0
     click.echo(f"{outcome.status}: {outcome.reason}\n{outcome.message}".rstrip(), err=True)
     return FAILED
+
+
+def _end(path: Path, case: Case) -> str:
+    """The state in which a motion ended, as ``[[initial]]`` of kind "state" takes it."""
+    from fiv_cli.case.physics import state_units
+    from fiv_cli.models import get_model
+    from fiv_cli.reading.datasets import read_analyses
+
+    (motion,) = read_analyses(path).values()
+    last, names = motion.isel(time=-1), state_units(get_model(case.model), case.options)
+    state = ", ".join(f"{name} = {last[name].item()!r}" for name in names if name in motion)
+    return f"at t = {last['time'].item():.12g} s: state = {{ {state} }}"

@@ -1,6 +1,6 @@
 """Bifurcation diagram: what the motion passes at the Poincaré section, against a parameter.
 
-A point at rest is drawn at its value. Cycles that are unstable, which no motion shows, come from a
+An equilibrium is drawn at its value. Cycles that are unstable, which no motion shows, come from a
 `cycle` analysis of the same case, or from the dataset of a branch that is drawn with it.
 """
 
@@ -47,11 +47,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     first = shown[0].dataset
     points.refuse_empty(first, any(cloud.y.size or cloud.rest_y.size for cloud in clouds), name)
     figure, (ax,) = style.new_panels(1, 1, points.title(first))
-    _mark(ax, clouds, style.dot_size(points.abscissa(first, settings).size))
+    resting = _resting_words([layer.dataset for layer in shown])
+    _mark(ax, clouds, style.dot_size(points.abscissa(first, settings).size), resting)
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     fitting = [part for one in others if (part := _of_the_same(one, first)) is not None]
     _dash_unstable(ax, fitting, points.abscissa(first, settings), _observed(first[name]))
     ax.set_ylabel(labels.axis_label(first[name]))
+    style.level(ax)
     points.dress(ax, shown, settings)
     return figure
 
@@ -106,7 +108,19 @@ def _rest(dataset: xr.Dataset, name: str) -> xr.DataArray:
     return dataset[extreme].where(is_class(dataset["attractor"], ("equilibrium",)))
 
 
-def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
+def _resting_words(datasets: Sequence[xr.Dataset]) -> str:
+    """What an equilibrium is: one at which no contact sticks is no rest of what slides."""
+    greatest = [
+        dataset["stick_fraction"].where(is_class(dataset["attractor"], ("equilibrium",))).max()
+        for dataset in datasets
+        if {"stick_fraction", "attractor"} <= {*dataset}
+    ]
+    return (
+        "steady sliding" if greatest and not any(share > 0.0 for share in greatest) else "at rest"
+    )
+
+
+def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None:
     """Marks that show through one another: what comes first is the widest."""
     entries = points.entries([cloud.label for cloud in clouds])
     many = sum(cloud.y.size for cloud in clouds) > style.MANY_MARKS
@@ -124,7 +138,7 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
             color=entry.colour,
         )  # fmt: skip
     if any(cloud.rest_x.size for cloud in clouds):
-        ax.plot([], [], "_", ms=4.0, mew=1.2, color=style.BLACK, label="at rest")
+        ax.plot([], [], "_", ms=4.0, mew=1.2, color=style.BLACK, label=resting)
 
 
 # --- unstable cycles ------------------------------------------------------------------------------

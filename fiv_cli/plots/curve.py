@@ -59,6 +59,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
         _plot(ax, curve, shift, entry, apart or entry.scattered)
+    if not classes:
+        style.level(ax)
     _name_values(ax, [layers[0].dataset[name] for name in names])
     points.dress(ax, layers, settings)
     return figure

@@ -50,6 +50,7 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
         shown = one.drawn(name, values)
         ax.plot(one.drawn_time, shown, color=style.BLACK, lw=0.9, rasterized=many)
     ax.margins(x=0)
+    style.level(ax)
     points.scale(ax, settings)
 
 

@@ -71,6 +71,7 @@ POINTS = 72.0  # an inch
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
 KEY_SCALE = 2.0  # of the marks in legends
 KEY_LETTERS = 7  # that the key of an entry of a legend takes
+ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
 IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 MM = 1.0 / 25.4  # inches
@@ -158,6 +159,7 @@ def look_of(
 
 SETTINGS: dict[Any, Any] = {
     "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,  # ticks hold the values themselves
     "axes.grid": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -237,6 +239,13 @@ def resize(figure: Figure, width: float, height: float, rows: int) -> None:
         factor = look.width * MM / width
         width, height = look.width * MM, max(height * factor, LEAST_PANEL * rows)
     figure.set_size_inches(width, height)
+
+
+def level(ax: Axes) -> None:
+    """Give values that differ by rounding alone a range as high as they are, not as they differ."""
+    low, high = ax.dataLim.intervaly
+    if 0.0 <= high - low < ROUNDING * abs(low):
+        ax.set_ylim(*sorted((0.9 * low, 1.1 * low)))
 
 
 def finish(figure: Figure) -> None:

@@ -151,14 +151,15 @@ def _estimated(analysis: AnalysisPlan, strata: Sequence[Stratum], workers: int) 
     points, at_once = _points(analysis), _parallel(analysis, workers)
     of_a_point = sum(stratum.total for stratum in strata) / points[1] / at_once
     spread = exp(2.0 * hypot(_relative_error(strata), OF_TIMING))
-    low, high = of_a_point * points[0] / spread, of_a_point * points[1] * spread
+    low = (STARTING + of_a_point * points[0]) / spread
+    high = (STARTING + of_a_point * points[1]) * spread
     processes = 1 + workers * (workers > 1 and high * at_once > Policy().in_process_below)
     return Estimate(
         name=analysis.layout.name,
         points=points,
         sampled=sampled,
-        expected=STARTING + sqrt(low * high),
-        seconds=(STARTING + low, STARTING + high),
+        expected=sqrt(low * high),
+        seconds=(low, high),
         memory=OF_A_PROCESS * processes + IN_MEMORY * stored,
         disk=OF_FILES + ON_DISK * stored,
         workers=workers,

@@ -44,7 +44,7 @@ from fiv_cli.sweep.requests import (
 
 Positions = NDArray[np.int64]
 
-# What points take in a sweep of a million (README, "How fast it is"), and of how many it is said.
+# What a point takes of memory in a sweep of a million, and of how many points it is said.
 USUAL_BYTES = 720.0
 MANY = 100_000
 
