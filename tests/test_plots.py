@@ -716,7 +716,7 @@ def sawtooth(sample):
             (ways[piece] + speeds[piece] * since + 0.5 * pushes[piece] * since**2)[None],
         ),
         phi_dot=(("initial", "time"), (speeds[piece] + pushes[piece] * since)[None]),
-        F_T=(("initial", "time"), pushes[piece][None]),
+        F_T=(("initial", "time"), pushes[piece][None], {"units": "N"}),
         contact_state=data.flags(("initial", "time"), states, data.CONTACT_STATES),
         **data.ledger(time, states),
     )

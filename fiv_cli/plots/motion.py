@@ -26,8 +26,8 @@ CONTACT_STATES = {
     "stick": "stick",
     "separation": "separation",
 }
-# What jumps where a contact changes; all else does so at an impact only.
-JUMPING = ("F_T", "F_N", "friction_power", "drive_power", "other_power")
+# Forces and powers jump where a contact changes; all else does so at an impact only.
+JUMPING = ("N", "W")
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Motion:
             return values
         rates = self.data[f"{name}_dot"].values if f"{name}_dot" in self.data else None
         before, after = (self._beside(values, side, rates) for side in (-1, 1))
-        if name not in JUMPING:
+        if self.data[name].attrs.get("units") not in JUMPING:
             impacts = [e.time for e in self.events if e.before == "separation" and rates is None]
             mean, jumps = 0.5 * (before + after), np.isin(self.instants, impacts)
             before, after = np.where(jumps, before, mean), np.where(jumps, after, mean)
