@@ -5,11 +5,13 @@ from __future__ import annotations
 import importlib
 import re
 import shlex
+import textwrap
 from pathlib import Path
 from typing import Any, get_args
 
 import pytest
 
+import fiv_cli.analyses
 from fiv_cli.analyses.base import Request, Start
 from fiv_cli.analyses.variables import Subject
 from fiv_cli.case.grammar import parse_expect
@@ -111,9 +113,10 @@ def test_the_help_of_a_command_names_cases_that_there_are(name: str) -> None:
         assert list(ROOT.glob(path)), path
 
 
-def test_the_analysis_of_the_reader_works() -> None:
+def test_the_analysis_that_help_shows_works() -> None:
     """On a mass that slides to and fro about its start, twice as far as where it would rest."""
-    declaration, engine = (block for block in blocks("python") if "fiv_cli.analyses" in block)
+    indented = re.findall(r"::\n\n((?:    .*\n|\n)+)", f"{fiv_cli.analyses.__doc__}")
+    declaration, engine = map(textwrap.dedent, indented)
     spoken: dict[str, Any] = {}
     exec(declaration, spoken)
     exec(engine, spoken)
