@@ -19,10 +19,10 @@ from fiv_cli.data.hdf5 import read_attributes
 
 SEED = 20
 WORKERS = ("--time-limit", "600")  # starts workers at once
-POINTS = FAR.format(v=10, N=40, transient=1000.0, t_max=2000.0)
+POINTS = FAR.format(v=10, N=120, transient=1000.0, t_max=2000.0)
 ENDLESS = (
     POINTS.replace("start = 0.5, stop = 2.0, num = 10", "start = 2.0, stop = 3.0, num = 2")
-    .replace("num = 40", "num = 2")
+    .replace("num = 120", "num = 2")
     .replace("x = 10.0", "x = 0.5")  # slides for ever: no event brings it back to Python
     .replace("transient = 1000.0\nt_max = 2000.0", "transient = 1e9\nt_max = 2e9")
     .replace("[[initial]]", "[solver]\nmax_steps = 1000000000000\n[[initial]]")
@@ -115,7 +115,7 @@ def test_while_the_dataset_is_written(
 
 @pytest.mark.parametrize("pause", [0.02, 0.05, 0.08])
 def test_a_second_ctrl_c(tmp_path: Path, pause: float) -> None:
-    with run(tmp_path, POINTS, *WORKERS) as impatient:
+    with run(tmp_path, ENDLESS, *WORKERS) as impatient:
         wait_for(lambda: len(impatient.processes()) >= 3, "no workers")
         time.sleep(10 * pause)  # they import, then compute
         impatient.send(signal.SIGINT, to_all=True)
