@@ -5,6 +5,7 @@ from __future__ import annotations
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import DiscPoints, Number
 from fiv_cli.analyses.variables import (
+    INITIAL_STATE,
     OF_SOLVER,
     Subject,
     Variable,
@@ -54,6 +55,7 @@ def variables(subject: Subject) -> list[Variable]:
         Variable("other_work", "J", "work of all other forces"),
         Variable("impact_loss", "J", "energy lost in impacts"),
         *_EVENTS,
+        INITIAL_STATE,
         *(_SURFACE if subject.settings.get("points") else ()),
         *OF_SOLVER,
     ]

@@ -12,6 +12,7 @@ from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
     Balance,
     balance,
+    initial_state,
     rest_of,
     start_motion,
     stopped,
@@ -36,14 +37,14 @@ def record(system: System, request: Request) -> Outcome:
         return motion
     times = sample_times(settings)
     samples = samples_at(system, times)
-    energy_before = motion.energy()
+    initial, energy_before = initial_state(motion), motion.energy()
     motion.start_measuring(np.zeros(len(system.coordinates)))
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
-    outcome.values |= trust(motion) | _works(balance(motion, energy_before))
+    outcome.values |= initial | trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": [CODE_NAMES[code] for code in ledger.before.tolist()],
