@@ -22,6 +22,7 @@ from fiv_cli.codegen.codes import (
     JAMMING,
     NORMAL,
     PARTING,
+    PIECE,
     SEPARATION,
     SINGULAR,
     SLIP,
@@ -40,11 +41,12 @@ from fiv_cli.schedule import rate_of
 
 @dataclass(frozen=True)
 class Guard:
-    """A switching function."""
+    """A switching function; of an element's piece also its place among those of the contact."""
 
     kind: int
     contact: int
     node: Node
+    place: int = 0
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,8 @@ class Derivation:
     ----------
     graph : the expressions
     state_names : entries of the state vector: coordinates, velocities, internal states
-    parameter_names : entries of the parameter vector: parameters, signs of slip, zone
+    parameter_names : entries of the parameter vector: parameters, numbers of pieces, signs of
+        slip, zone
     states : contact states by `index_of`
     smooth : per contact, whether its law has no border at zero slip
     zone : start and width parameters of the sector and its contact, if any
@@ -141,11 +144,12 @@ class _Deriver:
             if all(self._possible(i, kind) for i, kind in enumerate(kinds)):
                 states[index_of(kinds)] = self._contact_state(kinds)
         signs = [f"sign.{i}" for i in range(len(self.contacts))]
+        rows = [symbol.name for i in range(len(self.contacts)) for symbol in self._rows(i)]
         zone = self.equations.zone
         return Derivation(
             graph=self.graph,
             state_names=tuple(self.state_names),
-            parameter_names=(*self.parameters, *signs, "zone"),
+            parameter_names=(*self.parameters, *rows, *signs, "zone"),
             states=states,
             smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
             zone=None if zone is None else (zone.start, zone.width, zone.contact),
@@ -178,6 +182,7 @@ class _Deriver:
                 name: self.symbols.coordinate(entry)
                 for name, entry in zip(self.law.states, names, strict=True)
             },
+            rows=self.symbols.rows(contact, *self.law.shape),
         )
 
     def _internal_of(self, contact: int) -> list[str]:
@@ -191,10 +196,19 @@ class _Deriver:
         rates = self.law.rates
         return {} if rates is None else rates(self._slip(contact), self._law_parameters())
 
+    def _rows(self, contact: int) -> list[sympy.Symbol]:
+        return [symbol for row in self.symbols.rows(contact, *self.law.shape) for symbol in row]
+
+    def _law_guards(self, contact: int) -> list[Expr]:
+        guards = self.law.guards
+        given = () if guards is None else guards(self._slip(contact), self._law_parameters())
+        return [guard for of_element in given for guard in of_element]
+
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
         told = (self.law_forces[contact], *self._law_rates(contact).values())
+        told += tuple(self._law_guards(contact))
         borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
         return self.law.capacity is None and not borders
 
@@ -232,6 +246,7 @@ class _Deriver:
         for i, kind in enumerate(kinds):
             names[symbols.sign(i)] = graph.parameter(f"sign.{i}")
             names[symbols.closed(i)] = graph.number(0.0 if kind == SEPARATION else 1.0)
+            names |= {symbol: graph.parameter(symbol.name) for symbol in self._rows(i)}
         return names
 
     def _joints(self, kinds: tuple[int, ...]) -> list[Joint]:
@@ -473,6 +488,11 @@ class _Deriver:
             sign = names[self.symbols.sign(contact)]
             velocity = graph.build(description.slip_velocity, names)
             guards.append(Guard(VELOCITY, contact, graph.mul(sign, velocity)))
+        if kind == SLIP:
+            v = self._slip(contact).v
+            for place, guard in enumerate(self._law_guards(contact)):
+                node = graph.build(guard.subs(v, description.slip_velocity), names)
+                guards.append(Guard(PIECE, contact, node, place))
         if description.gap is not None or description.ends_at_zero_normal_force:
             guards.append(Guard(NORMAL, contact, normal))
         return guards

@@ -105,8 +105,10 @@ def _shortened(force: Expr, unknowns: Sequence[Expr], atoms: dict[Expr, Expr]) -
 
 
 def _parameters(setup: Setup, symbols: Symbols, count: int) -> dict[Expr, str]:
-    """Symbol -> name of every parameter, derived number, sign of slip, and of the zone."""
+    """Symbol -> name of every parameter, number of a piece, sign of slip, and of the zone."""
     found = {sympy.Symbol(f"p.{name}", real=True): name for name in setup.parameter_names}
+    rows = [row for i in range(count) for row in symbols.rows(i, *setup.law.shape)]
+    found |= {symbol: symbol.name for row in rows for symbol in row}
     found |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
     return found | {symbols.zone: "zone"}
 
@@ -162,7 +164,7 @@ def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Expr, Ex
     found = {}
     for i, contact in enumerate(equations.contacts):
         sign, v = symbols.sign(i), contact.slip_velocity
-        slip = Slip(v, sign, sign * v, symbols.normal_force(i))
+        slip = Slip(v, sign, sign * v, symbols.normal_force(i), rows=symbols.rows(i, *law.shape))
         found[symbols.tangential_force(i)] = sympy.sympify(law.sliding(slip, given))
     return found
 

@@ -9,6 +9,8 @@ from fiv_cli.friction import (
     exponential,
     four_parameter,
     hyperbolic,
+    jenkins,
+    linear_regularisation,
     linear_slope,
     lugre,
     none,
@@ -30,7 +32,9 @@ _LAWS: tuple[Law, ...] = (
     hyperbolic.LAW,
     four_parameter.LAW,
     cubic.LAW,
+    linear_regularisation.LAW,
     dahl.LAW,
+    jenkins.LAW,
     lugre.LAW,
 )
 

@@ -190,7 +190,7 @@ class _Response:
         self.begun = motion.y[: 2 * len(system.coordinates)].copy()
         self.excitation = self.problem.excitation
         self.patience = self._patience()
-        ways = rests.unexcited.parameters[-1 - system.n_contacts : -1]
+        ways = rests.unexcited.parameters[system.n_own_parameters : -1]
         self.watch = watch_over(motion, ways, self.excitation, self.patience)
         self.watch.early_passages = PASSAGES * len(motion.y)
         self.section = self.problem.section
@@ -294,7 +294,7 @@ class _Response:
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        return self._all_contacts(SLIP) and bool((self.motion.slip_signs == self.watch.ways).all())
+        return self._all_contacts(SLIP) and bool((self.motion.ways == self.watch.ways).all())
 
     def _all_contacts(self, kind: int) -> bool:
         """Whether every contact is of this kind."""

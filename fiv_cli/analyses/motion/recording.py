@@ -44,10 +44,11 @@ def record(system: System, request: Request) -> Outcome:
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
     outcome.values |= trust(motion) | _works(balance(motion, energy_before))
+    names = (*CODE_NAMES, *system.setup.law.events)
     outcome.ragged |= {
         "event_time": ledger.times,
-        "event_from": [CODE_NAMES[code] for code in ledger.before.tolist()],
-        "event_to": [CODE_NAMES[code] for code in ledger.after.tolist()],
+        "event_from": [names[code] for code in ledger.before.tolist()],
+        "event_to": [names[code] for code in ledger.after.tolist()],
         "event_contact": ledger.contacts + 1,
         "event_residual": ledger.residuals,
     }
