@@ -25,6 +25,7 @@ __all__ = [
     "Sliding",
     "balance",
     "equilibria",
+    "initial_state",
     "rest_of",
     "sliding",
     "start_motion",
@@ -78,6 +79,11 @@ def start_motion(system: System, request: Request, equilibrium: Vector | None) -
     if equilibrium is None:
         return Outcome(status="failed", reason=why_none(sliding(system, request.parameters)))
     return begin(equilibrium + system.state_vector(start.values))
+
+
+def initial_state(motion: Motion) -> dict[str, Vector]:
+    """Displacements and velocities of a motion that has just begun."""
+    return {"initial_state": motion.y[: 2 * len(motion.system.coordinates)].copy()}
 
 
 def stopped(stop: Stop) -> Outcome | None:

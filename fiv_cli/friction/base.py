@@ -23,7 +23,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Parameter, Requirement, followed
+from fiv_cli.models.base import Parameter, Requirement, State, followed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -87,7 +87,7 @@ class Law:
     parameters : its parameter table
     force : ``(Slip, parameters) -> F_T`` in N, positive along v
     capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
-    states : internal states, name -> unit; they begin at zero
+    states : internal states; they begin at zero
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)
     average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
@@ -96,6 +96,8 @@ class Law:
     requirements : what its parameters must be to one another
     constant_load : it gives a force that does not depend on the normal force
     only_in_stick : parameters that sliding does not read
+    stored : ``(Slip, parameters) -> energy`` in J that friction may give back, under a constant
+        normal force; None: none
     pieces : those that an element may be in, the one that it begins in first
     elements : that change from piece to piece, each for itself
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
@@ -109,13 +111,14 @@ class Law:
     parameters: tuple[Parameter, ...]
     force: Callable[[Slip, Mapping[str, Expr]], Expr]
     capacity: Callable[[Expr, Mapping[str, Expr]], Expr] | None
-    states: Mapping[str, str] = field(default_factory=dict)
+    states: tuple[State, ...] = ()
     rates: Callable[[Slip, Mapping[str, Expr]], Mapping[str, Expr]] | None = None
     structural: tuple[str, ...] = ()
     average: Callable[[Slip, Mapping[str, Expr], Expr, bool], Expr] | None = None
     requirements: tuple[Requirement, ...] = ()
     constant_load: bool = False
     only_in_stick: tuple[str, ...] = ()
+    stored: Callable[[Slip, Mapping[str, Expr]], Expr] | None = None
     pieces: tuple[Piece, ...] = ()
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
@@ -145,6 +148,17 @@ class Law:
         """Elements that are in a piece each, and numbers of a piece."""
         return (self.elements, len(self.pieces[0].row)) if self.pieces else (0, 0)
 
+    def row_symbols(self) -> list[list[Expr]]:
+        """What the numbers of the pieces are called where a law is written out."""
+        import sympy
+
+        elements, length = self.shape
+        tail = [f"_{element + 1}" if elements > 1 else "" for element in range(elements)]
+        return [
+            [sympy.Symbol(f"n{place + 1}{end}", real=True) for place in range(length)]
+            for end in tail
+        ]
+
     def at_rest(self, v: float, parameters: Mapping[str, float]) -> list[int]:
         """Number of the piece that each element is in while it slides steadily at v, m/s."""
         if self.resting is None:
@@ -161,7 +175,7 @@ class Law:
 
         if self.rates is None:
             return self.force(slip, parameters)
-        states = {name: sympy.Symbol(name, real=True) for name in self.states}
+        states = {state.name: sympy.Symbol(state.name, real=True) for state in self.states}
         moving = replace(slip, states=states)
         rates = self.rates(moving, parameters)
         (rest,) = sympy.solve([rates[name] for name in states], list(states.values()), dict=True)

@@ -6,9 +6,10 @@
 z is the spring's deflection and sigma_0 its stiffness per unit of normal force, as in Dahl's law:
 the force of a slider that slides follows mu_k N at once under any load. The cycle under a slip of
 amplitude A > mu_k/sigma_0 is a parallelogram of area 4 mu_k N (A - mu_k/sigma_0). As sigma_0 grows
-it tends to Coulomb's law with mu_s = mu_k, at first order. There is no static friction; under a
-load that pulsates below mu_k N the contact does not creep, as it does under Dahl's law. While it
-is open the spring stays as it was. Jenkin & Ewing 1877; Iwan, J. Applied Mechanics 33 (1966) 893.
+it tends to Coulomb's law with mu_s = mu_k, motions that turn round at the order 1/2. There is no
+static friction; under a load that pulsates below mu_k N the contact does not creep, as it does
+under Dahl's law. While it is open the spring stays as it was. Iwan, J. Applied Mechanics 33 (1966)
+893-900.
 
 It cannot have a stiffness that does not depend on the normal force: where that varies, the energy
 of the spring does too.
@@ -20,7 +21,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fiv_cli.friction.base import Exit, Law, Piece, Slip
-from fiv_cli.friction.dahl import POSITIVE_MU_K, SIGMA_0
+from fiv_cli.friction.dahl import DEFLECTION, POSITIVE_MU_K, SIGMA_0
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -74,9 +75,10 @@ LAW = Law(
     parameters=(POSITIVE_MU_K, SIGMA_0),
     force=lambda slip, p: p["sigma_0"] * slip.states["deflection"] * slip.N,
     capacity=None,
-    states={"deflection": "m"},
+    states=(DEFLECTION,),
     rates=rates,
     pieces=SLIDER,
     guards=guards,
+    stored=lambda slip, p: p["sigma_0"] * slip.states["deflection"] ** 2 * slip.N / 2,
     resting=lambda v, p: [steadily(v)],
 )

@@ -51,6 +51,7 @@ from fiv_cli.analyses.base import Outcome, Request, Section
 from fiv_cli.analyses.common import (
     Sliding,
     balance,
+    initial_state,
     rest_of,
     start_motion,
     stopped,
@@ -187,7 +188,7 @@ class _Response:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
         self.rests, self.motion = rests, motion
-        self.begun = motion.y[: 2 * len(system.coordinates)].copy()
+        self.initial = initial_state(motion)
         self.excitation = self.problem.excitation
         self.patience = self._patience()
         ways = rests.unexcited.parameters[system.n_own_parameters : -1]
@@ -240,7 +241,7 @@ class _Response:
             answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
         answer.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
-        answer.values["initial_state"] = self.begun
+        answer.values |= self.initial
         self._add_reference(answer)
         return answer
 
