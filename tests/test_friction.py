@@ -141,7 +141,7 @@ def test_falling_laws_begin_at_their_capacity(name: str) -> None:
 def symbolic(law: Law) -> tuple[Slip, dict[str, Any]]:
     """What a law is written in, as symbols; its structural parameters are numbers."""
     v, sign, normal = sympy.symbols("v sign N", real=True)
-    states = {name: sympy.Symbol(name, real=True) for name in law.states}
+    states = {state.name: sympy.Symbol(state.name, real=True) for state in law.states}
     symbols = {p.name: sympy.Symbol(p.name, positive=True) for p in law.parameters}
     values = symbols | {name: sympy.Integer(2) for name in law.structural}
     return Slip(v, sign, sign * v, normal, states), values

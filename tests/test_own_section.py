@@ -96,3 +96,33 @@ def test_what_an_undecided_motion_is_advised_passes_check(model: Any) -> None:
     for state in model.states(model.default_options()):
         case["analysis"] = [{"kind": "response", "section": {"zero": f"{state.name}_dot"}}]
         api.load(case)
+
+
+@pytest.mark.parametrize("choice", [CHOICES[0], CHOICES[1], CHOICES[3]])
+def test_a_cycle_is_reported_at_a_section_that_it_has(choice: Any) -> None:
+    model, law, start, options, changes, observe, own = choice
+
+    def cycle(**settings: Any) -> Outcome:
+        asked = {"observe": observe, "t_max": 200.0, "transient": 100.0, **settings}
+        return api.analyse(model, law, "cycle", start, asked, options=options, **changes)
+
+    named = {"zero": own, "direction": "up"} if isinstance(own, str) else own
+    found = cycle()
+    assert found.values["multiplicity"] >= 1 and bits(found) == bits(cycle(section=named))
+    kind = "turning_point" if isinstance(own, str) else "slip_to_stick"
+    assert found.values["section_kind"] == kind
+
+
+def test_a_chain_of_cycles_keeps_the_section_of_its_first() -> None:
+    """Along it nothing else is looked for: a cycle of the second mass alone."""
+    up = {"label": "up", "kind": "continue", "along": "v", "from": "far"}
+    case = {
+        "schema": 1, "friction": {"law": "coulomb"},
+        "model": {"name": "belt-2mass", "parameters": STIFF_WALL},
+        "grid": {"v": [1.0, 1.01, 1.02]},
+        "initial": [{"label": "far", "kind": "state", "state": {"x2": 8.0}}, up],
+        "analysis": [{"kind": "cycle", "observe": "x2", "t_max": 200.0, "transient": 100.0}],
+    }  # fmt: skip
+    found = api.run(api.load(case), workers=1).sel(initial="up")
+    assert found["section_contact"].values.tolist() == [2, 2, 2]
+    assert (found["multiplicity"] >= 1).all() and (found["residual"] < 1e-9).all()

@@ -67,6 +67,39 @@ def test_the_state_that_a_motion_began_in_is_stored_for_every_kind_of_start() ->
     assert float(ends["x_min"]) <= at["up"][1][0] <= float(ends["x_max"])
 
 
+SLOWING = """
+schema = 1
+[model]
+name = "belt-1dof"
+[schedule]
+v = { start = 2.0, stop = 1.0, over = 200.0 }
+[[initial]]
+kind = "equilibrium"
+offset = { x = 0.1 }
+[[initial]]
+kind = "random"
+count = 2
+box = { x = [4.0, 6.0], x_dot = [-1.0, 1.0] }
+[[analysis]]
+kind = "history"
+t_end = 1.0
+[[analysis]]
+kind = "spectrogram"
+f_max = 1.0
+resolution = 0.05
+"""
+
+
+def test_motions_and_spectrograms_keep_their_starts_too() -> None:
+    results = api.run(api.load(tomllib.loads(SLOWING)), workers=1)
+    motion = results["history"]
+    assert motion["initial_state"].sizes == {"initial": 3, "state": 2}
+    for state in ("x", "x_dot"):
+        begun = motion["initial_state"].sel(state=state).values
+        assert begun.tolist() == motion[state].isel(time=0).values.tolist()
+    xr.testing.assert_identical(motion["initial_state"], results["spectrogram"]["initial_state"])
+
+
 SWEPT = """
 schema = 1
 [model]

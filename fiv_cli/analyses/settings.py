@@ -496,14 +496,20 @@ def schema_of(settings: Iterable[Setting]) -> Schema:
 
 @dataclass(frozen=True)
 class SectionSetting(TableSetting):
-    """A Poincaré section: one of `event`, `zero` and `phase`."""
+    """A Poincaré section: one of `event`, `zero` and `phase`; it may be left to the motion."""
 
     form: ClassVar[str] = (
-        '{ event = "slip->stick" }, { zero = "x_dot", direction = "up" } or { phase = 0.0 }'
+        '{ event = "any" }, { event = "slip->stick" }, { zero = "x_dot", direction = "up" } or '
+        "{ phase = 0.0 }"
     )
     whose: ClassVar[str] = "a section"
     keys: ClassVar[tuple[Setting, ...]] = (
-        Choice("event", "a transition of a contact", choices=("slip->stick", "stick->slip")),
+        Choice(
+            "event",
+            "a transition of a contact; any: the first that the motion has, or where nothing "
+            "sticks the points at which `observe` turns back",
+            choices=("any", "slip->stick", "stick->slip"),
+        ),
         Integer("contact", "contact of the event, from 1", default=1),
         Text("zero", "velocity that passes zero, e.g. x_dot"),
         Choice("direction", "sense of it", default="both", choices=("up", "down", "both")),
@@ -529,25 +535,6 @@ class SectionSetting(TableSetting):
         """A section that the model can never pass through."""
         checks = {"event": _check_event, "zero": _check_velocity, "phase": _check_phase}
         return checks[value.kind](value, known) if value.kind in checks else ()
-
-    def example(self, model: Model, varied: Parameter) -> str:
-        return '{ event = "slip->stick" }'
-
-
-@dataclass(frozen=True)
-class OwnSectionSetting(SectionSetting):
-    """A section that may be left to the motion."""
-
-    form: ClassVar[str] = f'{{ event = "any" }}, {SectionSetting.form}'
-    keys: ClassVar[tuple[Setting, ...]] = (
-        Choice(
-            "event",
-            "a transition of a contact; any: the first that the motion has, or where nothing "
-            "sticks the points at which `observe` turns back",
-            choices=("any", "slip->stick", "stick->slip"),
-        ),
-        *SectionSetting.keys[1:],
-    )
 
     def example(self, model: Model, varied: Parameter) -> str:
         return '{ event = "any" }'

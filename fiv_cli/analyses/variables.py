@@ -10,7 +10,7 @@ from dataclasses import KW_ONLY, dataclass
 from enum import Enum, auto
 from typing import TypedDict, Unpack
 
-from fiv_cli.analyses.settings import Settings, Varied
+from fiv_cli.analyses.settings import Section, Settings, Varied
 from fiv_cli.models.base import State
 
 INT_FILL = -2147483647
@@ -174,12 +174,14 @@ class Subject:
     contact : the dim of its contacts; "" where it has one only
     surface : whether it has an elastic disc to look at
     settings : settings of the analysis
+    internal : states of the friction laws in use
     """
 
     states: tuple[State, ...]
     contact: str
     surface: bool
     settings: Settings
+    internal: tuple[State, ...] = ()
 
     @property
     def varied(self) -> Varied:
@@ -296,6 +298,20 @@ def section_value(subject: Subject) -> Variable:
     """The observed state wherever a steady motion passes the section."""
     observed, unit = subject.observed
     return Variable("section_value", unit, f"{observed} at the section", ragged="section")
+
+
+def own_section(subject: Subject) -> list[Variable]:
+    """Which section the motion chose, where the case leaves that to it."""
+    if subject.settings.get("section") != Section("own"):
+        return []
+    event = "contact that the section is an event of, counted from 1"
+    return [
+        detail(
+            "section_kind", "section that section_value lies on", of="section",
+            comment="turning_point: the coordinate that is observed is least",
+        ),
+        count("section_contact", event, role=Role.DETAIL),
+    ]  # fmt: skip
 
 
 def extremes(states: tuple[State, ...], *, rms: bool) -> list[Variable]:

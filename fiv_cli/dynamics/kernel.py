@@ -502,9 +502,10 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
         lead = leading(run.series, offset, order, step, known_zeros)
         if lenient and kind == NORMAL and trigger_kind == GAP and contact == trigger_contact:
             # the last of ever shorter flights: the open contact finds no gap rate left, this one
-            # a force, or a rate of it, that is negative by rounding
-            # (test_bounces_that_pile_up_end_in_contact)
-            rounding = VANISHING * series_scale(run.series, offset, order, step)
+            # a force, or a rate of it, that is negative by the rounding of the step that led here
+            # (test_bounces_that_pile_up_end_in_contact, test_contact_closes_on_stiff_bristles)
+            flight = max(step, run.last_step)
+            rounding = VANISHING * series_scale(run.series, offset, 2, flight)
             if lead == -2 or (lead == -1 and run.series[offset] >= -rounding):
                 lead = leading(run.series, offset, order, step, 2)
         opens = kind == NORMAL or kind == GAP  # test_two_contacts_at_one_instant

@@ -6,7 +6,7 @@ What is computed, and how a run ends, is told in ``steady_state.py``.
 from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later, Section
-from fiv_cli.analyses.settings import Choice, Number, OwnSectionSetting, StateName
+from fiv_cli.analyses.settings import Choice, Number, SectionSetting, StateName
 from fiv_cli.analyses.variables import (
     ATTRACTOR,
     INITIAL_STATE,
@@ -19,14 +19,14 @@ from fiv_cli.analyses.variables import (
     Subject,
     Variable,
     count,
-    detail,
     extremes,
+    own_section,
     section_value,
     share,
 )
 
 SETTINGS = (
-    OwnSectionSetting(
+    SectionSetting(
         "section", "Poincaré section by which the steady state is judged", default=Section("own")
     ),
     StateName("observe", "state whose value at the section is kept; the first state when left out"),
@@ -70,7 +70,7 @@ def variables(subject: Subject) -> list[Variable]:
         PERIOD_RATIO,
         Variable("response_frequency", "Hz", "one over the period"),
         section_value(subject),
-        *_section(subject),
+        *own_section(subject),
         share("stick_fraction", "share of time in stick", contact),
         share("slip_fraction", "share of time in slip", contact),
         share("separation_fraction", "share of time in separation", contact),
@@ -111,20 +111,6 @@ def _reference(subject: Subject) -> list[Variable]:
             role=Role.DETAIL,
         ),
     ]
-
-
-def _section(subject: Subject) -> list[Variable]:
-    """Which section the motion chose, where the case leaves that to it."""
-    if subject.settings.get("section") != Section("own"):
-        return []
-    event = "contact that the section is an event of, counted from 1"
-    return [
-        detail(
-            "section_kind", "section that section_value lies on", of="section",
-            comment="turning_point: the coordinate that is observed is least",
-        ),
-        count("section_contact", event, role=Role.DETAIL),
-    ]  # fmt: skip
 
 
 ANALYSIS = Analysis(

@@ -18,6 +18,7 @@ from fiv_cli.analyses.settings import (
     StateName,
 )
 from fiv_cli.analyses.variables import (
+    INITIAL_STATE,
     MULTIPLICITY,
     MULTIPLIERS,
     PERIOD_RATIO,
@@ -28,6 +29,7 @@ from fiv_cli.analyses.variables import (
     count,
     detail,
     extremes,
+    own_section,
     section_value,
     trust,
 )
@@ -62,6 +64,8 @@ def variables(subject: Subject) -> list[Variable]:
             velocities=True,
         ),
         section_value(subject),
+        *own_section(subject),
+        INITIAL_STATE,
         *MULTIPLIERS,
         *extremes(subject.states, rms=False),
         trust("residual", "miss after a period, over the extent of the cycle"),
@@ -128,7 +132,7 @@ ANALYSIS = Analysis(
         SectionSetting(
             "section",
             "Poincaré section whose returns give the first guess, and where the cycle is reported",
-            default=Section("event"),
+            default=Section("own"),
         ),
         StateName(
             "observe", "state whose value at the section is kept; the first state when left out"

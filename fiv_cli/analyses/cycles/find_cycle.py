@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from fiv_cli.analyses.base import Outcome, Request, Settings
+from fiv_cli.analyses.attractor.own_section import (
+    OWN,
+    first_section,
+    own_section,
+    recorded,
+    turning_points,
+)
+from fiv_cli.analyses.base import Outcome, Request, Section, Settings
 from fiv_cli.analyses.common import rest_of, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.cycles.end_error import end_error
-from fiv_cli.analyses.cycles.first_guess import Guess, guesses, returns
+from fiv_cli.analyses.cycles.first_guess import Begin, Guess, guesses, returns
 from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, floquet, problem_of
-from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System
 
 NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of a cycle
@@ -25,46 +31,61 @@ BRIDGES = 5  # halvings of the way between neighbours
 
 def find_cycle(system: System, request: Request) -> Outcome:
     """The cycle near what the start leads to, and its branch where a parameter is given."""
-    problem, start, settings = problem_of(system, request), request.start, request.settings
-    if start is not None and start.kind == "continue" and start.carried is not None:
-        neighbour = _carried_guess(start.carried)
-        cycle: Cycle | Outcome | None = _bridged(
-            problem, neighbour, start.carried["parameters"], BRIDGES
-        )
+    start = request.start
+    carried = start.carried if start is not None and start.kind == "continue" else None
+    problem = problem_of(system, request)
+    if carried is not None:
+        outcome, begun = _continued(problem, request, carried), np.array(carried["state"])
     else:
-        cycle = _reached(problem, request)
-    if cycle is None:
-        return Outcome(reason="no_cycle")
-    if isinstance(cycle, Outcome):
-        return cycle
-    observed = system.state_names.index(settings["observe"] or system.state_names[0])
-    outcome = _outcome(problem, cycle, observed)
-    if settings["parameter"] is not None and settings["bracket"] is not None:
-        _add_branch(outcome, problem, cycle, settings, observed)
+        _, solutions = rest_of(system, request)
+        exact = replace(request, solver=problem.solver)
+        begin = partial(start_motion, system, exact, solutions[0] if solutions else None)
+        first = begin()
+        if isinstance(first, Outcome):
+            return first
+        outcome, begun = _reached(problem, request, cast(Begin, begin)), first.y
+    outcome.values["initial_state"] = begun[: 2 * len(system.coordinates)].copy()
     return outcome
 
 
 # --- the cycle -----------------------------------------------------------------------------------
-def _reached(problem: Problem, request: Request) -> Cycle | Outcome | None:
-    """The cycle that the motion from the start comes near; the outcome where it never returns."""
-    _, solutions = rest_of(problem.system, request)
-    equilibrium = solutions[0] if solutions else None
-    exact = replace(request, solver=problem.solver)
-    begin = partial(start_motion, problem.system, exact, equilibrium)
-    first = begin()
-    if isinstance(first, Outcome):
-        return first
+def _continued(problem: Problem, request: Request, carried: Mapping[str, Any]) -> Outcome:
+    """What becomes of the cycle of a neighbour."""
+    if problem.section.kind == OWN:
+        problem = replace(problem, section=Section(**carried["section"]))
+    cycle = _bridged(problem, _carried_guess(carried), carried["parameters"], BRIDGES)
+    return Outcome(reason="no_cycle") if cycle is None else _told(problem, cycle, request)
 
-    def begun() -> Motion:
-        motion = begin()
-        assert isinstance(motion, Motion)
-        return motion
 
-    settings = request.settings
-    passed = returns(problem, begun, settings["transient"], settings["t_max"])
-    if len(passed.times) < 2:
-        return stopped(passed.stop) or Outcome(reason="no_return")
-    return _closed(problem, guesses(problem, begun, passed, settings["multiplicity"]))
+def _reached(problem: Problem, request: Request, begin: Begin) -> Outcome:
+    """The cycle that the motion from the start comes near, at the first section that has it."""
+    settings, outcome = request.settings, Outcome(reason="no_return")
+    for section in _sections(problem, settings, begin):
+        at = replace(problem, section=section)
+        passed = returns(at, begin, settings["transient"], settings["t_max"])
+        if len(passed.times) < 2:
+            outcome = stopped(passed.stop) or outcome
+            continue
+        cycle = _closed(at, guesses(at, begin, passed, settings["multiplicity"]))
+        if cycle is not None:
+            return _told(at, cycle, request)
+        outcome = Outcome(reason="no_cycle")
+    return outcome
+
+
+def _sections(problem: Problem, settings: Settings, begin: Begin) -> Iterator[Section]:
+    """The section of the case or, where it leaves that to the motion, what the motion may have."""
+    if problem.section.kind != OWN:
+        yield problem.section
+        return
+    observed = settings["observe"] or problem.system.state_names[0]
+    first = first_section(problem.system, observed)
+    yield first
+    motion, transient = begin(), settings["transient"]
+    motion.run(transient)
+    own = own_section(motion, observed, settings["t_max"] - transient)
+    others = own, turning_points(problem.system, observed)
+    yield from dict.fromkeys(section for section in others if section != first)
 
 
 def _closed(problem: Problem, candidates: Iterator[Guess]) -> Cycle | None:
@@ -116,6 +137,19 @@ def _carry(problem: Problem, cycle: Cycle) -> dict[str, object]:
         "scales": cycle.scales.tolist(),
         "parameters": dict(problem.parameters),
     }
+
+
+def _told(problem: Problem, cycle: Cycle, request: Request) -> Outcome:
+    """What is stored of a cycle, and of its branch where a parameter is given."""
+    settings, names = request.settings, problem.system.state_names
+    observed = names.index(settings["observe"] or names[0])
+    outcome = _outcome(problem, cycle, observed)
+    if request.settings["section"].kind == OWN:
+        outcome = recorded(outcome, problem.section)
+        outcome.carry = {**(outcome.carry or {}), "section": asdict(problem.section)}
+    if settings["parameter"] is not None and settings["bracket"] is not None:
+        _add_branch(outcome, problem, cycle, settings, observed)
+    return outcome
 
 
 def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import DiscPoints, Number
 from fiv_cli.analyses.variables import (
+    INITIAL_STATE,
     OF_SOLVER,
     Subject,
     Variable,
@@ -37,6 +38,10 @@ def variables(subject: Subject) -> list[Variable]:
     return [
         axis("time", "s", "time", symbol="t"),
         *(Variable(n, u, m, "time", symbol=s) for n, u, s, m in motions(subject.states)),
+        *(
+            Variable(s.name, s.unit, s.meaning, at_contacts, symbol=s.symbol)
+            for s in subject.internal
+        ),
         Variable("F_T", "N", "tangential contact force", at_contacts, symbol="F_T"),
         Variable("F_N", "N", "normal contact force", at_contacts, symbol="F_N"),
         detail("contact_state", "state of contact", at_contacts),
@@ -50,6 +55,7 @@ def variables(subject: Subject) -> list[Variable]:
         Variable("other_work", "J", "work of all other forces"),
         Variable("impact_loss", "J", "energy lost in impacts"),
         *_EVENTS,
+        INITIAL_STATE,
         *(_SURFACE if subject.settings.get("points") else ()),
         *OF_SOLVER,
     ]

@@ -12,6 +12,7 @@ from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
     Balance,
     balance,
+    initial_state,
     rest_of,
     start_motion,
     stopped,
@@ -36,14 +37,14 @@ def record(system: System, request: Request) -> Outcome:
         return motion
     times = sample_times(settings)
     samples = samples_at(system, times)
-    energy_before = motion.energy()
+    initial, energy_before = initial_state(motion), motion.energy()
     motion.start_measuring(np.zeros(len(system.coordinates)))
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
-    outcome.values |= trust(motion) | _works(balance(motion, energy_before))
+    outcome.values |= initial | trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": [CODE_NAMES[code] for code in ledger.before.tolist()],
@@ -94,12 +95,21 @@ def _curves(system: System, samples: Samples) -> dict[str, object]:
     """Everything over time; NaN after the end of a motion that stopped early."""
     taken = np.arange(len(samples.times)) < samples.count
     curves = dict(zip(system.motions, samples.states.T, strict=False))
+    curves |= _internal(system, samples)
     curves["F_N"] = _contact_rows(samples.forces[:, :, 0])
     curves["F_T"] = _contact_rows(samples.forces[:, :, 1])
     curves |= samples.energies
     blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
     codes = np.where(taken[:, None], samples.codes, -1)
     return {**blanked, "contact_state": _contact_rows(codes)}
+
+
+def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
+    """The states of the friction law over time."""
+    states = system.setup.law.states
+    own = samples.states[:, len(system.motions) :]
+    by_contact = own.reshape(len(own), system.n_contacts, len(states))
+    return {s.name: _contact_rows(by_contact[:, :, i]) for i, s in enumerate(states)}
 
 
 def _surface(

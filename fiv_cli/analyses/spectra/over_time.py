@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Request, Settings
-from fiv_cli.analyses.common import balance, stopped, trust
+from fiv_cli.analyses.common import balance, initial_state, stopped, trust
 from fiv_cli.analyses.motion.recording import begun, varying_at
 from fiv_cli.analyses.spectra.resolution import bin_width, frequencies, hop, slice_length
 from fiv_cli.dynamics.motion import Motion, samples_at
@@ -31,14 +31,15 @@ def spectrogram(system: System, request: Request) -> Outcome:
     motion = begun(system, request)
     if isinstance(motion, Outcome):
         return motion
-    energy_before = motion.energy()
+    initial, energy_before = initial_state(motion), motion.energy()
     motion.start_measuring(np.zeros(len(system.coordinates)))
     place = system.state_names.index(settings["observe"] or system.state_names[0])
     interval = 1.0 / (OVERSAMPLED * float(settings["f_max"]))
     values, end = _sampled(motion, place, interval, t_end)
     windows = short_time(values, interval, slice_length(settings), hop(settings))
     outcome = end or Outcome()
-    outcome.values |= _on_bins(windows, settings) | varying_at(system, windows.time) | trust(motion)
+    outcome.values |= _on_bins(windows, settings) | varying_at(system, windows.time)
+    outcome.values |= initial | trust(motion)
     outcome.values["energy_residual"] = balance(motion, energy_before).residual
     return outcome
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.settings import Number, StateName
 from fiv_cli.analyses.spectra.spectrum import F_MAX, FREQUENCY, OBSERVED, RESOLUTION
-from fiv_cli.analyses.variables import OF_MOTION, Subject, Variable, axis
+from fiv_cli.analyses.variables import INITIAL_STATE, OF_MOTION, Subject, Variable, axis
 
 
 def variables(subject: Subject) -> list[Variable]:
@@ -21,6 +21,7 @@ def variables(subject: Subject) -> list[Variable]:
         FREQUENCY,
         Variable("spectrogram", unit, amplitude, "time frequency", comment=comment),
         Variable("mean", unit, f"mean of {observed} in the window", "time"),
+        INITIAL_STATE,
         *OF_MOTION,
     ]
 
