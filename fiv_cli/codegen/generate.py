@@ -114,11 +114,12 @@ class Generated:
 def generate(setup: Setup, announce: Callable[[str], None] = lambda message: None) -> Generated:
     """Text and tables, from the cache or made now; `announce` says so when they are made."""
     key = text_key(setup)
-    stored = cache.read(f"{key}.json")
-    if stored is None:
+
+    def made() -> bytes:
         announce(f"generating code for {setup.title} (once per user)")
-        stored = _make(setup)
-        cache.write(f"{key}.json", stored)
+        return _make(setup)
+
+    stored = cache.kept(f"{key}.json", made)
     return _from_json(key, cache.frozen(json.loads(stored)))
 
 
@@ -322,9 +323,4 @@ def load_text(text: str) -> ExecutionEngine:
     """Execution engine with the functions of `text`, compiled unless the cache has the object."""
     from fiv_cli.codegen import lower
 
-    name = _object_name(text)
-    code = cache.read(name)
-    if code is None:
-        code = lower.compile_text(text)
-        cache.write(name, code)
-    return lower.load_object(code)
+    return lower.load_object(cache.kept(_object_name(text), lambda: lower.compile_text(text)))
