@@ -64,7 +64,7 @@ class Piece:
 
     Attributes
     ----------
-    name : as events are booked under
+    name : its first word is what events are booked under, see `flags.PIECES`
     row : the numbers that the law's expressions contain
     exits : what follows where each guard falls to zero; None of one that does not
     """
@@ -138,10 +138,8 @@ class Law:
 
     @property
     def events(self) -> tuple[str, ...]:
-        """What the pieces are called in a ledger: those of the first element, then the others'."""
-        counted = range(self.elements)
-        tail = [f" {element + 1}" if self.elements > 1 else "" for element in counted]
-        return tuple(piece.name + tail[element] for element in counted for piece in self.pieces)
+        """Words for the pieces in a ledger: those of the first element, then of the others."""
+        return tuple(piece.name.split()[0] for piece in self.pieces) * self.elements
 
     @property
     def shape(self) -> tuple[int, int]:
