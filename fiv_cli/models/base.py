@@ -21,6 +21,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fiv_cli.errors import UsageError
+from fiv_cli.models.origin import Origin
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
@@ -343,6 +344,7 @@ class Model:
     singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
         its equations mean nothing there, and a message; ("", "") where they do
     example : what a new case begins with
+    origin : where it stands, if not in the box
     """
 
     name: str
@@ -367,6 +369,7 @@ class Model:
     requirements: tuple[Requirement, ...] = ()
     singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
     example: Example | None = None
+    origin: Origin | None = None
 
     def mechanics(self, symbols: Symbols, options: Options) -> Equations:
         """The equations under `options`; UsageError unless their contacts are as many as declared.
