@@ -18,7 +18,7 @@ from sympy import Expr
 from fiv_cli.errors import Problem
 from fiv_cli.friction import all_laws, get_law, why_unfit
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Contact, Equations, Model, Parameter
+from fiv_cli.models.base import Contact, Equations, Model, Parameter, State
 from fiv_cli.models.origin import Origin
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.notation.names import ascii_name, listed, suggest
@@ -72,9 +72,7 @@ def _tables_of_model(model: Model) -> Iterator[Fault]:
     yield from _parameters(model.parameters)
     names = [p.name for p in model.parameters]
     states = model.states(model.default_options())
-    yield from _twice("State", [state.name for state in states])
-    for state in states:
-        yield from _unit("State", state.name, state.unit)
+    yield from _states(states)
     for option in model.options:
         if option.text(option.default) != option.default:
             yield Fault(("Option", option.name, "default"), "is none of the choices")
@@ -107,8 +105,7 @@ def _law_of(model: Model) -> Iterator[Fault]:
 def _tables_of_law(law: Law) -> Iterator[Fault]:
     yield from _header(law)
     yield from _parameters(law.parameters)
-    for name, unit in law.states.items():
-        yield from _unit("Law", law.name, unit, f"its state {name!r}: ")
+    yield from _states(law.states)
     if bool(law.states) != (law.rates is not None):
         yield Fault(("Law", law.name, "states"), "states and rates belong together")
 
@@ -121,6 +118,15 @@ def _header(thing: Model | Law) -> Iterator[Fault]:
             yield Fault((call, 0, attribute), f"{attribute} is {value!r}", "a text of one line")
     if not isinstance(thing.numerics_version, int):
         yield Fault((call, thing.name, "numerics_version"), "is no whole number", "1, 2, ...")
+
+
+def _states(states: Iterable[State]) -> Iterator[Fault]:
+    each = list(states)
+    yield from _twice("State", [state.name for state in each])
+    for state in each:
+        if not state.name.isidentifier() or state.name.endswith("_dot"):
+            yield Fault(("State", state.name, ""), f"{state.name!r} is no name of a state")
+        yield from _unit("State", state.name, state.unit)
 
 
 def _parameters(table: Iterable[Parameter]) -> Iterator[Fault]:
@@ -467,19 +473,20 @@ def _number(expression: Expr, values: Mapping[Expr, float]) -> float:
 # --- laws -----------------------------------------------------------------------------------------
 def _forces_of_law(law: Law) -> Iterator[Fault]:
     names = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
-    own = {name: sympy.Symbol(name, real=True) for name in (*names, *law.states)}
+    states = {state.name: state.unit for state in law.states}
+    own = {name: sympy.Symbol(name, real=True) for name in (*names, *states)}
     v, sign, speed, normal = (own[name] for name in names)
-    slip = Slip(v, sign, speed, normal, {name: own[name] for name in law.states})
+    slip = Slip(v, sign, speed, normal, {name: own[name] for name in states})
     parameters = {p.name: sympy.Symbol(f"p.{p.name}", real=True) for p in law.parameters}
     units: dict[Expr, Dimension | None] = {own[n]: dimension(u) for n, u in names.items()}
-    units |= {own[name]: dimension(unit) for name, unit in law.states.items()}
+    units |= {own[name]: dimension(unit) for name, unit in states.items()}
     units |= {parameters[p.name]: dimension(p.unit) for p in law.parameters}
     found = {"force": (law.force(slip, parameters), dimension("N"))}
     if law.capacity is not None:
         found["capacity"] = (law.capacity(slip.N, parameters), dimension("N"))
     rates = law.rates(slip, parameters) if law.rates is not None else {}
-    if set(rates) != set(law.states):
-        message = f"gives the rates of {listed([*rates])}; its states are {listed([*law.states])}"
+    if set(rates) != set(states):
+        message = f"gives the rates of {listed([*rates])}; its states are {listed(states)}"
         yield Fault(("Law", law.name, "rates"), message)
     found |= {f"rate of {n}": (rate, _per_second(units[own[n]] or dimension("1")))
               for n, rate in rates.items() if n in own}  # fmt: skip
