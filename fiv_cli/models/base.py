@@ -226,6 +226,10 @@ class Contact:
     sliding_only : the contact always slides the way the drive moves it at rest: there is neither
         stick nor reversal of friction; without a gap it is bilateral (F_N may be negative)
     static_friction : False: it sticks up to the kinetic friction at zero speed, not more
+    law : name of its friction law, where that is the model's matter and not the case's
+    law_parameters : law parameter name -> expression seen by its law, where it has its own
+    restitution : share of the gap rate that an impact gives back (Newton); 0: plastic
+    is_stop : at a sliding equilibrium it is open, see `stop`
     """
 
     slip_velocity: Expr
@@ -238,6 +242,10 @@ class Contact:
     closing_rate: Expr | None = None
     sliding_only: bool = False
     static_friction: bool = True
+    law: str | None = None
+    law_parameters: Mapping[str, Expr] = field(default_factory=dict)
+    restitution: Expr | int = 0
+    is_stop: bool = False
 
     def __post_init__(self) -> None:
         if self.normal_force is None and (self.gap is None or self.gap_coordinate is None):
@@ -245,6 +253,37 @@ class Contact:
                 "a rigid contact (normal_force = None) has no gap or no gap_coordinate\n"
                 "next: name the state that the closed gap determines"
             )
+
+
+def stop(
+    gap: Expr,
+    coordinate: str | None = None,
+    normal_force: Expr | None = None,
+    restitution: Expr | int = 0,
+) -> Contact:
+    """A frictionless stop: what closes the gap and rests on nothing.
+
+    Parameters
+    ----------
+    gap : distance that is left, m
+    coordinate : of a rigid stop: the state that the closed gap determines
+    normal_force : of a soft stop: its force, N, where it is closed
+    restitution : share of the gap rate that an impact on a rigid stop gives back; its impacts may
+        pile up: when their flights are below rounding, it stays closed
+    """
+    import sympy
+
+    return Contact(
+        slip_velocity=sympy.Integer(0),
+        slip_coordinate="",
+        normal_force=normal_force,
+        gap=gap,
+        gap_coordinate=coordinate,
+        impact="plastic" if normal_force is None else "none",
+        law="none",
+        restitution=restitution,
+        is_stop=True,
+    )
 
 
 @dataclass(frozen=True)
@@ -284,6 +323,13 @@ class Equations:
     potential_energy: Expr
     law_parameters: Mapping[str, Expr] = field(default_factory=dict)
     zone: Zone | None = None
+
+    def law_parameters_at(
+        self, contact: int, table: Iterable[Parameter], symbols: Symbols
+    ) -> dict[str, Expr]:
+        """What the parameters of a law are at a contact."""
+        given = {**self.law_parameters, **self.contacts[contact].law_parameters}
+        return {p.name: given.get(p.name, symbols.parameter(p.name)) for p in table}
 
 
 @dataclass(frozen=True)
