@@ -34,6 +34,8 @@ PER_CONTACT = len(CONTACT_OUTPUTS)
 SLIP_VELOCITY = CONTACT_OUTPUTS.index("slip_velocity")
 KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_OUTPUTS))
 
+LANES = 4  # tangent vectors that generated code moves at once
+
 
 def index_of(kinds: Sequence[int]) -> int:
     """Index of a combination of contact kinds: base 3, contact 0 first."""

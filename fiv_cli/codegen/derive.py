@@ -120,7 +120,7 @@ class _Deriver:
         self.laws = [setup.law_of(contact) for contact in self.contacts]
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
-            [f"{name}_{i + 1}" if len(self.laws) > 1 else name for name in law.states]
+            [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
             for i, law in enumerate(self.laws)
         ]
         self.parameters = setup.parameter_names
@@ -192,8 +192,8 @@ class _Deriver:
             speed=sign * v,
             N=self.symbols.normal_force(contact),
             states={
-                name: self.symbols.coordinate(entry)
-                for name, entry in zip(law.states, names, strict=True)
+                state.name: self.symbols.coordinate(entry)
+                for state, entry in zip(law.states, names, strict=True)
             },
         )
 
@@ -439,8 +439,8 @@ class _Deriver:
     def _internal_rates(self, contact: int, names: Mapping[Expr, Node]) -> list[Node]:
         slip, rates = self._slip(contact), self._law_rates(contact)
         velocity, build = self.contacts[contact].slip_velocity, self.graph.build
-        names_of_states = self.laws[contact].states
-        return [build(rates[name].subs(slip.v, velocity), names) for name in names_of_states]
+        states = self.laws[contact].states
+        return [build(rates[state.name].subs(slip.v, velocity), names) for state in states]
 
     def _guards(
         self,

@@ -78,4 +78,5 @@ MODEL = Model(
     law_defaults={"mu_k": 0.1, "mu_s": 0.4},
     contacts=2,
     example=Example("v", 1.0, 4.0, {}, {"f_max": 2.0}),
+    sliding=Example("v", 1.0, 6.0, law="stribeck"),
 )
