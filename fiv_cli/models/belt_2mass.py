@@ -77,5 +77,6 @@ MODEL = Model(
     constant_load=True,
     law_defaults={"mu_k": 0.1, "mu_s": 0.4},
     contacts=2,
+    base=("x1", "x2"),
     example=Example("v", 1.0, 4.0, {}, {"f_max": 2.0}),
 )
