@@ -467,7 +467,8 @@ def _start(setup: Setup, start: Mapping[str, float] | Start) -> Start:
     if isinstance(start, Start):
         return start
     coordinates = [state.name for state in setup.model.states(setup.options)]
-    known = [*coordinates, *(f"{name}_dot" for name in coordinates), *setup.law.states]
+    internal = [state.name for state in setup.law.states]
+    known = [*coordinates, *(f"{name}_dot" for name in coordinates), *internal]
     for name in start:
         pick(name, dict.fromkeys(known), f"state of {setup.model.name}", f"name another; {_ASKED}")
     return Start("start", "state", start)

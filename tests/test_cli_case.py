@@ -21,6 +21,7 @@ from small_models import SUITED
 
 from fiv_cli import api
 from fiv_cli.analyses import all_analyses
+from fiv_cli.analyses.catalogue import possible_variables
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.schema import case_schema
 from fiv_cli.case.template import case_template
@@ -280,13 +281,13 @@ class TestCheck:
         assert "2 points" in fiv("check", str(case)).stdout
 
 
-def units_of(template: str) -> tuple[list[str], list[list[int]]]:
-    """The lines of a template, and those behind # that are to be taken in together."""
+def units_of(template: str, mark: str = "#") -> tuple[list[str], list[list[int]]]:
+    """The lines of a template, and those behind a mark that are to be taken in together."""
     lines, units = template.split("\n"), []
     for number, line in enumerate(lines):
-        if line.startswith("#   "):
+        if line.startswith(f"{mark}   "):
             units[-1].append(number)
-        elif line.startswith("# "):
+        elif line.startswith(f"{mark} "):
             units.append([number])
     return lines, units
 
@@ -294,7 +295,7 @@ def units_of(template: str) -> tuple[list[str], list[list[int]]]:
 def with_lines(lines: Sequence[str], taken_in: Sequence[int]) -> str:
     """A template with the # taken off some lines."""
     return "\n".join(
-        re.sub(r"^# +", "", line) if number in taken_in else line
+        re.sub(r"^#+ +", "", line) if number in taken_in else line
         for number, line in enumerate(lines)
     )
 
@@ -318,6 +319,22 @@ class TestNew:
         kinds = ["state", "equilibrium", "random", "table"] + ["continue"] * bool(case.axes)
         if analysis.uses_starts and analysis.chains:
             assert [start.kind for start in case.starts] == kinds
+
+    @pytest.mark.parametrize(("name", "kind"), SUITED)
+    def test_every_line_behind_two_marks_may_be_taken_in_alone(self, name: str, kind: str) -> None:
+        """A second axis (with it or without, the pair that goes together), and a refined grid."""
+        analysis = all_analyses()[kind]
+        lines, units = units_of(case_template(all_models()[name], analysis), "##")
+        cases = [
+            parse_case(with_lines(lines, taken_in), "new.toml")
+            for unit in units
+            for taken_in in (unit, unit[:1])
+        ]
+        sizes = [make_plan(case).analyses[0].size for case in cases]
+        if not analysis.single:
+            assert len(cases[0].axes) == 2 and cases[0].zips and sizes[1] > sizes[0]
+            is_classed = any(v.is_class and not v.ragged for v in possible_variables(analysis))
+            assert (cases[-1].refinement is not None) == is_classed
 
     @pytest.mark.parametrize(("name", "kind"), SUITED)
     def test_what_is_behind_a_mark_is_what_holds_without_it(self, name: str, kind: str) -> None:
@@ -347,6 +364,12 @@ class TestNew:
         text = case_template(all_models()[name], all_analyses()["response"])
         found = api.run(parse_case(text, "new.toml"), workers=1)
         assert "periodic" in api.names_of(found["attractor"]).values
+
+    @pytest.mark.parametrize("model", [m for m in all_models().values() if m.contacts])
+    def test_sliding_changes_its_stability_in_the_first_case_of_a_model(self, model: Any) -> None:
+        text = case_template(model, all_analyses()["critical"])
+        found = api.run(parse_case(text, "new.toml"), workers=1)
+        assert (found["n_crossings"] >= 1).all()
 
     def test_what_does_not_suit_a_model(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert run(["new", "annular-plate"]) == 2

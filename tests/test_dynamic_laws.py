@@ -16,7 +16,7 @@ from fiv_cli.dynamics.settings import Section
 from fiv_cli.dynamics.system import build_system
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, State
 
 BELT = get_model("belt-1dof")
 AT_REST = ("equilibrium", "eigenvalues")
@@ -31,7 +31,7 @@ MAXWELL = Law(
     ),
     force=lambda slip, p: p["sigma"] * slip.states["z"],
     capacity=None,
-    states={"z": "m"},
+    states=(State("z", "z", "m", "stretch of the spring"),),
     rates=lambda slip, p: {"z": slip.v - slip.states["z"] / p["tau"]},
 )
 
@@ -132,9 +132,73 @@ def test_bristles_of_an_open_contact_stay_as_they_were(law: str) -> None:
     assert begun.y[begun.system.places["deflection"]] == 1e-4
 
 
+@pytest.mark.parametrize("slide", [-1.0, 3.0])
+def test_contact_closes_on_stiff_bristles(slide: float) -> None:
+    """At re-contact the normal force is zero to rounding, not against the steps of the bristles.
+
+    They shorten the first step so much that the rounding of the gap passed for a force that
+    pulls: no contact state was left at one start in five.
+    """
+    bristles = {"sigma_0": 1e5, "mu_k": 0.1, "mu_s": 3.0, "v_s": 0.1}
+    for height in np.linspace(0.021, 0.022, 8):
+        thrown = {"y1": height, "y1_dot": -0.5, "y2": 2e-3, "x1_dot": slide, "deflection": -3e-5}
+        begun = motion("belt-5dof", "lugre", thrown, **bristles)
+        assert begun.run(0.02) == Stop.REACHED and begun.frame.n_impacts == 1
+
+
 @pytest.mark.parametrize("law", ["dahl", "tanh of stribeck"])
 def test_one_of_two_contacts_at_rest_that_cannot_stick(law: str) -> None:
     """It begins to slide, the way that it is left behind; the process died of it."""
     begun = motion("belt-2mass", law, {"x1_dot": 1.0, "x1": 0.5}, v=1.0)
     assert begun.codes == [CODE_SLIP_PLUS, CODE_SLIP_PLUS]
     assert begun.run(5.0) == Stop.REACHED and np.all(np.isfinite(begun.y))
+
+
+def test_a_history_holds_the_states_of_the_laws_of_every_contact() -> None:
+    """What a contact has slipped it has bent, as long as it has not yielded; Coulomb has none."""
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-2mass"},
+        "friction": {"sigma_0": 1e-2},
+        "grid": {"friction": ["coulomb", "dahl"]},
+        "initial": [{"label": "far", "kind": "state", "state": {"x1_dot": 0.5}}],
+        "analysis": [{"kind": "history", "t_end": 2.0}],
+    }
+    found = api.run(api.load(case)).sel(initial="far")
+    assert found["deflection"].attrs["units"] == "m"
+    assert found["deflection"].dims == ("friction", "contact", "time")
+    assert np.isnan(found["deflection"].sel(friction="coulomb")).all()
+    bent = found["deflection"].sel(friction="dahl")
+    np.testing.assert_allclose(found["F_T"].sel(friction="dahl"), 1e-2 * bent * found["N"])
+    for contact, mass in enumerate(("x1", "x2")):
+        slipped = found["v"] * found["time"] - found[mass].sel(friction="dahl")
+        np.testing.assert_allclose(bent[contact], slipped, rtol=0.2)
+        assert bent[contact].max() > 0.5
+
+
+@pytest.mark.parametrize("v", [2e-3, 2e-2])
+def test_rate_and_state_slides_unsteadily_below_the_critical_stiffness(v: float) -> None:
+    """(b - a) N/D_c of the quasi-static spring and slider (Ruina 1983), and what inertia adds."""
+    a, b, D_c, N, m = 0.01, 0.015, 1e-3, 10.0, 1.5
+    given = {"a_rate": a, "b_state": b, "D_c": D_c, "N": N, "m": m, "v": v, "mu_0": 0.6}
+    asked = {"parameter": "k", "bracket": [1.0, 1e3]}
+    found = api.analyse(BELT, "rate-and-state", "critical", None, asked, **given).values
+    critical = (b - a) * N / D_c * (1.0 + m * v**2 / (a * N * D_c))
+    assert found["critical_value"] == pytest.approx([critical], rel=1e-9)
+    frequency = np.sqrt(critical * v / (m * v + N * a * D_c / v))
+    assert found["crossing_frequency"] == pytest.approx([frequency], rel=1e-6)
+    assert (found["unstable_below"], found["unstable_above"]) == ([2], [0])
+
+
+def test_rate_and_state_friction_after_a_step_of_the_slip_speed() -> None:
+    """The direct effect at once, a ln(v/v_0); then the age, of the closed form, after D_c."""
+    a, b, D_c, faster = 0.01, 0.015, 1e-3, 3e-2
+    heavy = {"m": 1e15, "k": 0.0, "a_rate": a, "b_state": b, "D_c": D_c, "v_0": 1e-2, "N": 1.0}
+    begun = motion("belt-1dof", "rate-and-state", {}, mu_0=0.6, v=faster, **heavy)
+    for time in (0.0, 0.02, 0.1):
+        begun.run(time)
+        age = 1.0 / 3.0 + 2.0 / 3.0 * np.exp(-faster * time / D_c)  # v_0 theta/D_c
+        coefficient = 0.6 + a * np.log(3.0) + b * np.log(age)
+        assert begun.y[2] + 1.0 == pytest.approx(age, rel=1e-12)
+        (force,) = begun.system.field(0, begun.coefficients, time, begun.y).contacts[:, 1]
+        assert force == pytest.approx(coefficient, rel=1e-12)

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -129,22 +130,25 @@ class Batch:
 
     Attributes
     ----------
-    requests : the points, without their starts
-    known : what was found, by the system and the `id` of a point's parameters
+    requests : the points; those on chains without their starts
+    known : what was found, by what finds it, the system and the `id` of a point's parameters
     """
 
     requests: Sequence[Request]
-    known: dict[tuple[object, int], Any] = field(default_factory=dict)
+    known: dict[tuple[object, object, int], Any] = field(default_factory=dict)
 
-    def alike(self, request: Request) -> list[Mapping[str, float]]:
-        """Parameters of the points in the same system, of this one alone if it is none of them."""
-        key, own = request.setup.key, request.parameters
-        points = [one.parameters for one in self.requests if one.setup.key == key]
-        return points if any(point is own for point in points) else [own]
+    def alike(self, request: Request) -> list[Request]:
+        """The points in the same system."""
+        key = request.setup.key
+        return [one for one in self.requests if one.setup.key == key]
 
     def has(self, request: Request) -> bool:
-        """Whether this is one of the points."""
-        return any(one.parameters is request.parameters for one in self.requests)
+        """Whether this is one of the points (the `id` of another may be given again)."""
+        return id(request.parameters) in self._places
+
+    @cached_property
+    def _places(self) -> frozenset[int]:
+        return frozenset(id(one.parameters) for one in self.requests)
 
 
 @dataclass

@@ -17,6 +17,7 @@ def variables_of(
     options: Options,
     settings: Settings,
     varying: tuple[Parameter, ...] = (),
+    internal: tuple[State, ...] = (),
 ) -> tuple[Variable, ...]:
     """Every variable of an analysis of `kind` on `model`, ``status`` and ``reason`` first.
 
@@ -26,9 +27,11 @@ def variables_of(
     options : options of the model (they decide its states)
     settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
     varying : parameters that vary in time; each is a variable over ``time``
+    internal : states of the friction laws
     """
     contact = "contact" if model.contacts > 1 else ""
-    subject = Subject(model.states(options), contact, model.surface is not None, settings)
+    surface = model.surface is not None
+    subject = Subject(model.states(options), contact, surface, settings, internal)
     own = get_analysis(kind).variables(subject)
     over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
     return (STATUS, REASON, *own, *over_time)

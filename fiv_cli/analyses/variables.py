@@ -174,12 +174,14 @@ class Subject:
     contact : the dim of its contacts; "" where it has one only
     surface : whether it has an elastic disc to look at
     settings : settings of the analysis
+    internal : states of the friction laws in use
     """
 
     states: tuple[State, ...]
     contact: str
     surface: bool
     settings: Settings
+    internal: tuple[State, ...] = ()
 
     @property
     def varied(self) -> Varied:

@@ -146,7 +146,7 @@ def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Var
     needed = (one.name for one in analysis.settings if one.required)
     sound = understood and all(spec.settings.get(name) is not None for name in needed)
     settings = spec.settings if sound else ALL_ASKED
-    return variables_of(spec.kind, model, case.options, settings, case.varying)
+    return variables_of(spec.kind, model, case.options, settings, case.varying, case.internal)
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:
@@ -168,7 +168,8 @@ def _known(
         [*(axis.dim for axis in case.axes), COMPUTED.name]
     )
     if with_motions:
-        own = variables_of("history", get_model(case.model), case.options, {})
+        model, internal = get_model(case.model), case.internal
+        own = variables_of("history", model, case.options, {}, internal=internal)
         found |= {variable.name: variable for variable in own}
     for variables in chosen:
         if variables is None:

@@ -10,7 +10,7 @@ from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter, followed
+from fiv_cli.models.base import Parameter, State, followed
 from fiv_cli.schedule import STEADY, Schedule
 
 SEVERAL = ("random", "table")
@@ -170,6 +170,16 @@ class Case:
             if axis.name == name:
                 return axis
         raise KeyError(name)
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Contract names of the laws in use."""
+        return next((axis.values for axis in self.axes if axis.kind == "law"), (self.law,))
+
+    @property
+    def internal(self) -> tuple[State, ...]:
+        """The states of the laws in use."""
+        return tuple(dict.fromkeys(state for law in self.laws for state in get_law(law).states))
 
     @property
     def varying(self) -> tuple[Parameter, ...]:

@@ -1,7 +1,7 @@
 """A case file to start from: a sweep in which the model vibrates, with all else in comments.
 
 What stands behind ``#`` at the beginning of a line may be taken in as it stands, with the lines
-below it that stand behind ``#   ``.
+below it that stand behind ``#   ``; what stands behind ``##``, in place of all that.
 """
 
 from __future__ import annotations
@@ -29,9 +29,11 @@ _CLAIMED = ("periodic", "stable", "to_unstable")
 _POINTS = 7
 _WINDOWS = 40.0  # over a resolution: how long a drive slows down, ten windows of a spectrogram
 _COMMENT_COLUMN = 34
-_HOW_TO_READ = "take the # off a line, and off those with #   below it, to have what it says"
-_AXES = "ordered; ends included; a list, or step = instead of num =; two axes make a map"
-_SWEEP = 'how axes combine: zip = [["a", "b"]] together; refine = { levels = 5, of = "CLASS" }'
+_HOW_TO_READ = (
+    "take the # off a line, and off those with #   below it, to have what it says; "
+    "the ## off one line alone"
+)
+_AXES = "ordered; ends included; a list, or step = instead of num ="
 
 
 def case_template(model: Model, analysis: Analysis) -> str:
@@ -47,6 +49,7 @@ class _Template:
     ----------
     example : where the model vibrates; of what is swept first: its range
     axis : what the grid varies; None: nothing
+    second : what it could vary besides; None: nothing
     varied : what an analysis varies itself, or what a grid could vary
     drive : what may vary in time; None: nothing
     """
@@ -56,15 +59,17 @@ class _Template:
     law: Law
     example: Example
     axis: Parameter | None
+    second: Parameter | None
     varied: Parameter
     drive: Parameter | None
 
     @classmethod
     def of(cls, model: Model, analysis: Analysis) -> _Template:
         """The template of a model and an analysis."""
-        law = get_law(model.default_law)
+        own = (model.sliding if analysis.linear else None) or model.example
+        law = get_law((own.law if own else "") or model.default_law)
         known = {p.name: p for p in model.parameters_under(law.parameters)}
-        example = _example(model, law, known, analysis.linear)
+        example = own or _example(known)
         first = known.pop(example.axis)
         others = [known[name] for name in _SWEPT_FIRST if name in known] or list(known.values())
         found = [setting for setting in analysis.settings if isinstance(setting, ParameterName)]
@@ -75,7 +80,10 @@ class _Template:
         if analysis.single and analysis.uses_starts and (analysis.constant or drive != first):
             example = replace(example, given={**example.given, first.name: example.middle})
         varying = drive if analysis.varying else None
-        return cls(model, analysis, law, example, axis, varied, varying)
+        apart = (first, axis, varied, varying)
+        more = [*others, *(p for p in model.parameters if p.role), *model.parameters]
+        second = next((p for p in more if axis is not None and p not in apart), None)
+        return cls(model, analysis, law, example, axis, second, varied, varying)
 
     def blocks(self) -> Iterable[list[str]]:
         """The tables in order."""
@@ -167,14 +175,26 @@ class _Template:
         return _commented([head, _with_comment(f"{name} = {ForceTable.example}", meaning)])
 
     def grid(self, axis: Parameter) -> list[str]:
+        """An axis; one more behind ##, along which it may be zipped; and what may be refined."""
+        lines = [_with_comment("[grid]", _AXES), self.over(axis, _about(axis)), "", "[sweep]"]
+        if self.second is not None:
+            map_of_both = self.over(self.second, "a second axis: a map")
+            lines.insert(2, _behind("## ", map_of_both))
+            pair = toml_value([[axis.name, self.second.name]], "zip")
+            line = _with_comment(f"zip = {pair}", "with that line: both together, no map")
+            lines.append(_behind("##   ", line))
+        told = next((v.name for v in self.variables() if v.is_class and not v.ragged), None)
+        if told is not None:
+            refine = f'refine = {{ levels = 2, of = "{told}" }}'
+            only = "more points where the class changes; without starts that continue"
+            lines.append(_behind("## ", _with_comment(refine, only)))
+        return lines
+
+    def over(self, axis: Parameter, comment: str) -> str:
+        """The line of an axis."""
         low, high = self.range_of(axis)
         line = f"{axis.name} = {{ start = {low!r}, stop = {high!r}, num = {_POINTS} }}"
-        return [
-            _with_comment("[grid]", _AXES),
-            _with_comment(line, _about(axis)),
-            "",
-            _with_comment("[sweep]", _SWEEP),
-        ]
+        return _with_comment(line, comment)
 
     def range_of(self, parameter: Parameter) -> tuple[float, float]:
         """Where a parameter is varied."""
@@ -283,16 +303,10 @@ def _telling(variables: Iterable[Variable]) -> Variable:
     return next(iter([*classes, *(v for v in answers if v.headline), *answers]))
 
 
-def _example(model: Model, law: Law, known: Mapping[str, Parameter], linear: bool) -> Example:
-    """What the model says of itself; for what no motion is followed in, a parameter of its law."""
-    own = model.example
-    swept = [name for name in _SWEPT_FIRST if name in known]
-    if own is not None and (not linear or own.axis in (p.name for p in law.parameters)):
-        return own
-    axis = known[swept[0]] if swept else next(iter(known.values()))
-    size = axis.default or 1.0
-    given = {} if own is None else {k: v for k, v in own.given.items() if k != axis.name}
-    return Example(axis.name, size / 2, size, given)
+def _example(known: Mapping[str, Parameter]) -> Example:
+    """Of a model that has none: what is worth a first sweep."""
+    axis = known[next((name for name in _SWEPT_FIRST if name in known), next(iter(known)))]
+    return Example(axis.name, (axis.default or 1.0) / 2, axis.default or 1.0)
 
 
 def _solver() -> list[str]:

@@ -36,7 +36,7 @@ def law_lines(law: Law) -> list[str]:
     names = ("v", "sgn(v)", "|v|", "F_N")
     v, sign, speed, normal_force = (sympy.Symbol(name, real=True) for name in names)
     parameters = {p.name: sympy.Symbol(p.name) for p in law.parameters}
-    states = {name: sympy.Symbol(name, real=True) for name in law.states}
+    states = {state.name: sympy.Symbol(state.name, real=True) for state in law.states}
     slip = Slip(v, sign, speed, normal_force, states)
     lines = [f"  F_T = {_plain_text(law.force(slip, parameters))}      (slip velocity v)"]
     rates = law.rates(slip, parameters) if law.rates else {}

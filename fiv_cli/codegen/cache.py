@@ -2,8 +2,8 @@
 
 A key is the hash of everything that decides the content (source files, options, order, LLVM,
 processor), so an edited model, law or engine file has another key and never meets stale code.
-Files appear whole, see ``fiv_cli/files.py``. Two processes that generate the same thing at once
-both succeed, with the same bytes.
+Files appear whole, see ``fiv_cli/files.py``. Of two processes that need the same thing at once one
+makes it, and the other waits.
 
 What is read here is executed, so only what nobody else can have written is read: the folder and
 each file must belong to this user and be writable by nobody else. A folder that is not so, or that
@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import fcntl
 import hashlib
 import os
 import shutil
@@ -29,7 +30,7 @@ import stat
 import sys
 import tempfile
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -122,6 +123,43 @@ def read(name: str) -> bytes | None:
         return None
     checksum, content = data[:32], data[32:]
     return content if hashlib.sha256(content).digest() == checksum else None
+
+
+def kept(name: str, make: Callable[[], bytes], sound: Callable[[], bool] = lambda: True) -> bytes:
+    """A cached file's content; where it is not there, what `make` returns, which is then kept.
+
+    Of all processes of this user one makes it, while the others wait.
+
+    Parameters
+    ----------
+    sound : whether what was made may be kept
+    """
+    found = read(name)
+    if found is not None:
+        return found
+    with _alone(provide() / f".{name}.lock"):
+        content = read(name)
+        if content is None:
+            content = make()
+            if sound():
+                write(name, content)
+    return content
+
+
+@contextlib.contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """No other process makes the same meanwhile; where that cannot be had, each makes its own."""
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, OWN_FILE)
+    except OSError:
+        yield
+        return
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+        path.unlink(missing_ok=True)  # who waits for it finds what was made
+    finally:
+        os.close(descriptor)
 
 
 def write(name: str, content: bytes) -> None:

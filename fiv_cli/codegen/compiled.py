@@ -66,7 +66,7 @@ class Compiled:
         result, *arguments = (C_TYPES[name] for name in re.findall(r"\w+", self.signature))
         return ctypes.CFUNCTYPE(result, *arguments)(self.address)
 
-    @property
+    @cached_property
     def address(self) -> int:
         """Where its machine code is."""
         address: int = self._engine.get_function_address(self.name)
@@ -75,16 +75,17 @@ class Compiled:
     @cached_property
     def _engine(self) -> Any:
         """What holds the machine code in memory."""
-        return load_object(store.read(self._file()) or self._made())
+        return load_object(store.kept(self._file(), self._made, self._is_unedited))
 
     def _made(self) -> bytes:
-        """The machine code, compiled now, and kept."""
+        """The machine code, compiled now."""
         from fiv_cli.codegen.kernels import text_of
 
-        code = compile_optimised(text_of(self._declare(), self.signature, self.name))
-        if self._read_sources() == self._sources:  # not edited since
-            store.write(self._file(), code)
-        return code
+        return compile_optimised(text_of(self._declare(), self.signature, self.name))
+
+    def _is_unedited(self) -> bool:
+        """Whether the sources are still those that were imported."""
+        return self._read_sources() == self._sources
 
     def _read_sources(self) -> bytes:
         return store.source_of(*self.files, *OWN)

@@ -119,9 +119,9 @@ class _Deriver:
         self.contacts = self.equations.contacts
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
-            f"{name}_{i + 1}" if len(self.contacts) > 1 else name
+            f"{state.name}_{i + 1}" if len(self.contacts) > 1 else state.name
             for i in range(len(self.contacts))
-            for name in self.law.states
+            for state in self.law.states
         ]
         self.parameters = setup.parameter_names
         self.parameters += [rate_of(name) for name in scheduled]
@@ -175,8 +175,8 @@ class _Deriver:
             speed=sign * v,
             N=self.symbols.normal_force(contact),
             states={
-                name: self.symbols.coordinate(entry)
-                for name, entry in zip(self.law.states, names, strict=True)
+                state.name: self.symbols.coordinate(entry)
+                for state, entry in zip(self.law.states, names, strict=True)
             },
         )
 
@@ -420,7 +420,8 @@ class _Deriver:
         slip, rates = self._slip(contact), self._law_rates(contact)
         velocity = self.contacts[contact].slip_velocity
         return [
-            self.graph.build(rates[name].subs(slip.v, velocity), names) for name in self.law.states
+            self.graph.build(rates[state.name].subs(slip.v, velocity), names)
+            for state in self.law.states
         ]
 
     def _guards(

@@ -31,15 +31,15 @@ ORDER = 0  # no Taylor series: what stands for the order in the key
 def generate_statics(setup: Setup) -> Statics:
     """The statics of a system, from the cache or derived now (with SymPy)."""
     name = text_key(replace(setup, order=ORDER, schedule=STEADY)) + ".statics.json"
-    stored = cache.read(name)
-    if stored is None:
-        from fiv_cli.codegen.reduce import derive_statics
-
-        stored = json.dumps(asdict(derive_statics(setup))).encode()
-        cache.write(name, stored)
-    content = cache.frozen(json.loads(stored))
+    content = cache.frozen(json.loads(cache.kept(name, lambda: _derived(setup))))
     reductions = tuple(Reduction(**reduction) for reduction in content.pop("reductions"))
     return Statics(**content, reductions=reductions)
+
+
+def _derived(setup: Setup) -> bytes:
+    from fiv_cli.codegen.reduce import derive_statics
+
+    return json.dumps(asdict(derive_statics(setup))).encode()
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Role, Variable
 from fiv_cli.case.case import Axis
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, State
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ class Layout:
     labels : coordinate of the dim ``initial``; None where the analysis has no starts
     varying : parameters that vary in time
     fixed : parameters that have one value at all points, SI
+    internal : states of the friction laws
     """
 
     name: str
@@ -57,6 +58,7 @@ class Layout:
     labels: tuple[str, ...] | None
     varying: tuple[Parameter, ...] = ()
     fixed: Mapping[str, float] = field(default_factory=dict)
+    internal: tuple[State, ...] = ()
 
     @property
     def dim_names(self) -> tuple[str, ...]:
@@ -84,5 +86,5 @@ class Layout:
     @property
     def variables(self) -> tuple[Variable, ...]:
         """The variables of this analysis."""
-        model = get_model(self.model)
-        return variables_of(self.kind, model, self.options, self.settings, self.varying)
+        model, more = get_model(self.model), (self.varying, self.internal)
+        return variables_of(self.kind, model, self.options, self.settings, *more)

@@ -12,6 +12,9 @@ from fiv_cli.friction import (
     linear_slope,
     lugre,
     none,
+    rate_and_state,
+    rational,
+    simscape,
     stribeck,
     stribeck_viscous,
     tanh,
@@ -29,9 +32,12 @@ _LAWS: tuple[Law, ...] = (
     linear_slope.LAW,
     hyperbolic.LAW,
     four_parameter.LAW,
+    rational.LAW,
     cubic.LAW,
+    simscape.LAW,
     dahl.LAW,
     lugre.LAW,
+    rate_and_state.LAW,
 )
 
 TANH_OF = "tanh of "

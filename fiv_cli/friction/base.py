@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from fiv_cli.models.base import Parameter, Requirement, followed
+from fiv_cli.models.base import Parameter, Requirement, State, followed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -48,7 +48,7 @@ class Law:
     parameters : its parameter table
     force : ``(Slip, parameters) -> F_T`` in N, positive along v
     capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
-    states : internal states, name -> unit; they begin at zero
+    states : internal states; they begin at zero
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)
     average : ``(Slip, parameters, U, reversing) -> F_T`` in N, averaged over a fast harmonic slip
@@ -66,7 +66,7 @@ class Law:
     parameters: tuple[Parameter, ...]
     force: Callable[[Slip, Mapping[str, Expr]], Expr]
     capacity: Callable[[Expr, Mapping[str, Expr]], Expr] | None
-    states: Mapping[str, str] = field(default_factory=dict)
+    states: tuple[State, ...] = ()
     rates: Callable[[Slip, Mapping[str, Expr]], Mapping[str, Expr]] | None = None
     structural: tuple[str, ...] = ()
     average: Callable[[Slip, Mapping[str, Expr], Expr, bool], Expr] | None = None
@@ -87,7 +87,7 @@ class Law:
 
         if self.rates is None:
             return self.force(slip, parameters)
-        states = {name: sympy.Symbol(name, real=True) for name in self.states}
+        states = {state.name: sympy.Symbol(state.name, real=True) for state in self.states}
         moving = replace(slip, states=states)
         rates = self.rates(moving, parameters)
         (rest,) = sympy.solve([rates[name] for name in states], list(states.values()), dict=True)

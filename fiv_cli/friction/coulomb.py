@@ -1,10 +1,7 @@
 """Coulomb friction with stiction.
 
-if TYPE_CHECKING:
-    from sympy import Expr
-
-F_T = sgn(v) mu_k N          sliding        (thesis 3.5, 6.3, 7.14)
-|F_T| <= mu_s N              sticking       (thesis 3.9, 6.8, 7.16)
+    F_T = sgn(v) mu_k N          sliding        (thesis 3.5, 6.3, 7.14)
+    |F_T| <= mu_s N              sticking       (thesis 3.9, 6.8, 7.16)
 
 In transient motions mu_k must not exceed mu_s: such a contact could neither stick nor slip.
 """

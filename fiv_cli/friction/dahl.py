@@ -15,13 +15,14 @@ from dataclasses import replace
 
 from fiv_cli.friction.base import Law
 from fiv_cli.friction.coulomb import MU_K
-from fiv_cli.models.base import Parameter
+from fiv_cli.models.base import Parameter, State
 
 POSITIVE_MU_K = replace(MU_K, exclusive=True)
 SIGMA_0 = Parameter(
     "sigma_0", r"\sigma_0", "m-1", 1e3, "stiffness of the asperities, per normal force", "2.11",
     0.0, exclusive=True,
 )  # fmt: skip
+DEFLECTION = State("deflection", "z", "m", "deflection of the asperities")
 
 LAW = Law(
     name="dahl",
@@ -31,7 +32,7 @@ LAW = Law(
     parameters=(POSITIVE_MU_K, SIGMA_0),
     force=lambda slip, p: p["sigma_0"] * slip.states["deflection"] * slip.N,
     capacity=None,
-    states={"deflection": "m"},
+    states=(DEFLECTION,),
     rates=lambda slip, p: {
         "deflection": slip.v - p["sigma_0"] * slip.states["deflection"] * slip.speed / p["mu_k"],
     },

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.friction.coulomb import FALLING, MU_S
-from fiv_cli.friction.dahl import POSITIVE_MU_K, SIGMA_0
+from fiv_cli.friction.dahl import DEFLECTION, POSITIVE_MU_K, SIGMA_0
 from fiv_cli.friction.stribeck import V_S, exponent
 from fiv_cli.models.base import Parameter
 
@@ -60,7 +60,7 @@ LAW = Law(
     ),
     force=force,
     capacity=None,
-    states={"deflection": "m"},
+    states=(DEFLECTION,),
     rates=lambda slip, p: {"deflection": _bending(slip, p)},
     structural=("delta",),
     requirements=(FALLING,),

@@ -295,14 +295,15 @@ class Equations:
 
 @dataclass(frozen=True)
 class Example:
-    """Where a model at rest begins to vibrate: what a new case of it sweeps.
+    """What a new case of a model sweeps.
 
     Attributes
     ----------
-    axis : a parameter of the model or of its default law
-    low, high : its range; somewhere in it the steady state is periodic
+    axis : a parameter of the model or of the law
+    low, high : its range
     given : parameters and options that are not their defaults
     settings : settings of analyses likewise, where they are required or have a default
+    law : name of the law; empty: the default one of the model
     """
 
     axis: str
@@ -310,10 +311,11 @@ class Example:
     high: float
     given: Mapping[str, float | str] = field(default_factory=dict)
     settings: Mapping[str, float] = field(default_factory=dict)
+    law: str = ""
 
     @property
     def middle(self) -> float:
-        """The middle of the range, where it vibrates too."""
+        """The middle of the range."""
         return (self.low + self.high) / 2
 
 
@@ -349,10 +351,12 @@ class Model:
     requirements : what its parameters, and those of its laws, must be to one another
     singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
         its equations mean nothing there, and a message; ("", "") where they do
-    example : what a new case begins with
     base : coordinates that what holds the model would carry along if it moved; none: it cannot
     varied : parameters that vary harmonically, see ``excitation.py``
     powers : excitation that does work -> what it is, in words
+    example : what a new case begins with: from rest it vibrates somewhere in the range
+    sliding : likewise one that follows no motion: in the range sliding changes its stability; None:
+        in that of `example`
     """
 
     name: str
@@ -380,6 +384,7 @@ class Model:
     base: tuple[str, ...] = ()
     varied: tuple[str, ...] = ()
     powers: Mapping[str, str] = field(default_factory=dict)
+    sliding: Example | None = None
 
     def mechanics(self, symbols: Symbols, options: Options) -> Equations:
         """The equations under `options`; UsageError unless their contacts are as many as declared.

@@ -87,4 +87,5 @@ MODEL = Model(
     forcings=(Forcing("u0", lambda p: p["omega"], "harmonic motion of the base"),),
     base=("x",),
     example=Example("v", 0.5, 2.0, {"c": 0.1}, {"f_max": 2.0}),
+    sliding=Example("v", 1.0, 6.0, {"c": 0.1}, law="stribeck"),
 )

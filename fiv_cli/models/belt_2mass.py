@@ -79,4 +79,5 @@ MODEL = Model(
     contacts=2,
     base=("x1", "x2"),
     example=Example("v", 1.0, 4.0, {}, {"f_max": 2.0}),
+    sliding=Example("v", 1.0, 6.0, law="stribeck"),
 )

@@ -128,4 +128,5 @@ MODEL = Model(
     requirements=(disc.ON_THE_DISC,),
     singular=singular,
     example=Example("Omega", 1.0, 4.0, {"F": 300.0, "xi": 1e-3}, disc.SHORT),
+    sliding=Example("Omega", 1.0, 25.0, {"F": 300.0, "xi": 1e-3}, law="stribeck"),
 )

@@ -110,4 +110,5 @@ MODEL = Model(
     requirements=(disc.ON_THE_DISC,),
     singular=disc.singular,
     example=Example("Omega", 1.0, 10.0, {"xi": 1e-3}, disc.SHORT),
+    sliding=Example("Omega", 20.0, 40.0, {"xi": 1e-3}, law="stribeck"),
 )

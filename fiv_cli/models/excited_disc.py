@@ -136,4 +136,5 @@ MODEL = Model(
     requirements=(disc.ON_THE_DISC,),
     singular=disc.singular,
     example=Example("Omega", 0.5, 2.0, {"xi": 2e-4}, disc.SHORT),
+    sliding=Example("Omega", 1.0, 20.0, {"xi": 2e-4}, law="stribeck"),
 )

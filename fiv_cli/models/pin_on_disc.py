@@ -141,4 +141,5 @@ MODEL = Model(
     revolution=lambda p: p["Omega"],
     requirements=(FALLING_ON_THE_SECTOR, READ_ON_THE_SECTOR),
     example=Example("Omega", 0.5, 7.0, {}, {"t_end": 2.0, "f_max": 200.0, "resolution": 1.0}),
+    sliding=Example("Omega", 10.0, 60.0, law="stribeck"),
 )

@@ -279,6 +279,7 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
         labels=None if entries is None else tuple(entry.label for entry in entries),
         varying=case.varying,
         fixed=_fixed(template),
+        internal=case.internal,
     )
     maps = None if case.refinement is None else maps_of(layout, case.refinement)
     return AnalysisPlan(template, layout, maps)
@@ -303,11 +304,10 @@ def _template(
     entries: tuple[StartEntry, ...] | None,
 ) -> Template:
     axes = [axis for dim in dims for axis in dim.axes]
-    laws = next((axis.values for axis in axes if axis.kind == "law"), (case.law,))
     model = get_model(case.model)
-    own = {law: model.parameters_under(get_law(law).parameters) for law in laws}
+    own = {law: model.parameters_under(get_law(law).parameters) for law in case.laws}
     every = [parameter for table in own.values() for parameter in table]
-    fixed = {law: _unvaried(case, law) for law in laws}
+    fixed = {law: _unvaried(case, law) for law in case.laws}
     return Template(
         model=case.model,
         law=case.law,

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,19 +99,19 @@ class Queue:
             len(cursor.positions) - cursor.offset for cursor in self._cursors
         )
 
-    def next_job(self, count: int, heartbeat: Path | None = None) -> Job | None:
+    def next_job(self, count: int) -> Job | None:
         """A job of at most `count` points; None when nothing can be started now."""
         if self._suspects:
-            return self._single_job(np.array([self._suspects.popleft()]), heartbeat, alone=True)
+            return self._single_job(np.array([self._suspects.popleft()]), alone=True)
         if self._cursors:
-            return self._chain_job(count, heartbeat)
+            return self._chain_job(count)
         while self._singles and not len(self._singles[0]):
             self._singles.popleft()
         if not self._singles:
             return None
         first = self._singles[0]
         self._singles[0] = first[count:]
-        return self._single_job(first[:count], heartbeat)
+        return self._single_job(first[:count])
 
     def finished(self, job: Job, result: Result) -> None:
         """Take note that a job has ended; the rest of its chains can run now."""
@@ -138,12 +137,12 @@ class Queue:
             self._suspects.append(int(job.positions[row]))
             self._singles.appendleft(np.delete(job.positions, row))
 
-    def _single_job(self, positions: Positions, heartbeat: Path | None, alone: bool = False) -> Job:
+    def _single_job(self, positions: Positions, alone: bool = False) -> Job:
         points = self._analysis.points(positions)
         segments = tuple(Segment((values,), entry) for values, entry in points)
-        return Job(self._task(segments, heartbeat), positions, alone=alone)
+        return Job(self._task(segments), positions, alone=alone)
 
-    def _chain_job(self, count: int, heartbeat: Path | None) -> Job:
+    def _chain_job(self, count: int) -> Job:
         """The next pieces of as many chains as `count` points allow for."""
         alone = self._cursors[0].is_alone
         pieces: list[tuple[Cursor, int]] = []
@@ -157,20 +156,19 @@ class Queue:
             self._segment(cursor, positions)
             for (cursor, _), positions in zip(pieces, ran, strict=True)
         )
-        return Job(self._task(segments, heartbeat), np.concatenate(ran), tuple(pieces), alone)
+        return Job(self._task(segments), np.concatenate(ran), tuple(pieces), alone)
 
     def _segment(self, cursor: Cursor, positions: Positions) -> Segment:
         values, entries = zip(*self._analysis.points(positions), strict=True)
         return Segment(values, entries[0], cursor.state, cursor.previous)
 
-    def _task(self, segments: tuple[Segment, ...], heartbeat: Path | None) -> Task:
+    def _task(self, segments: tuple[Segment, ...]) -> Task:
         return Task(
             self._analysis.template,
             self._variables,
             segments,
             self._executor,
             self._time_limit,
-            heartbeat,
         )
 
 

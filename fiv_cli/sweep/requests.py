@@ -18,6 +18,7 @@ import numpy as np
 
 from fiv_cli.analyses.base import (
     STEADY,
+    Batch,
     Request,
     Schedule,
     Setup,
@@ -138,14 +139,16 @@ def exclusion(request: Request, linear: bool) -> Requirement | None:
     return next(filter(None, unmet), None)
 
 
-def request_at(template: Template, values: Values, start: Start | None) -> Request:
-    """The run of a point from `start`."""
+def request_at(
+    template: Template, values: Values, start: Start | None, batch: Batch | None = None
+) -> Request:
+    """The run of a point from `start`, one of `batch`."""
     law, parameters = law_at(template, values), parameters_at(template, values)
     options = {**template.options, **_of_kind(template, values, "option")}
     structural = tuple((name, parameters[name]) for name in get_law(law).structural)
     solver, schedule = template.solver, template.schedule
     setup = _setup(template.model, law, tuple(options.items()), structural, solver.rtol, schedule)
-    return Request(setup, parameters, template.analysis, template.settings, solver, start)
+    return Request(setup, parameters, template.analysis, template.settings, solver, start, batch)
 
 
 @lru_cache(maxsize=256)

@@ -6,15 +6,11 @@ says which points to run.
 
 from __future__ import annotations
 
-import time
 from collections import defaultdict
-from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,10 +23,8 @@ from fiv_cli.sweep.plan import counted
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
-from fiv_cli.sweep.worker import Result, imported, last_beat, lost_point, run_task
-
-if TYPE_CHECKING:
-    from fiv_cli.sweep.pool import WorkerPool
+from fiv_cli.sweep.worker import Result, imported, lost_point, run_task
+from fiv_cli.sweep.workers import Beat, Workers
 
 SHARE_OF_PAST = 0.02
 """How long a chunk may take, in the time that was spent before: what a kill can lose of it."""
@@ -55,6 +49,9 @@ NOT_SLOW, LINGERING = 0.5, 2.0
 
 FRUITLESS_RESTARTS = 3
 """Deaths of workers in a row, none of which had begun a point, after which we give up."""
+
+GLANCE = 0.2
+"""Seconds after which is looked again whether a worker died, or the program is to end."""
 
 FAILED = STATUS.codes["failed"]
 
@@ -113,14 +110,6 @@ class Pace:
 
 
 @dataclass
-class _Flight:
-    """A job that a worker has."""
-
-    job: Job
-    heartbeat: Path
-
-
-@dataclass
 class Scheduler:
     """Runs the points that a journal does not hold yet.
 
@@ -138,14 +127,13 @@ class Scheduler:
     log: Callable[[str], None]
     ran: int = 0
     _paces: defaultdict[int, Pace] = field(default_factory=lambda: defaultdict(Pace))
-    _pool: WorkerPool | None = None
-    _flights: dict[Future[Result], _Flight] = field(default_factory=dict)
+    _workers: Workers | None = None
+    _flights: dict[int, Job] = field(default_factory=dict)
     _held: Job | None = None
     _stopped: bool = False
     _is_told: bool = False
     _dispatched: int = 0
     _fruitless: int = 0
-    _beats: int = 0
     _slowest: float = 0.0
 
     def __enter__(self) -> Scheduler:
@@ -191,12 +179,12 @@ class Scheduler:
         self._held = None
         while (queue.left and not self._full()) or self._flights or self._holding():
             ending.heed()
-            if self._pool is None and self._wants_workers(pace, queue):
-                self._pool = _started_pool(self.policy.workers)
-            if self._pool is None:
+            if self._workers is None and self._wants_workers(pace, queue):
+                self._workers = self._started_workers()
+            if self._workers is None:
                 self._run_here(index, queue, pace)
             else:
-                self._run_in_workers(index, queue, pace, self._pool)
+                self._run_in_workers(index, queue, pace, self._workers)
 
     def _full(self) -> bool:
         """Whether nothing more may be started."""
@@ -217,19 +205,24 @@ class Scheduler:
         """Whether a job that was taken already waits to be submitted."""
         return self._held is not None and not self._stopped
 
-    def _next_job(self, queue: Queue, pace: Pace, heartbeat: Path | None) -> Job | None:
+    def _started_workers(self) -> Workers:
+        """Processes of this machine; joblib is imported only where there are some."""
+        from fiv_cli.sweep.pool import WorkerPool
+
+        return WorkerPool(self.policy.workers, self.journal.folder)
+
+    def _next_job(self, queue: Queue, pace: Pace, workers: int) -> Job | None:
         if self._full():
             return None
-        workers = self._pool.workers if self._pool else 0
         count = pace.count(queue.left, workers, self.policy)
         if self.policy.max_points is not None:
             count = min(count, self.policy.max_points - self._dispatched)
-        job = queue.next_job(count, heartbeat)
+        job = queue.next_job(count)
         self._dispatched += 0 if job is None else len(job.positions)
         return job
 
     def _run_here(self, index: int, queue: Queue, pace: Pace) -> None:
-        job = self._next_job(queue, pace, None)
+        job = self._next_job(queue, pace, 0)
         if job is not None:
             self._accept(index, queue, pace, job, run_task(job.task))
 
@@ -260,10 +253,9 @@ class Scheduler:
             self._slowest = seconds
             self.progress.slow(seconds, where)
 
-    def _tell_what_goes_on(self, index: int) -> None:
+    def _tell_what_goes_on(self, index: int, workers: Workers) -> None:
         """Whoever watches hears of a point that goes on for longer than any before it took."""
-        beats = [(last_beat(flight.heartbeat), flight.job) for flight in self._flights.values()]
-        rows = [(time.time() - beat[1], job.positions[beat[0]]) for beat, job in beats if beat]
+        rows = [(b.seconds, self._flights[n].positions[b.row]) for n, b in workers.beats()]
         seconds, position = max(rows, default=(0.0, 0))
         if seconds > max(self._slowest, LINGERING):
             where = self.journal.plan.analyses[index].named(int(position))
@@ -284,71 +276,49 @@ class Scheduler:
                 "`fiv check --estimate` says more"
             )
 
-    def _run_in_workers(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
-        """Keep the workers busy, take what is finished, repair what broke."""
-        try:
-            self._submit_jobs(queue, pace, pool)
-            _import_ahead()
-        except BrokenExecutor:
-            self._repair(index, queue, pace, pool)
-            return
-        done, _ = wait(self._flights, timeout=0.2, return_when=FIRST_COMPLETED)
+    def _run_in_workers(self, index: int, queue: Queue, pace: Pace, workers: Workers) -> None:
+        """Keep the workers busy, take what is finished, take back what was lost."""
+        self._submit_jobs(queue, pace, workers)
+        _import_ahead()
+        completed = workers.completed(GLANCE)
         ending.heed()  # before workers that were ended with this process count as dead
-        broken = not done and pool.has_lost_a_worker()
-        if not done:
-            self._tell_what_goes_on(index)
-        for future in done:
-            if isinstance(future.exception(), BrokenExecutor):
-                broken = True
-                continue
-            flight = self._flights.pop(future)
+        for number, result in completed:
             self._fruitless = 0
-            self._accept(index, queue, pace, flight.job, future.result())
-        if broken:
-            self._repair(index, queue, pace, pool)
+            self._accept(index, queue, pace, self._flights.pop(number), result)
+        if not completed:
+            self._tell_what_goes_on(index, workers)
+        lost = workers.lost()
+        if lost:
+            self._take_back(index, queue, pace, lost)
 
-    def _submit_jobs(self, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
+    def _submit_jobs(self, queue: Queue, pace: Pace, workers: Workers) -> None:
         """Two jobs per worker; a job that must be alone waits for the others to end."""
-        while len(self._flights) < 2 * pool.workers:
-            if any(flight.job.alone for flight in self._flights.values()):
+        size = max(1, workers.size)
+        while len(self._flights) < 2 * size:
+            if any(job.alone for job in self._flights.values()):
                 return
             if self._held is None:
-                self._held = self._next_job(queue, pace, self._heartbeat())
+                self._held = self._next_job(queue, pace, size)
             job = self._held
             if job is None or (job.alone and self._flights):
                 return
-            heartbeat = job.task.heartbeat
-            assert heartbeat is not None
-            future = pool.submit(job.task)
-            self._flights[future] = _Flight(job, heartbeat)
+            self._flights[workers.submit(job.task)] = job
             self._held = None
 
-    def _heartbeat(self) -> Path:
-        self._beats += 1
-        return self.journal.folder / f".beat-{self._beats}"
-
-    def _repair(self, index: int, queue: Queue, pace: Pace, pool: WorkerPool) -> None:
-        """After a worker died: take its jobs back, and run alone what may have killed it."""
-        noticed = time.time()
-        pool.stop()
-        flights, self._flights = self._flights, {}
-        begun = False
-        for future, flight in flights.items():
-            if future.done() and not future.cancelled() and future.exception() is None:
-                self._accept(index, queue, pace, flight.job, future.result())
-                continue
-            beat = last_beat(flight.heartbeat)
-            flight.heartbeat.unlink(missing_ok=True)
-            begun |= beat is not None
-            if flight.job.alone and beat is not None:
-                result = self._given_up(flight.job, noticed - beat[1])
-                self._accept(index, queue, pace, flight.job, result)
+    def _take_back(
+        self, index: int, queue: Queue, pace: Pace, lost: Sequence[tuple[int, Beat | None]]
+    ) -> None:
+        """After a worker died: run its jobs again, and alone what may have killed it."""
+        for number, beat in lost:
+            job = self._flights.pop(number)
+            if job.alone and beat is not None:
+                result = self._given_up(job, beat.seconds)
+                self._accept(index, queue, pace, job, result)
             else:
-                self._dispatched -= len(flight.job.positions)
-                queue.lost(flight.job, beat[0] if beat else None)
-        self._count_fruitless(begun)
+                self._dispatched -= len(job.positions)
+                queue.lost(job, None if beat is None else beat.row)
         self.log("a worker died; its points are run again, the suspects alone")
-        pool.restart()
+        self._count_fruitless(any(beat is not None for _, beat in lost))
 
     def _count_fruitless(self, begun: bool) -> None:
         self._fruitless = 0 if begun else self._fruitless + 1
@@ -366,11 +336,9 @@ class Scheduler:
         return lost_point(job.task, "worker_died", "the worker died twice on this point")
 
     def _close(self) -> None:
-        if self._pool is not None:
-            self._pool.close()
-            self._pool = None
-        for flight in self._flights.values():
-            flight.heartbeat.unlink(missing_ok=True)
+        if self._workers is not None:
+            self._workers.close()
+            self._workers = None
         self._flights.clear()
 
 
@@ -378,10 +346,3 @@ class Scheduler:
 def _import_ahead() -> None:
     """While workers compute: what the dataset is made with."""
     import_module("fiv_cli.data.assemble")
-
-
-def _started_pool(workers: int) -> WorkerPool:
-    """A pool; joblib is imported only where there is one."""
-    from fiv_cli.sweep.pool import WorkerPool
-
-    return WorkerPool(workers)

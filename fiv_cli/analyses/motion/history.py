@@ -38,6 +38,10 @@ def variables(subject: Subject) -> list[Variable]:
     return [
         axis("time", "s", "time", symbol="t"),
         *(Variable(n, u, m, "time", symbol=s) for n, u, s, m in motions(subject.states)),
+        *(
+            Variable(s.name, s.unit, s.meaning, at_contacts, symbol=s.symbol)
+            for s in subject.internal
+        ),
         Variable("F_T", "N", "tangential contact force", at_contacts, symbol="F_T"),
         Variable("F_N", "N", "normal contact force", at_contacts, symbol="F_N"),
         detail("contact_state", "state of contact", at_contacts),

@@ -19,7 +19,6 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.rest.surface import Place, weights
-from fiv_cli.codegen.codes import CODE_NAMES
 from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 
@@ -47,8 +46,8 @@ def record(system: System, request: Request) -> Outcome:
     outcome.values |= initial | trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger.times,
-        "event_from": [CODE_NAMES[code] for code in ledger.before.tolist()],
-        "event_to": [CODE_NAMES[code] for code in ledger.after.tolist()],
+        "event_from": ledger.before,
+        "event_to": ledger.after,
         "event_contact": ledger.contacts + 1,
         "event_residual": ledger.residuals,
     }
@@ -95,12 +94,21 @@ def _curves(system: System, samples: Samples) -> dict[str, object]:
     """Everything over time; NaN after the end of a motion that stopped early."""
     taken = np.arange(len(samples.times)) < samples.count
     curves = dict(zip(system.motions, samples.states.T, strict=False))
+    curves |= _internal(system, samples)
     curves["F_N"] = _contact_rows(samples.forces[:, :, 0])
     curves["F_T"] = _contact_rows(samples.forces[:, :, 1])
     curves |= samples.energies
     blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
     codes = np.where(taken[:, None], samples.codes, -1)
     return {**blanked, "contact_state": _contact_rows(codes)}
+
+
+def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
+    """The states of the friction law over time."""
+    states = system.setup.law.states
+    own = samples.states[:, len(system.motions) :]
+    by_contact = own.reshape(len(own), system.n_contacts, len(states))
+    return {s.name: _contact_rows(by_contact[:, :, i]) for i, s in enumerate(states)}
 
 
 def _surface(
