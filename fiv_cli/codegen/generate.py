@@ -75,6 +75,8 @@ class Generated:
     n_followed : numbers that a step with tangents writes of the motion, at most
     states : index of the contact state -> its table
     smooth : per contact, whether the law has no border at zero slip
+    sliding : kinds of the contacts where all slide, stops open
+    bounces : per contact, whether an impact gives something back
     zone : (start parameter, width parameter, contact) of the sector, or None
     texts : "flow", "tangent" and "jacobian"
     """
@@ -87,6 +89,8 @@ class Generated:
     n_followed: int
     states: Mapping[int, StateTable]
     smooth: tuple[bool, ...]
+    sliding: tuple[int, ...]
+    bounces: tuple[bool, ...]
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
     _engines: dict[str, ExecutionEngine] = field(default_factory=dict, compare=False, repr=False)
@@ -218,6 +222,8 @@ def _make(setup: Setup) -> bytes:
         "n_followed": length,
         "states": {index: _table(state) for index, state in derivation.states.items()},
         "smooth": derivation.smooth,
+        "sliding": derivation.sliding,
+        "bounces": derivation.bounces,
         "zone": derivation.zone,
         "texts": {part: "\n".join(lines) + "\n" for part, lines in texts.items()},
     }
