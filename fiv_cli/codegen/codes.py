@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 # Kinds of contact state.
 SLIP, STICK, SEPARATION = 0, 1, 2
 
 # Contact states, with the sense of slip, in ledgers and samples.
 CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
 CODE_NAMES = ("slip+", "slip-", "stick", "separation")
-CODE_PIECE = len(CODE_NAMES)  # of the first piece of a law's first element; the others follow
+CODE_PIECE = len(CODE_NAMES)  # of a law's first piece; the others follow
 
 # Kinds of switching function; each is positive inside the contact state that it guards.
 VELOCITY = 0  # sign * v_rel of a slipping contact
@@ -35,3 +37,8 @@ SLIP_VELOCITY = CONTACT_OUTPUTS.index("slip_velocity")
 KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_OUTPUTS))
 
 LANES = 4  # tangent vectors that generated code moves at once
+
+
+def index_of(kinds: Sequence[int]) -> int:
+    """Index of a combination of contact kinds: base 3, contact 0 first."""
+    return sum(kind * 3**place for place, kind in enumerate(kinds))

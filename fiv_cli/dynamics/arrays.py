@@ -16,7 +16,6 @@ from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.kernel import Run
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import System, Vector
-from fiv_cli.friction.base import Law
 
 # A state (m, rad, and those per s) beyond this has diverged. Growth in a nonlinear contact ends in
 # ever shorter steps, so a bound far above anything mechanical would only cost time.
@@ -51,16 +50,16 @@ def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
     first = end - system.n_contacts
     frame.place_own("slip_signs", slice(first, end))
     frame.slip_signs[:] = 1.0
+    frame.kinds[:] = system.tables.sliding_kinds
     _begin_in_first_pieces(frame, system, first)
     return frame
 
 
 def _begin_in_first_pieces(frame: Run, system: System, end: int) -> None:
     """Every element of the law in its first piece; their numbers end there in the frame."""
-    frame.n_elements, length = system.setup.law.shape
-    rows = len(frame.in_piece)
-    frame.place_own("rows", slice(end - rows * length, end))
-    frame.rows[:] = np.tile(frame.piece_rows[0], rows)
+    first = frame.parts["parameters"].start + system.n_own_parameters
+    frame.place_own("rows", slice(first, end))
+    frame.rows[:] = np.tile(frame.piece_rows[0], system.n_elements)
 
 
 def _own_lengths(system: System) -> dict[str, int]:
@@ -70,7 +69,7 @@ def _own_lengths(system: System) -> dict[str, int]:
         "coefficients": max(system.generated.n_coefficients, 1),
         "y": len(system.state_names),
         "kinds": system.n_contacts,
-        "in_piece": system.n_contacts * system.setup.law.shape[0],
+        "in_piece": system.n_elements,
         "known_zeros": system.tables.guard_kinds.shape[1],
     }
 
@@ -78,19 +77,21 @@ def _own_lengths(system: System) -> dict[str, int]:
 def _tables(system: System, solver: SolverSettings) -> dict[str, Array]:
     return {
         **system.tables.arrays(),
-        **_pieces(system.setup.law),
+        **_pieces(system),
         "quadrature": quadratures(system.generated.order, solver.rtol),
     }
 
 
-def _pieces(law: Law) -> dict[str, Array]:
+def _pieces(system: System) -> dict[str, Array]:
     """The pieces of a law as the driver reads them."""
+    law, contacts = system.setup.law, system.generated.pieced
     exits = [exit for piece in law.pieces for exit in piece.exits]
     count = max(len(law.pieces), 1)
     leading = [-1 if exit is None else law.places[exit.to] for exit in exits]
     none = (0,) * (len(exits) // count)
     zeros = [none if exit is None else exit.zeros for exit in exits]
     return {
+        "element_contacts": np.repeat(np.array(contacts, np.int64), law.elements),
         "piece_rows": np.array([piece.row for piece in law.pieces], float, ndmin=2),
         "piece_exits": np.array(leading, np.int64).reshape(count, len(none)),
         "piece_zeros": np.array(zeros, np.int64, ndmin=2),
@@ -117,7 +118,7 @@ def _scratch(system: System) -> dict[str, Array]:
         **{
             name: np.zeros(contacts, np.int64) for name in ("code_before", "is_at_rest", "n_offers")
         },
-        **{name: np.zeros(contacts * system.setup.law.elements, np.int64) for name in KEPT_PIECES},
+        **{name: np.zeros(system.n_elements, np.int64) for name in KEPT_PIECES},
         "offered_kinds": np.zeros((contacts, MOST_OFFERS), np.int64),
         "offered_signs": np.zeros((contacts, MOST_OFFERS), np.int64),
     }

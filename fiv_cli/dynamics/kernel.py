@@ -110,6 +110,8 @@ class Run(Search):
     n_states: FixedInt
     n_coordinates: FixedInt
     n_contacts: FixedInt
+    all_sliding: FixedInt  # number of the contact state in which all slide
+    most_open: FixedInt  # ... and of that in which all are open that can be
     tangent_order: FixedInt
     is_taylor: FixedInt  # 1; 0: rk4
     # Addresses of generated functions; of one per contact state 0 where there is no such state.
@@ -128,17 +130,20 @@ class Run(Search):
     n_guards: Ints
     guard_kinds: Ints2
     guard_contacts: Ints2
-    guard_places: Ints2  # of pieces: element and way out, as one number
+    guard_places: Ints2  # of pieces: the element, times ways out, and the way out
     has_angle: Ints
     n_arguments: Ints
     contact_place: Ints
     energy_place: Ints
-    # Per contact: whether it cannot open (its loss is the end), whether it slips in one sense only.
+    # Per contact: whether it cannot open (its loss is the end), whether it slips in one sense only,
+    # its kind where all slide (a stop is open), whether its impacts give something back.
     is_end: Ints
     is_one_way: Ints
-    # Of the law: elements per contact that are in a piece each; per piece its numbers, the piece
+    sliding_kinds: Ints
+    bounces: Ints
+    # Of the law: the contact of each element that is in a piece; per piece its numbers, the piece
     # behind each way out (-1: none), and, by piece and way out, the known zeros behind it.
-    n_elements: FixedInt
+    element_contacts: Ints
     piece_rows: Floats2
     piece_exits: Ints2
     piece_zeros: Ints2
@@ -497,21 +502,14 @@ def known_zeros_of(
 
 
 @native
-def element_of(run: Run, index: int, guard: int) -> int:
-    """Which of all elements a switching function of a piece belongs to."""
-    ways = run.piece_exits.shape[1]
-    contact, place = run.guard_contacts[index, guard], run.guard_places[index, guard]
-    return contact * run.n_elements + place // ways
-
-
-@native
 def known_zeros_of_piece(run: Run, index: int, guard: int) -> int:
     """The same of a way out of a piece where an element has just come into one."""
     if guard == run.touched_guard:
         return 1
-    if run.left_by < 0 or element_of(run, index, guard) != run.left_element:
+    ways, place = run.piece_exits.shape[1], run.guard_places[index, guard]
+    if run.left_by < 0 or place // ways != run.left_element:
         return 0
-    return run.piece_zeros[run.left_by, run.guard_places[index, guard] % run.piece_exits.shape[1]]
+    return run.piece_zeros[run.left_by, place % ways]
 
 
 @native
@@ -527,8 +525,9 @@ def put_in_piece(run: Run, element: int, piece: int) -> None:
 @native
 def leave_piece(run: Run, index: int, guard: int) -> None:
     """Let the element whose switching function falls go on in the next piece."""
-    element, ways = element_of(run, index, guard), run.piece_exits.shape[1]
-    piece, way = run.in_piece[element], run.guard_places[index, guard] % ways
+    ways, place = run.piece_exits.shape[1], run.guard_places[index, guard]
+    element, way = place // ways, place % ways
+    piece = run.in_piece[element]
     run.left_element, run.left_by = element, piece * ways + way
     put_in_piece(run, element, run.piece_exits[piece, way])
 
@@ -568,10 +567,10 @@ def settle_pieces(run: Run, index: int, trigger_kind: int) -> bool:
 
 
 @native
-def sticks(run: Run) -> bool:
-    """Whether a contact sticks."""
+def holds(run: Run) -> bool:
+    """Whether a contact sticks or a stop is closed."""
     for i in range(run.n_contacts):
-        if run.kinds[i] == STICK:
+        if run.kinds[i] == STICK or run.kinds[i] < run.sliding_kinds[i]:
             return True
     return False
 
@@ -588,7 +587,7 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
         return False
     fill(run)
     run.first_step = series_at_hand(run, index)
-    if run.n_elements > 0 and not settle_pieces(run, index, trigger_kind):
+    if len(run.in_piece) > 0 and not settle_pieces(run, index, trigger_kind):
         return False
     step = comparing_step(run)
     for g in range(run.n_guards[index]):
@@ -610,7 +609,7 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
             opens = kind == NORMAL and trigger_kind < NORMAL
         if lead < 0 and not (lenient and opens and lead < -1):
             return False
-        if lead == 0 and kind == VELOCITY and sticks(run):
+        if lead == 0 and kind == VELOCITY and holds(run):
             return False  # held by another contact: test_what_another_contact_holds_does_not_slip
         if lead != 1 and (kind == JAMMING or kind == SINGULAR):
             return False  # forces without bound: test_directions_that_meet_on_the_way
@@ -632,19 +631,40 @@ def series_at_hand(run: Run, index: int) -> float:
 
 
 @native
-def slip_velocity(run: Run, y: Floats, contact: int) -> float:
+def let_go(run: Run) -> int:
+    """Number of the contact state in which what sticks is let go."""
+    index = 0
+    for i in range(run.n_contacts - 1, -1, -1):
+        index = 3 * index + (run.sliding_kinds[i] if run.kinds[i] == STICK else run.kinds[i])
+    return index
+
+
+@native
+def slip_velocity(run: Run, y: Floats, contact: int, is_struck: bool) -> float:
     """v_rel of a contact; zero when it is zero to rounding."""
     index, outputs = state_index(run.kinds, run.n_contacts), run.outputs
-    if run.taylor[index] == 0:  # one at rest that cannot stick: it slides, one way or the other
-        index = 0
-        for i in range(run.n_contacts - 1, -1, -1):
-            index = 3 * index + (SLIP if run.kinds[i] == STICK else run.kinds[i])
+    # What is struck need not stick; one at rest that cannot stick slides, one way or the other.
+    if is_struck or run.taylor[index] == 0:
+        index = let_go(run)
     call_generated(run.field[index], run.coefficients, run.time, y, outputs)
     v = outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
     scale = 0.0
     for i in range(run.n_coordinates, run.n_states):
         scale += abs(y[i])
     return 0.0 if abs(v) <= ZERO * scale else v
+
+
+@native
+def rebounds(run: Run, contact: int) -> bool:
+    """Whether a contact that has just been struck opens again (run.y is the state thereafter)."""
+    if run.bounces[contact] == 0 or run.n_chained > SHORT_FLIGHTS:
+        return False
+    index, order = let_go(run), run.order
+    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.work)
+    for g in range(run.n_guards[index]):
+        if run.guard_kinds[index, g] == GAP and run.guard_contacts[index, g] == contact:
+            return leading(run.work, (run.n_states + g) * (order + 1), order, run.last_step, 1) > 0
+    return False
 
 
 @native
@@ -660,15 +680,17 @@ def offer_states(run: Run, i: int, trigger_kind: int, triggered: bool, grazing: 
     """The candidate states of a contact; `triggered` says that it is the one that triggered."""
     sign = 1 if run.slip_signs[i] > 0.0 else -1
     run.n_offers[i], run.is_at_rest[i] = 0, 0
-    if run.kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
+    closes = triggered and trigger_kind == GAP and not rebounds(run, i)
+    if run.kinds[i] == SEPARATION and not closes:
         offer(run, i, SEPARATION, sign)
         return
-    if run.kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
+    struck = trigger_kind == GAP and not triggered  # test_what_sticks_is_torn_off_by_an_impact
+    if (run.kinds[i] == STICK and not struck) or (triggered and trigger_kind == VELOCITY):
         run.is_at_rest[i] = 1
-    else:  # re-contact, or a slip that ends at the same instant
-        v = slip_velocity(run, run.y, i)
+    else:  # re-contact, an impact elsewhere, or a slip that ends at the same instant
+        v = slip_velocity(run, run.y, i, struck)
         run.is_at_rest[i] = 1 if v == 0.0 else 0
-        if run.kinds[i] == SEPARATION and v != 0.0 and run.is_one_way[i] == 0:
+        if (run.kinds[i] == SEPARATION or struck) and v != 0.0 and run.is_one_way[i] == 0:
             sign = 1 if v > 0.0 else -1
     released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
     if released and not grazing:  # the demanded force passes the capacity: it slips its way
@@ -1130,10 +1152,7 @@ def enter_sector(run: Run, angle: float) -> bool:
 @native
 def starts_open(run: Run, contact: int) -> bool:
     """Whether a contact begins open: a gap, or none but one that is about to be."""
-    n, order = run.n_states, run.order
-    apart = len(run.taylor) - 1  # the state in which every contact is open
-    if run.taylor[apart] == 0:
-        return False
+    n, order, apart = run.n_states, run.order, run.most_open
     for g in range(run.n_guards[apart]):
         if run.guard_kinds[apart, g] == GAP and run.guard_contacts[apart, g] == contact:
             zeros = zeros_at_start(run, apart, g)
@@ -1165,23 +1184,27 @@ def set_out(run: Run) -> bool:
     for i in range(run.n_contacts):
         is_open = starts_open(run, i)
         run.kinds[i] = SEPARATION if is_open else SLIP
+    if run.taylor[state_index(run.kinds, run.n_contacts)] == 0:  # between stops without play
+        for i in range(run.n_contacts):
+            run.kinds[i] = run.sliding_kinds[i]
     take_on(run)
     for k in range(run.n_states):
         run.at_rest[k] = 0.0
     for i in range(run.n_contacts):
-        run.slip_velocities[i] = slip_velocity(run, run.y, i)
+        run.slip_velocities[i] = slip_velocity(run, run.y, i, False)
     for i in range(run.n_contacts):
         if run.kinds[i] == SLIP:
             smooth, direction = run.is_one_way[i] == 1, run.slip_velocities[i]
             if smooth:  # the way it slides when the system is at rest
-                direction = slip_velocity(run, run.at_rest, i)
+                direction = slip_velocity(run, run.at_rest, i, False)
             run.slip_signs[i] = -1.0 if direction < 0.0 else 1.0
             if run.slip_velocities[i] == 0.0 and not smooth:
                 run.kinds[i] = STICK
     angle = 0.0
-    if run.has_angle[0] == 1:
-        call_generated(run.field[0], run.coefficients, run.time, run.y, run.outputs)
-        angle = run.outputs[2 * run.n_states + run.n_guards[0]]
+    index = run.all_sliding
+    if run.has_angle[index] == 1:
+        call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
+        angle = run.outputs[2 * run.n_states + run.n_guards[index]]
     return enter_sector(run, angle)
 
 
@@ -1379,19 +1402,21 @@ def polished(
 
 
 @native
+def kinetic_energy(run: Run, index: int) -> float:
+    """The kinetic energy as a contact state has it."""
+    call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
+    return run.outputs[run.energy_place[index] + KINETIC]
+
+
+@native
 def collide(run: Run, index: int, contact: int) -> None:
-    """An impact, if the contact's state has one; books the energy that it takes."""
-    outputs, out, t = run.outputs, run.reached, run.time
-    kinetic = run.energy_place[index] + KINETIC
-    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
-    before = outputs[kinetic]
+    """An impact, if the contact's state has one."""
+    out, t = run.reached, run.time
     if len(run.tangents) > 0:
         strike(run, run.impact_with_tangent[index, contact])
     call_generated(run.impact[index, contact], run.coefficients, t, run.y, out)
     for i in range(run.n_states):
         run.y[i] = out[i]
-    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
-    run.impact_loss += before - outputs[kinetic]
     run.n_impacts += 1
 
 
@@ -1447,17 +1472,16 @@ def book_event(run: Run, contact: int, itself: bool, residual: float) -> None:
 @native
 def book_pieces(run: Run, residual: float) -> None:
     """Enter the elements that have come into another piece."""
-    count = len(run.piece_exits)
     for element in range(len(run.in_piece)):
         before, after = run.pieces_before[element], run.in_piece[element]
         if before != after:
             run.n_events += 1
             if run.n_ledger < len(run.ledger_times):
-                row, contact = run.n_ledger, element // run.n_elements
-                first = CODE_PIECE + (element - contact * run.n_elements) * count
+                row = run.n_ledger
                 run.ledger_times[row], run.ledger_residuals[row] = run.time, residual
-                run.ledger_before[row], run.ledger_after[row] = first + before, first + after
-                run.ledger_contacts[row] = contact
+                run.ledger_before[row] = CODE_PIECE + before
+                run.ledger_after[row] = CODE_PIECE + after
+                run.ledger_contacts[row] = run.element_contacts[element]
                 run.n_ledger += 1
 
 
@@ -1599,7 +1623,9 @@ def pass_event(
     if trigger_kind == NORMAL and run.is_end[contact] == 1:
         return CONTACT_LOST
     impacted = trigger_kind == GAP and run.impact[index, contact] != 0
+    energy = 0.0
     if impacted:
+        energy = kinetic_energy(run, index)
         collide(run, index, contact)
     if trigger_kind == PIECE:
         pass_piece(run, index, hit, grazing)
@@ -1608,6 +1634,8 @@ def pass_event(
     elif not decide(run, trigger_kind, contact, grazing):
         return NO_STATE
     take_up(run)
+    if impacted:
+        run.impact_loss += energy - kinetic_energy(run, state_index(run.kinds, run.n_contacts))
     if with_tangents:
         saltate(run)
     if run.section_kind == SECTION_ZERO:

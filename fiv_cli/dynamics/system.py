@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from math import prod
 from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION, index_of
 from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.setup import Setup
@@ -103,6 +102,11 @@ class System:
         return self.generated.address("moved", TANGENT_TEXT)
 
     @cached_property
+    def sliding_index(self) -> int:
+        """Number of the contact state in which every contact slips and every stop is open."""
+        return index_of(self.generated.sliding)
+
+    @cached_property
     def outputs_width(self) -> int:
         """Most numbers that a field function writes."""
         return int(np.max(self.tables.energy_place)) + len(ENERGY_OUTPUTS)
@@ -152,15 +156,20 @@ class System:
 
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """`parameter_values`, first pieces, slip signs +1, sector 0; shape (n_parameters,)."""
-        values, law, contacts = self.parameter_values(parameters), self.setup.law, self.n_contacts
-        rows = [x for piece in law.pieces[:1] for x in piece.row] * law.elements * contacts
-        return np.array([*values, *rows, *(1.0,) * contacts, 0.0])
+        values, law = self.parameter_values(parameters), self.setup.law
+        rows = [x for piece in law.pieces[:1] for x in piece.row] * self.n_elements
+        return np.array([*values, *rows, *(1.0,) * self.n_contacts, 0.0])
+
+    @property
+    def n_elements(self) -> int:
+        """Elements of the law, of all contacts, that are in a piece each."""
+        return len(self.generated.pieced) * self.setup.law.elements
 
     @property
     def n_own_parameters(self) -> int:
         """Parameters of model and law: numbers of pieces, slip signs and sector follow them."""
-        places = prod(self.setup.law.shape) + 1
-        return len(self.generated.parameter_names) - 1 - self.n_contacts * places
+        rows = self.n_elements * self.setup.law.shape[1]
+        return len(self.generated.parameter_names) - 1 - self.n_contacts - rows
 
     @cached_property
     def _take_own(self) -> itemgetter[Any]:
@@ -243,6 +252,8 @@ class Tables:
     energy_place: NDArray[np.int64]
     is_end: NDArray[np.int64]
     is_one_way: NDArray[np.int64]
+    sliding_kinds: NDArray[np.int64]
+    bounces: NDArray[np.int64]
     numbers: Mapping[str, int]
 
     def arrays(self) -> dict[str, NDArray[np.int64]]:
@@ -260,8 +271,13 @@ def _tables(generated: Generated) -> Tables:
         for name in (*widths, "taylor", "field", "n_guards", "has_angle", "n_arguments",
                      "contact_place", "energy_place")
     }  # fmt: skip
-    smooth, ends = np.array(generated.smooth, np.int64), np.ones(contacts, np.int64)
-    tables = Tables(**per_state, is_end=ends, is_one_way=smooth, numbers=_numbers(generated))
+    per_contact = {
+        "is_end": np.ones(contacts, np.int64),
+        "is_one_way": np.array(generated.smooth, np.int64),
+        "sliding_kinds": np.array(generated.sliding, np.int64),
+        "bounces": np.array(generated.bounces, np.int64),
+    }
+    tables = Tables(**per_state, **per_contact, numbers=_numbers(generated))
     for index, state in states.items():
         _enter_state(tables, generated, index, state)
     return tables
@@ -294,6 +310,10 @@ def _numbers(generated: Generated) -> dict[str, int]:
         "n_states": len(generated.state_names),
         "n_coordinates": len(generated.coordinates),
         "n_contacts": len(generated.smooth),
+        "all_sliding": index_of(generated.sliding),
+        "most_open": max(
+            generated.states, key=lambda i: generated.states[i].kinds.count(SEPARATION)
+        ),
         "order": generated.order,
         "tangent_order": generated.tangent_order,
         "fill_coefficients": generated.address("coefficients"),

@@ -24,6 +24,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Parameter, Requirement, State, followed
+from fiv_cli.models.origin import Origin
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -102,6 +103,7 @@ class Law:
     elements : that change from piece to piece, each for itself
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding
+    origin : where it stands, if not in the box
     """
 
     name: str
@@ -123,6 +125,7 @@ class Law:
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
+    origin: Origin | None = None
 
     @property
     def kind(self) -> str:
@@ -138,8 +141,8 @@ class Law:
 
     @property
     def events(self) -> tuple[str, ...]:
-        """Words for the pieces in a ledger: those of the first element, then of the others."""
-        return tuple(piece.name.split()[0] for piece in self.pieces) * self.elements
+        """Words for the pieces in a ledger."""
+        return tuple(piece.name.split()[0] for piece in self.pieces)
 
     @property
     def shape(self) -> tuple[int, int]:
