@@ -13,6 +13,7 @@ from scipy.optimize import fsolve
 from small_models import ON_TWO_BELTS, SMALL, _coordinates, _parameters
 
 from fiv_cli import api
+from fiv_cli.cli.equations import equation_lines
 from fiv_cli.codegen.codes import (
     CODE_SEPARATION,
     CODE_SLIP_MINUS,
@@ -153,6 +154,12 @@ def test_a_law_of_a_contact_says_which_of_its_parameters_it_lacks() -> None:
     model = replace(ON_TWO_BELTS, name="dry", equations=partial(_greased, told=told))
     with pytest.raises(UsageError, match=r"dry has the law 'viscous' without its F_V\nnext: give"):
         api.analyse(model, "coulomb", "equilibrium")
+
+
+def test_equations_show_the_laws_of_contacts_and_what_impacts_give_back() -> None:
+    told = replace(ON_TWO_BELTS, equations=partial(_greased, told=("mu_k",)))
+    assert "  law_2 = viscous (mu_k = mu)" in equation_lines(told)
+    assert {"  restitution_2 = e", "  law_2 = none"} <= set(equation_lines(STOPPED))
 
 
 def _greased(symbols: Any, options: Options, told: tuple[str, ...]) -> Equations:
