@@ -39,6 +39,7 @@ FLOORS = {
     "plate": 1,
     "schedule": 0,
     "codegen": 2,
+    "own": 3,
     "dynamics": 3,
     "analyses": 4,
     "case": 5,

@@ -136,11 +136,13 @@ def text_key(setup: Setup) -> str:
     sources += [package.parent / "models" / "base.py"]
     laws = sorted((package.parent / "friction").glob("*.py"))  # they may be composed of one another
     files = [*sources, *_model_files(setup.model), *laws]
+    outside = [one.origin.text for one in (setup.model, setup.law) if one.origin is not None]
     written = [dict(sorted(table.items())) for table in (setup.options, setup.structural)]
     settings = [*written, setup.order, list(setup.schedule.names)]
     return cache.content_key(
         [
             cache.source_of(*files),
+            *outside,
             setup.model.name,
             setup.law.name,
             json.dumps(settings),
@@ -151,12 +153,14 @@ def text_key(setup: Setup) -> str:
 
 
 def _model_files(model: Model) -> list[Path]:
-    """The model's file and those that models share."""
+    """The model's file and those that models share; one from outside may be made of any."""
     from fiv_cli.models import all_models
 
+    shared = (Path(__file__).parent.parent / "models").glob("*.py")
+    if model.origin is not None:
+        return sorted(shared)
     others = {m.equations.__module__ for m in all_models().values() if m.name != model.name}
     own = _source_file(model)
-    shared = (Path(__file__).parent.parent / "models").glob("*.py")
     kept = [file for file in shared if f"fiv_cli.models.{file.stem}" not in others]
     return sorted({own, *kept})
 

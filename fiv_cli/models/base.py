@@ -23,6 +23,7 @@ from math import lcm, pi
 from typing import TYPE_CHECKING
 
 from fiv_cli.errors import UsageError
+from fiv_cli.models.origin import Origin
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
@@ -403,6 +404,7 @@ class Model:
     example : what a new case begins with: from rest it vibrates somewhere in the range
     sliding : likewise one that follows no motion: in the range sliding changes its stability; None:
         in that of `example`
+    origin : where it stands, if not in the box
     """
 
     name: str
@@ -431,6 +433,7 @@ class Model:
     varied: tuple[str, ...] = ()
     powers: Mapping[str, str] = field(default_factory=dict)
     sliding: Example | None = None
+    origin: Origin | None = None
 
     def mechanics(self, symbols: Symbols, options: Options) -> Equations:
         """The equations under `options`; UsageError unless their contacts are as many as declared.
