@@ -115,6 +115,15 @@ def test_the_orbit_of_one_impact_a_period(omega: float) -> None:
     assert found["period"] == pytest.approx(period, rel=1e-9)
     assert found["x_dot_max"] == pytest.approx(speed, rel=1e-9)
     assert found["x_max"] == pytest.approx(0.0, abs=1e-15)
+    np.testing.assert_allclose(np.prod(found["floquet_multiplier"]), e * e, rtol=1e-8)
+
+
+def test_a_motion_of_irregular_impacts_is_chaotic() -> None:
+    """Past the flip of one impact a period, judged by the impacts: nothing ever sticks."""
+    given = {"A": 1.0, "omega": 2.8, "e": 0.8, "ahead": 0.0, **FREE}
+    found = api.analyse(STOPPED, "coulomb", "response", {"x": -0.3}, {"t_max": 2000.0}, **given)
+    assert (found.values["attractor"], found.values["section_kind"]) == ("chaotic", "impact")
+    assert found.values["section_contact"] == 2 and found.values["lyapunov"] > 0.05
 
 
 def test_series_and_rk4_meet_the_same_impacts() -> None:
