@@ -220,6 +220,15 @@ REASONS: tuple[Reason, ...] = (
         "the sector differs by mu_s_2 and mu_k_2, and the friction law has no mu_k: beta = 0, or "
         "another law",
     ),
+    Reason(
+        "no_common_period",
+        "excitations that are on have no common period, or the frequency of one varies: give "
+        "them frequencies in a ratio of whole numbers, or switch all but one off",
+    ),
+    Reason(
+        "leaves_range",
+        "a parameter that varies harmonically leaves its range: lower its amplitude",
+    ),
 )
 
 # Reasons of motions that ended: answers, without what a motion has at its end.

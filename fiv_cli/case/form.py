@@ -22,6 +22,7 @@ from fiv_cli.case.structure import (
     ClaimTable,
     CurveTable,
     FigureTable,
+    ForceTable,
     FrictionTable,
     HeaderTable,
     InitialTable,
@@ -33,6 +34,7 @@ from fiv_cli.case.structure import (
 from fiv_cli.case.tables import keys_of, read_table, read_tables
 from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
+from fiv_cli.models.excitation import NAMES
 from fiv_cli.notation.names import axis_name, nearest, suggest
 from fiv_cli.notation.values import describe
 
@@ -46,7 +48,7 @@ _WITH_A_DOT = ("initial", "friction")
 
 
 class Entry(NamedTuple, Generic[V]):
-    """A key of ``[grid]`` or ``[schedule]``: its contract name, its place, and what it holds."""
+    """A key of ``[grid]``, ``[schedule]`` or ``[forcing]``: its name, its place, what it holds."""
 
     name: str
     place: Path
@@ -62,12 +64,18 @@ class Form:
     friction: FrictionTable
     grid: tuple[Entry[list[Any] | RangeTable], ...]
     schedule: tuple[Entry[CurveTable], ...]
+    forcing: tuple[Entry[ForceTable], ...]
     sweep: SweepTable
     initial: tuple[InitialTable, ...]
     analysis: tuple[AnalysisTable, ...]
     figure: tuple[FigureTable, ...]
     claim: tuple[ClaimTable, ...]
     solver: SolverTable
+
+    @property
+    def _harmonic(self) -> Iterator[Entry[CurveTable] | Entry[ForceTable]]:
+        yield from self.schedule
+        yield from self.forcing
 
     def places_of(self, name: str) -> list[Path]:
         """Where the case fixes what an axis, or the time, varies."""
@@ -80,11 +88,17 @@ class Form:
             ("friction",): friction,
         }
         tables |= {("friction", k): v for k, v in friction.items() if isinstance(v, dict)}
-        return [
+        fixed = [
             (*path, key)
             for path, table in tables.items()
             for key in table
             if axis_name(key) == name
+        ]
+        return fixed + [
+            (*entry.place, key)
+            for entry in self._harmonic
+            for key in entry.value.model_fields_set & NAMES.keys()
+            if NAMES[key].format(entry.name) == name
         ]
 
 
@@ -98,7 +112,8 @@ def read_form(document: Mapping[str, Any], report: Report) -> Form:
         model=_one(ModelTable, document.get("model", {"name": ""}), ("model",), report),
         friction=_one(FrictionTable, document.get("friction", {}), ("friction",), report),
         grid=tuple(_axes(document, report)),
-        schedule=tuple(_curves(document, report)),
+        schedule=tuple(_tables_of(document, "schedule", CurveTable, report)),
+        forcing=tuple(_tables_of(document, "forcing", ForceTable, report)),
         sweep=_one(SweepTable, document.get("sweep", {}), ("sweep",), report),
         initial=read_tables(InitialTable, document.get("initial", []), "initial", report),
         analysis=read_tables(AnalysisTable, document.get("analysis", []), "analysis", report),
@@ -189,9 +204,11 @@ def _axes(document: Mapping[str, Any], report: Report) -> Iterator[Entry[list[An
             )
 
 
-def _curves(document: Mapping[str, Any], report: Report) -> Iterator[Entry[CurveTable]]:
-    for name, place, value in _entries(document, "schedule", CurveTable, report):
-        yield Entry(name, place, _one(CurveTable, value, place, report))
+def _tables_of(
+    document: Mapping[str, Any], key: str, form: type[T], report: Report
+) -> Iterator[Entry[T]]:
+    for name, place, value in _entries(document, key, form, report):
+        yield Entry(name, place, _one(form, value, place, report))
 
 
 def _entries(

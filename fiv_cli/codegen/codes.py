@@ -31,3 +31,5 @@ ENERGY_OUTPUTS = (
 PER_CONTACT = len(CONTACT_OUTPUTS)
 SLIP_VELOCITY = CONTACT_OUTPUTS.index("slip_velocity")
 KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_OUTPUTS))
+
+LANES = 4  # tangent vectors that generated code moves at once

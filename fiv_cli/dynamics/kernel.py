@@ -28,6 +28,7 @@ from fiv_cli.codegen.codes import (
     GAP,
     JAMMING,
     KINETIC,
+    LANES,
     NORMAL,
     OTHER_POWER,
     PER_CONTACT,
@@ -85,6 +86,7 @@ BISECTIONS = 80
 TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
 FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
+SHORTER = 0.75  # a part of a step that does not suit tangents is cut to this share of it
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
 ROUNDING = 1e-16  # a residual, relative to the scale, that no further step improves
@@ -109,7 +111,8 @@ class Run(Search):
     sum_tangent: FixedInt
     taylor: Ints
     field: Ints
-    with_tangent: Ints
+    followed: Ints  # the same series as `taylor`, and what tangents need of the motion's
+    tangent: Ints
     switching_with_tangent: Ints
     impact: Ints2  # by contact state and contact
     impact_with_tangent: Ints2
@@ -207,6 +210,7 @@ class Run(Search):
     # --- scratch, written before it is read ---
     series: Floats
     work: Floats
+    lanes: Floats  # series of tangents, of several at once
     outputs: Floats  # of a field function
     reached: Floats  # the state at the end of a step
     inner: Floats
@@ -522,7 +526,8 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
 @native
 def series_at_hand(run: Run, index: int) -> float:
     """Write the series of a contact state; the length of the step that they allow."""
-    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.series)
+    taylor = run.taylor[index] if len(run.tangents) == 0 else run.followed[index]
+    call_generated(taylor, run.coefficients, run.time, run.y, run.series)
     order, rows = run.order, run.n_states + run.n_guards[index] + run.has_angle[index]
     step = step_size(run.series, rows, order, run.rtol, run.last_step)
     for i in range(run.n_arguments[index]):
@@ -873,29 +878,65 @@ def turning_value(
 def move_tangents(run: Run, index: int, tau: float) -> None:
     """Carry the tangent vectors (rows) over a step of length tau, in the parts that they need.
 
-    The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
-    where these are fast its series needs shorter steps.
+    Several are carried at once, and all share the motion's series. The step was chosen for the
+    motion. A tangent has modes that the motion may leave at rest, and where these are fast its
+    series needs shorter steps.
     """
-    n, order, t = run.n_states, run.tangent_order, run.time
-    c, moved, series, joined = run.coefficients, run.sum_tangent, run.work, run.joined
-    tangent, series_of_tangent = joined[n:], run.work[n * (order + 1) :]
-    for row in range(run.tangents.shape[0]):
+    n, width, count = run.n_states, (run.tangent_order + 1) * LANES, run.tangents.shape[0]
+    if run.is_taylor == 0:
+        call_generated(run.followed[index], run.coefficients, run.time, run.y, run.series)
+    for first in range(0, count, LANES):
+        taken = min(LANES, count - first)
         for i in range(n):
-            joined[i] = run.y[i]
-            tangent[i] = run.tangents[row, i]
-        done = 0.0
-        while done < tau:
-            call_generated(run.with_tangent[index], c, t + done, joined, series)
-            rest = tau - done
-            part = step_size(series, 2 * n, order, run.rtol, rest)
-            if part >= rest or done + part == done:
-                part, done = rest, tau
-            else:
-                done += part
-                call_generated(moved, c, part, series, joined)
-            call_generated(moved, c, part, series_of_tangent, tangent)
+            for lane in range(LANES):
+                value = run.tangents[first + lane, i] if lane < taken else 0.0
+                run.lanes[i * width + lane] = value
+        move_lanes(run, index, tau)
         for i in range(n):
-            run.tangents[row, i] = tangent[i]
+            for lane in range(taken):
+                run.tangents[first + lane, i] = run.lanes[i * width + lane]
+
+
+@native
+def move_lanes(run: Run, index: int, tau: float) -> None:
+    """Carry the tangent vectors in `lanes` over a step; its series are at hand."""
+    c, t, series, done = run.coefficients, run.time, run.series, 0.0
+    while True:
+        call_generated(run.tangent[index], c, t + done, series, run.lanes)
+        rest = tau - done
+        part = rest
+        while not suits_tangents(run, part):
+            part *= SHORTER
+        if done + part == done:
+            part = rest
+        call_generated(run.sum_tangent, c, part, run.lanes, run.lanes)
+        if part >= rest:
+            return
+        done += part
+        call_generated(run.sum_series, c, done, run.series, run.between)
+        call_generated(run.followed[index], c, t + done, run.between, run.work)
+        series = run.work
+
+
+@native
+def suits_tangents(run: Run, step: float) -> bool:
+    """Whether the last two terms of the series of tangents stay below rtol times their scales.
+
+    As in `step_size`, of which this is the question alone.
+    """
+    lanes, order, suits = run.lanes, run.tangent_order, True
+    square, before = step * step, 1.0
+    for _ in range(order - 1):
+        before *= step
+    for i in range(run.n_states):
+        first = i * (order + 1) * LANES
+        for lane in range(first, first + LANES):
+            scale = max(abs(lanes[lane]), abs(lanes[lane + LANES]) * step)
+            scale = max(scale, abs(lanes[lane + 2 * LANES]) * square)
+            high, low = lanes[lane + order * LANES], lanes[lane + (order - 1) * LANES]
+            last = max(abs(high) * step, abs(low)) * before
+            suits = suits and not (last > run.rtol * scale and scale > NEGLIGIBLE)
+    return suits
 
 
 @native

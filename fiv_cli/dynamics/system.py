@@ -81,13 +81,15 @@ class System:
     def tangent_tables(self) -> Mapping[str, NDArray[np.int64]]:
         """Addresses of the functions that carry tangents, compiled on first use, by field."""
         tables = {
-            "with_tangent": np.zeros_like(self.tables.field),
+            "followed": np.zeros_like(self.tables.field),
+            "tangent": np.zeros_like(self.tables.field),
             "switching_with_tangent": np.zeros_like(self.tables.field),
             "impact_with_tangent": np.zeros_like(self.tables.impact),
         }
         for index, state in self.generated.states.items():
             name, address = state.name, partial(self.generated.address, part=TANGENT_TEXT)
-            tables["with_tangent"][index] = address(f"{name}_tangent")
+            tables["followed"][index] = address(f"{name}_followed")
+            tables["tangent"][index] = address(f"{name}_tangent")
             tables["switching_with_tangent"][index] = address(f"{name}_switching")
             for contact in state.impacts:
                 place = index, contact
@@ -96,7 +98,7 @@ class System:
 
     @cached_property
     def sum_tangent(self) -> int:
-        """Address of the function that sums the series of a tangent, compiled on first use."""
+        """Address of the function that sums the series of tangents, compiled on first use."""
         return self.generated.address("moved", TANGENT_TEXT)
 
     @cached_property

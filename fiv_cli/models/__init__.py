@@ -15,6 +15,7 @@ from fiv_cli.models import (
     pin_on_disc,
 )
 from fiv_cli.models.base import Model
+from fiv_cli.models.excitation import BETWEEN, excited
 
 _MODELS: tuple[Model, ...] = (
     belt_1dof.MODEL,
@@ -36,5 +37,6 @@ def all_models() -> dict[str, Model]:
 
 
 def get_model(name: str) -> Model:
-    """The model called `name`; KeyError when there is none."""
-    return all_models()[name]
+    """The model called `name`, perhaps an excited one; KeyError when there is none."""
+    plain, plus, _ = name.partition(BETWEEN)
+    return excited(all_models()[plain], name) if plus else all_models()[name]

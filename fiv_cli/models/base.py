@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from math import lcm, pi
 from typing import TYPE_CHECKING
 
 from fiv_cli.errors import UsageError
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
 
 Options = Mapping[str, str]
+
+MOST_RATIO = 50  # of whole numbers that frequencies of excitations are to one another
+SAME_RATIO = 1e-12
 
 ROLES_OF_UNITS = (
     dict.fromkeys(("N m-1", "N m", "N m-3"), "stiffness")
@@ -276,6 +281,7 @@ class Equations:
     law_parameters : law parameter name -> expression seen by the law, for parameters that
         differ between zones
     zone : the non-uniform sector, if any
+    powers : excitation -> what it puts in, W, of those of `Model.powers`
     """
 
     accelerations: Mapping[str, Expr]
@@ -284,6 +290,7 @@ class Equations:
     potential_energy: Expr
     law_parameters: Mapping[str, Expr] = field(default_factory=dict)
     zone: Zone | None = None
+    powers: Mapping[str, Expr] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -344,6 +351,9 @@ class Model:
     requirements : what its parameters, and those of its laws, must be to one another
     singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
         its equations mean nothing there, and a message; ("", "") where they do
+    base : coordinates that what holds the model would carry along if it moved; none: it cannot
+    varied : parameters that vary harmonically, see ``excitation.py``
+    powers : excitation that does work -> what it is, in words
     example : what a new case begins with: from rest it vibrates somewhere in the range
     sliding : likewise one that follows no motion: in the range sliding changes its stability; None:
         in that of `example`
@@ -371,6 +381,9 @@ class Model:
     requirements: tuple[Requirement, ...] = ()
     singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
     example: Example | None = None
+    base: tuple[str, ...] = ()
+    varied: tuple[str, ...] = ()
+    powers: Mapping[str, str] = field(default_factory=dict)
     sliding: Example | None = None
 
     def mechanics(self, symbols: Symbols, options: Options) -> Equations:
@@ -400,12 +413,18 @@ class Model:
         """Parameters of a law with the defaults that they have on this model."""
         return tuple(_with_default(p, self.law_defaults.get(p.name)) for p in law_parameters)
 
-    def active_forcing(self, parameters: Mapping[str, float]) -> Forcing | None:
-        """The excitation that is switched on under `parameters`, if any."""
-        for forcing in self.forcings:
-            if parameters[forcing.amplitude] != 0.0:
-                return forcing
-        return None
+    def excitation_period(self, known: Mapping[str, float]) -> float | None:
+        """Common period of the excitations that are on, s; None where none is.
+
+        `known` : parameters and derived numbers
+        """
+        frequency = common_frequency(self.forcings, known)
+        return 2 * pi / abs(frequency) if frequency else None
+
+    def fastest(self, known: Mapping[str, float]) -> float:
+        """Highest angular frequency of the excitations that are on, rad/s; 0 where none is."""
+        on = [forcing for forcing in self.forcings if known[forcing.amplitude] != 0.0]
+        return max((abs(forcing.frequency(known)) for forcing in on), default=0.0)
 
     def averaged_forcing(self) -> Forcing | None:
         """The excitation whose fast motion can be averaged out, if any."""
@@ -416,10 +435,35 @@ class Model:
         return {**parameters, **{forcing.amplitude: 0.0 for forcing in self.forcings}}
 
 
+def common_frequency(forcings: Iterable[Forcing], known: Mapping[str, float]) -> float | None:
+    """Angular frequency of which those of all excitations that are on are multiples, rad/s.
+
+    0 where none is on; None where there is none, up to `MOST_RATIO`.
+    """
+    found = [forcing.frequency(known) for forcing in forcings if known[forcing.amplitude] != 0.0]
+    if len(set(found)) < 2:
+        return found[0] if found else 0.0
+    ratios = [Fraction(one / found[0]).limit_denominator(MOST_RATIO) for one in found]
+    misses = [abs(r * found[0] - one) for r, one in zip(ratios, found, strict=True)]
+    if any(miss > SAME_RATIO * abs(one) for miss, one in zip(misses, found, strict=True)):
+        return None
+    return found[0] / lcm(*(ratio.denominator for ratio in ratios))
+
+
 def leaders(table: Iterable[Parameter], given: Container[str] = ()) -> dict[str, str]:
     """Parameter -> the one whose value it takes, where it is not `given` one of its own."""
-    following = {p.name: p.default_from for p in table if p.default_from is not None}
-    return {name: leader for name, leader in following.items() if name not in given}
+    every = {p.name: p.default_from for p in table if p.default_from is not None}
+    following = {name: leader for name, leader in every.items() if name not in given}
+    return {name: _first_leader(name, following) for name in following}
+
+
+def _first_leader(name: str, following: Mapping[str, str]) -> str:
+    """The one that is followed in the end: some follow one that follows another."""
+    met: list[str] = []
+    while name in following and name not in met:
+        met.append(name)
+        name = following[name]
+    return name
 
 
 def followed(table: Sequence[Parameter], given: Mapping[str, float]) -> dict[str, float]:

@@ -26,6 +26,7 @@ UNSEEN = 1e-3  # weight of a mode that no switching function sees, over the larg
 ROUNDING = 1e-12  # of rates, over those of the equilibrium's size, and far below LINEAR
 PHASES = 4  # of an excitation, at which sliding is compared with that of the unexcited system
 SAME = 1e-9  # ... to this share
+TURNS = 64  # looks at each turn of an excitation that moves switching functions
 SEED = 7411  # of the points of a level set that are looked at
 
 
@@ -237,33 +238,68 @@ def _guards(sliding: Sliding, equilibria: Vector, speeds: Vector) -> tuple[Vecto
     return sliding.field(equilibria).switching, np.ascontiguousarray(slopes)
 
 
-def slides_freely(system: System, parameters: Mapping[str, float], target: LevelSet) -> bool:
-    """Whether an excitation leaves sliding alone: a sector with the same kinetic friction does.
+def under_excitation(
+    system: System, parameters: Mapping[str, float], target: LevelSet
+) -> LevelSet | None:
+    """The level sets where an excitation leaves sliding alone: a sector with the same kinetic
+    friction does, and a drive whose speed varies. None where it does not.
 
     The rates of the excited system are those of the unexcited one at every phase and on either
-    side of a sector's border.
+    side of a sector's border; switching functions may move as a whole, and the least counts.
     """
+    known = system.known(parameters)
+    period = system.setup.model.excitation_period(known)
+    if period is None:
+        return target
+    fastest = system.setup.model.fastest(known)
+    turns = TURNS * max(1, round(period * fastest / (2 * np.pi)))
+    moved = _all_moved(system, parameters, target, np.arange(PHASES) * period / PHASES)
+    if moved is None or not np.any(moved):
+        return None if moved is None else target
+    moved = _all_moved(system, parameters, target, np.arange(turns) * period / turns)
+    if moved is None:
+        return None
+    least, greatest = np.min(moved, axis=0), np.max(moved, axis=0)
+    between = (greatest - least) * (np.pi / TURNS) ** 2  # what a harmonic may be below its samples
+    at_rest = target.sliding.field(target.equilibrium).switching
+    lowest = at_rest + np.minimum(least - between, 0.0)
+    if np.any(lowest <= 0.0):
+        return None
+    shares = target.shares * (at_rest / lowest)[:, None]
+    return replace(target, shares=shares, asked=np.full_like(target.asked, np.nan))
+
+
+def _all_moved(
+    system: System, parameters: Mapping[str, float], target: LevelSet, times: Vector
+) -> Real | None:
+    """By how much switching functions are moved, at these times on either side of a border."""
     motion_parameters = system.parameter_vector(parameters)
     own = target.sliding.parameters
     motion_parameters[-1 - system.n_contacts : -1] = own[-1 - system.n_contacts : -1]
-    forcing = system.setup.model.active_forcing(parameters)
-    if forcing is None:
-        return True
-    period = 2 * np.pi / abs(forcing.frequency(system.known(parameters)))
-    states = [target.equilibrium.copy() for _ in range(2)]
+    states = np.stack([target.equilibrium, target.equilibrium])
     states[1][target.free] += np.max(np.abs(target.equilibrium)) * target.shapes[0]
+    moved = []
     for zone in (0.0, 1.0):
         motion_parameters[-1] = zone
         coefficients = system.coefficients(motion_parameters)
-        for state in states:
-            for phase in range(PHASES):
-                if not _same_rates(target, coefficients, phase * period / PHASES, state):
-                    return False
-    return True
+        for time in times.tolist():
+            found = _moved(target, coefficients, time, states)
+            if found is None:
+                return None
+            moved.append(found)
+    return np.array(moved)
 
 
-def _same_rates(target: LevelSet, coefficients: Vector, time: float, state: Vector) -> bool:
+def _moved(target: LevelSet, coefficients: Vector, time: float, states: Real) -> Vector | None:
+    """By how much an excitation moves the switching functions; None where it moves the rates too,
+    or does not move them alike in all states."""
     sliding = target.sliding
-    rates = sliding.system.field(sliding.index, coefficients, time, state).rates
-    expected = sliding.rates(state)
-    return bool(np.max(np.abs(rates - expected)) <= SAME * np.max(np.abs(expected)))
+    found = sliding.system.field(sliding.index, coefficients, time, states)
+    still = sliding.field(states)
+    scale = np.max(np.abs(still.rates), axis=-1, keepdims=True)
+    if np.any(np.max(np.abs(found.rates - still.rates), axis=-1, keepdims=True) > SAME * scale):
+        return None
+    by = found.switching - still.switching
+    if np.any(np.abs(by[1] - by[0]) > SAME * np.max(np.abs(still.switching))):
+        return None
+    return np.where(np.abs(by[0]) > SAME * np.abs(still.switching[0]), by[0], 0.0)

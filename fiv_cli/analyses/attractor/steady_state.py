@@ -36,7 +36,7 @@ from fiv_cli.analyses.attractor.grounds import (
     RESTING,
     SIGNIFICANT,
 )
-from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, slides_freely
+from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, under_excitation
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
@@ -260,11 +260,11 @@ class _Response:
         """Slides down to the stable equilibria, of which an excitation leaves nothing but those
         that do not feel it."""
         parameters = self.problem.parameters
-        return [
-            Descent(target)
-            for target in self.rests.level_sets
-            if self.excitation is None or slides_freely(self.system, parameters, target)
-        ]
+        targets = self.rests.level_sets
+        if self.excitation is not None:
+            felt = [under_excitation(self.system, parameters, target) for target in targets]
+            targets = [target for target in felt if target is not None]
+        return [Descent(target) for target in targets]
 
     # --- the course of a run ----------------------------------------------------------------------
     def outcome(self) -> Outcome:
