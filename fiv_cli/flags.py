@@ -118,7 +118,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
     Reason(
         "contact_would_pull",
-        "every sliding equilibrium needs a negative normal force: raise the preload or lower mu_k",
+        "every sliding equilibrium needs a negative normal force, or lies beyond a stop: raise the "
+        "preload, lower mu_k, or move the stop",
     ),
     Reason(
         "filled_in",
