@@ -46,11 +46,12 @@ def _costs(
         worst = int(np.argmax(both))
         times, where = both[worst], list(requests)[worst]
         resting = bool(cost.resting[worst] > cost.sliding[worst])
+        amount, when = ("up to", ", while a contact nearly rests") if resting else ("some", "")
         yield (
             setup.law.name,
             float(times),
-            f"{setup.law.name} is stiff: {'up to' if resting else 'some'} {_roughly(times)} times the "
-            f"steps of {REFERENCE}{', while a contact nearly rests' * resting} (at {where})",
+            f"{setup.law.name} is stiff: {amount} {_roughly(times)} times the steps of "
+            f"{REFERENCE}{when} (at {where})",
         )
 
 
