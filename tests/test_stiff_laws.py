@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from motions import defaults, motion, system
+from motions import defaults, motion
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.rest.stiffness import cost_of
+from fiv_cli.codegen.setup import Setup
 from fiv_cli.sweep.stiff import DEAR, stiff_laws
 
 FAST = SolverSettings()
@@ -38,7 +39,7 @@ def test_the_cost_of_a_stiff_law_is_told_from_its_fastest_rate(
     own = {name: given[name] for name in given if name in defaults(model, "coulomb")}
     counted = steps(model, law, t_end, **given) / steps(model, "coulomb", t_end, **own)
     parameters = defaults(model, law, **given)
-    cost = cost_of(system(model, law, rtol=FAST.rtol, parameters=parameters), [parameters])
+    cost = cost_of(Setup.of(model, law, parameters=parameters), [parameters])
     assert counted > DEAR
     assert 0.5 < counted / cost.sliding[0] < 2.0
 
@@ -52,7 +53,7 @@ def test_what_a_smooth_law_costs_at_rest_is_told_as_a_bound(
         "belt-1dof", "coulomb", 60.0, v=0.5
     )
     parameters = defaults("belt-1dof", law, v=0.5, **given)
-    cost = cost_of(system("belt-1dof", law, rtol=FAST.rtol, parameters=parameters), [parameters])
+    cost = cost_of(Setup.of("belt-1dof", law), [parameters])
     assert cost.sliding[0] < 1.0 < 10.0 < counted < cost.resting[0]
 
 

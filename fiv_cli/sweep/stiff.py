@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 
 from fiv_cli.analyses.base import Request
+from fiv_cli.analyses.execute import cost_of_law
 from fiv_cli.models import get_model
 from fiv_cli.sweep.plan import AnalysisPlan
 from fiv_cli.sweep.requests import request_at
@@ -36,12 +37,9 @@ def _costs(
 ) -> Iterator[tuple[str, float, str]]:
     """(law, its steps in Coulomb's, a sentence) of each law that may be stiff."""
     for requests in _alike(analysis).values():
-        from fiv_cli.analyses.rest.stiffness import REFERENCE, cost_of
-        from fiv_cli.dynamics.system import build_system
-
         (setup,) = {request.setup for request in requests.values()}
         points = [request.parameters for request in requests.values()]
-        cost = cost_of(build_system(setup, announce), points)
+        cost = cost_of_law(setup, points, announce)
         both = np.nan_to_num(np.maximum(*cost), nan=0.0, posinf=np.inf)
         worst = int(np.argmax(both))
         times, where = both[worst], list(requests)[worst]
@@ -51,7 +49,7 @@ def _costs(
             setup.law.name,
             float(times),
             f"{setup.law.name} is stiff: {amount} {_roughly(times)} times the steps of "
-            f"{REFERENCE}{when} (at {where})",
+            f"coulomb{when} (at {where})",
         )
 
 

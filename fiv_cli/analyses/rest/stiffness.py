@@ -8,7 +8,7 @@ are looked at: the sliding equilibrium, and the same place with all contacts at 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -22,6 +22,7 @@ from fiv_cli.friction import get_law
 
 Points = Sequence[Mapping[str, float]]
 Real = NDArray[np.float64]
+Announce = Callable[[str], None]
 
 REFERENCE = "coulomb"
 # A step times the fastest rate, of the series of order 16: where a mode that has died out still
@@ -42,19 +43,24 @@ class Cost(NamedTuple):
     resting: Real
 
 
-def cost_of(system: System, points: Points) -> Cost:
-    """The cost of the law of `system` at `points`; NaN where Coulomb's motion has no rate."""
-    own, reference = _fastest(system, points), _fastest(*_under_coulomb(system.setup, points))
+def cost_of(setup: Setup, points: Points, announce: Announce = lambda sentence: None) -> Cost:
+    """The cost of the law of `setup` at `points`; NaN where Coulomb's motion has no rate.
+
+    `announce` is told when code must be generated or compiled.
+    """
+    coulomb, adopted = _under_coulomb(setup, points)
+    own = _fastest(build_system(setup, announce), points)
+    reference = _fastest(build_system(coulomb, announce), adopted)
     known = np.where(reference[0] > 0.0, reference[0], np.nan)
     return Cost(*(ALIVE / DEAD * own / known))
 
 
-def _under_coulomb(setup: Setup, points: Points) -> tuple[System, Points]:
+def _under_coulomb(setup: Setup, points: Points) -> tuple[Setup, Points]:
     """The same model under Coulomb's law."""
     law = get_law(REFERENCE)
     usual = default_parameters(setup.model, law)
     adopted = [{n: point.get(n, value) for n, value in usual.items()} for point in points]
-    return build_system(replace(setup, law=law, structural={})), adopted
+    return replace(setup, law=law, structural={}), adopted
 
 
 def _fastest(system: System, points: Points) -> Real:
