@@ -102,7 +102,7 @@ def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
     if is_missed(outcome):
         other = own_section(response.motion, observed, response.patience)
         found = _followed(system, request, rests, other)
-        if tells_more(found, outcome):
+        if tells_more(found, other, outcome):
             section, outcome = other, found
     return recorded(outcome, section)
 
