@@ -37,7 +37,7 @@ def _costs(
 ) -> Iterator[tuple[str, float, str]]:
     """(law, its steps in Coulomb's, a sentence) of each law that may be stiff."""
     for requests in _alike(analysis).values():
-        (setup,) = {request.setup for request in requests.values()}
+        setup = next(iter(requests.values())).setup
         points = [request.parameters for request in requests.values()]
         cost = cost_of_law(setup, points, announce)
         both = np.nan_to_num(np.maximum(*cost), nan=0.0, posinf=np.inf)
