@@ -389,7 +389,9 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
-        if self.excitation is not None or np.any(self.motion.rates() != 0.0):
+        if self.excitation is not None or STICK not in self.motion.kinds.tolist():
+            return None
+        if np.any(self.motion.rates() != 0.0):
             return None
         if not (self._all_contacts(STICK) or self._is_held()):
             return None
