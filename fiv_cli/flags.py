@@ -118,7 +118,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
     Reason(
         "contact_would_pull",
-        "every sliding equilibrium needs a negative normal force: raise the preload or lower mu_k",
+        "every sliding equilibrium needs a negative normal force, or lies beyond a stop: raise the "
+        "preload, lower mu_k, or move the stop",
     ),
     Reason(
         "filled_in",
@@ -288,7 +289,7 @@ GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
 SECTION = FlagTable(
-    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2},
+    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2, "impact": 3},
     fill=NOT_COMPUTED,
 )
 COMPUTED = FlagTable(

@@ -37,10 +37,12 @@ from fiv_cli.models import all_models
 from fiv_cli.models.excitation import NAMES
 from fiv_cli.notation.names import axis_name, nearest, suggest
 from fiv_cli.notation.values import describe
+from fiv_cli.own.load import file_with, know_installed
 
 T = TypeVar("T", bound=BaseModel)
 V = TypeVar("V")
 
+_MODELS = "`fiv models` says what each is; one of your own is named with --with FILE.py"
 _KINDS = "`fiv kinds` says what there is: analyses compute, figures draw"
 
 # A name with a dot in it may be written without quotes: initial.x = ..., friction.mu_k = ...
@@ -156,14 +158,30 @@ def _home_of(key: str) -> str:
 
 def _refuse_unknown_words(document: Mapping[str, Any], report: Report) -> None:
     """Note a model and kinds of analyses that there are not: without them no name means a thing."""
+    if not {"tanh", *all_models(), *all_laws()}.issuperset(_words(document)):
+        know_installed()
     models = {name: model.title for name, model in all_models().items()}
-    listed = "`fiv models` says what each is"
-    _check_word(document.get("model"), "name", ("model",), models, listed, report)
+    _check_word(document.get("model"), "name", ("model",), models, _MODELS, report)
     _refuse_misplaced_laws(document.get("friction"), report)
     kinds = {name: analysis.title for name, analysis in all_analyses().items()}
     analyses = document.get("analysis")
     for index, table in enumerate(analyses if isinstance(analyses, list) else []):
         _check_word(table, "kind", ("analysis", index), kinds, _KINDS, report)
+
+
+def _words(document: Mapping[str, Any]) -> Iterator[str]:
+    """What a case calls its model and its laws."""
+    tables = {"model": ("name",), "friction": ("law", "of"), "grid": ("friction",)}
+    for name, keys in tables.items():
+        table = document.get(name)
+        for word in (table.get(key) for key in keys) if isinstance(table, dict) else ():
+            yield from (w for w in (word if isinstance(word, list) else [word]) if type(w) is str)
+
+
+def own_file(word: str, case: str) -> str:
+    """What to type where a file beside a case has what it names; empty where none has."""
+    file = file_with(word, case)
+    return f"{file} has it; it is run where you say so: fiv run {case} --with {file}" * bool(file)
 
 
 def _refuse_misplaced_laws(friction: object, report: Report) -> None:
@@ -180,7 +198,8 @@ def _check_word(
 ) -> None:
     word = table.get(key) if isinstance(table, dict) else None
     if isinstance(word, str) and word not in known:
-        hint = suggest(word, known) or listed
+        file = own_file(word, report.source) if path == ("model",) else ""
+        hint = file or suggest(word, known) or listed
         report.unknown((*path, key), f"there is no {path[0]} {word!r}", word, known, hint)
 
 

@@ -144,6 +144,7 @@ def _build(
         solver=read_solver(form, report),
         refinement=refinement,
         schedule=schedule,
+        own=physics.origins(),
     )
     check_what_is_asked(case, report)
     refuse_what_does_not_fit(case, form, physics, report)

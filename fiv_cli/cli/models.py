@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, print_table
+from fiv_cli.cli.common import json_option, print_json, print_table, with_option
 from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ KINDS = (
 @click.argument("name", required=False)
 @click.option("--laws", "want_laws", is_flag=True, help="Friction laws instead of models.")
 @json_option
+@with_option
 def command(name: str | None, want_laws: bool, as_json: bool) -> None:
     """List the mechanical models, or print everything about the model or law called NAME.
 

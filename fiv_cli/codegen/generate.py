@@ -75,6 +75,8 @@ class Generated:
     n_followed : numbers that a step with tangents writes of the motion, at most
     states : index of the contact state -> its table
     smooth : per contact, whether the law has no border at zero slip
+    sliding : kinds of the contacts where all slide, stops open
+    bounces : per contact, whether an impact gives something back
     zone : (start parameter, width parameter, contact) of the sector, or None
     texts : "flow", "tangent" and "jacobian"
     """
@@ -87,6 +89,8 @@ class Generated:
     n_followed: int
     states: Mapping[int, StateTable]
     smooth: tuple[bool, ...]
+    sliding: tuple[int, ...]
+    bounces: tuple[bool, ...]
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
     _engines: dict[str, ExecutionEngine] = field(default_factory=dict, compare=False, repr=False)
@@ -132,11 +136,13 @@ def text_key(setup: Setup) -> str:
     sources += [package.parent / "models" / "base.py"]
     laws = sorted((package.parent / "friction").glob("*.py"))  # they may be composed of one another
     files = [*sources, *_model_files(setup.model), *laws]
+    outside = [one.origin.text for one in (setup.model, setup.law) if one.origin is not None]
     written = [dict(sorted(table.items())) for table in (setup.options, setup.structural)]
     settings = [*written, setup.order, list(setup.schedule.names)]
     return cache.content_key(
         [
             cache.source_of(*files),
+            *outside,
             setup.model.name,
             setup.law.name,
             json.dumps(settings),
@@ -147,12 +153,14 @@ def text_key(setup: Setup) -> str:
 
 
 def _model_files(model: Model) -> list[Path]:
-    """The model's file and those that models share."""
+    """The model's file and those that models share; one from outside may be made of any."""
     from fiv_cli.models import all_models
 
+    shared = (Path(__file__).parent.parent / "models").glob("*.py")
+    if model.origin is not None:
+        return sorted(shared)
     others = {m.equations.__module__ for m in all_models().values() if m.name != model.name}
     own = _source_file(model)
-    shared = (Path(__file__).parent.parent / "models").glob("*.py")
     kept = [file for file in shared if f"fiv_cli.models.{file.stem}" not in others]
     return sorted({own, *kept})
 
@@ -214,6 +222,8 @@ def _make(setup: Setup) -> bytes:
         "n_followed": length,
         "states": {index: _table(state) for index, state in derivation.states.items()},
         "smooth": derivation.smooth,
+        "sliding": derivation.sliding,
+        "bounces": derivation.bounces,
         "zone": derivation.zone,
         "texts": {part: "\n".join(lines) + "\n" for part, lines in texts.items()},
     }

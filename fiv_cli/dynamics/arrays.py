@@ -48,6 +48,7 @@ def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
     end = frame.parts["parameters"].stop - 1
     frame.place_own("slip_signs", slice(end - system.n_contacts, end))
     frame.slip_signs[:] = 1.0
+    frame.kinds[:] = system.tables.sliding_kinds
     return frame
 
 

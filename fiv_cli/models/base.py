@@ -23,6 +23,7 @@ from math import lcm, pi
 from typing import TYPE_CHECKING
 
 from fiv_cli.errors import UsageError
+from fiv_cli.models.origin import Origin
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
@@ -231,6 +232,10 @@ class Contact:
     sliding_only : the contact always slides the way the drive moves it at rest: there is neither
         stick nor reversal of friction; without a gap it is bilateral (F_N may be negative)
     static_friction : False: it sticks up to the kinetic friction at zero speed, not more
+    law : name of its friction law, where that is the model's matter and not the case's
+    law_parameters : law parameter name -> expression seen by its law, where it has its own
+    restitution : share of the gap rate that an impact gives back (Newton); 0: plastic
+    is_stop : at a sliding equilibrium it is open, see `stop`
     """
 
     slip_velocity: Expr
@@ -243,6 +248,10 @@ class Contact:
     closing_rate: Expr | None = None
     sliding_only: bool = False
     static_friction: bool = True
+    law: str | None = None
+    law_parameters: Mapping[str, Expr] = field(default_factory=dict)
+    restitution: Expr | int = 0
+    is_stop: bool = False
 
     def __post_init__(self) -> None:
         if self.normal_force is None and (self.gap is None or self.gap_coordinate is None):
@@ -250,6 +259,37 @@ class Contact:
                 "a rigid contact (normal_force = None) has no gap or no gap_coordinate\n"
                 "next: name the state that the closed gap determines"
             )
+
+
+def stop(
+    gap: Expr,
+    coordinate: str | None = None,
+    normal_force: Expr | None = None,
+    restitution: Expr | int = 0,
+) -> Contact:
+    """A frictionless stop: what closes the gap and rests on nothing.
+
+    Parameters
+    ----------
+    gap : distance that is left, m
+    coordinate : of a rigid stop: the state that the closed gap determines
+    normal_force : of a soft stop: its force, N, where it is closed
+    restitution : share of the gap rate that an impact on a rigid stop gives back; its impacts may
+        pile up: when their flights are below rounding, it stays closed
+    """
+    import sympy
+
+    return Contact(
+        slip_velocity=sympy.Integer(0),
+        slip_coordinate="",
+        normal_force=normal_force,
+        gap=gap,
+        gap_coordinate=coordinate,
+        impact="plastic" if normal_force is None else "none",
+        law="none",
+        restitution=restitution,
+        is_stop=True,
+    )
 
 
 @dataclass(frozen=True)
@@ -291,6 +331,13 @@ class Equations:
     law_parameters: Mapping[str, Expr] = field(default_factory=dict)
     zone: Zone | None = None
     powers: Mapping[str, Expr] = field(default_factory=dict)
+
+    def law_parameters_at(
+        self, contact: int, table: Iterable[Parameter], symbols: Symbols
+    ) -> dict[str, Expr]:
+        """What the parameters of a law are at a contact."""
+        given = {**self.law_parameters, **self.contacts[contact].law_parameters}
+        return {p.name: given.get(p.name, symbols.parameter(p.name)) for p in table}
 
 
 @dataclass(frozen=True)
@@ -357,6 +404,7 @@ class Model:
     example : what a new case begins with: from rest it vibrates somewhere in the range
     sliding : likewise one that follows no motion: in the range sliding changes its stability; None:
         in that of `example`
+    origin : where it stands, if not in the box
     """
 
     name: str
@@ -385,6 +433,7 @@ class Model:
     varied: tuple[str, ...] = ()
     powers: Mapping[str, str] = field(default_factory=dict)
     sliding: Example | None = None
+    origin: Origin | None = None
 
     def mechanics(self, symbols: Symbols, options: Options) -> Equations:
         """The equations under `options`; UsageError unless their contacts are as many as declared.

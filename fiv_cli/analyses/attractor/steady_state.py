@@ -102,7 +102,7 @@ def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
     if is_missed(outcome):
         other = own_section(response.motion, observed, response.patience)
         found = _followed(system, request, rests, other)
-        if tells_more(found, outcome):
+        if tells_more(found, other, outcome):
             section, outcome = other, found
     return recorded(outcome, section)
 
@@ -333,16 +333,17 @@ class _Response:
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        return self._all_contacts(SLIP) and bool((self.motion.slip_signs == self.ways).all())
+        return self._all_slide() and bool((self.motion.slip_signs == self.ways).all())
 
-    def _all_contacts(self, kind: int) -> bool:
-        """Whether every contact is of this kind."""
-        return all(own == kind for own in self.motion.kinds.tolist())
+    def _all_slide(self) -> bool:
+        """Whether every contact slips, stops open."""
+        frame = self.motion.frame
+        return bool((frame.kinds == frame.sliding_kinds).all())
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
         waited = self.motion.time - self.watch.last_event >= self.patience * ALMOST
-        return waited and self._all_contacts(SLIP)
+        return waited and self._all_slide()
 
     @property
     def _times(self) -> Vector:
@@ -393,7 +394,9 @@ class _Response:
             return None
         if np.any(self.motion.rates() != 0.0):
             return None
-        if not (self._all_contacts(STICK) or self._is_held()):
+        frame = self.motion.frame
+        all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
+        if not (all_stick or self._is_held()):
             return None
         outcome = self._resting_values(self.motion.y)
         outcome.values["decay_margin"] = 1.0
@@ -401,7 +404,7 @@ class _Response:
         return outcome
 
     def _is_held(self) -> bool:
-        """Whether sticking contacts determine every velocity, whatever the others do.
+        """Whether sticking contacts and stops determine every velocity, whatever the others do.
 
         Where they leave one free, a motion may stand still on the border between two basins.
         """
