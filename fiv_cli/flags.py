@@ -295,7 +295,7 @@ GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
 SECTION = FlagTable(
-    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2},
+    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2, "impact": 3},
     fill=NOT_COMPUTED,
 )
 COMPUTED = FlagTable(

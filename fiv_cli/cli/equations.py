@@ -73,9 +73,14 @@ def _plain_text(expression: Any) -> str:
 
 def _contact_lines(printer: Callable[[Any], str], contact: Contact, suffix: str) -> Iterator[str]:
     named = {"v_rel": contact.slip_velocity, "F_N": contact.normal_force, "gap": contact.gap}
+    if contact.restitution != 0:
+        named["restitution"] = contact.restitution
     for name, expression in named.items():
         if expression is not None:
             yield f"  {name}{suffix} = {printer(expression)}"
+    if contact.law is not None:
+        given = ", ".join(f"{n} = {printer(e)}" for n, e in contact.law_parameters.items())
+        yield f"  law{suffix} = {contact.law}" + (f" ({given})" if given else "")
 
 
 def _suffix(contact: int, contacts: int) -> str:

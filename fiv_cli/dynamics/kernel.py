@@ -69,6 +69,8 @@ GO_ON, DECIDE, ENTER = 0, 1, 2
 # What ends up in the section buffer.
 SECTION_NONE, SECTION_EVENT, SECTION_ZERO, SECTION_PHASE = 0, 1, 2, 3
 
+ANY = -1  # kind of contact state after the event of a section
+
 # What ends a step, but for the number of a switching function of the contact state.
 NOTHING, UPPER_BORDER, LOWER_BORDER, SECTION = -1, -2, -3, -4
 
@@ -1459,7 +1461,7 @@ def book_event(run: Run, contact: int, itself: bool, residual: float) -> None:
             run.section_kind == SECTION_EVENT
             and i == run.section_contact
             and kind_of(before) == run.section_from
-            and run.kinds[i] == run.section_to
+            and (run.kinds[i] == run.section_to or run.section_to == ANY)
         ):
             keep_section(run)
     book_pieces(run, residual)

@@ -102,7 +102,7 @@ def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
     if is_missed(outcome):
         other = own_section(response.motion, observed, response.patience)
         found = _followed(system, request, rests, other)
-        if tells_more(found, outcome):
+        if tells_more(found, other, outcome):
             section, outcome = other, found
     return recorded(outcome, section)
 
@@ -390,7 +390,9 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
-        if self.excitation is not None or np.any(self.motion.rates() != 0.0):
+        if self.excitation is not None or STICK not in self.motion.kinds.tolist():
+            return None
+        if np.any(self.motion.rates() != 0.0):
             return None
         frame = self.motion.frame
         all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
