@@ -118,7 +118,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
     Reason(
         "contact_would_pull",
-        "every sliding equilibrium needs a negative normal force: raise the preload or lower mu_k",
+        "every sliding equilibrium needs a negative normal force, or lies beyond a stop: raise the "
+        "preload, lower mu_k, or move the stop",
     ),
     Reason(
         "filled_in",
@@ -220,6 +221,15 @@ REASONS: tuple[Reason, ...] = (
         "the sector differs by mu_s_2 and mu_k_2, and the friction law has no mu_k: beta = 0, or "
         "another law",
     ),
+    Reason(
+        "no_common_period",
+        "excitations that are on have no common period, or the frequency of one varies: give "
+        "them frequencies in a ratio of whole numbers, or switch all but one off",
+    ),
+    Reason(
+        "leaves_range",
+        "a parameter that varies harmonically leaves its range: lower its amplitude",
+    ),
 )
 
 # Reasons of motions that ended: answers, without what a motion has at its end.
@@ -250,6 +260,12 @@ ATTRACTOR = FlagTable(
 CONTACT_STATE = FlagTable(
     {NOT_COMPUTED: -1, "slip+": 0, "slip-": 1, "stick": 2, "separation": 3}, fill=NOT_COMPUTED
 )
+PIECES = ("holds", "slides+", "slides-", "creeping", "forward", "backward")
+"""What the elements of friction laws may be in."""
+CONTACT_EVENT = FlagTable(
+    {**CONTACT_STATE.codes, **{name: code for code, name in enumerate(PIECES, 4)}},
+    fill=NOT_COMPUTED,
+)
 CROSSING_KIND = FlagTable({NOT_COMPUTED: -1, "root": 0, "jump": 1, "end": 2}, fill=NOT_COMPUTED)
 CROSSING_DIRECTION = FlagTable(
     {NOT_COMPUTED: -1, "to_stable": 0, "to_unstable": 1, "lost": 2, "gained": 3},
@@ -279,7 +295,7 @@ GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
 SECTION = FlagTable(
-    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2},
+    {NOT_COMPUTED: -1, "slip_to_stick": 0, "stick_to_slip": 1, "turning_point": 2, "impact": 3},
     fill=NOT_COMPUTED,
 )
 COMPUTED = FlagTable(
@@ -298,6 +314,7 @@ TABLES: Mapping[str, FlagTable] = {
     "reason": REASON,
     "attractor": ATTRACTOR,
     "contact_state": CONTACT_STATE,
+    "contact_event": CONTACT_EVENT,
     "stable": STABLE,
     "crossing_kind": CROSSING_KIND,
     "crossing_direction": CROSSING_DIRECTION,

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 from fiv_cli.analyses.settings import Question, Settings, Varied
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.settings import Section, SolverSettings
+from fiv_cli.models.excitation import at_every_phase
 from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
@@ -63,7 +64,10 @@ def broken(
 
 def requirements(model: Model, law: Law, linear: bool = False) -> list[Requirement]:
     """What the parameters of a point must be to one another; `linear`: no motion is followed."""
-    own = (*model.requirements, *law.requirements)
+    own: Sequence[Requirement] = (*model.requirements, *law.requirements)
+    if model.varied:
+        table = {p.name: p for p in model.parameters_under(law.parameters)}
+        own = at_every_phase(own, model.varied, table)
     return [requirement for requirement in own if not (linear and requirement.in_motion)]
 
 

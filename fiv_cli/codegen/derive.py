@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 
 import sympy
 from sympy import Expr
@@ -22,17 +22,19 @@ from fiv_cli.codegen.codes import (
     JAMMING,
     NORMAL,
     PARTING,
+    PIECE,
     SEPARATION,
     SINGULAR,
     SLIP,
     STICK,
     VELOCITY,
+    index_of,
 )
 from fiv_cli.codegen.graph import Graph, Node
-from fiv_cli.codegen.joint import Joint, joints
+from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
-from fiv_cli.friction.base import Slip
+from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
@@ -40,11 +42,12 @@ from fiv_cli.schedule import rate_of
 
 @dataclass(frozen=True)
 class Guard:
-    """A switching function."""
+    """A switching function; of an element's piece also its place among those of all elements."""
 
     kind: int
     contact: int
     node: Node
+    place: int = 0
 
 
 @dataclass(frozen=True)
@@ -86,9 +89,13 @@ class Derivation:
     ----------
     graph : the expressions
     state_names : entries of the state vector: coordinates, velocities, internal states
-    parameter_names : entries of the parameter vector: parameters, signs of slip, zone
+    parameter_names : entries of the parameter vector: parameters, numbers of pieces, signs of
+        slip, zone
     states : contact states by `index_of`
     smooth : per contact, whether its law has no border at zero slip
+    sliding : kinds of the contacts where all slide: SLIP, of a stop SEPARATION
+    bounces : per contact, whether an impact gives something back
+    pieced : contacts whose law is given by pieces
     zone : start and width parameters of the sector and its contact, if any
     """
 
@@ -97,12 +104,21 @@ class Derivation:
     parameter_names: tuple[str, ...]
     states: Mapping[int, ContactState]
     smooth: tuple[bool, ...]
+    sliding: tuple[int, ...]
+    bounces: tuple[bool, ...]
+    pieced: tuple[int, ...]
     zone: tuple[str, str, int] | None
 
 
-def index_of(kinds: Sequence[int]) -> int:
-    """Index of a combination of contact kinds: base 3, contact 0 first."""
-    return sum(kind * 3**place for place, kind in enumerate(kinds))
+def _pieced(setup: Setup, laws: Sequence[Law]) -> list[int]:
+    """The contacts under the case's law, where that is given by pieces."""
+    others = [law.name for law in laws if law.pieces and law is not setup.law]
+    if others:
+        raise UsageError(
+            f"a contact of {setup.model.name} has a law of its own, {others[0]!r}, "
+            "that is given by pieces\nnext: leave its law to the case"
+        )
+    return [i for i, law in enumerate(laws) if law.pieces]
 
 
 def derive(setup: Setup) -> Derivation:
@@ -112,16 +128,17 @@ def derive(setup: Setup) -> Derivation:
 
 class _Deriver:
     def __init__(self, setup: Setup) -> None:
-        self.law, scheduled = setup.law, setup.schedule.names
+        scheduled = setup.schedule.names
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
+        self.laws = [setup.law_of(contact) for contact in self.contacts]
+        self.pieced = _pieced(setup, self.laws)
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
-            f"{state.name}_{i + 1}" if len(self.contacts) > 1 else state.name
-            for i in range(len(self.contacts))
-            for state in self.law.states
+            [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
+            for i, law in enumerate(self.laws)
         ]
         self.parameters = setup.parameter_names
         self.parameters += [rate_of(name) for name in scheduled]
@@ -131,44 +148,63 @@ class _Deriver:
     @property
     def state_names(self) -> list[str]:
         velocities = [f"{name}_dot" for name in self.coordinates]
-        return [*self.coordinates, *velocities, *self.internal]
+        return [*self.coordinates, *velocities, *chain.from_iterable(self.internal)]
 
     def derive(self) -> Derivation:
         states = {}
-        held = (STICK if self._possible(i, STICK) else SLIP for i in range(len(self.contacts)))
-        self._joints(tuple(held))  # what all contacts at once leave open is refused first
+        self._joints(self._all_held())  # what all contacts at once leave open is refused first
         for kinds in product((SLIP, STICK, SEPARATION), repeat=len(self.contacts)):
-            if all(self._possible(i, kind) for i, kind in enumerate(kinds)):
+            each = all(self._possible(i, kind) for i, kind in enumerate(kinds))
+            if each and not self._blocked(kinds):
                 states[index_of(kinds)] = self._contact_state(kinds)
         signs = [f"sign.{i}" for i in range(len(self.contacts))]
+        rows = [symbol.name for i in range(len(self.contacts)) for symbol in self._rows(i)]
         zone = self.equations.zone
         return Derivation(
             graph=self.graph,
             state_names=tuple(self.state_names),
-            parameter_names=(*self.parameters, *signs, "zone"),
+            parameter_names=(*self.parameters, *rows, *signs, "zone"),
             states=states,
             smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
+            sliding=tuple(SEPARATION if contact.is_stop else SLIP for contact in self.contacts),
+            bounces=tuple(contact.restitution != 0 for contact in self.contacts),
+            pieced=tuple(self.pieced),
             zone=None if zone is None else (zone.start, zone.width, zone.contact),
         )
 
     def _possible(self, contact: int, kind: int) -> bool:
         if kind == STICK:
-            return self.law.capacity is not None and not self.contacts[contact].sliding_only
+            return (
+                self.laws[contact].capacity is not None and not self.contacts[contact].sliding_only
+            )
         if kind == SEPARATION:
             return self.contacts[contact].gap is not None
         return True
 
+    def _all_held(self) -> tuple[int, ...]:
+        """Every contact that can stick does, every stop is open."""
+        return tuple(
+            SEPARATION if contact.is_stop else STICK if self._possible(i, STICK) else SLIP
+            for i, contact in enumerate(self.contacts)
+        )
+
+    def _blocked(self, kinds: tuple[int, ...]) -> bool:
+        """Whether a closed stop is in the way of what sticks, or of another stop that is closed."""
+        closed = self._closed(kinds)
+        if not any(self.contacts[i].is_stop for i in closed):
+            return False
+        slips, gaps = self._conditions(kinds)
+        return not are_free([*slips.values(), *gaps.values()])
+
     # --- the law ----------------------------------------------------------------------------------
-    def _law_parameters(self) -> dict[str, Expr]:
-        given = self.equations.law_parameters
-        return {
-            p.name: given.get(p.name, self.symbols.parameter(p.name)) for p in self.law.parameters
-        }
+    def _law_parameters(self, contact: int) -> dict[str, Expr]:
+        table = self.laws[contact].parameters
+        return self.equations.law_parameters_at(contact, table, self.symbols)
 
     def _slip(self, contact: int) -> Slip:
         sign = self.symbols.sign(contact)
         v = sympy.Symbol("v", real=True)
-        names = self._internal_of(contact)
+        law, names = self.laws[contact], self.internal[contact]
         return Slip(
             v=v,
             sign=sign,
@@ -176,27 +212,39 @@ class _Deriver:
             N=self.symbols.normal_force(contact),
             states={
                 state.name: self.symbols.coordinate(entry)
-                for state, entry in zip(self.law.states, names, strict=True)
+                for state, entry in zip(law.states, names, strict=True)
             },
+            rows=self._rows_of(contact),
         )
 
-    def _internal_of(self, contact: int) -> list[str]:
-        width = len(self.law.states)
-        return self.internal[contact * width : (contact + 1) * width]
-
     def _law_force(self, contact: int) -> Expr:
-        return self.law.force(self._slip(contact), self._law_parameters())
+        return self.laws[contact].force(self._slip(contact), self._law_parameters(contact))
 
     def _law_rates(self, contact: int) -> Mapping[str, Expr]:
-        rates = self.law.rates
-        return {} if rates is None else rates(self._slip(contact), self._law_parameters())
+        rates = self.laws[contact].rates
+        return {} if rates is None else rates(self._slip(contact), self._law_parameters(contact))
+
+    def _rows_of(self, contact: int) -> list[list[sympy.Symbol]]:
+        shape = self.laws[contact].shape if contact in self.pieced else (0, 0)
+        return self.symbols.rows(contact, *shape)
+
+    def _rows(self, contact: int) -> list[sympy.Symbol]:
+        return [symbol for row in self._rows_of(contact) for symbol in row]
+
+    def _law_guards(self, contact: int) -> list[Expr]:
+        guards = self.laws[contact].guards
+        if guards is None:
+            return []
+        given = guards(self._slip(contact), self._law_parameters(contact))
+        return [guard for of_element in given for guard in of_element]
 
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
         told = (self.law_forces[contact], *self._law_rates(contact).values())
+        told += tuple(self._law_guards(contact))
         borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
-        return self.law.capacity is None and not borders
+        return self.laws[contact].capacity is None and not borders
 
     # --- one contact state ------------------------------------------------------------------------
     def _contact_state(self, kinds: tuple[int, ...]) -> ContactState:
@@ -232,15 +280,21 @@ class _Deriver:
         for i, kind in enumerate(kinds):
             names[symbols.sign(i)] = graph.parameter(f"sign.{i}")
             names[symbols.closed(i)] = graph.number(0.0 if kind == SEPARATION else 1.0)
+            names |= {symbol: graph.parameter(symbol.name) for symbol in self._rows(i)}
         return names
 
     def _joints(self, kinds: tuple[int, ...]) -> list[Joint]:
         """The sticking contacts, those of one direction together."""
+        return joints(*self._conditions(kinds))
+
+    def _conditions(self, kinds: tuple[int, ...]) -> tuple[dict[int, Row], dict[int, Row]]:
+        """Rows of the slip velocities of contacts that stick, of the gap rates of closed ones."""
         slips = {i: c.slip_velocity for i, c in enumerate(self.contacts) if kinds[i] == STICK}
         gaps = {i: self._time_derivative(self.contacts[i].gap) for i in self._closed(kinds)}
-        return joints(*({i: self._row(v) for i, v in rates.items()} for rates in (slips, gaps)))
+        slip_rows, gap_rows = ({i: self._row(v) for i, v in r.items()} for r in (slips, gaps))
+        return slip_rows, gap_rows
 
-    def _row(self, rate: Expr) -> list[Expr]:
+    def _row(self, rate: Expr) -> Row:
         """What each velocity adds to a rate."""
         return [sympy.diff(rate, self.symbols.velocity(name)) for name in self.coordinates]
 
@@ -412,17 +466,17 @@ class _Deriver:
         rates = [names[self.symbols.velocity(name)] for name in self.coordinates]
         rates += [build(self.equations.accelerations[name], names) for name in self.coordinates]
         for contact, kind in enumerate(kinds):
-            apart = [self.graph.zero] * len(self.law.states)  # what nothing touches stays as it is
+            apart = [self.graph.zero] * len(
+                self.internal[contact]
+            )  # what nothing touches stays as it is
             rates += apart if kind == SEPARATION else self._internal_rates(contact, names)
         return rates
 
     def _internal_rates(self, contact: int, names: Mapping[Expr, Node]) -> list[Node]:
         slip, rates = self._slip(contact), self._law_rates(contact)
-        velocity = self.contacts[contact].slip_velocity
-        return [
-            self.graph.build(rates[state.name].subs(slip.v, velocity), names)
-            for state in self.law.states
-        ]
+        velocity, build = self.contacts[contact].slip_velocity, self.graph.build
+        states = self.laws[contact].states
+        return [build(rates[state.name].subs(slip.v, velocity), names) for state in states]
 
     def _guards(
         self,
@@ -474,17 +528,24 @@ class _Deriver:
             sign = names[self.symbols.sign(contact)]
             velocity = graph.build(description.slip_velocity, names)
             guards.append(Guard(VELOCITY, contact, graph.mul(sign, velocity)))
+        if kind == SLIP:
+            v, own = self._slip(contact).v, self._law_guards(contact)
+            first = self.pieced.index(contact) * len(own) if own else 0
+            for place, guard in enumerate(own, first):
+                node = graph.build(guard.subs(v, description.slip_velocity), names)
+                guards.append(Guard(PIECE, contact, node, place))
         if description.gap is not None or description.ends_at_zero_normal_force:
             guards.append(Guard(NORMAL, contact, normal))
         return guards
 
     def _capacity(self, contact: int, names: Mapping[Expr, Node]) -> Node:
-        assert self.law.capacity is not None
-        normal, parameters = self.symbols.normal_force(contact), self._law_parameters()
+        law, parameters = self.laws[contact], self._law_parameters(contact)
+        assert law.capacity is not None
+        normal = self.symbols.normal_force(contact)
         if not self.contacts[contact].static_friction:
             at_rest = Slip(sympy.Integer(0), sympy.Integer(1), sympy.Integer(0), normal)
-            return self.graph.build(self.law.force(at_rest, parameters), names)
-        return self.graph.build(self.law.capacity(normal, parameters), names)
+            return self.graph.build(law.force(at_rest, parameters), names)
+        return self.graph.build(law.capacity(normal, parameters), names)
 
     def _angle(self, kinds: tuple[int, ...], names: Mapping[Expr, Node]) -> Node | None:
         zone = self.equations.zone
@@ -536,6 +597,7 @@ class _Deriver:
             for name, response in responses.items()
         )
         closing = rate if description.closing_rate is None else description.closing_rate
+        closing *= 1 + description.restitution
         impulse = graph.negative(graph.div(graph.build(closing, names), graph.build(effect, names)))
         after = {}
         for name, response in responses.items():

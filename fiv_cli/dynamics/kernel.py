@@ -10,6 +10,11 @@ first, the first one is taken in which every switching function is positive in t
 first non-vanishing derivative. That single rule covers stick against reversal, release in the
 direction of the demanded force, several contacts at once, grazing, re-contact at zero
 compression, and transitions that follow one another at one instant.
+
+A law that is given by pieces adds a switching function for each way out of the piece that an
+element of it is in. Where one falls the element goes on in the next piece; then, and wherever the
+contact state is decided anew, elements whose switching functions fall go on likewise, until none
+does.
 """
 
 from __future__ import annotations
@@ -19,6 +24,7 @@ import numpy as np
 from fiv_cli.codegen.codes import (
     CAPACITY_DOWN,
     CAPACITY_UP,
+    CODE_PIECE,
     CODE_SEPARATION,
     CODE_SLIP_MINUS,
     CODE_SLIP_PLUS,
@@ -28,9 +34,11 @@ from fiv_cli.codegen.codes import (
     GAP,
     JAMMING,
     KINETIC,
+    LANES,
     NORMAL,
     OTHER_POWER,
     PER_CONTACT,
+    PIECE,
     SEPARATION,
     SINGULAR,
     SLIP,
@@ -61,6 +69,8 @@ GO_ON, DECIDE, ENTER = 0, 1, 2
 # What ends up in the section buffer.
 SECTION_NONE, SECTION_EVENT, SECTION_ZERO, SECTION_PHASE = 0, 1, 2, 3
 
+ANY = -1  # kind of contact state after the event of a section
+
 # What ends a step, but for the number of a switching function of the contact state.
 NOTHING, UPPER_BORDER, LOWER_BORDER, SECTION = -1, -2, -3, -4
 
@@ -85,6 +95,7 @@ BISECTIONS = 80
 TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
 FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
+SHORTER = 0.75  # a part of a step that does not suit tangents is cut to this share of it
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
 ROUNDING = 1e-16  # a residual, relative to the scale, that no further step improves
@@ -101,6 +112,8 @@ class Run(Search):
     n_states: FixedInt
     n_coordinates: FixedInt
     n_contacts: FixedInt
+    all_sliding: FixedInt  # number of the contact state in which all slide
+    most_open: FixedInt  # ... and of that in which all are open that can be
     tangent_order: FixedInt
     is_taylor: FixedInt  # 1; 0: rk4
     # Addresses of generated functions; of one per contact state 0 where there is no such state.
@@ -109,7 +122,8 @@ class Run(Search):
     sum_tangent: FixedInt
     taylor: Ints
     field: Ints
-    with_tangent: Ints
+    followed: Ints  # the same series as `taylor`, and what tangents need of the motion's
+    tangent: Ints
     switching_with_tangent: Ints
     impact: Ints2  # by contact state and contact
     impact_with_tangent: Ints2
@@ -118,13 +132,23 @@ class Run(Search):
     n_guards: Ints
     guard_kinds: Ints2
     guard_contacts: Ints2
+    guard_places: Ints2  # of pieces: the element, times ways out, and the way out
     has_angle: Ints
     n_arguments: Ints
     contact_place: Ints
     energy_place: Ints
-    # Per contact: whether it cannot open (its loss is the end), whether it slips in one sense only.
+    # Per contact: whether it cannot open (its loss is the end), whether it slips in one sense only,
+    # its kind where all slide (a stop is open), whether its impacts give something back.
     is_end: Ints
     is_one_way: Ints
+    sliding_kinds: Ints
+    bounces: Ints
+    # Of the law: the contact of each element that is in a piece; per piece its numbers, the piece
+    # behind each way out (-1: none), and, by piece and way out, the known zeros behind it.
+    element_contacts: Ints
+    piece_rows: Floats2
+    piece_exits: Ints2
+    piece_zeros: Ints2
     # Places of the sector's start and width among the parameters (-1: there is no sector), and of
     # whether the motion is inside; the contact whose angle it is.
     sector_start: FixedInt
@@ -145,7 +169,9 @@ class Run(Search):
     y: OwnFloats
     parameters: OwnFloats
     slip_signs: OwnFloats  # the part of the parameters that holds them
+    rows: OwnFloats  # ... and the part that holds the numbers of pieces
     kinds: OwnInts
+    in_piece: OwnInts  # number of the piece of each element of all contacts
     coefficients: OwnFloats
     filled_for: float  # slip signs and sector that coefficients were computed for; 0: none
     task: int
@@ -165,6 +191,11 @@ class Run(Search):
     n_chained: int  # transitions at this instant
     n_grazings: int
     n_impacts: int
+    # The element that has just left a piece and its row of `piece_zeros` (-1: none), or the
+    # switching function that only touched zero (-1: none).
+    left_element: int
+    left_by: int
+    touched_guard: int
 
     # --- section points, samples, a ledger of events, tangent vectors ---
     section_kind: FixedInt
@@ -207,6 +238,7 @@ class Run(Search):
     # --- scratch, written before it is read ---
     series: Floats
     work: Floats
+    lanes: Floats  # series of tangents, of several at once
     outputs: Floats  # of a field function
     reached: Floats  # the state at the end of a step
     inner: Floats
@@ -224,6 +256,8 @@ class Run(Search):
     n_offers: Ints
     offered_kinds: Ints2
     offered_signs: Ints2
+    pieces_before: Ints
+    pieces_offered: Ints
 
 
 @native
@@ -451,6 +485,8 @@ def known_zeros_of(
     Each case names the test that fails without it.
     """
     kind, contact = run.guard_kinds[index, guard], run.guard_contacts[index, guard]
+    if kind == PIECE:
+        return known_zeros_of_piece(run, index, guard) if trigger_kind == PIECE else 0
     if kind == VELOCITY and contact == trigger_contact:
         released = trigger_kind == (CAPACITY_UP if run.slip_signs[contact] > 0.0 else CAPACITY_DOWN)
         if released and run.series[(run.n_states + guard) * (run.order + 1) + 1] < 0.0:
@@ -468,10 +504,75 @@ def known_zeros_of(
 
 
 @native
-def sticks(run: Run) -> bool:
-    """Whether a contact sticks."""
+def known_zeros_of_piece(run: Run, index: int, guard: int) -> int:
+    """The same of a way out of a piece where an element has just come into one."""
+    if guard == run.touched_guard:
+        return 1
+    ways, place = run.piece_exits.shape[1], run.guard_places[index, guard]
+    if run.left_by < 0 or place // ways != run.left_element:
+        return 0
+    return run.piece_zeros[run.left_by, place % ways]
+
+
+@native
+def put_in_piece(run: Run, element: int, piece: int) -> None:
+    """Let an element be in a piece."""
+    width = run.piece_rows.shape[1]
+    run.in_piece[element] = piece
+    for k in range(width):
+        run.rows[element * width + k] = run.piece_rows[piece, k]
+    run.filled_for = 0.0
+
+
+@native
+def leave_piece(run: Run, index: int, guard: int) -> None:
+    """Let the element whose switching function falls go on in the next piece."""
+    ways, place = run.piece_exits.shape[1], run.guard_places[index, guard]
+    element, way = place // ways, place % ways
+    piece = run.in_piece[element]
+    run.left_element, run.left_by = element, piece * ways + way
+    put_in_piece(run, element, run.piece_exits[piece, way])
+
+
+@native
+def first_out(run: Run, index: int, step: float, trigger_kind: int) -> int:
+    """The first way out of a piece that is fallen through, or will be at once; -1: none."""
+    for guard in range(run.n_guards[index]):
+        if run.guard_kinds[index, guard] == PIECE:
+            offset = (run.n_states + guard) * (run.order + 1)
+            zeros = known_zeros_of(run, index, guard, trigger_kind, -1)
+            if leading(run.series, offset, run.order, step, zeros) < 0:
+                return guard
+    return -1
+
+
+@native
+def comparing_step(run: Run) -> float:
+    """Time over which derivatives are compared, where the series at hand allow a step."""
+    if run.first_step < ENDLESS:
+        return run.first_step
+    return run.last_step if run.last_step > 0.0 else 0.0
+
+
+@native
+def settle_pieces(run: Run, index: int, trigger_kind: int) -> bool:
+    """Let elements go on until each is in a piece that it stays in; False: they go in circles."""
+    for _ in range(CHAIN_CAP + len(run.piece_exits)):
+        guard = first_out(run, index, comparing_step(run), trigger_kind)
+        if guard < 0:
+            return True
+        leave_piece(run, index, guard)
+        run.left_by = -1  # nothing is known of one that lay elsewhere
+        fill(run)
+        run.first_step = series_at_hand(run, index)
+    return False
+
+
+@native
+def holds(run: Run) -> bool:
+    """Whether a contact sticks or a stop is closed."""
     for i in range(run.n_contacts):
-        if run.kinds[i] == STICK:
+        if run.kinds[i] == STICK or run.kinds[i] < run.sliding_kinds[i]:
             return True
     return False
 
@@ -487,10 +588,10 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
     if run.taylor[index] == 0:
         return False
     fill(run)
-    step = series_at_hand(run, index)
-    run.first_step = step
-    if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
-        step = run.last_step if run.last_step > 0.0 else 0.0
+    run.first_step = series_at_hand(run, index)
+    if len(run.in_piece) > 0 and not settle_pieces(run, index, trigger_kind):
+        return False
+    step = comparing_step(run)
     for g in range(run.n_guards[index]):
         kind, contact = run.guard_kinds[index, g], run.guard_contacts[index, g]
         offset = (run.n_states + g) * (order + 1)
@@ -510,7 +611,7 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
             opens = kind == NORMAL and trigger_kind < NORMAL
         if lead < 0 and not (lenient and opens and lead < -1):
             return False
-        if lead == 0 and kind == VELOCITY and sticks(run):
+        if lead == 0 and kind == VELOCITY and holds(run):
             return False  # held by another contact: test_what_another_contact_holds_does_not_slip
         if lead != 1 and (kind == JAMMING or kind == SINGULAR):
             return False  # forces without bound: test_directions_that_meet_on_the_way
@@ -522,7 +623,8 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
 @native
 def series_at_hand(run: Run, index: int) -> float:
     """Write the series of a contact state; the length of the step that they allow."""
-    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.series)
+    taylor = run.taylor[index] if len(run.tangents) == 0 else run.followed[index]
+    call_generated(taylor, run.coefficients, run.time, run.y, run.series)
     order, rows = run.order, run.n_states + run.n_guards[index] + run.has_angle[index]
     step = step_size(run.series, rows, order, run.rtol, run.last_step)
     for i in range(run.n_arguments[index]):
@@ -531,19 +633,40 @@ def series_at_hand(run: Run, index: int) -> float:
 
 
 @native
-def slip_velocity(run: Run, y: Floats, contact: int) -> float:
+def let_go(run: Run) -> int:
+    """Number of the contact state in which what sticks is let go."""
+    index = 0
+    for i in range(run.n_contacts - 1, -1, -1):
+        index = 3 * index + (run.sliding_kinds[i] if run.kinds[i] == STICK else run.kinds[i])
+    return index
+
+
+@native
+def slip_velocity(run: Run, y: Floats, contact: int, is_struck: bool) -> float:
     """v_rel of a contact; zero when it is zero to rounding."""
     index, outputs = state_index(run.kinds, run.n_contacts), run.outputs
-    if run.taylor[index] == 0:  # one at rest that cannot stick: it slides, one way or the other
-        index = 0
-        for i in range(run.n_contacts - 1, -1, -1):
-            index = 3 * index + (SLIP if run.kinds[i] == STICK else run.kinds[i])
+    # What is struck need not stick; one at rest that cannot stick slides, one way or the other.
+    if is_struck or run.taylor[index] == 0:
+        index = let_go(run)
     call_generated(run.field[index], run.coefficients, run.time, y, outputs)
     v = outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
     scale = 0.0
     for i in range(run.n_coordinates, run.n_states):
         scale += abs(y[i])
     return 0.0 if abs(v) <= ZERO * scale else v
+
+
+@native
+def rebounds(run: Run, contact: int) -> bool:
+    """Whether a contact that has just been struck opens again (run.y is the state thereafter)."""
+    if run.bounces[contact] == 0 or run.n_chained > SHORT_FLIGHTS:
+        return False
+    index, order = let_go(run), run.order
+    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.work)
+    for g in range(run.n_guards[index]):
+        if run.guard_kinds[index, g] == GAP and run.guard_contacts[index, g] == contact:
+            return leading(run.work, (run.n_states + g) * (order + 1), order, run.last_step, 1) > 0
+    return False
 
 
 @native
@@ -559,15 +682,17 @@ def offer_states(run: Run, i: int, trigger_kind: int, triggered: bool, grazing: 
     """The candidate states of a contact; `triggered` says that it is the one that triggered."""
     sign = 1 if run.slip_signs[i] > 0.0 else -1
     run.n_offers[i], run.is_at_rest[i] = 0, 0
-    if run.kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
+    closes = triggered and trigger_kind == GAP and not rebounds(run, i)
+    if run.kinds[i] == SEPARATION and not closes:
         offer(run, i, SEPARATION, sign)
         return
-    if run.kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
+    struck = trigger_kind == GAP and not triggered  # test_what_sticks_is_torn_off_by_an_impact
+    if (run.kinds[i] == STICK and not struck) or (triggered and trigger_kind == VELOCITY):
         run.is_at_rest[i] = 1
-    else:  # re-contact, or a slip that ends at the same instant
-        v = slip_velocity(run, run.y, i)
+    else:  # re-contact, an impact elsewhere, or a slip that ends at the same instant
+        v = slip_velocity(run, run.y, i, struck)
         run.is_at_rest[i] = 1 if v == 0.0 else 0
-        if run.kinds[i] == SEPARATION and v != 0.0 and run.is_one_way[i] == 0:
+        if (run.kinds[i] == SEPARATION or struck) and v != 0.0 and run.is_one_way[i] == 0:
             sign = 1 if v > 0.0 else -1
     released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
     if released and not grazing:  # the demanded force passes the capacity: it slips its way
@@ -611,8 +736,14 @@ def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> 
     begin = 0
     if trigger_kind == GAP and run.n_chained > SHORT_FLIGHTS:
         begin = combinations
+    for i in range(len(run.in_piece)):
+        run.pieces_offered[i] = run.in_piece[i]
+    left_by = run.left_by
     for attempt in range(begin, 2 * combinations):
-        rest = attempt % combinations
+        rest, run.left_by = attempt % combinations, left_by
+        for i in range(len(run.in_piece)):
+            if run.in_piece[i] != run.pieces_offered[i]:
+                put_in_piece(run, i, run.pieces_offered[i])
         if trigger_contact >= 0:  # the contact that triggered changes first: others stay
             rest = pick(run, trigger_contact, rest)
         for i in range(run.n_contacts - 1, -1, -1):
@@ -873,29 +1004,65 @@ def turning_value(
 def move_tangents(run: Run, index: int, tau: float) -> None:
     """Carry the tangent vectors (rows) over a step of length tau, in the parts that they need.
 
-    The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
-    where these are fast its series needs shorter steps.
+    Several are carried at once, and all share the motion's series. The step was chosen for the
+    motion. A tangent has modes that the motion may leave at rest, and where these are fast its
+    series needs shorter steps.
     """
-    n, order, t = run.n_states, run.tangent_order, run.time
-    c, moved, series, joined = run.coefficients, run.sum_tangent, run.work, run.joined
-    tangent, series_of_tangent = joined[n:], run.work[n * (order + 1) :]
-    for row in range(run.tangents.shape[0]):
+    n, width, count = run.n_states, (run.tangent_order + 1) * LANES, run.tangents.shape[0]
+    if run.is_taylor == 0:
+        call_generated(run.followed[index], run.coefficients, run.time, run.y, run.series)
+    for first in range(0, count, LANES):
+        taken = min(LANES, count - first)
         for i in range(n):
-            joined[i] = run.y[i]
-            tangent[i] = run.tangents[row, i]
-        done = 0.0
-        while done < tau:
-            call_generated(run.with_tangent[index], c, t + done, joined, series)
-            rest = tau - done
-            part = step_size(series, 2 * n, order, run.rtol, rest)
-            if part >= rest or done + part == done:
-                part, done = rest, tau
-            else:
-                done += part
-                call_generated(moved, c, part, series, joined)
-            call_generated(moved, c, part, series_of_tangent, tangent)
+            for lane in range(LANES):
+                value = run.tangents[first + lane, i] if lane < taken else 0.0
+                run.lanes[i * width + lane] = value
+        move_lanes(run, index, tau)
         for i in range(n):
-            run.tangents[row, i] = tangent[i]
+            for lane in range(taken):
+                run.tangents[first + lane, i] = run.lanes[i * width + lane]
+
+
+@native
+def move_lanes(run: Run, index: int, tau: float) -> None:
+    """Carry the tangent vectors in `lanes` over a step; its series are at hand."""
+    c, t, series, done = run.coefficients, run.time, run.series, 0.0
+    while True:
+        call_generated(run.tangent[index], c, t + done, series, run.lanes)
+        rest = tau - done
+        part = rest
+        while not suits_tangents(run, part):
+            part *= SHORTER
+        if done + part == done:
+            part = rest
+        call_generated(run.sum_tangent, c, part, run.lanes, run.lanes)
+        if part >= rest:
+            return
+        done += part
+        call_generated(run.sum_series, c, done, run.series, run.between)
+        call_generated(run.followed[index], c, t + done, run.between, run.work)
+        series = run.work
+
+
+@native
+def suits_tangents(run: Run, step: float) -> bool:
+    """Whether the last two terms of the series of tangents stay below rtol times their scales.
+
+    As in `step_size`, of which this is the question alone.
+    """
+    lanes, order, suits = run.lanes, run.tangent_order, True
+    square, before = step * step, 1.0
+    for _ in range(order - 1):
+        before *= step
+    for i in range(run.n_states):
+        first = i * (order + 1) * LANES
+        for lane in range(first, first + LANES):
+            scale = max(abs(lanes[lane]), abs(lanes[lane + LANES]) * step)
+            scale = max(scale, abs(lanes[lane + 2 * LANES]) * square)
+            high, low = lanes[lane + order * LANES], lanes[lane + (order - 1) * LANES]
+            last = max(abs(high) * step, abs(low)) * before
+            suits = suits and not (last > run.rtol * scale and scale > NEGLIGIBLE)
+    return suits
 
 
 @native
@@ -987,10 +1154,7 @@ def enter_sector(run: Run, angle: float) -> bool:
 @native
 def starts_open(run: Run, contact: int) -> bool:
     """Whether a contact begins open: a gap, or none but one that is about to be."""
-    n, order = run.n_states, run.order
-    apart = len(run.taylor) - 1  # the state in which every contact is open
-    if run.taylor[apart] == 0:
-        return False
+    n, order, apart = run.n_states, run.order, run.most_open
     for g in range(run.n_guards[apart]):
         if run.guard_kinds[apart, g] == GAP and run.guard_contacts[apart, g] == contact:
             zeros = zeros_at_start(run, apart, g)
@@ -1022,23 +1186,27 @@ def set_out(run: Run) -> bool:
     for i in range(run.n_contacts):
         is_open = starts_open(run, i)
         run.kinds[i] = SEPARATION if is_open else SLIP
+    if run.taylor[state_index(run.kinds, run.n_contacts)] == 0:  # between stops without play
+        for i in range(run.n_contacts):
+            run.kinds[i] = run.sliding_kinds[i]
     take_on(run)
     for k in range(run.n_states):
         run.at_rest[k] = 0.0
     for i in range(run.n_contacts):
-        run.slip_velocities[i] = slip_velocity(run, run.y, i)
+        run.slip_velocities[i] = slip_velocity(run, run.y, i, False)
     for i in range(run.n_contacts):
         if run.kinds[i] == SLIP:
             smooth, direction = run.is_one_way[i] == 1, run.slip_velocities[i]
             if smooth:  # the way it slides when the system is at rest
-                direction = slip_velocity(run, run.at_rest, i)
+                direction = slip_velocity(run, run.at_rest, i, False)
             run.slip_signs[i] = -1.0 if direction < 0.0 else 1.0
             if run.slip_velocities[i] == 0.0 and not smooth:
                 run.kinds[i] = STICK
     angle = 0.0
-    if run.has_angle[0] == 1:
-        call_generated(run.field[0], run.coefficients, run.time, run.y, run.outputs)
-        angle = run.outputs[2 * run.n_states + run.n_guards[0]]
+    index = run.all_sliding
+    if run.has_angle[index] == 1:
+        call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
+        angle = run.outputs[2 * run.n_states + run.n_guards[index]]
     return enter_sector(run, angle)
 
 
@@ -1236,19 +1404,21 @@ def polished(
 
 
 @native
+def kinetic_energy(run: Run, index: int) -> float:
+    """The kinetic energy as a contact state has it."""
+    call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
+    return run.outputs[run.energy_place[index] + KINETIC]
+
+
+@native
 def collide(run: Run, index: int, contact: int) -> None:
-    """An impact, if the contact's state has one; books the energy that it takes."""
-    outputs, out, t = run.outputs, run.reached, run.time
-    kinetic = run.energy_place[index] + KINETIC
-    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
-    before = outputs[kinetic]
+    """An impact, if the contact's state has one."""
+    out, t = run.reached, run.time
     if len(run.tangents) > 0:
         strike(run, run.impact_with_tangent[index, contact])
     call_generated(run.impact[index, contact], run.coefficients, t, run.y, out)
     for i in range(run.n_states):
         run.y[i] = out[i]
-    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
-    run.impact_loss += before - outputs[kinetic]
     run.n_impacts += 1
 
 
@@ -1291,13 +1461,30 @@ def book_event(run: Run, contact: int, itself: bool, residual: float) -> None:
             run.section_kind == SECTION_EVENT
             and i == run.section_contact
             and kind_of(before) == run.section_from
-            and run.kinds[i] == run.section_to
+            and (run.kinds[i] == run.section_to or run.section_to == ANY)
         ):
             keep_section(run)
+    book_pieces(run, residual)
     if run.n_events == events:
         run.n_grazings += 1
     else:
         run.largest_residual = max(run.largest_residual, residual)
+
+
+@native
+def book_pieces(run: Run, residual: float) -> None:
+    """Enter the elements that have come into another piece."""
+    for element in range(len(run.in_piece)):
+        before, after = run.pieces_before[element], run.in_piece[element]
+        if before != after:
+            run.n_events += 1
+            if run.n_ledger < len(run.ledger_times):
+                row = run.n_ledger
+                run.ledger_times[row], run.ledger_residuals[row] = run.time, residual
+                run.ledger_before[row] = CODE_PIECE + before
+                run.ledger_after[row] = CODE_PIECE + after
+                run.ledger_contacts[row] = run.element_contacts[element]
+                run.n_ledger += 1
 
 
 @native
@@ -1337,6 +1524,8 @@ def note_codes(run: Run) -> None:
     """The contact state as it is before an event."""
     for i in range(run.n_contacts):
         run.code_before[i] = code_of(run.kinds[i], run.slip_signs[i])
+    for i in range(len(run.in_piece)):
+        run.pieces_before[i] = run.in_piece[i]
 
 
 @native
@@ -1406,6 +1595,18 @@ def pass_border(run: Run, index: int, upwards: bool) -> None:
 
 
 @native
+def pass_piece(run: Run, index: int, hit: int, grazing: bool) -> None:
+    """Go on in the next piece, unless the switching function only touches zero."""
+    run.left_by = run.touched_guard = -1
+    if grazing:
+        step, offset = series_at_hand(run, index), (run.n_states + hit) * (run.order + 1)
+        if leading(run.series, offset, run.order, step, 1) >= 0:
+            run.touched_guard = hit
+            return
+    leave_piece(run, index, hit)
+
+
+@native
 def pass_event(
     run: Run, index: int, hit: int, residual: float, grazing: bool, sign_before: float, is_met: bool
 ) -> int:
@@ -1424,13 +1625,19 @@ def pass_event(
     if trigger_kind == NORMAL and run.is_end[contact] == 1:
         return CONTACT_LOST
     impacted = trigger_kind == GAP and run.impact[index, contact] != 0
+    energy = 0.0
     if impacted:
+        energy = kinetic_energy(run, index)
         collide(run, index, contact)
+    if trigger_kind == PIECE:
+        pass_piece(run, index, hit, grazing)
     if border:
         pass_border(run, index, hit == UPPER_BORDER)
     elif not decide(run, trigger_kind, contact, grazing):
         return NO_STATE
     take_up(run)
+    if impacted:
+        run.impact_loss += energy - kinetic_energy(run, state_index(run.kinds, run.n_contacts))
     if with_tangents:
         saltate(run)
     if run.section_kind == SECTION_ZERO:

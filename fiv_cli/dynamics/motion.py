@@ -34,7 +34,12 @@ from fiv_cli.errors import UsageError
 from fiv_cli.schedule import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
-KIND_NAMES = {"slip": SLIP, "stick": STICK, "separation": SEPARATION}
+EVENTS = {
+    "slip->stick": (SLIP, STICK),
+    "stick->slip": (STICK, SLIP),
+    "impact": (SEPARATION, kernel.ANY),
+}
+"""Events that a section may lie on: kinds of the contact before and after."""
 
 
 class Stop(IntEnum):
@@ -54,7 +59,6 @@ class Stop(IntEnum):
 
 
 INFINITE = float("inf")
-ALL_SLIP = 0  # number of the contact state in which every contact slips
 CALL_SECONDS = 0.1  # that a call of the driver may take
 STOPS = tuple(Stop)  # by their numbers
 
@@ -113,7 +117,7 @@ class Ledger(NamedTuple):
     Attributes
     ----------
     times : s
-    before, after : contact states, see `CODE_NAMES`
+    before, after : contact states, see `CODE_NAMES`, or pieces of the law, see `Law.events`
     contacts : 0-based
     residuals : of the switching functions, relative
     """
@@ -201,7 +205,7 @@ class Motion:
             frame.y[:] = vector
         frame.time = time
         for contact, sticks in enumerate(sticking):
-            frame.kinds[contact] = STICK if sticks else SLIP
+            frame.kinds[contact] = STICK if sticks else frame.sliding_kinds[contact]
         self.started = self._advance(time, False, 0.0) != Stop.NO_STATE
 
     @property
@@ -218,6 +222,11 @@ class Motion:
     def slip_signs(self) -> Vector:
         """Sign of slip in each contact, where it slips; shape (n_contacts,)."""
         return self.frame.slip_signs
+
+    @property
+    def ways(self) -> Vector:
+        """How it slides: the numbers of the pieces of its law, then the signs of slip."""
+        return self.frame.parameters[self.system.n_own_parameters : -1]
 
     @property
     def coefficients(self) -> Vector:
@@ -266,7 +275,7 @@ class Motion:
 
     def _is_out_of_contact(self) -> bool:
         """Whether a contact that cannot open would have to pull."""
-        normal_forces = self._field(ALL_SLIP).contacts[:, 0]
+        normal_forces = self._field(self.system.sliding_index).contacts[:, 0]
         return bool(np.any((self.system.tables.is_end == 1) & (normal_forces < 0.0)))
 
     # --- going on -------------------------------------------------------------------------------
@@ -380,7 +389,7 @@ class Motion:
 
     def _is_dependent(self) -> bool:
         """Whether the conditions of the contacts at rest are not independent, or may not be."""
-        kinds = np.where(self.frame.is_at_rest == 1, STICK, SLIP)
+        kinds = np.where(self.frame.is_at_rest == 1, STICK, self.frame.sliding_kinds)
         index = int(kernel.state_index(kinds, len(kinds)))
         tables = self.system.tables
         if tables.field[index] == 0:
@@ -391,11 +400,12 @@ class Motion:
     def _is_jammed(self) -> bool:
         """Whether the determinant of an algebraic normal force has lost its sign in sliding."""
         tables, parameters = self.system.tables, self.frame.parameters.copy()
-        kinds = tables.guard_kinds[ALL_SLIP, : tables.n_guards[ALL_SLIP]]
+        index = self.system.sliding_index
+        kinds = tables.guard_kinds[index, : tables.n_guards[index]]
         for sign in (1.0, -1.0):
             parameters[-1 - len(self.kinds) : -1] = sign
             coefficients = self.system.coefficients(parameters)
-            switching = self.system.field(ALL_SLIP, coefficients, self.time, self.y).switching
+            switching = self.system.field(index, coefficients, self.time, self.y).switching
             if np.any(switching[kinds == JAMMING] <= 0.0):
                 return True
         return False
@@ -487,7 +497,7 @@ def section_words(system: System, section: Section | None) -> NDArray[np.int64]:
         return np.array([kernel.SECTION_NONE, 0, 0, 0, 0, 0])
     contact = section.contact - 1
     if section.kind == "event":
-        before, after = (KIND_NAMES[kind] for kind in section.event.split("->"))
+        before, after = EVENTS[section.event]
         return np.array([kernel.SECTION_EVENT, before, after, contact, 0, 0])
     if section.kind == "zero":
         state, direction = system.state_names.index(section.state), DIRECTIONS[section.direction]

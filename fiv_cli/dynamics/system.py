@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION, index_of
 from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.setup import Setup
@@ -81,13 +81,15 @@ class System:
     def tangent_tables(self) -> Mapping[str, NDArray[np.int64]]:
         """Addresses of the functions that carry tangents, compiled on first use, by field."""
         tables = {
-            "with_tangent": np.zeros_like(self.tables.field),
+            "followed": np.zeros_like(self.tables.field),
+            "tangent": np.zeros_like(self.tables.field),
             "switching_with_tangent": np.zeros_like(self.tables.field),
             "impact_with_tangent": np.zeros_like(self.tables.impact),
         }
         for index, state in self.generated.states.items():
             name, address = state.name, partial(self.generated.address, part=TANGENT_TEXT)
-            tables["with_tangent"][index] = address(f"{name}_tangent")
+            tables["followed"][index] = address(f"{name}_followed")
+            tables["tangent"][index] = address(f"{name}_tangent")
             tables["switching_with_tangent"][index] = address(f"{name}_switching")
             for contact in state.impacts:
                 place = index, contact
@@ -96,8 +98,13 @@ class System:
 
     @cached_property
     def sum_tangent(self) -> int:
-        """Address of the function that sums the series of a tangent, compiled on first use."""
+        """Address of the function that sums the series of tangents, compiled on first use."""
         return self.generated.address("moved", TANGENT_TEXT)
+
+    @cached_property
+    def sliding_index(self) -> int:
+        """Number of the contact state in which every contact slips and every stop is open."""
+        return index_of(self.generated.sliding)
 
     @cached_property
     def outputs_width(self) -> int:
@@ -143,19 +150,31 @@ class System:
         return series[..., n:, :]
 
     def parameter_values(self, parameters: Mapping[str, float]) -> tuple[float, ...]:
-        """Parameters in generated order; the slip signs and the sector follow them there."""
+        """Parameters of model and law in generated order."""
         values: tuple[float, ...] = self._take_own(self.known(parameters))
         return values
 
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
-        """`parameter_values`, slip signs +1, sector 0; shape (n_parameters,)."""
-        return np.array([*self.parameter_values(parameters), *(1.0,) * self.n_contacts, 0.0])
+        """`parameter_values`, first pieces, slip signs +1, sector 0; shape (n_parameters,)."""
+        values, law = self.parameter_values(parameters), self.setup.law
+        rows = [x for piece in law.pieces[:1] for x in piece.row] * self.n_elements
+        return np.array([*values, *rows, *(1.0,) * self.n_contacts, 0.0])
+
+    @property
+    def n_elements(self) -> int:
+        """Elements of the law, of all contacts, that are in a piece each."""
+        return len(self.generated.pieced) * self.setup.law.elements
+
+    @property
+    def n_own_parameters(self) -> int:
+        """Parameters of model and law: numbers of pieces, slip signs and sector follow them."""
+        rows = self.n_elements * self.setup.law.shape[1]
+        return len(self.generated.parameter_names) - 1 - self.n_contacts - rows
 
     @cached_property
     def _take_own(self) -> itemgetter[Any]:
         """Takes the model's and the law's parameters (there are several) out of a mapping."""
-        own = len(self.generated.parameter_names) - 1 - self.n_contacts
-        return itemgetter(*self.generated.parameter_names[:own])
+        return itemgetter(*self.generated.parameter_names[: self.n_own_parameters])
 
     @cached_property
     def _is_extended(self) -> bool:
@@ -226,12 +245,15 @@ class Tables:
     n_guards: NDArray[np.int64]
     guard_kinds: NDArray[np.int64]
     guard_contacts: NDArray[np.int64]
+    guard_places: NDArray[np.int64]
     has_angle: NDArray[np.int64]
     n_arguments: NDArray[np.int64]
     contact_place: NDArray[np.int64]
     energy_place: NDArray[np.int64]
     is_end: NDArray[np.int64]
     is_one_way: NDArray[np.int64]
+    sliding_kinds: NDArray[np.int64]
+    bounces: NDArray[np.int64]
     numbers: Mapping[str, int]
 
     def arrays(self) -> dict[str, NDArray[np.int64]]:
@@ -242,14 +264,20 @@ class Tables:
 def _tables(generated: Generated) -> Tables:
     contacts, states = len(generated.smooth), generated.states
     most = max(1, *(len(state.guards) for state in states.values()))
-    widths = {"impact": (contacts,), "guard_kinds": (most,), "guard_contacts": (most,)}
+    of_guards = dict.fromkeys(("guard_kinds", "guard_contacts", "guard_places"), (most,))
+    widths = {"impact": (contacts,), **of_guards}
     per_state = {
         name: np.zeros((3**contacts, *widths.get(name, ())), np.int64)
         for name in (*widths, "taylor", "field", "n_guards", "has_angle", "n_arguments",
                      "contact_place", "energy_place")
     }  # fmt: skip
-    smooth, ends = np.array(generated.smooth, np.int64), np.ones(contacts, np.int64)
-    tables = Tables(**per_state, is_end=ends, is_one_way=smooth, numbers=_numbers(generated))
+    per_contact = {
+        "is_end": np.ones(contacts, np.int64),
+        "is_one_way": np.array(generated.smooth, np.int64),
+        "sliding_kinds": np.array(generated.sliding, np.int64),
+        "bounces": np.array(generated.bounces, np.int64),
+    }
+    tables = Tables(**per_state, **per_contact, numbers=_numbers(generated))
     for index, state in states.items():
         _enter_state(tables, generated, index, state)
     return tables
@@ -263,8 +291,10 @@ def _enter_state(tables: Tables, generated: Generated, index: int, state: StateT
     for contact in state.impacts:
         tables.impact[index, contact] = generated.address(f"{state.name}_impact_{contact}")
     tables.n_guards[index] = len(state.guards)
-    for place, (kind, contact) in enumerate(state.guards):
-        tables.guard_kinds[index, place], tables.guard_contacts[index, place] = kind, contact
+    told = tables.guard_kinds, tables.guard_contacts, tables.guard_places
+    for number, guard in enumerate(state.guards):
+        for table, entry in zip(told, guard, strict=True):
+            table[index, number] = entry
     tables.has_angle[index] = int(state.has_angle)
     tables.n_arguments[index] = state.n_arguments
     first = 2 * len(generated.state_names) + len(state.guards) + int(state.has_angle)
@@ -280,6 +310,10 @@ def _numbers(generated: Generated) -> dict[str, int]:
         "n_states": len(generated.state_names),
         "n_coordinates": len(generated.coordinates),
         "n_contacts": len(generated.smooth),
+        "all_sliding": index_of(generated.sliding),
+        "most_open": max(
+            generated.states, key=lambda i: generated.states[i].kinds.count(SEPARATION)
+        ),
         "order": generated.order,
         "tangent_order": generated.tangent_order,
         "fill_coefficients": generated.address("coefficients"),

@@ -28,6 +28,7 @@ from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, from_plain, pack, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
+from fiv_cli.own.load import know
 from fiv_cli.sweep.requests import (
     StartEntry,
     Template,
@@ -134,6 +135,7 @@ class Result:
 def run_task(task: Task) -> Result:
     """Run every point of a task."""
     begun = time.perf_counter()
+    know(task.template.own)
     execute = imported(task.executor)
     outcomes: list[Outcome] = []
     keys: list[bytes] = []

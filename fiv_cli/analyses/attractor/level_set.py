@@ -26,6 +26,7 @@ UNSEEN = 1e-3  # weight of a mode that no switching function sees, over the larg
 ROUNDING = 1e-12  # of rates, over those of the equilibrium's size, and far below LINEAR
 PHASES = 4  # of an excitation, at which sliding is compared with that of the unexcited system
 SAME = 1e-9  # ... to this share
+TURNS = 64  # looks at each turn of an excitation that moves switching functions
 SEED = 7411  # of the points of a level set that are looked at
 
 
@@ -44,6 +45,11 @@ class LevelSet:
     vectors, inverse : eigenvectors of the free states, as columns, and the inverse matrix
     shares : share of each switching function that a unit amplitude of each mode can take; shape
         (..., n_guards, n_free)
+    weights : by which amplitudes of modes are compared; shape (..., n_free)
+    shapes : distances from the equilibrium whose weighted amplitudes sum to one; shape (...,
+        SAMPLES, n_free)
+    straight : rates of their modal amplitudes where sliding is linear, likewise
+    shape_sizes : weighted sizes of their modal amplitudes; shape (..., SAMPLES)
     asked, answer : a state whose `margin` is known
     """
 
@@ -54,6 +60,10 @@ class LevelSet:
     vectors: Complex
     inverse: Complex
     shares: Real
+    weights: Vector
+    shapes: Real
+    straight: Complex
+    shape_sizes: Vector
     asked: Vector
     answer: Vector
 
@@ -88,13 +98,6 @@ class LevelSet:
         """V over c: below 1 no switching surface is met."""
         return np.asarray(np.max(_times(self.shares, amplitudes), axis=-1, initial=0.0))
 
-    @cached_property
-    def weights(self) -> Vector:
-        """By which amplitudes of modes are compared; shape (..., n_free)."""
-        seen = np.max(self.shares, axis=-2, initial=0.0)
-        largest = np.max(seen, axis=-1, keepdims=True, initial=0.0)
-        return np.where(largest > 0.0, np.maximum(seen, UNSEEN * largest), 1.0)
-
     # --- is sliding linear there? -----------------------------------------------------------------
     def nonlinearity(self, amplitudes: Vector) -> Vector:
         """Largest nonlinear part of the rates over the slowest decay, on the level set.
@@ -102,36 +105,21 @@ class LevelSet:
         Looked at in `SAMPLES` points with the weighted sum of `amplitudes`: one mode after the
         other large, at every phase.
         """
-        reach = np.maximum(np.sum(self.weights * amplitudes, axis=-1), self._rounding)[..., None]
+        reach = np.maximum(np.sum(self.weights * amplitudes, axis=-1), self.rounding)[..., None]
         states = np.repeat(self.equilibrium[..., None, :], SAMPLES, axis=-2)
         states[..., self.free] += reach[..., None] * self.shapes
         rates = self.sliding.rates(states)[..., self.free].swapaxes(-1, -2)
-        modal, sizes = self._modal_shapes
-        bent = np.abs(self.inverse @ rates - (reach * self.eigenvalues)[..., None] * modal)
+        straight = self.straight.swapaxes(-1, -2)
+        bent = np.abs(self.inverse @ rates - reach[..., None] * straight)
         norms = np.linalg.norm(self.weights[..., None] * bent, axis=-2)
-        return np.asarray(np.max(norms / (reach * sizes), axis=-1) / self.slowest)
+        return np.asarray(np.max(norms / (reach * self.shape_sizes), axis=-1) / self.slowest)
 
     @cached_property
-    def _rounding(self) -> Vector:
+    def rounding(self) -> Vector:
         """Weighted amplitude below which rounding of the rates passes for their nonlinear part."""
         whole = np.abs(_times(self.inverse, self.equilibrium[..., self.free]))
         fastest = np.max(np.abs(self.eigenvalues), axis=-1)
         return ROUNDING * np.sum(self.weights * whole, axis=-1) * fastest / self.slowest
-
-    @cached_property
-    def _modal_shapes(self) -> tuple[Complex, Vector]:
-        """Modal amplitudes of `shapes`, as columns, and their weighted sizes."""
-        modal = self.inverse @ self.shapes.swapaxes(-1, -2)
-        return modal, np.linalg.norm(self.weights[..., None] * np.abs(modal), axis=-2)
-
-    @cached_property
-    def shapes(self) -> Real:
-        """Distances from the equilibrium whose weighted amplitudes sum to one."""
-        sizes, phases = _drawn(self.eigenvalues.shape[-1])
-        drawn = sizes / self.weights[..., None, :] * phases
-        away = (drawn @ self.vectors.swapaxes(-1, -2)).real
-        amplitudes = np.abs(away @ self.inverse.swapaxes(-1, -2))
-        return away / np.sum(amplitudes * self.weights[..., None, :], axis=-1, keepdims=True)
 
     def margins(self, states: NDArray[np.float64]) -> Vector:
         """1 - V/c where sliding from a state is linear and meets nothing; NaN where it is not."""
@@ -145,17 +133,6 @@ class LevelSet:
             left = 1.0 - levels - amplitudes.shape[-1] * bent
             found[near] = np.where((bent <= LINEAR) & (left > 0.0), 1.0 - levels, np.nan)
         return found
-
-    def margin(self, state: Vector) -> float:
-        """That of one state; at one equilibrium."""
-        if (state == self.asked).all():
-            return float(self.answer)
-        return float(self._row.margins(state[None])[0])
-
-    @cached_property
-    def _row(self) -> LevelSet:
-        """The same in a row of one."""
-        return self[None]
 
     def asked_of(self, states: NDArray[np.float64]) -> LevelSet:
         """The same; the margins of these states are known."""
@@ -201,12 +178,30 @@ def level_sets(
     stable &= ~np.isnan(inverses).any(axis=(1, 2))
     margins, slopes = _guards(sliding, equilibria, speeds)
     rows = np.flatnonzero(stable & (margins > 0.0).all(axis=-1))
-    vectors = vectors[rows].astype(complex)
-    shares = np.abs(slopes[rows] @ vectors) / margins[rows, :, None]
-    values = values[rows].astype(complex)
-    found = sliding[rows], equilibria[rows], numbers[rows], values, vectors, inverses[rows], shares
-    unknown = np.full(len(rows), np.nan)
-    return rows, LevelSet(*found, unknown[:, None], unknown)
+    values, vectors = values[rows].astype(complex), vectors[rows].astype(complex)
+    inverses, shares = inverses[rows], np.abs(slopes[rows] @ vectors) / margins[rows, :, None]
+    weights, unknown = _weights(shares), np.full(len(rows), np.nan)
+    shapes = _shapes(vectors, inverses, weights)
+    modal = shapes @ inverses.swapaxes(-1, -2)
+    sizes = np.linalg.norm(weights[:, None] * np.abs(modal), axis=-1)
+    return rows, LevelSet(
+        sliding[rows], equilibria[rows], numbers[rows], values, vectors, inverses, shares,
+        weights, shapes, values[:, None] * modal, sizes, unknown[:, None], unknown,
+    )  # fmt: skip
+
+
+def _weights(shares: Real) -> Vector:
+    seen = np.max(shares, axis=-2, initial=0.0)
+    largest = np.max(seen, axis=-1, keepdims=True, initial=0.0)
+    return np.where(largest > 0.0, np.maximum(seen, UNSEEN * largest), 1.0)
+
+
+def _shapes(vectors: Complex, inverses: Complex, weights: Vector) -> Real:
+    sizes, phases = _drawn(vectors.shape[-1])
+    drawn = sizes / weights[:, None] * phases
+    away = (drawn @ vectors.swapaxes(-1, -2)).real
+    amplitudes = np.abs(away @ inverses.swapaxes(-1, -2))
+    return np.asarray(away / np.sum(amplitudes * weights[:, None], axis=-1, keepdims=True))
 
 
 def _inverses(values: Complex, vectors: Complex) -> Complex:
@@ -237,33 +232,68 @@ def _guards(sliding: Sliding, equilibria: Vector, speeds: Vector) -> tuple[Vecto
     return sliding.field(equilibria).switching, np.ascontiguousarray(slopes)
 
 
-def slides_freely(system: System, parameters: Mapping[str, float], target: LevelSet) -> bool:
-    """Whether an excitation leaves sliding alone: a sector with the same kinetic friction does.
+def under_excitation(
+    system: System, parameters: Mapping[str, float], target: LevelSet
+) -> LevelSet | None:
+    """The level sets where an excitation leaves sliding alone: a sector with the same kinetic
+    friction does, and a drive whose speed varies. None where it does not.
 
     The rates of the excited system are those of the unexcited one at every phase and on either
-    side of a sector's border.
+    side of a sector's border; switching functions may move as a whole, and the least counts.
     """
+    known = system.known(parameters)
+    period = system.setup.model.excitation_period(known)
+    if period is None:
+        return target
+    fastest = system.setup.model.fastest(known)
+    turns = TURNS * max(1, round(period * fastest / (2 * np.pi)))
+    moved = _all_moved(system, parameters, target, np.arange(PHASES) * period / PHASES)
+    if moved is None or not np.any(moved):
+        return None if moved is None else target
+    moved = _all_moved(system, parameters, target, np.arange(turns) * period / turns)
+    if moved is None:
+        return None
+    least, greatest = np.min(moved, axis=0), np.max(moved, axis=0)
+    between = (greatest - least) * (np.pi / TURNS) ** 2  # what a harmonic may be below its samples
+    at_rest = target.sliding.field(target.equilibrium).switching
+    lowest = at_rest + np.minimum(least - between, 0.0)
+    if np.any(lowest <= 0.0):
+        return None
+    shares = target.shares * (at_rest / lowest)[:, None]
+    return replace(target, shares=shares, asked=np.full_like(target.asked, np.nan))
+
+
+def _all_moved(
+    system: System, parameters: Mapping[str, float], target: LevelSet, times: Vector
+) -> Real | None:
+    """By how much switching functions are moved, at these times on either side of a border."""
     motion_parameters = system.parameter_vector(parameters)
     own = target.sliding.parameters
     motion_parameters[-1 - system.n_contacts : -1] = own[-1 - system.n_contacts : -1]
-    forcing = system.setup.model.active_forcing(parameters)
-    if forcing is None:
-        return True
-    period = 2 * np.pi / abs(forcing.frequency(system.known(parameters)))
-    states = [target.equilibrium.copy() for _ in range(2)]
+    states = np.stack([target.equilibrium, target.equilibrium])
     states[1][target.free] += np.max(np.abs(target.equilibrium)) * target.shapes[0]
+    moved = []
     for zone in (0.0, 1.0):
         motion_parameters[-1] = zone
         coefficients = system.coefficients(motion_parameters)
-        for state in states:
-            for phase in range(PHASES):
-                if not _same_rates(target, coefficients, phase * period / PHASES, state):
-                    return False
-    return True
+        for time in times.tolist():
+            found = _moved(target, coefficients, time, states)
+            if found is None:
+                return None
+            moved.append(found)
+    return np.array(moved)
 
 
-def _same_rates(target: LevelSet, coefficients: Vector, time: float, state: Vector) -> bool:
+def _moved(target: LevelSet, coefficients: Vector, time: float, states: Real) -> Vector | None:
+    """By how much an excitation moves the switching functions; None where it moves the rates too,
+    or does not move them alike in all states."""
     sliding = target.sliding
-    rates = sliding.system.field(sliding.index, coefficients, time, state).rates
-    expected = sliding.rates(state)
-    return bool(np.max(np.abs(rates - expected)) <= SAME * np.max(np.abs(expected)))
+    found = sliding.system.field(sliding.index, coefficients, time, states)
+    still = sliding.field(states)
+    scale = np.max(np.abs(still.rates), axis=-1, keepdims=True)
+    if np.any(np.max(np.abs(found.rates - still.rates), axis=-1, keepdims=True) > SAME * scale):
+        return None
+    by = found.switching - still.switching
+    if np.any(np.abs(by[1] - by[0]) > SAME * np.max(np.abs(still.switching))):
+        return None
+    return np.where(np.abs(by[0]) > SAME * np.abs(still.switching[0]), by[0], 0.0)

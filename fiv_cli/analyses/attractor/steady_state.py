@@ -36,7 +36,7 @@ from fiv_cli.analyses.attractor.grounds import (
     RESTING,
     SIGNIFICANT,
 )
-from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, slides_freely
+from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, under_excitation
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
@@ -102,7 +102,7 @@ def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
     if is_missed(outcome):
         other = own_section(response.motion, observed, response.patience)
         found = _followed(system, request, rests, other)
-        if tells_more(found, outcome):
+        if tells_more(found, other, outcome):
             section, outcome = other, found
     return recorded(outcome, section)
 
@@ -220,7 +220,7 @@ class _Response:
     def __init__(self, system: System, request: Request, rests: Rests, motion: Motion) -> None:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
-        self.ways = rests.unexcited.parameters[-1 - system.n_contacts : -1]
+        self.ways = rests.unexcited.parameters[system.n_own_parameters : -1]
         self.rests, self.motion = rests, motion
         self.initial = initial_state(motion)
         self.excitation = self.problem.excitation
@@ -260,11 +260,11 @@ class _Response:
         """Slides down to the stable equilibria, of which an excitation leaves nothing but those
         that do not feel it."""
         parameters = self.problem.parameters
-        return [
-            Descent(target)
-            for target in self.rests.level_sets
-            if self.excitation is None or slides_freely(self.system, parameters, target)
-        ]
+        targets = self.rests.level_sets
+        if self.excitation is not None:
+            felt = [under_excitation(self.system, parameters, target) for target in targets]
+            targets = [target for target in felt if target is not None]
+        return [Descent(target) for target in targets]
 
     # --- the course of a run ----------------------------------------------------------------------
     def outcome(self) -> Outcome:
@@ -333,16 +333,17 @@ class _Response:
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        return self._all_contacts(SLIP) and bool((self.motion.slip_signs == self.ways).all())
+        return self._all_slide() and bool((self.motion.ways == self.ways).all())
 
-    def _all_contacts(self, kind: int) -> bool:
-        """Whether every contact is of this kind."""
-        return all(own == kind for own in self.motion.kinds.tolist())
+    def _all_slide(self) -> bool:
+        """Whether every contact slips, stops open."""
+        frame = self.motion.frame
+        return bool((frame.kinds == frame.sliding_kinds).all())
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
         waited = self.motion.time - self.watch.last_event >= self.patience * ALMOST
-        return waited and self._all_contacts(SLIP)
+        return waited and self._all_slide()
 
     @property
     def _times(self) -> Vector:
@@ -389,9 +390,13 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
-        if self.excitation is not None or np.any(self.motion.rates() != 0.0):
+        if self.excitation is not None or STICK not in self.motion.kinds.tolist():
             return None
-        if not (self._all_contacts(STICK) or self._is_held()):
+        if np.any(self.motion.rates() != 0.0):
+            return None
+        frame = self.motion.frame
+        all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
+        if not (all_stick or self._is_held()):
             return None
         outcome = self._resting_values(self.motion.y)
         outcome.values["decay_margin"] = 1.0
@@ -399,7 +404,7 @@ class _Response:
         return outcome
 
     def _is_held(self) -> bool:
-        """Whether sticking contacts determine every velocity, whatever the others do.
+        """Whether sticking contacts and stops determine every velocity, whatever the others do.
 
         Where they leave one free, a motion may stand still on the border between two basins.
         """
