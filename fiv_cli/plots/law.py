@@ -10,7 +10,6 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import all_laws
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import followed
 from fiv_cli.notation.names import pick
 from fiv_cli.plots import labels, style
 
@@ -60,8 +59,7 @@ def _given(words: str) -> Given:
             raise UsageError(
                 f"--law {words}: {key}: {error}\nmust be {parameter.allowed}"
             ) from None
-    defaults = {p.name: p.default for p in law.parameters if p.default is not None}
-    return law, followed(law.parameters, defaults | given)
+    return law, law.completed(given)
 
 
 def _draw(laws: Sequence[Given], fastest: float) -> Figure:
