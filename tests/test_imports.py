@@ -13,7 +13,7 @@ from synthetic_datasets import bifurcation
 CASE = BELT + '[[analysis]]\nkind = "history"\nt_end = 1.0\n'
 
 HEAVY = ("numba", "llvmlite", "xarray", "netCDF4", "h5py", "matplotlib", "sympy", "scipy",
-         "pydantic", "joblib", "numpy", "rich")  # fmt: skip
+         "pydantic", "joblib", "numpy", "rich", "dask", "distributed")  # fmt: skip
 # What makes a shell wait: a quarter of a second and more each.
 SLOW = ("numba", "scipy", "sympy", "matplotlib", "netCDF4")
 
@@ -49,7 +49,13 @@ def test_what_was_compiled_before_is_run_without_a_compiler(tmp_path: Path) -> N
     (tmp_path / "case.toml").write_text(CASE)
     loaded_by("from fiv_cli.cli.main import run\nrun(['run', 'case.toml', '-q'])", tmp_path)
     arguments = ["run", "case.toml", "-q", "--fresh"]
-    assert_loads_none(("numba", "sympy", "joblib"), arguments, tmp_path)
+    assert_loads_none(("numba", "sympy", "joblib", "dask"), arguments, tmp_path)
+
+
+def test_workers_of_this_machine_need_no_cluster(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CASE)
+    arguments = ["run", "case.toml", "-q", "--time-limit", "60"]
+    assert_loads_none(("dask", "distributed"), arguments, tmp_path)
 
 
 @pytest.mark.parametrize(
