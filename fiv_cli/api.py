@@ -67,7 +67,9 @@ _ALONE = RLock()
 
 
 def load(
-    source: str | Path | Mapping[str, Any], overrides: Mapping[str, Any] | Sequence[str] = ()
+    source: str | Path | Mapping[str, Any],
+    overrides: Mapping[str, Any] | Sequence[str] = (),
+    using: str | Path | Sequence[str | Path] | None = None,
 ) -> Case:
     """The case in a file, or of the tables that such a file would hold.
 
@@ -75,6 +77,8 @@ def load(
     ----------
     source : path of a TOML file; or its tables: dicts, lists, numbers (or arrays) and texts
     overrides : what is changed: dotted path -> value; or the lines of ``fiv run --set``
+    using : files of models and laws that are not in the box, as ``fiv run --with`` takes them;
+        None: those of the last call that named any
 
     Raises
     ------
@@ -99,6 +103,10 @@ def load(
     from fiv_cli.case.load import load_case, parse_case
     from fiv_cli.case.toml import DICT, toml_text, toml_value
 
+    if using is not None:
+        from fiv_cli.own.probe import use_files
+
+        use_files([Path(using)] if isinstance(using, str | Path) else map(Path, using))
     if isinstance(overrides, Mapping):
         overrides = [f"{path}={toml_value(value, path)}" for path, value in overrides.items()]
     if not isinstance(source, Mapping):

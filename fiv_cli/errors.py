@@ -5,6 +5,7 @@ FivError                         1  internal error
 │   └── EmptyFigureError         2  a figure would show nothing
 ├── InputError                   3  an input file (case, dataset, shard) is invalid
 │   └── CaseError                3  ... with all that is wrong in its form, names or values
+│       └── ModelFileError       3  the same of a file of models and laws
 ├── DifferenceError              5  two things that should agree differ
 ├── StoreMismatchError           6  the stored run belongs to another case
 ├── LockedError                  7  a live run holds the run directory
@@ -159,6 +160,13 @@ class CaseError(InputError):
         if problem.suggestion:
             lines.append(f"      {problem.suggestion}")
         return lines
+
+
+class ModelFileError(CaseError):
+    """A file of models and laws is invalid; holds every problem that was found."""
+
+    def _what_to_correct(self) -> str:
+        return f"the file, then `fiv models --with {self.source}`"
 
 
 class DifferenceError(FivError):

@@ -118,7 +118,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
     Reason(
         "contact_would_pull",
-        "every sliding equilibrium needs a negative normal force: raise the preload or lower mu_k",
+        "every sliding equilibrium needs a negative normal force, or lies beyond a stop: raise the "
+        "preload, lower mu_k, or move the stop",
     ),
     Reason(
         "filled_in",
@@ -219,6 +220,15 @@ REASONS: tuple[Reason, ...] = (
         "sector_not_read",
         "the sector differs by mu_s_2 and mu_k_2, and the friction law has no mu_k: beta = 0, or "
         "another law",
+    ),
+    Reason(
+        "no_common_period",
+        "excitations that are on have no common period, or the frequency of one varies: give "
+        "them frequencies in a ratio of whole numbers, or switch all but one off",
+    ),
+    Reason(
+        "leaves_range",
+        "a parameter that varies harmonically leaves its range: lower its amplitude",
     ),
 )
 

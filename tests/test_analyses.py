@@ -29,6 +29,7 @@ from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
 from fiv_cli.analyses.rest.linearisation import coupled_modes, spectrum
 from fiv_cli.api import analyse
+from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import system as systems
@@ -430,7 +431,7 @@ def test_a_ledger_longer_than_a_page() -> None:
     assert np.all(np.diff(times) > 0.0)
     np.testing.assert_allclose(times[3::2] - times[1:-2:2], 7.605040788107404, atol=1e-9)
     assert set(zip(found.ragged["event_from"], found.ragged["event_to"], strict=True)) == {
-        ("slip+", "stick"), ("stick", "slip+"),
+        (CODE_SLIP_PLUS, CODE_STICK), (CODE_STICK, CODE_SLIP_PLUS),
     }  # fmt: skip
     assert set(found.ragged["event_contact"]) == {1}
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import fiv_cli
-from fiv_cli.codegen import derive
 from fiv_cli.codegen.assembly import LIBRARY
 from fiv_cli.codegen.codes import (
     CODE_NAMES,
@@ -17,6 +16,7 @@ from fiv_cli.codegen.codes import (
     CODE_SLIP_PLUS,
     CODE_STICK,
     SLIP,
+    index_of,
 )
 from fiv_cli.codegen.emit import PARTNER, TaylorStep
 from fiv_cli.codegen.graph import UNARY
@@ -39,6 +39,7 @@ FLOORS = {
     "plate": 1,
     "schedule": 0,
     "codegen": 2,
+    "own": 3,
     "dynamics": 3,
     "analyses": 4,
     "case": 5,
@@ -140,7 +141,7 @@ def test_kinds_are_indexed_alike() -> None:
 
     for kinds in ([0], [2], [0, 1], [2, 1, 0], [1, 1, 2]):
         found = kernel.state_index(np.array(kinds, np.int64), len(kinds))
-        assert found == derive.index_of(kinds)
+        assert found == index_of(kinds)
 
 
 def test_codes_have_names() -> None:

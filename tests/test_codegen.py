@@ -6,7 +6,9 @@ import ast
 import cmath
 import ctypes
 import math
+from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -21,8 +23,9 @@ from numpy.typing import NDArray
 from small_models import BOUNCER, TWO_MASSES
 
 from fiv_cli.codegen import assembly, lower
+from fiv_cli.codegen.codes import LANES
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
-from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
+from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT, StateTable
 from fiv_cli.codegen.graph import MERGED_TERMS, UNARY, Graph, Node
 from fiv_cli.dynamics.system import System
 
@@ -106,8 +109,33 @@ def generated(model: Any, law: str, changes: Any) -> tuple[System, Vector]:
 
 
 def sizes(built: System) -> int:
-    """Enough room for the output of any function."""
-    return 4 * (len(built.state_names) + 12) * (built.generated.tangent_order + 1)
+    """Enough room for the output of any function but those of tangents."""
+    room = 4 * (len(built.state_names) + 12) * (built.generated.order + 1)
+    return max(room, built.generated.n_followed)
+
+
+Address = Callable[[str], int]
+
+
+def tangents_by(address: Address, built: System, table: StateTable, c: Vector) -> Vector:
+    """Series of `directions` beside those of the motion, by compiled code."""
+    n, series, lanes = len(built.state_names), np.zeros(sizes(built)), directions(built)
+    compiled_call(address(f"{table.name}_followed"), c, 0.7, states(n), series)
+    compiled_call(address(f"{table.name}_tangent"), c, 0.7, series, lanes)
+    return lanes
+
+
+def states(count: int) -> Vector:
+    """Numbers without symmetry."""
+    return np.cos(np.arange(count) + 0.3)
+
+
+def directions(built: System) -> Vector:
+    """Tangent vectors at the beginning of their series; shape (n_states, orders, LANES)."""
+    n = len(built.state_names)
+    lanes = np.zeros((n, built.generated.tangent_order + 1, LANES))
+    lanes[:, 0] = np.sin(np.arange(n * LANES) + 1.1).reshape(n, LANES)
+    return lanes
 
 
 @every_system
@@ -116,7 +144,7 @@ def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes
     state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
     suffixes = {
         FLOW: ("taylor", "field"),
-        TANGENT: ("tangent", "switching"),
+        TANGENT: ("followed", "switching"),
         JACOBIAN: ("jacobian",),
     }
     for part in suffixes:
@@ -131,27 +159,54 @@ def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes
 
 
 @every_system
+def test_every_lane_of_tangents_is_what_the_text_says(model: Any, law: str, changes: Any) -> None:
+    built, c = generated(model, law, changes)
+    text = python_functions(built.generated.texts[TANGENT])
+    address = partial(built.generated.address, part=TANGENT)
+    n, series = len(built.state_names), np.zeros(sizes(built))
+    for table in built.generated.states.values():
+        by_machine, time = tangents_by(address, built, table, c), 0.01
+        text[f"{table.name}_followed"](c, 0.7, states(n), series)
+        summed = by_machine.copy()
+        compiled_call(address("moved"), c, time, series, summed)
+        for lane in range(LANES):
+            by_python = directions(built)[:, :, lane].ravel()
+            text[f"{table.name}_tangent"](c, 0.7, series, by_python)
+            assert by_python.tobytes() == by_machine[:, :, lane].tobytes()
+            text["moved"](c, time, series, by_python)
+            assert by_python.tobytes() == summed[:, :, lane].tobytes()
+
+
+@every_system
 @pytest.mark.parametrize(("piece", "large"), [(1, 0), (40, 10**9), (1000, 10**9)])
 def test_a_function_cut_into_pieces_gives_the_same_bits(
     model: Any, law: str, changes: Any, piece: int, large: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However short the pieces, and compiled with or without effort."""
     built, c = generated(model, law, changes)
-    state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
+    state = states(len(built.state_names))
+    whole_tangents = partial(built.generated.address, part=TANGENT)
+    whole_tangents("moved")
     monkeypatch.setattr(assembly, "WHOLE", 0)
     monkeypatch.setattr(assembly, "PIECE", piece)
     monkeypatch.setattr(lower, "LARGE", large)
-    for part, suffix in ((FLOW, "_taylor"), (TANGENT, "_tangent")):
-        text = built.generated.texts[part]
-        cut = lower.load_object(lower.compile_text(text))
-        for table in built.generated.states.values():
-            whole, pieces = np.zeros(sizes(built)), np.zeros(sizes(built))
-            name = table.name + suffix
-            assert f"call void @{name}.1(" in assembly.assembly(text, fused=True)
-            compiled_call(built.generated.address(name, part), c, 0.7, state, whole)
-            compiled_call(cut.get_function_address(name), c, 0.7, state, pieces)
-            assert np.count_nonzero(whole) > 0
-            assert whole.tobytes() == pieces.tobytes()
+    flow, tangent = (
+        lower.load_object(lower.compile_text(built.generated.texts[part]))
+        for part in (FLOW, TANGENT)
+    )
+    cut = assembly.assembly(built.generated.texts[TANGENT], fused=True)
+    for table in built.generated.states.values():
+        whole, pieces = np.zeros(sizes(built)), np.zeros(sizes(built))
+        name = f"{table.name}_taylor"
+        compiled_call(built.generated.address(name), c, 0.7, state, whole)
+        compiled_call(flow.get_function_address(name), c, 0.7, state, pieces)
+        assert np.count_nonzero(whole) > 0
+        assert whole.tobytes() == pieces.tobytes()
+        assert f"call void @{table.name}_followed.1(" in cut
+        whole = tangents_by(whole_tangents, built, table, c)
+        pieces = tangents_by(tangent.get_function_address, built, table, c)
+        assert np.count_nonzero(whole) > 0
+        assert whole.tobytes() == pieces.tobytes()
 
 
 # Every rule of the grammar, names that are bound twice, and values that go through memory.
@@ -201,15 +256,12 @@ def test_the_jacobian_is_the_first_order_of_the_tangents(
     model: Any, law: str, changes: Any
 ) -> None:
     built, c = generated(model, law, changes)
-    n, size = len(built.state_names), built.generated.tangent_order + 1
-    state = np.cos(np.arange(2 * n) + 0.3)
+    n, address = len(built.state_names), partial(built.generated.address, part=TANGENT)
     for index, table in built.generated.states.items():
-        series, linear = np.zeros(sizes(built)), np.zeros(sizes(built))
-        address = built.generated.address(f"{table.name}_tangent", TANGENT)
-        compiled_call(address, c, 0.7, state, series)
-        compiled_call(built.jacobians[index], c, 0.7, state, linear)
-        first = series[: 2 * n * size].reshape(2 * n, -1)[:, :2]
-        assert first.tobytes() == linear[: 4 * n].tobytes()
+        series, linear = tangents_by(address, built, table, c), np.zeros(sizes(built))
+        joined = np.append(states(n), directions(built)[:, 0, 0])
+        compiled_call(built.jacobians[index], c, 0.7, joined, linear)
+        assert series[:, :2, 0].tobytes() == linear[2 * n : 4 * n].tobytes()
 
 
 @every_system
@@ -217,23 +269,23 @@ def test_tangents_are_directional_derivatives(model: Any, law: str, changes: Any
     """A complex step through the flow's series: no difference, no cancellation."""
     built, c = generated(model, law, changes)
     n, size = len(built.state_names), built.generated.order + 1
-    state, direction = np.cos(np.arange(n) + 0.3), np.sin(np.arange(n) + 1.1)
+    state, direction = states(n), directions(built)[:, 0, 0]
     flow = python_functions(built.generated.texts[FLOW], cmath)
     tangent = python_functions(built.generated.texts[TANGENT])
+    address = partial(built.generated.address, part=TANGENT)
     step = 1e-30
     for table in built.generated.states.values():
         rows = n + len(table.guards) + table.has_angle
-        along, both, switching = np.zeros(sizes(built), complex), *np.zeros((2, sizes(built)))
+        along, switching = np.zeros(sizes(built), complex), np.zeros(sizes(built))
         flow[f"{table.name}_taylor"](c, 0.7, state + 1j * step * direction, along)
         expected = (along.imag / step)[: rows * size].reshape(rows, size)
-        tangent[f"{table.name}_tangent"](c, 0.7, np.concatenate([state, direction]), both)
-        series = both[: 2 * n * (built.generated.tangent_order + 1)].reshape(2 * n, -1)
+        series = tangents_by(address, built, table, c)[:, :, 0]
         tangent[f"{table.name}_switching"](c, 0.7, np.concatenate([state, direction]), switching)
         at_event = switching[: 4 * rows].reshape(2 * rows, 2)
         scale = np.max(np.abs(expected))
         assert scale > 0.0
         pairs = (
-            (series[n:, :size], expected[:n]),
+            (series[:, :size], expected[:n]),
             (at_event[n : 2 * n], expected[:n, :2]),
             (at_event[n + rows :], expected[n:, :2]),
         )

@@ -174,3 +174,31 @@ def test_a_history_holds_the_states_of_the_laws_of_every_contact() -> None:
         slipped = found["v"] * found["time"] - found[mass].sel(friction="dahl")
         np.testing.assert_allclose(bent[contact], slipped, rtol=0.2)
         assert bent[contact].max() > 0.5
+
+
+@pytest.mark.parametrize("v", [2e-3, 2e-2])
+def test_rate_and_state_slides_unsteadily_below_the_critical_stiffness(v: float) -> None:
+    """(b - a) N/D_c of the quasi-static spring and slider (Ruina 1983), and what inertia adds."""
+    a, b, D_c, N, m = 0.01, 0.015, 1e-3, 10.0, 1.5
+    given = {"a_rate": a, "b_state": b, "D_c": D_c, "N": N, "m": m, "v": v, "mu_0": 0.6}
+    asked = {"parameter": "k", "bracket": [1.0, 1e3]}
+    found = api.analyse(BELT, "rate-and-state", "critical", None, asked, **given).values
+    critical = (b - a) * N / D_c * (1.0 + m * v**2 / (a * N * D_c))
+    assert found["critical_value"] == pytest.approx([critical], rel=1e-9)
+    frequency = np.sqrt(critical * v / (m * v + N * a * D_c / v))
+    assert found["crossing_frequency"] == pytest.approx([frequency], rel=1e-6)
+    assert (found["unstable_below"], found["unstable_above"]) == ([2], [0])
+
+
+def test_rate_and_state_friction_after_a_step_of_the_slip_speed() -> None:
+    """The direct effect at once, a ln(v/v_0); then the age, of the closed form, after D_c."""
+    a, b, D_c, faster = 0.01, 0.015, 1e-3, 3e-2
+    heavy = {"m": 1e15, "k": 0.0, "a_rate": a, "b_state": b, "D_c": D_c, "v_0": 1e-2, "N": 1.0}
+    begun = motion("belt-1dof", "rate-and-state", {}, mu_0=0.6, v=faster, **heavy)
+    for time in (0.0, 0.02, 0.1):
+        begun.run(time)
+        age = 1.0 / 3.0 + 2.0 / 3.0 * np.exp(-faster * time / D_c)  # v_0 theta/D_c
+        coefficient = 0.6 + a * np.log(3.0) + b * np.log(age)
+        assert begun.y[2] + 1.0 == pytest.approx(age, rel=1e-12)
+        (force,) = begun.system.field(0, begun.coefficients, time, begun.y).contacts[:, 1]
+        assert force == pytest.approx(coefficient, rel=1e-12)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from types import SimpleNamespace
 from typing import Any
@@ -11,8 +11,12 @@ import numpy as np
 import pytest
 
 from fiv_cli import api
-from fiv_cli.sweep.estimate import _spread, estimate
+from fiv_cli.case.case import Refinement
+from fiv_cli.sweep.borders import draw
+from fiv_cli.sweep.estimate import OF_TIMING, _spread, estimate
+from fiv_cli.sweep.map_estimate import Drawing
 from fiv_cli.sweep.plan import make_plan
+from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.worker import ChainState, Segment
 
 
@@ -58,3 +62,41 @@ def test_a_sample_is_spread_over_every_axis_and_reaches_every_point() -> None:
     for axis, bins in ((0, 4), (1, 3), (2, 10)):
         shares = np.bincount(first[:, axis] * bins // (4, 3, 10**6)[axis], minlength=bins) / 120
         assert np.abs(shares * bins - 1.0).max() < 0.25
+
+
+class Disc(list[int]):
+    """Positions in a square, as the block of what is computed there: inside a disc, or outside."""
+
+    nbytes = 1
+
+    @property
+    def values(self) -> dict[str, np.ndarray]:
+        x, y = np.divmod(np.array(self), 257) / np.float64(256)
+        return {"attractor": ((x - 0.4) ** 2 + (y - 0.5) ** 2 < 0.09).astype(np.int32)}
+
+
+@pytest.mark.parametrize(("seconds", "spread"), [(200, 20.0), (300, 2.0), (1000, 1.2), (1e9, 1.0)])
+def test_a_map_grows_as_its_borders_do(
+    monkeypatch: pytest.MonkeyPatch, seconds: float, spread: float
+) -> None:
+    """Each point takes a second; how many there will be is foreseen from those of few levels."""
+    square = np.arange(257**2).reshape(257, 257)
+    maps = Maps(Refinement(5, "attractor", ("v", "N"), 0, 0), square[None], {"v": 9, "N": 9}, -1)
+    picture = draw(
+        np.array(maps.classes_of(Disc(square.ravel()))).reshape(257, 257),
+        np.ones((257, 257), bool),
+        5,
+    )
+    true, clock = int(picture.wanted.sum()), 0.0
+
+    def run(positions: Sequence[int]) -> tuple[Any, float]:
+        nonlocal clock
+        clock += len(positions)
+        return Disc(positions), float(len(positions))
+
+    monkeypatch.setattr("fiv_cli.sweep.map_estimate.time.monotonic", lambda: clock)
+    drawing = Drawing(maps, square, run, at_once=10)
+    drawing.until(seconds)
+    (low, high), (least, most) = drawing.cost()
+    assert low * (1 - OF_TIMING) <= true <= high * (1 + OF_TIMING) and high <= spread * low
+    assert (least, most) == pytest.approx((low, high))

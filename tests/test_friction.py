@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import exp, tanh
+from math import asinh, exp, log, sqrt, tanh
 from typing import Any
 
 import pytest
@@ -41,6 +41,21 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         0.4 * 5,
     ),
     "cubic": ({"mu_s": 0.4, "mu_m": 0.25, "v_m": 0.7}, 0.25 * 5, 0.4 * 5),
+    "rational": (
+        {"mu_s": 0.4, "mu_k": 0.1, "v_s": 0.5, "delta": 2},
+        (0.1 + 0.3 / 2.96) * 5,
+        0.4 * 5,
+    ),
+    "simscape": (
+        {"mu_s": 0.4, "mu_k": 0.1, "v_brk": 1.0, "F_V": 0.2},
+        (sqrt(exp(1)) * 0.3 * exp(-0.245) * 0.7 + 0.1 * tanh(7.0)) * 5 + 0.14,
+        None,
+    ),
+    "rate-and-state": (
+        {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1},
+        0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
+        None,
+    ),
     "dahl": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
     "lugre": (
         {
@@ -175,6 +190,7 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
         ("viscous", {"F_V": 0.0}, "coulomb", {}),
         ("stribeck-viscous", {"F_V": 0.0}, "stribeck", {}),
         ("four-parameter", {"d": 0.0, "e": 0.0}, "hyperbolic", {"delta": 2.0}),
+        ("rational", {"mu_k": 0.0, "delta": 1}, "hyperbolic", {"delta": 2.0}),
         ("four-parameter", {"d": 1.0, "e": 0.0}, "coulomb", {"mu_k": 0.4}),
         ("lugre", {"mu_s": 0.1, "sigma_2": 0.0}, "dahl", {"mu_k": 0.1}),
     ],

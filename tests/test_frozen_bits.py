@@ -21,9 +21,9 @@ FROZEN = {
     "belt, rk4": "96b94126684b9b98",
     "impacts": "25dfc74fdde0ecc5",
     "separation": "817e630cbbab3f04",
-    "sector": "0c6422b955b33671",
-    "slider with impacts": "3b8dd7ee4b4a1b57",
-    "disc": "36e935666ea2b7b7",
+    "sector": "2d460d3db2d04f44",
+    "slider with impacts": "19b2199a90169915",
+    "disc": "4550f4787532d0c0",
 }
 
 

@@ -295,8 +295,8 @@ print(settled_period(np.array([[1.0], [2.0]] * 20)), "numba" in sys.modules)
 """
 
 
-def test_two_processes_compile_at_once_and_the_next_needs_no_compiler(own_cache: Path) -> None:
+def test_of_two_processes_one_compiles_and_neither_the_other_nor_the_next(own_cache: Path) -> None:
     processes = [start(SETTLE, own_cache) for _ in range(2)]
-    assert [answer(process) for process in processes] == [["2", "True"]] * 2
+    assert sorted(answer(process) for process in processes) == [["2", "False"], ["2", "True"]]
     assert len(list(own_cache.iterdir())) == 1  # no temporary names
     assert answer(start(SETTLE, own_cache)) == ["2", "False"]

@@ -204,7 +204,7 @@ def test_every_law_of_a_model_moves_it(
     model: Model, laws: Callable[[Model], Sequence[str]]
 ) -> None:
     start, changes, t_end = ROWS[model.name]
-    for law in laws(model):
+    for law in sorted({*laws(model)} - {"rate-and-state"}):  # whose slip may not turn round
         begun = motion(model.name, law, start, options=options_of(model), **changes)
         begun.run(t_end)
         assert begun.time == t_end, law
@@ -212,12 +212,12 @@ def test_every_law_of_a_model_moves_it(
 
 
 @by_moving_model
-def test_the_unexcited_system_has_no_active_forcing(model: Model) -> None:
+def test_the_unexcited_system_has_no_period_of_excitation(model: Model) -> None:
     _, changes, _ = ROWS[model.name]
-    parameters = defaults(model.name, model.default_law, **changes)
-    expected = model.forcings[0] if model.forcings else None
-    assert model.active_forcing(parameters) is expected
-    assert model.active_forcing(model.unexcited(parameters)) is None
+    built = system(model.name, model.default_law, options_of(model))
+    known = built.known(defaults(model.name, model.default_law, **changes))
+    assert (model.excitation_period(known) is not None) == bool(model.forcings)
+    assert model.excitation_period(model.unexcited(known)) is None
 
 
 @by_moving_model

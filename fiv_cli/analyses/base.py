@@ -17,12 +17,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.analyses.settings import Question, Settings, Varied
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.settings import Section, SolverSettings
+from fiv_cli.models.excitation import at_every_phase
 from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
@@ -62,7 +64,10 @@ def broken(
 
 def requirements(model: Model, law: Law, linear: bool = False) -> list[Requirement]:
     """What the parameters of a point must be to one another; `linear`: no motion is followed."""
-    own = (*model.requirements, *law.requirements)
+    own: Sequence[Requirement] = (*model.requirements, *law.requirements)
+    if model.varied:
+        table = {p.name: p for p in model.parameters_under(law.parameters)}
+        own = at_every_phase(own, model.varied, table)
     return [requirement for requirement in own if not (linear and requirement.in_motion)]
 
 
@@ -125,22 +130,25 @@ class Batch:
 
     Attributes
     ----------
-    requests : the points, without their starts
-    known : what was found, by the system and the `id` of a point's parameters
+    requests : the points; those on chains without their starts
+    known : what was found, by what finds it, the system and the `id` of a point's parameters
     """
 
     requests: Sequence[Request]
-    known: dict[tuple[object, int], Any] = field(default_factory=dict)
+    known: dict[tuple[object, object, int], Any] = field(default_factory=dict)
 
-    def alike(self, request: Request) -> list[Mapping[str, float]]:
-        """Parameters of the points in the same system, of this one alone if it is none of them."""
-        key, own = request.setup.key, request.parameters
-        points = [one.parameters for one in self.requests if one.setup.key == key]
-        return points if any(point is own for point in points) else [own]
+    def alike(self, request: Request) -> list[Request]:
+        """The points in the same system."""
+        key = request.setup.key
+        return [one for one in self.requests if one.setup.key == key]
 
     def has(self, request: Request) -> bool:
-        """Whether this is one of the points."""
-        return any(one.parameters is request.parameters for one in self.requests)
+        """Whether this is one of the points (the `id` of another may be given again)."""
+        return id(request.parameters) in self._places
+
+    @cached_property
+    def _places(self) -> frozenset[int]:
+        return frozenset(id(one.parameters) for one in self.requests)
 
 
 @dataclass

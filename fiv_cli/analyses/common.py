@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
-from fiv_cli.analyses.base import Batch, Outcome, Request
+from fiv_cli.analyses.base import Batch, Outcome, Request, Start
 from fiv_cli.analyses.rest.equilibria import (
     Sliding,
     equilibria,
@@ -23,43 +24,68 @@ from fiv_cli.dynamics.system import System, Vector
 __all__ = [
     "Balance",
     "Sliding",
+    "at_once",
     "balance",
     "equilibria",
     "initial_state",
     "rest_of",
+    "rests",
     "sliding",
     "start_motion",
+    "start_state",
     "stopped",
     "trust",
 ]
 
+Found = TypeVar("Found")
 
-def rest_of(system: System, request: Request) -> tuple[Sliding, list[Vector]]:
-    """The unexcited system in sliding, and its equilibria.
 
-    Those of the points that are run with it are found with them, in a fifth of the time.
+def at_once(
+    system: System, request: Request, find: Callable[[System, Sequence[Request]], Sequence[Found]]
+) -> Found:
+    """What `find` makes of a point, together with those that are run with it.
+
+    That takes a fifth of the time.
     """
-    batch = request.batch or Batch([request])
-    own = system, id(request.parameters)
-    known = batch.known if batch.has(request) else {}  # the `id` of another may be given again
-    if own not in known:
+    batch = request.batch
+    if batch is None or not batch.has(request):
+        batch = Batch([request])
+    own = find, system, id(request.parameters)
+    if own not in batch.known:
         points = batch.alike(request)
         try:
-            found = _rests(system, points)
+            found = find(system, points)
         except Exception:  # of one of them: which, and what, is found alone
-            points = [request.parameters]
-            found = _rests(system, points)
+            points = [request]
+            found = find(system, points)
         for point, one in zip(points, found, strict=True):
-            known[system, id(point)] = one
-    rest: tuple[Sliding, list[Vector]] = known[own]
-    return rest
+            batch.known[find, system, id(point.parameters)] = one
+    answer: Found = batch.known[own]
+    return answer
 
 
-def _rests(
-    system: System, points: Sequence[Mapping[str, float]]
-) -> list[tuple[Sliding, list[Vector]]]:
-    state = sliding_at(system, points)
-    return [(state[row], one.states) for row, one in enumerate(equilibria_at(state))]
+def rest_of(system: System, request: Request) -> tuple[Sliding, list[Vector]]:
+    """The unexcited system in sliding, and its equilibria."""
+    return at_once(system, request, _rests)
+
+
+def _rests(system: System, requests: Sequence[Request]) -> list[tuple[Sliding, list[Vector]]]:
+    state, solutions = rests(system, requests)
+    return [(state[row], one) for row, one in enumerate(solutions)]
+
+
+def rests(system: System, requests: Sequence[Request]) -> tuple[Sliding, list[list[Vector]]]:
+    """The unexcited system in sliding at several points, in rows, and the equilibria of each."""
+    state = sliding_at(system, [request.parameters for request in requests])
+    return state, [one.states for one in equilibria_at(state)]
+
+
+def start_state(system: System, start: Start, equilibrium: Vector | None) -> Vector | None:
+    """The state that a start describes, if no neighbour does; None without the equilibrium."""
+    given = system.state_vector(start.values)
+    if start.kind == "state":
+        return given
+    return None if equilibrium is None else equilibrium + given
 
 
 def start_motion(system: System, request: Request, equilibrium: Vector | None) -> Motion | Outcome:
@@ -74,11 +100,10 @@ def start_motion(system: System, request: Request, equilibrium: Vector | None) -
             state = np.array(start.carried["state"], dtype=float)
             begun = state + system.state_vector(start.values) if rested else state
             return begin(begun, sticking=sticking)
-    elif start.kind == "state":
-        return begin(start.values)
-    if equilibrium is None:
+    described = start_state(system, start, equilibrium)
+    if described is None:
         return Outcome(status="failed", reason=why_none(sliding(system, request.parameters)))
-    return begin(equilibrium + system.state_vector(start.values))
+    return begin(described)
 
 
 def initial_state(motion: Motion) -> dict[str, Vector]:

@@ -11,6 +11,7 @@ from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter, State, followed
+from fiv_cli.models.origin import Origin
 from fiv_cli.schedule import STEADY, Schedule
 
 SEVERAL = ("random", "table")
@@ -141,6 +142,7 @@ class Case:
     zips : groups of axis names that advance together
     refinement : None: every point of the grid is run
     schedule : parameters that vary in time; `parameters` holds their values at t = 0
+    own : model or law that is not in the box -> where it stands
     """
 
     source: str
@@ -163,6 +165,7 @@ class Case:
     solver: SolverSettings
     refinement: Refinement | None = None
     schedule: Schedule = STEADY
+    own: Mapping[str, Origin] = field(default_factory=dict)
 
     def axis(self, name: str) -> Axis:
         """The axis called `name`; KeyError when there is none."""

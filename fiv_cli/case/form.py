@@ -22,6 +22,7 @@ from fiv_cli.case.structure import (
     ClaimTable,
     CurveTable,
     FigureTable,
+    ForceTable,
     FrictionTable,
     HeaderTable,
     InitialTable,
@@ -33,12 +34,15 @@ from fiv_cli.case.structure import (
 from fiv_cli.case.tables import keys_of, read_table, read_tables
 from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
+from fiv_cli.models.excitation import NAMES
 from fiv_cli.notation.names import axis_name, nearest, suggest
 from fiv_cli.notation.values import describe
+from fiv_cli.own.load import file_with, know_installed
 
 T = TypeVar("T", bound=BaseModel)
 V = TypeVar("V")
 
+_MODELS = "`fiv models` says what each is; one of your own is named with --with FILE.py"
 _KINDS = "`fiv kinds` says what there is: analyses compute, figures draw"
 
 # A name with a dot in it may be written without quotes: initial.x = ..., friction.mu_k = ...
@@ -46,7 +50,7 @@ _WITH_A_DOT = ("initial", "friction")
 
 
 class Entry(NamedTuple, Generic[V]):
-    """A key of ``[grid]`` or ``[schedule]``: its contract name, its place, and what it holds."""
+    """A key of ``[grid]``, ``[schedule]`` or ``[forcing]``: its name, its place, what it holds."""
 
     name: str
     place: Path
@@ -62,12 +66,18 @@ class Form:
     friction: FrictionTable
     grid: tuple[Entry[list[Any] | RangeTable], ...]
     schedule: tuple[Entry[CurveTable], ...]
+    forcing: tuple[Entry[ForceTable], ...]
     sweep: SweepTable
     initial: tuple[InitialTable, ...]
     analysis: tuple[AnalysisTable, ...]
     figure: tuple[FigureTable, ...]
     claim: tuple[ClaimTable, ...]
     solver: SolverTable
+
+    @property
+    def _harmonic(self) -> Iterator[Entry[CurveTable] | Entry[ForceTable]]:
+        yield from self.schedule
+        yield from self.forcing
 
     def places_of(self, name: str) -> list[Path]:
         """Where the case fixes what an axis, or the time, varies."""
@@ -80,11 +90,17 @@ class Form:
             ("friction",): friction,
         }
         tables |= {("friction", k): v for k, v in friction.items() if isinstance(v, dict)}
-        return [
+        fixed = [
             (*path, key)
             for path, table in tables.items()
             for key in table
             if axis_name(key) == name
+        ]
+        return fixed + [
+            (*entry.place, key)
+            for entry in self._harmonic
+            for key in entry.value.model_fields_set & NAMES.keys()
+            if NAMES[key].format(entry.name) == name
         ]
 
 
@@ -98,7 +114,8 @@ def read_form(document: Mapping[str, Any], report: Report) -> Form:
         model=_one(ModelTable, document.get("model", {"name": ""}), ("model",), report),
         friction=_one(FrictionTable, document.get("friction", {}), ("friction",), report),
         grid=tuple(_axes(document, report)),
-        schedule=tuple(_curves(document, report)),
+        schedule=tuple(_tables_of(document, "schedule", CurveTable, report)),
+        forcing=tuple(_tables_of(document, "forcing", ForceTable, report)),
         sweep=_one(SweepTable, document.get("sweep", {}), ("sweep",), report),
         initial=read_tables(InitialTable, document.get("initial", []), "initial", report),
         analysis=read_tables(AnalysisTable, document.get("analysis", []), "analysis", report),
@@ -141,14 +158,30 @@ def _home_of(key: str) -> str:
 
 def _refuse_unknown_words(document: Mapping[str, Any], report: Report) -> None:
     """Note a model and kinds of analyses that there are not: without them no name means a thing."""
+    if not {"tanh", *all_models(), *all_laws()}.issuperset(_words(document)):
+        know_installed()
     models = {name: model.title for name, model in all_models().items()}
-    listed = "`fiv models` says what each is"
-    _check_word(document.get("model"), "name", ("model",), models, listed, report)
+    _check_word(document.get("model"), "name", ("model",), models, _MODELS, report)
     _refuse_misplaced_laws(document.get("friction"), report)
     kinds = {name: analysis.title for name, analysis in all_analyses().items()}
     analyses = document.get("analysis")
     for index, table in enumerate(analyses if isinstance(analyses, list) else []):
         _check_word(table, "kind", ("analysis", index), kinds, _KINDS, report)
+
+
+def _words(document: Mapping[str, Any]) -> Iterator[str]:
+    """What a case calls its model and its laws."""
+    tables = {"model": ("name",), "friction": ("law", "of"), "grid": ("friction",)}
+    for name, keys in tables.items():
+        table = document.get(name)
+        for word in (table.get(key) for key in keys) if isinstance(table, dict) else ():
+            yield from (w for w in (word if isinstance(word, list) else [word]) if type(w) is str)
+
+
+def own_file(word: str, case: str) -> str:
+    """What to type where a file beside a case has what it names; empty where none has."""
+    file = file_with(word, case)
+    return f"{file} has it; it is run where you say so: fiv run {case} --with {file}" * bool(file)
 
 
 def _refuse_misplaced_laws(friction: object, report: Report) -> None:
@@ -165,7 +198,8 @@ def _check_word(
 ) -> None:
     word = table.get(key) if isinstance(table, dict) else None
     if isinstance(word, str) and word not in known:
-        hint = suggest(word, known) or listed
+        file = own_file(word, report.source) if path == ("model",) else ""
+        hint = file or suggest(word, known) or listed
         report.unknown((*path, key), f"there is no {path[0]} {word!r}", word, known, hint)
 
 
@@ -189,9 +223,11 @@ def _axes(document: Mapping[str, Any], report: Report) -> Iterator[Entry[list[An
             )
 
 
-def _curves(document: Mapping[str, Any], report: Report) -> Iterator[Entry[CurveTable]]:
-    for name, place, value in _entries(document, "schedule", CurveTable, report):
-        yield Entry(name, place, _one(CurveTable, value, place, report))
+def _tables_of(
+    document: Mapping[str, Any], key: str, form: type[T], report: Report
+) -> Iterator[Entry[T]]:
+    for name, place, value in _entries(document, key, form, report):
+        yield Entry(name, place, _one(form, value, place, report))
 
 
 def _entries(

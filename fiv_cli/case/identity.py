@@ -49,6 +49,9 @@ def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]
         "solver": case.solver,
         "numerics": _numerics(case),
     }
+    own = _deciding_texts(case)
+    if own:
+        found["own"] = own
     if case.schedule.curves:  # only then: the keys of a constant case are what they were
         found["schedule"] = dict(case.schedule.curves)
     return json.loads(json.dumps(found, default=_plain))
@@ -106,6 +109,12 @@ def _deciding_parameters(case: Case) -> dict[str, Any]:
 
 def _law_varies(case: Case) -> bool:
     return any(axis.kind == "law" for axis in case.axes)
+
+
+def _deciding_texts(case: Case) -> dict[str, str]:
+    """Hashes of its model and its law from outside; those of laws on an axis are the points'."""
+    deciding = (case.model, *(() if _law_varies(case) else (case.law,)))
+    return {name: case.own[name].digest for name in deciding if name in case.own}
 
 
 def _numerics(case: Case) -> dict[str, int]:

@@ -15,7 +15,13 @@ from pydantic.fields import FieldInfo
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import Setting, TableSetting
-from fiv_cli.case.structure import FigureTable, InitialTable, TakeTable
+from fiv_cli.case.structure import (
+    CurveTable,
+    FigureTable,
+    ForceTable,
+    InitialTable,
+    TakeTable,
+)
 
 STARTS = {
     "equilibrium": ("a sliding equilibrium of the unexcited system, moved", ("offset",)),
@@ -71,6 +77,17 @@ TAKES = {
 }
 """`what` is taken of many values -> what it is, and the other keys of ``take``."""
 
+SCHEDULES = {
+    "ramp": ("from one value to another, straight", ("start", "stop", "over")),
+    "points": ("straight lines between points", ("points",)),
+    "harmonic": (
+        "mean + amplitude cos(omega t + phase), an excitation like a force; of a parameter v its "
+        "mean v, A_v, omega_v and phase_v may be axes",
+        ("mean", "amplitude", "omega", "phase"),
+    ),
+}
+"""How a parameter varies in time -> what it is, and its keys."""
+
 EXPECTS = {
     '"CLASS"': 'the class is this; "not CLASS": another',
     "{ value = V, tolerance = T }": "it differs from V by no more than T",
@@ -103,7 +120,7 @@ class Kind:
 
 
 def all_kinds() -> list[Kind]:
-    """Everything that ``[[analysis]]``, ``[[initial]]``, ``[[figure]]`` and ``[[claim]]`` know."""
+    """Everything that analyses, starts, schedules, forces, figures and claims know."""
     analyses = all_analyses().values()
     return [
         *(Kind("analysis", a.kind, a.title, _of_settings(a.settings), a.answer) for a in analyses),
@@ -114,6 +131,17 @@ def all_kinds() -> list[Kind]:
         *(
             Kind("figure", name, meaning, keys_in(FigureTable, [*own, *OF_EVERY_FIGURE]))
             for name, (meaning, own) in FIGURES.items()
+        ),
+        *(
+            Kind("schedule", name, meaning, keys_in(CurveTable, own))
+            for name, (meaning, own) in SCHEDULES.items()
+        ),
+        Kind(
+            "forcing",
+            "force",
+            "constant + amplitude cos(omega t + phase) on a coordinate x, or the base: fiv models "
+            "NAME lists them; F_x, A_x, omega_x and phase_x may be axes",
+            keys_in(ForceTable),
         ),
         *(
             Kind("claim.take", name, meaning, keys_in(TakeTable, own))

@@ -13,6 +13,7 @@ from typing import Any
 from fiv_cli.case.analysis import read_analyses
 from fiv_cli.case.asked import check_what_is_asked
 from fiv_cli.case.case import Axis, Case
+from fiv_cli.case.excitation import with_excitations
 from fiv_cli.case.fit import refuse_what_does_not_fit
 from fiv_cli.case.form import read_form
 from fiv_cli.case.grid import read_grid, refuse_fixed_axes
@@ -114,7 +115,7 @@ def _build(
 ) -> Case:
     """The case, as far as it can be understood; every problem goes to `report`."""
     form = read_form(raw, report)
-    given = read_physics(form, report)
+    given = with_excitations(form, read_physics(form, report), report)
     axes, zips, refinement = read_grid(form, given, report)
     refuse_fixed_axes(form, report)
     schedule = read_schedule(form, given, axes, report)
@@ -143,6 +144,7 @@ def _build(
         solver=read_solver(form, report),
         refinement=refinement,
         schedule=schedule,
+        own=physics.origins(),
     )
     check_what_is_asked(case, report)
     refuse_what_does_not_fit(case, form, physics, report)

@@ -6,13 +6,14 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from fiv_cli.case.form import Form
+from fiv_cli.case.form import Form, own_file
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import SEVERAL_LAWS, FrictionTable, ModelTable
 from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
+from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
 
@@ -42,6 +43,11 @@ class Physics:
     def given(self) -> set[str]:
         """The parameters that the case gives a value, were it under one of its laws."""
         return {name.split(".")[-1] for name in self.fixed}
+
+    def origins(self) -> dict[str, Origin]:
+        """Model or law that is not in the box -> where it stands."""
+        things: tuple[Model | Law, ...] = (self.model, *self.laws)
+        return {thing.name: thing.origin for thing in things if thing.origin is not None}
 
     def table(self) -> dict[str, Parameter]:
         """Every parameter of the model and of the laws in use, by name."""
@@ -250,7 +256,8 @@ class _Reader:
             of = table.law == "tanh" and table.of
             written, place = (of, "of") if of else (table.law, "law")
             message = f"{written!r} is no friction law of {model.name}"
-            self.report.unknown(("friction", place), message, written, law_names(model))
+            hint = own_file(written, self.report.source)
+            self.report.unknown(("friction", place), message, written, law_names(model), hint)
         return [name]
 
     def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:

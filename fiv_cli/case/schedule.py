@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from fiv_cli.analyses import all_analyses, get_analysis
@@ -12,29 +12,35 @@ from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import CurveTable
 from fiv_cli.models.base import Forcing, Parameter, leaders
+from fiv_cli.models.excitation import frequency_of
 from fiv_cli.notation.names import listed
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 from fiv_cli.schedule import STEADY, Points, Schedule, make_schedule
 
-_FORMS = "{ start, stop, over } or { points = [[time, value], ...] }"
+_FORMS = "{ start, stop, over }, { points = [[time, value], ...] } or { mean, amplitude, omega }"
 
 
 def read_schedule(form: Form, physics: Physics, axes: Sequence[Axis], report: Report) -> Schedule:
     """What varies in time, with every parameter that follows one of them."""
     curves: dict[str, Points] = {}
     for name, place, table in form.schedule:
+        if table.is_harmonic:
+            continue
         if name in curves:
             report.add(place, f"the schedule of {name!r} is given twice")
-        elif _may_vary(name, place, form, physics, axes, report):
+        elif may_vary(name, place, physics, report) and not _clashes(
+            name, place, form, axes, report
+        ):
             points = _points(physics.table()[name], table, place, report)
             if points is not None:
                 curves[name] = points
     if not curves:
         return STEADY
+    curves |= _following(curves, physics, axes)
     _refuse_phases(curves, physics, axes, report)
-    _refuse_sectors(curves, physics, report)
-    return make_schedule(curves | _following(curves, physics, axes))
+    refuse_sectors(curves, physics, report)
+    return make_schedule(curves)
 
 
 def at_the_start(physics: Physics, schedule: Schedule) -> Physics:
@@ -61,7 +67,7 @@ def refuse_unsuited_analyses(
                 meant
                 or f"give it a case of its own without [schedule], with {names} fixed or an axis",
             )
-        elif not form.schedule and not analysis.constant:
+        elif all(one.value.is_harmonic for one in form.schedule) and not analysis.constant:
             report.add(
                 ("analysis", index),
                 f"{spec.kind!r} belongs to parameters that vary, but there is no [schedule]",
@@ -71,9 +77,7 @@ def refuse_unsuited_analyses(
             )
 
 
-def _may_vary(
-    name: str, place: Path, form: Form, physics: Physics, axes: Sequence[Axis], report: Report
-) -> bool:
+def may_vary(name: str, place: Path, physics: Physics, report: Report) -> bool:
     """Whether a schedule of `name` makes sense; notes why it does not."""
     known = physics.varying()
     if name not in physics.table():
@@ -85,13 +89,17 @@ def _may_vary(
     free = [other for other in known if other not in sources]
     if name not in free:
         report.add(place, _why_not(name, sources, physics), listed(free))
-        return False
+    return name in free
+
+
+def _clashes(name: str, place: Path, form: Form, axes: Sequence[Axis], report: Report) -> bool:
+    """Whether something else gives what varies a value; notes what does."""
     clashes = [".".join(map(str, where)) for where in form.places_of(name)]
     clashes += [f"grid.{axis.name}, as an axis" for axis in axes if axis.name == name]
     for shown in clashes:
         message = f"{name!r} varies in time and is also given by {shown}"
         report.add(place, message, "one of the two", "its schedule also says where it starts")
-    return not clashes
+    return bool(clashes)
 
 
 def _why_not(name: str, sources: Collection[str], physics: Physics) -> str:
@@ -108,7 +116,7 @@ def _points(parameter: Parameter, table: CurveTable, place: Path, report: Report
         return _listed(parameter, table.points or [], place, report)
     if table.model_fields_set == {"start", "stop", "over"}:
         return _ramp(parameter, table, place, report)
-    report.add(place, "is neither a ramp nor a list of points", _FORMS)
+    report.add(place, "is neither a ramp nor a list of points, nor harmonic", _FORMS)
     return None
 
 
@@ -174,7 +182,7 @@ def _refuse_phases(
     """A phase is frequency times time: of a frequency that varies it would be wrong."""
     for forcing in physics.model.forcings:
         if forcing.amplitude in curves or _is_on(forcing, physics, axes):
-            for name in sorted(_frequency_of(forcing) & curves.keys()):
+            for name in sorted(curves.keys() & {*frequency_of(forcing)}):
                 report.add(
                     ("schedule", name),
                     f"the {forcing.meaning} has a phase that depends on {name!r}: "
@@ -183,14 +191,14 @@ def _refuse_phases(
                 )
 
 
-def _refuse_sectors(curves: Mapping[str, Points], physics: Physics, report: Report) -> None:
+def refuse_sectors(curves: Iterable[str], physics: Physics, report: Report) -> None:
     """The bounds of a sector are read once."""
     if not physics.model.forcings:
         return
     from fiv_cli.models.symbols import Symbols
 
     zone = physics.model.equations(Symbols(), physics.options).zone
-    for name in sorted(curves.keys() & (() if zone is None else {zone.start, zone.width})):
+    for name in sorted({*curves} & (set() if zone is None else {zone.start, zone.width})):
         report.add(("schedule", name), f"the sector's {name!r} cannot vary in time")
 
 
@@ -198,18 +206,3 @@ def _is_on(forcing: Forcing, physics: Physics, axes: Sequence[Axis]) -> bool:
     if forcing.amplitude in [axis.name for axis in axes]:
         return True
     return physics.fixed.get(forcing.amplitude, physics.default(forcing.amplitude)) != 0.0
-
-
-def _frequency_of(forcing: Forcing) -> set[str]:
-    """The parameters that the frequency of an excitation depends on."""
-    asked = _Asked()
-    forcing.frequency(asked)
-    return set(asked)
-
-
-class _Asked(dict[str, float]):
-    """Parameters that are all 1; it holds those that were asked for."""
-
-    def __missing__(self, name: str) -> float:
-        self[name] = 1.0
-        return 1.0

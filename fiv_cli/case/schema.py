@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.settings import Schema, schema_of
+from fiv_cli.case.excitation import forced
 from fiv_cli.case.structure import CaseTable
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.models import all_models
@@ -30,6 +31,7 @@ def case_schema() -> Schema:
     _fill_analysis(tables["AnalysisTable"], all_analyses().values())
     _fill_grid(schema["properties"]["grid"], models)
     _fill_schedule(schema["properties"]["schedule"], models)
+    _fill_forcing(schema["properties"]["forcing"], models)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
@@ -88,6 +90,14 @@ def _fill_grid(table: Schema, models: Iterable[Model]) -> None:
 def _fill_schedule(table: Schema, models: Iterable[Model]) -> None:
     """The names of what may vary in time."""
     table["properties"] = _of_every_parameter(table["additionalProperties"], models)
+
+
+def _fill_forcing(table: Schema, models: Iterable[Model]) -> None:
+    """The names of what may be forced."""
+    form = table["additionalProperties"]
+    for model in models:
+        for name, meaning in forced(model).items():
+            table.setdefault("properties", {}).setdefault(name, {**form, "description": meaning})
 
 
 def _of_every_parameter(form: Schema, models: Iterable[Model]) -> dict[str, Schema]:

@@ -142,10 +142,33 @@ class RangeTable(Table):
     scale: Literal["linear", "log"] = Field(default="linear", description="spacing, with num")
 
 
-class CurveTable(Table):
-    """How a parameter varies in time: a ramp from t = 0, or straight lines between points."""
+class HarmonicTable(Table):
+    """What A cos(omega t + phase) takes."""
 
-    example: ClassVar[str] = "{ start = 1, stop = 2, over = 10 } or { points = [[0, 1], [10, 2]] }"
+    amplitude: Quantity | None = Field(default=None, description="amplitude, SI")
+    omega: Quantity | None = Field(
+        default=None,
+        description="frequency in rad/s, or the name of a parameter; default: that of the first "
+        "excitation, and of this the model's own, else 1",
+    )
+    phase: Quantity | None = Field(default=None, description="phase at t = 0, rad")
+
+
+class ForceTable(HarmonicTable):
+    """An external force on a coordinate, or the motion of the base."""
+
+    example: ClassVar[str] = "{ amplitude = 1.0, omega = 0.8, phase = 0.0, constant = 0.5 }"
+
+    constant: Quantity | None = Field(default=None, description="constant part of the force, SI")
+
+
+class CurveTable(HarmonicTable):
+    """How a parameter varies in time: a ramp, straight lines between points, or harmonically."""
+
+    example: ClassVar[str] = (
+        "{ start = 1, stop = 2, over = 10 }, { points = [[0, 1], [10, 2]] } or "
+        "{ mean = 1, amplitude = 0.2, omega = 0.5 }"
+    )
 
     start: Quantity | None = Field(default=None, description="value up to t = 0")
     stop: Quantity | None = Field(default=None, description="value from t = over on")
@@ -153,6 +176,16 @@ class CurveTable(Table):
     points: list[list[Quantity]] | None = Field(
         default=None, description="[time, value] with rising times; constant before and after"
     )
+    mean: Quantity | None = Field(
+        default=None, description="of a harmonic variation; default: the parameter's own value"
+    )
+
+    @property
+    def is_harmonic(self) -> bool:
+        """Whether only what a harmonic variation takes is given."""
+        return bool(self.model_fields_set) and self.model_fields_set <= {
+            "mean", *HarmonicTable.model_fields
+        }  # fmt: skip
 
 
 class RefineTable(Table):
@@ -385,6 +418,9 @@ class CaseTable(HeaderTable):
         default={}, description="ordered axes: parameters, options, friction, initial.STATE"
     )
     schedule: dict[str, CurveTable] = Field(default={}, description="parameters that vary in time")
+    forcing: dict[str, ForceTable] = Field(
+        default={}, description="external forces on coordinates, and motion of the base"
+    )
     sweep: SweepTable = Field(default=SweepTable(), description="how axes combine")
     initial: list[InitialTable] = Field(default=[], description="starts of the motion")
     analysis: list[AnalysisTable] = Field(description="what is computed")

@@ -14,6 +14,8 @@ from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
 from fiv_cli.analyses.settings import ParameterName, Setting
 from fiv_cli.analyses.variables import Role, Variable
+from fiv_cli.case.excitation import forced
+from fiv_cli.case.structure import ForceTable
 from fiv_cli.case.toml import toml_value
 from fiv_cli.flags import TABLES
 from fiv_cli.friction import TANH_OF, get_law, laws_of
@@ -91,6 +93,8 @@ class _Template:
             yield self.friction()
         if self.drive is not None:
             yield self.schedule(self.drive)
+        if forced(self.model):
+            yield self.forcing()
         if self.axis is not None:
             yield self.grid(self.axis)
         if self.analysis.uses_starts:
@@ -162,6 +166,13 @@ class _Template:
             return [head, line]
         constant = f"constant: {drive.name} = {start!r} under [model.parameters]"
         return _commented([head, _with_comment(line, constant)])
+
+    def forcing(self) -> list[str]:
+        """An external force, in comments."""
+        name, meaning = next(iter(forced(self.model).items()))
+        others = [other for other in forced(self.model) if other != name]
+        head = _with_comment("[forcing]", f"external forces; also on {listed(others)}")
+        return _commented([head, _with_comment(f"{name} = {ForceTable.example}", meaning)])
 
     def grid(self, axis: Parameter) -> list[str]:
         """An axis; one more behind ##, along which it may be zipped; and what may be refined."""

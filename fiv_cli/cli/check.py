@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, provide_cache, set_option
+from fiv_cli.cli.common import json_option, print_json, provide_cache, set_option, with_option
 from fiv_cli.errors import CaseError, FivError, printable
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ class Verdict:
 @click.command("check")
 @click.argument("cases", nargs=-1, required=True, metavar="CASE...")
 @set_option
+@with_option
 @json_option
 @click.option("--estimate", is_flag=True, help="Run a sample to say what a run will cost.")
 @click.option(

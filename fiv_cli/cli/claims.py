@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json
+from fiv_cli.cli.common import json_option, print_json, with_option
 from fiv_cli.errors import DifferenceError, UsageError, printable
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ class Entry:
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[DIR or CASE...]")
 @click.option("--strict", is_flag=True, help="Exit 5 on a contradiction without a note, or no run.")
 @json_option
+@with_option
 def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
     """Hold every [[claim]] of the cases against their datasets.
 

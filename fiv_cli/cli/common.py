@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -22,6 +23,28 @@ set_option: Callable[[F], F] = click.option(
     multiple=True,
     metavar="PATH=VALUE",
     help="Change the case: --set grid.mu_k=[0.3], --set analysis.0.t_max=10. Repeatable.",
+)
+
+
+def _use(context: click.Context, option: click.Parameter, paths: Sequence[Path]) -> None:
+    """Have the models and laws of files at hand for this command; heavy only where there are."""
+    if paths:
+        from fiv_cli.own.probe import use_files
+
+        use_files(paths)
+        context.call_on_close(lambda: use_files(()))
+
+
+with_option: Callable[[F], F] = click.option(
+    "--with",
+    "own",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE.py",
+    envvar="FIV_WITH",
+    expose_value=False,
+    callback=_use,
+    help="Models and laws of your own: a file, or a folder of them. Repeatable.",
 )
 
 json_option: Callable[[F], F] = click.option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fiv_cli.cli.common import provide_cache, set_option
+from fiv_cli.cli.common import provide_cache, set_option, with_option
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ _WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
     help="Dataset to write. Default: runs/STEM-history-POINT.nc.",
 )
 @set_option
+@with_option
 def command(
     case: str,
     places: tuple[str, ...],

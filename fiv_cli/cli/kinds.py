@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 TITLES = {
     "analysis": 'Analyses: [[analysis]] kind = "NAME"',
     "initial": 'Starts: [[initial]] kind = "NAME"',
+    "schedule": "In time: [schedule] PARAMETER = { KEY = ..., ... }",
+    "forcing": "Forces: [forcing] NAME = { KEY = ..., ... }",
     "figure": 'Figures: [[figure]] kind = "NAME"',
     "claim.take": 'Taken of many values, by claims and figures: take = { what = "NAME", ... }',
     "claim.expect": "What a [[claim]] expects: expect = ...",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, print_table
+from fiv_cli.cli.common import json_option, print_json, print_table, with_option
 from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ KINDS = (
 @click.argument("name", required=False)
 @click.option("--laws", "want_laws", is_flag=True, help="Friction laws instead of models.")
 @json_option
+@with_option
 def command(name: str | None, want_laws: bool, as_json: bool) -> None:
     """List the mechanical models, or print everything about the model or law called NAME.
 
@@ -82,10 +83,12 @@ def _show_laws(name: str | None, as_json: bool) -> None:
 
 def _model_document(model: Model) -> dict[str, object]:
     """Everything the tables of a model say."""
+    from fiv_cli.case.excitation import forced
     from fiv_cli.friction import laws_of
 
     keys = ("name", "title", "reference", "parameters", "options", "law_defaults", "contacts")
     return {key: getattr(model, key) for key in keys} | {
+        "forcing": forced(model),
         "states": model.states(model.default_options()),
         "laws": laws_of(model),
     }
@@ -117,6 +120,7 @@ def _print_model(model: Model) -> None:
     _print_parameters("Parameters, under [model.parameters]", model.parameters)
     _print_states(model)
     _print_options(model)
+    _print_forces(model)
     if model.contacts:
         _print_laws_taken(model)
         _print_law_parameters(model)
@@ -141,6 +145,27 @@ def _print_options(model: Model) -> None:
         print_table(
             "Options, under [model.options]", ("name", "choices", "default", "meaning"), rows
         )
+
+
+def _print_forces(model: Model) -> None:
+    """What a case may force besides, and how; the parameters of that are axes."""
+    from fiv_cli.case.excitation import forced
+    from fiv_cli.case.structure import ForceTable
+
+    rows = [(name, _axes_of(name), meaning) for name, meaning in forced(model).items()]
+    if rows:
+        title = f"Forces, none unless under [forcing]: NAME = {ForceTable.example}"
+        click.echo()
+        print_table(title, ("name", "axes of a grid", "what it is"), rows)
+    if model.contacts:
+        click.echo("\nAny parameter varies harmonically under [schedule]: fiv kinds harmonic")
+
+
+def _axes_of(name: str) -> str:
+    from fiv_cli.models.excitation import BASE, NAMES
+
+    keys = ("amplitude", "omega", "phase", *(["constant"] if name != BASE else []))
+    return ", ".join(NAMES[key].format(name) for key in keys)
 
 
 def _print_laws_taken(model: Model) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from fiv_cli.cli.common import with_option
 from fiv_cli.errors import UsageError
 
 
@@ -17,6 +18,7 @@ from fiv_cli.errors import UsageError
     show_default=True,
     help="What to compute; `fiv kinds` lists the analyses.",
 )
+@with_option
 def command(model: str, kind: str) -> None:
     """Write a commented case file of MODEL to stdout.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from fiv_cli.cli.common import with_option
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.names import listed
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     help="Figure to write: .png, .svg or .pdf. Default: STEM-FIGURE.png beside the dataset.",
 )
 @click.option("--figure", "name", help="Draw this figure of the case only, or this kind of figure.")
+@with_option
 @click.option("--law", "laws", multiple=True, help="Draw a friction law instead (repeatable).")
 @click.option(
     "--style", default="screen", help="What figures are for: screen, paper (90 mm, Times), talk."

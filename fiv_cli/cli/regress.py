@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fiv_cli import ending
-from fiv_cli.cli.common import provide_cache
+from fiv_cli.cli.common import provide_cache, with_option
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ class Sweep:
 
 @click.command("regress")
 @click.argument("folder", type=click.Path(path_type=Path), default=Path("sweeps"), metavar="[DIR]")
+@with_option
 @click.option("--workers", type=click.IntRange(min=1), default=2, show_default=True)
 @click.option(
     "--regenerate",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import provide_cache, set_option
+from fiv_cli.cli.common import provide_cache, set_option, with_option
 from fiv_cli.errors import CaseError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ asked for, is no failure: `fiv run --max-points 10 CASE && fiv plot ...` goes on
     help="Dataset to write. Default: runs/STEM.nc; with --set, runs/STEM-DIGEST.nc.",
 )
 @set_option
+@with_option
 @click.option(
     "--workers",
     type=click.IntRange(min=1),

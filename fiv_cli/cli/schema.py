@@ -6,8 +6,11 @@ import json
 
 import click
 
+from fiv_cli.cli.common import with_option
+
 
 @click.command("schema")
+@with_option
 def command() -> None:
     """Print the JSON schema of case files, which editors complete and check from.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, plain, print_json, set_option
+from fiv_cli.cli.common import json_option, plain, print_json, set_option, with_option
 
 if TYPE_CHECKING:
     from fiv_cli.sweep.journal import Journal
@@ -71,6 +71,7 @@ class Standing:
     "-o", "--output", type=click.Path(path_type=Path), help="The dataset, if not the default."
 )
 @set_option
+@with_option
 @json_option
 @click.option("--exit-code", is_flag=True, help="Exit with 8 where points are still to run.")
 def command(

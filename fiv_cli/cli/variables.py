@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, print_table, set_option
+from fiv_cli.cli.common import json_option, print_json, print_table, set_option, with_option
 
 if TYPE_CHECKING:
     from fiv_cli.analyses.variables import Variable
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 @click.command("variables")
 @click.argument("case")
 @set_option
+@with_option
 @json_option
 def command(case: str, overrides: tuple[str, ...], as_json: bool) -> None:
     """List the variables that the analyses of CASE give: dims, unit and meaning of each.

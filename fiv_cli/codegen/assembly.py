@@ -10,6 +10,8 @@ disc has tens of thousands of operations and is therefore cut into *pieces*: fun
 own, a few statements each, called one after the other. What a later piece needs of an earlier one
 goes through memory, where an allocator would have put most of it too: through ``out`` if it is
 stored there anyway, else through the workspace ``w``.
+
+What a function writes to ``lanes`` it computes of `LANES` vectors at once.
 """
 
 from __future__ import annotations
@@ -21,13 +23,14 @@ from typing import NamedTuple
 
 from llvmlite import ir
 
+from fiv_cli.codegen.codes import LANES
+
 LIBRARY = ("exp", "log", "sin", "cos", "tanh", "asin", "pow")  # called in the C library
 # A function of more characters is cut, into pieces of so many. The lumped models' are not so long.
 WHOLE, PIECE = 180_000, 1000
 
-POINTER = str(ir.DoubleType().as_pointer())  # as this LLVM writes it
-ARGUMENTS = f"{POINTER} noalias %c, double %t, {POINTER} noalias %y, {POINTER} noalias %out"
-HANDED_ON = f"{POINTER} %c, double %t, {POINTER} %y, {POINTER} %out"
+REAL, VECTOR = ir.DoubleType(), ir.VectorType(ir.DoubleType(), LANES)
+POINTER = str(REAL.as_pointer())  # as this LLVM writes it
 OPERATIONS = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
 TOKEN = re.compile(r"[^\W\d]\w*(?:\[\d+\])?|[\d.]+(?:e[+-]?\d+)?|[-+*/(),]")
 
@@ -36,9 +39,10 @@ def assembly(text: str, fused: bool) -> str:
     """LLVM assembly of every function in `text`; `fused`: multiply and add in one operation."""
     parts = [_declaration(name) for name in LIBRARY]
     parts.append("declare double @llvm.sqrt.f64(double)")
-    parts.append("declare double @llvm.fma.f64(double, double, double)")
-    for name, statements in _functions(text):
-        parts += _Function(name, statements, fused).written()
+    for kind in (REAL, VECTOR):
+        parts.append(f"declare {kind} @{_fma(kind)}({kind}, {kind}, {kind})")
+    for name, target, statements in _functions(text):
+        parts += _Function(name, target, statements, fused).written()
     return "\n".join(parts) + "\n"
 
 
@@ -53,12 +57,18 @@ def _declaration(name: str) -> str:
     return f"declare double @{name}({arguments}) nounwind readnone"
 
 
-def _functions(text: str) -> Iterator[tuple[str, list[str]]]:
-    """Name and statements of every function, without comments."""
+def _fma(kind: ir.Type) -> str:
+    """What multiplies and adds in one operation."""
+    return "llvm.fma.f64" if kind is REAL else f"llvm.fma.v{LANES}f64"
+
+
+def _functions(text: str) -> Iterator[tuple[str, str, list[str]]]:
+    """Name, array that is written, and statements of every function, without comments."""
     for part in f"\n{text}".split("\ndef ")[1:]:
         head, *lines = part.split("\n")
         bare = (line.partition("#")[0].strip() for line in lines)
-        yield head.partition("(")[0], [line for line in bare if line]
+        name, _, arguments = head.partition("(")
+        yield name, arguments.rpartition(" ")[2].removesuffix("):"), [line for line in bare if line]
 
 
 class _Home(NamedTuple):
@@ -70,10 +80,18 @@ class _Home(NamedTuple):
 
 
 class _Function:
-    """One function of the text."""
+    """One function of the text.
 
-    def __init__(self, name: str, statements: list[str], fused: bool) -> None:
-        self.name, self.fused = name, fused
+    Attributes
+    ----------
+    target : array that it writes: ``out``, or ``lanes``, of vectors
+    kind : of every value that is computed
+    """
+
+    def __init__(self, name: str, target: str, statements: list[str], fused: bool) -> None:
+        self.name, self.target, self.fused = name, target, fused
+        self.kind = VECTOR if target == "lanes" else REAL
+        self.pointer = str(self.kind.as_pointer())
         self.is_whole = sum(map(len, statements)) <= WHOLE
         self.pieces: list[_Piece] = []
         self.makers: dict[str, _Piece] = {}  # which piece computes a value
@@ -99,17 +117,20 @@ class _Function:
 
     def written(self) -> list[str]:
         """The function and its pieces."""
-        head = f"define void @{self.name}({ARGUMENTS}) {{\nentry:"
+        arguments = (
+            f"{POINTER} noalias %c, double %t, {POINTER} noalias %y, "
+            f"{self.pointer} noalias %{self.target}"
+        )
+        head = f"define void @{self.name}({arguments}) {{\nentry:"
         if self.is_whole:
             return [head, *(line for piece in self.pieces for line in piece.lines), "ret void\n}"]
-        lines, calls = [], []
+        lines, calls, with_workspace = [], [], f"{arguments}, {self.pointer} noalias %w"
         for piece in self.pieces:
             name = f"@{self.name}.{piece.number}"
-            arguments = f"{ARGUMENTS}, {POINTER} noalias %w"
-            lines.append(f"define internal void {name}({arguments}) noinline nounwind {{\nentry:")
-            lines += [*piece.lines, *piece.stores, "ret void\n}"]
-            calls.append(f"call void {name}({HANDED_ON}, {POINTER} %w)")
-        workspace = f"%w = alloca double, i64 {max(self.n_words, 1)}"
+            begin = f"define internal void {name}({with_workspace}) noinline nounwind {{\nentry:"
+            lines += [begin, *piece.lines, *piece.stores, "ret void\n}"]
+            calls.append(f"call void {name}({with_workspace.replace(' noalias', '')})")
+        workspace = f"%w = alloca {self.kind}, i64 {max(self.n_words, 1)}"
         return [*lines, head, workspace, *calls, "ret void\n}"]
 
 
@@ -138,7 +159,8 @@ class _Piece:
         self.number = len(function.pieces)
         self.lines: list[str] = []
         self.stores = self.lines if function.is_whole else []
-        self.values = {"t": "%t"}
+        self.kind, self.pointer = function.kind, function.pointer
+        self.values: dict[str, str] = {}
         self._count = 0
         self._tokens: list[str] = []
         self._at = 0
@@ -153,10 +175,10 @@ class _Piece:
         if not target.endswith("]"):
             self._define(target, value)
             return
-        place = target.removeprefix("out[").removesuffix("]")
-        self.store(value, "out", place)
+        array, _, place = target[:-1].partition("[")
+        self.store(value, array, place)
         if text in self.function.makers:
-            self.function.homes.setdefault(text, _Home("out", place, self.number))
+            self.function.homes.setdefault(text, _Home(array, place, self.number))
 
     def _define(self, name: str, value: str) -> None:
         self.values[name] = value
@@ -165,13 +187,25 @@ class _Piece:
 
     def store(self, value: str, array: str, place: str) -> None:
         """Put a value into memory."""
-        address = f"%{array}.{place}"
-        self.stores.append(f"{address} = getelementptr double, {POINTER} %{array}, i64 {place}")
-        self.stores.append(f"store double {value}, {POINTER} {address}")
+        kind, pointer, address = self.kind, self.pointer, f"%{array}.{place}"
+        self.stores.append(f"{address} = getelementptr {kind}, {pointer} %{array}, i64 {place}")
+        self.stores.append(f"store {kind} {value}, {pointer} {address}, align 8")
 
     def _load(self, array: str, place: str) -> str:
-        address = self._new(f"getelementptr double, {POINTER} %{array}, i64 {place}")
-        return self._new(f"load double, {POINTER} {address}")
+        if array in ("c", "y"):
+            address = self._new(f"getelementptr double, {POINTER} %{array}, i64 {place}")
+            return self._in_lanes(self._new(f"load double, {POINTER} {address}"))
+        kind, pointer = self.kind, self.pointer
+        address = self._new(f"getelementptr {kind}, {pointer} %{array}, i64 {place}")
+        return self._new(f"load {kind}, {pointer} {address}, align 8")
+
+    def _in_lanes(self, value: str) -> str:
+        """A number, in every lane where there are several."""
+        if self.kind is REAL:
+            return value
+        first = self._new(f"insertelement {VECTOR} undef, double {value}, i32 0")
+        lanes = f"<{LANES} x i32> zeroinitializer"
+        return self._new(f"shufflevector {VECTOR} {first}, {VECTOR} undef, {lanes}")
 
     def _new(self, operation: str) -> str:
         value = f"%{self._count}"
@@ -192,22 +226,22 @@ class _Piece:
 
     def _added(self, left: _Product, sign: str, right: _Product) -> str:
         if self.function.fused and right.factor:
-            value = right.value if sign == "+" else self._new(f"fneg double {right.value}")
+            value = right.value if sign == "+" else self._new(f"fneg {self.kind} {right.value}")
             return self._fused(value, right.factor, self._done(left))
         if self.function.fused and left.factor:
-            value = right.value if sign == "+" else self._new(f"fneg double {right.value}")
+            value = right.value if sign == "+" else self._new(f"fneg {self.kind} {right.value}")
             return self._fused(left.value, left.factor, value)
         right_value = self._done(right)
-        return self._new(f"{OPERATIONS[sign]} double {self._done(left)}, {right_value}")
+        return self._new(f"{OPERATIONS[sign]} {self.kind} {self._done(left)}, {right_value}")
 
-    def _fused(self, value: str, factor: str, added: str) -> str:
-        operands = f"double {value}, double {factor}, double {added}"
-        return self._new(f"call double @llvm.fma.f64({operands})")
+    def _fused(self, *operands: str) -> str:
+        given = ", ".join(f"{self.kind} {operand}" for operand in operands)
+        return self._new(f"call {self.kind} @{_fma(self.kind)}({given})")
 
     def _done(self, product: _Product) -> str:
         if not product.factor:
             return product.value
-        return self._new(f"fmul double {product.value}, {product.factor}")
+        return self._new(f"fmul {self.kind} {product.value}, {product.factor}")
 
     def _product(self) -> _Product:
         left = self._first()
@@ -217,7 +251,7 @@ class _Piece:
             if sign == "*":
                 left = _Product(value, right)
             else:
-                left = _Product(self._new(f"fdiv double {value}, {right}"))
+                left = _Product(self._new(f"fdiv {self.kind} {value}, {right}"))
         return left
 
     def _first(self) -> _Product:
@@ -249,9 +283,9 @@ class _Piece:
         token = self._tokens[self._at]
         if token[0].isdigit():
             self._at += 1
-            return _literal(f"-{token}")
+            return self._literal(f"-{token}")
         inner = self._factor()
-        return self._new(f"fneg double {inner}")
+        return self._new(f"fneg {self.kind} {inner}")
 
     def _call(self, name: str) -> str:
         arguments = []
@@ -263,16 +297,18 @@ class _Piece:
         return self._new(f"call double @{called}({', '.join(arguments)})")
 
     def _leaf(self, token: str) -> str:
-        """A literal, an entry of an array, or a value of an earlier piece."""
+        """A literal, the time, an entry of an array, or a value of an earlier piece."""
         if token[0].isdigit():
-            return _literal(token)
+            return self._literal(token)
+        if token == "t":
+            return self._in_lanes("%t")
         if token.endswith("]"):
             array, _, place = token[:-1].partition("[")
             return self._load(array, place)
         home = self.function.home(token)
         return self._load(home.array, home.place)
 
-
-def _literal(text: str) -> str:
-    """A number with all its bits."""
-    return f"0x{struct.pack('>d', float(text)).hex().upper()}"
+    def _literal(self, text: str) -> str:
+        """A number with all its bits."""
+        bits = f"0x{struct.pack('>d', float(text)).hex().upper()}"
+        return bits if self.kind is REAL else f"<{', '.join([f'double {bits}'] * LANES)}>"

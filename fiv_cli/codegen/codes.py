@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 # Kinds of contact state.
 SLIP, STICK, SEPARATION = 0, 1, 2
 
@@ -31,3 +33,10 @@ ENERGY_OUTPUTS = (
 PER_CONTACT = len(CONTACT_OUTPUTS)
 SLIP_VELOCITY = CONTACT_OUTPUTS.index("slip_velocity")
 KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_OUTPUTS))
+
+LANES = 4  # tangent vectors that generated code moves at once
+
+
+def index_of(kinds: Sequence[int]) -> int:
+    """Index of a combination of contact kinds: base 3, contact 0 first."""
+    return sum(kind * 3**place for place, kind in enumerate(kinds))

@@ -66,7 +66,7 @@ class Compiled:
         result, *arguments = (C_TYPES[name] for name in re.findall(r"\w+", self.signature))
         return ctypes.CFUNCTYPE(result, *arguments)(self.address)
 
-    @property
+    @cached_property
     def address(self) -> int:
         """Where its machine code is."""
         address: int = self._engine.get_function_address(self.name)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 
 import sympy
 from sympy import Expr
@@ -27,9 +27,10 @@ from fiv_cli.codegen.codes import (
     SLIP,
     STICK,
     VELOCITY,
+    index_of,
 )
 from fiv_cli.codegen.graph import Graph, Node
-from fiv_cli.codegen.joint import Joint, joints
+from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 from fiv_cli.friction.base import Slip
@@ -89,6 +90,8 @@ class Derivation:
     parameter_names : entries of the parameter vector: parameters, signs of slip, zone
     states : contact states by `index_of`
     smooth : per contact, whether its law has no border at zero slip
+    sliding : kinds of the contacts where all slide: SLIP, of a stop SEPARATION
+    bounces : per contact, whether an impact gives something back
     zone : start and width parameters of the sector and its contact, if any
     """
 
@@ -97,12 +100,9 @@ class Derivation:
     parameter_names: tuple[str, ...]
     states: Mapping[int, ContactState]
     smooth: tuple[bool, ...]
+    sliding: tuple[int, ...]
+    bounces: tuple[bool, ...]
     zone: tuple[str, str, int] | None
-
-
-def index_of(kinds: Sequence[int]) -> int:
-    """Index of a combination of contact kinds: base 3, contact 0 first."""
-    return sum(kind * 3**place for place, kind in enumerate(kinds))
 
 
 def derive(setup: Setup) -> Derivation:
@@ -112,16 +112,16 @@ def derive(setup: Setup) -> Derivation:
 
 class _Deriver:
     def __init__(self, setup: Setup) -> None:
-        self.law, scheduled = setup.law, setup.schedule.names
+        scheduled = setup.schedule.names
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
+        self.laws = [setup.law_of(contact) for contact in self.contacts]
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
-            f"{state.name}_{i + 1}" if len(self.contacts) > 1 else state.name
-            for i in range(len(self.contacts))
-            for state in self.law.states
+            [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
+            for i, law in enumerate(self.laws)
         ]
         self.parameters = setup.parameter_names
         self.parameters += [rate_of(name) for name in scheduled]
@@ -131,14 +131,14 @@ class _Deriver:
     @property
     def state_names(self) -> list[str]:
         velocities = [f"{name}_dot" for name in self.coordinates]
-        return [*self.coordinates, *velocities, *self.internal]
+        return [*self.coordinates, *velocities, *chain.from_iterable(self.internal)]
 
     def derive(self) -> Derivation:
         states = {}
-        held = (STICK if self._possible(i, STICK) else SLIP for i in range(len(self.contacts)))
-        self._joints(tuple(held))  # what all contacts at once leave open is refused first
+        self._joints(self._all_held())  # what all contacts at once leave open is refused first
         for kinds in product((SLIP, STICK, SEPARATION), repeat=len(self.contacts)):
-            if all(self._possible(i, kind) for i, kind in enumerate(kinds)):
+            each = all(self._possible(i, kind) for i, kind in enumerate(kinds))
+            if each and not self._blocked(kinds):
                 states[index_of(kinds)] = self._contact_state(kinds)
         signs = [f"sign.{i}" for i in range(len(self.contacts))]
         zone = self.equations.zone
@@ -148,27 +148,44 @@ class _Deriver:
             parameter_names=(*self.parameters, *signs, "zone"),
             states=states,
             smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
+            sliding=tuple(SEPARATION if contact.is_stop else SLIP for contact in self.contacts),
+            bounces=tuple(contact.restitution != 0 for contact in self.contacts),
             zone=None if zone is None else (zone.start, zone.width, zone.contact),
         )
 
     def _possible(self, contact: int, kind: int) -> bool:
         if kind == STICK:
-            return self.law.capacity is not None and not self.contacts[contact].sliding_only
+            return (
+                self.laws[contact].capacity is not None and not self.contacts[contact].sliding_only
+            )
         if kind == SEPARATION:
             return self.contacts[contact].gap is not None
         return True
 
+    def _all_held(self) -> tuple[int, ...]:
+        """Every contact that can stick does, every stop is open."""
+        return tuple(
+            SEPARATION if contact.is_stop else STICK if self._possible(i, STICK) else SLIP
+            for i, contact in enumerate(self.contacts)
+        )
+
+    def _blocked(self, kinds: tuple[int, ...]) -> bool:
+        """Whether a closed stop is in the way of what sticks, or of another stop that is closed."""
+        closed = self._closed(kinds)
+        if not any(self.contacts[i].is_stop for i in closed):
+            return False
+        slips, gaps = self._conditions(kinds)
+        return not are_free([*slips.values(), *gaps.values()])
+
     # --- the law ----------------------------------------------------------------------------------
-    def _law_parameters(self) -> dict[str, Expr]:
-        given = self.equations.law_parameters
-        return {
-            p.name: given.get(p.name, self.symbols.parameter(p.name)) for p in self.law.parameters
-        }
+    def _law_parameters(self, contact: int) -> dict[str, Expr]:
+        table = self.laws[contact].parameters
+        return self.equations.law_parameters_at(contact, table, self.symbols)
 
     def _slip(self, contact: int) -> Slip:
         sign = self.symbols.sign(contact)
         v = sympy.Symbol("v", real=True)
-        names = self._internal_of(contact)
+        law, names = self.laws[contact], self.internal[contact]
         return Slip(
             v=v,
             sign=sign,
@@ -176,27 +193,23 @@ class _Deriver:
             N=self.symbols.normal_force(contact),
             states={
                 state.name: self.symbols.coordinate(entry)
-                for state, entry in zip(self.law.states, names, strict=True)
+                for state, entry in zip(law.states, names, strict=True)
             },
         )
 
-    def _internal_of(self, contact: int) -> list[str]:
-        width = len(self.law.states)
-        return self.internal[contact * width : (contact + 1) * width]
-
     def _law_force(self, contact: int) -> Expr:
-        return self.law.force(self._slip(contact), self._law_parameters())
+        return self.laws[contact].force(self._slip(contact), self._law_parameters(contact))
 
     def _law_rates(self, contact: int) -> Mapping[str, Expr]:
-        rates = self.law.rates
-        return {} if rates is None else rates(self._slip(contact), self._law_parameters())
+        rates = self.laws[contact].rates
+        return {} if rates is None else rates(self._slip(contact), self._law_parameters(contact))
 
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
         told = (self.law_forces[contact], *self._law_rates(contact).values())
         borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
-        return self.law.capacity is None and not borders
+        return self.laws[contact].capacity is None and not borders
 
     # --- one contact state ------------------------------------------------------------------------
     def _contact_state(self, kinds: tuple[int, ...]) -> ContactState:
@@ -236,11 +249,16 @@ class _Deriver:
 
     def _joints(self, kinds: tuple[int, ...]) -> list[Joint]:
         """The sticking contacts, those of one direction together."""
+        return joints(*self._conditions(kinds))
+
+    def _conditions(self, kinds: tuple[int, ...]) -> tuple[dict[int, Row], dict[int, Row]]:
+        """Rows of the slip velocities of contacts that stick, of the gap rates of closed ones."""
         slips = {i: c.slip_velocity for i, c in enumerate(self.contacts) if kinds[i] == STICK}
         gaps = {i: self._time_derivative(self.contacts[i].gap) for i in self._closed(kinds)}
-        return joints(*({i: self._row(v) for i, v in rates.items()} for rates in (slips, gaps)))
+        slip_rows, gap_rows = ({i: self._row(v) for i, v in r.items()} for r in (slips, gaps))
+        return slip_rows, gap_rows
 
-    def _row(self, rate: Expr) -> list[Expr]:
+    def _row(self, rate: Expr) -> Row:
         """What each velocity adds to a rate."""
         return [sympy.diff(rate, self.symbols.velocity(name)) for name in self.coordinates]
 
@@ -412,17 +430,17 @@ class _Deriver:
         rates = [names[self.symbols.velocity(name)] for name in self.coordinates]
         rates += [build(self.equations.accelerations[name], names) for name in self.coordinates]
         for contact, kind in enumerate(kinds):
-            apart = [self.graph.zero] * len(self.law.states)  # what nothing touches stays as it is
+            apart = [self.graph.zero] * len(
+                self.internal[contact]
+            )  # what nothing touches stays as it is
             rates += apart if kind == SEPARATION else self._internal_rates(contact, names)
         return rates
 
     def _internal_rates(self, contact: int, names: Mapping[Expr, Node]) -> list[Node]:
         slip, rates = self._slip(contact), self._law_rates(contact)
-        velocity = self.contacts[contact].slip_velocity
-        return [
-            self.graph.build(rates[state.name].subs(slip.v, velocity), names)
-            for state in self.law.states
-        ]
+        velocity, build = self.contacts[contact].slip_velocity, self.graph.build
+        states = self.laws[contact].states
+        return [build(rates[state.name].subs(slip.v, velocity), names) for state in states]
 
     def _guards(
         self,
@@ -479,12 +497,13 @@ class _Deriver:
         return guards
 
     def _capacity(self, contact: int, names: Mapping[Expr, Node]) -> Node:
-        assert self.law.capacity is not None
-        normal, parameters = self.symbols.normal_force(contact), self._law_parameters()
+        law, parameters = self.laws[contact], self._law_parameters(contact)
+        assert law.capacity is not None
+        normal = self.symbols.normal_force(contact)
         if not self.contacts[contact].static_friction:
             at_rest = Slip(sympy.Integer(0), sympy.Integer(1), sympy.Integer(0), normal)
-            return self.graph.build(self.law.force(at_rest, parameters), names)
-        return self.graph.build(self.law.capacity(normal, parameters), names)
+            return self.graph.build(law.force(at_rest, parameters), names)
+        return self.graph.build(law.capacity(normal, parameters), names)
 
     def _angle(self, kinds: tuple[int, ...], names: Mapping[Expr, Node]) -> Node | None:
         zone = self.equations.zone
@@ -536,6 +555,7 @@ class _Deriver:
             for name, response in responses.items()
         )
         closing = rate if description.closing_rate is None else description.closing_rate
+        closing *= 1 + description.restitution
         impulse = graph.negative(graph.div(graph.build(closing, names), graph.build(effect, names)))
         after = {}
         for name, response in responses.items():

@@ -1,10 +1,12 @@
 """Straight-line text from the expression graph.
 
 Two kinds of function come out, both with the signature ``(c, t, y, out)``: pointwise ones, and
-Taylor steps, which write the series of the state vector and of the switching functions about
-(t, y). A series that is structurally a polynomial (time; a displacement in stick) stops at its
-degree. The text is Python that can be read and run, and nothing but assignments, + - * /, the
-functions of `graph.UNARY` and `pow`: `lower.py` turns exactly that into machine code.
+Taylor steps, which write the series of the state vector and of the switching functions about (t,
+y). Those of tangent vectors have the signature ``(c, t, y, lanes)``: each operation is done for as
+many vectors as an entry of ``lanes`` holds. A series that is structurally a polynomial (time; a
+displacement in stick) stops at its degree. The text is Python that can be read and run, and nothing
+but assignments, + - * /, the functions of `graph.UNARY` and `pow`: `lower.py` turns exactly that
+into machine code.
 """
 
 from __future__ import annotations
@@ -69,19 +71,31 @@ def pointwise(
 
 
 def sums(name: str, count: int, order: int) -> list[str]:
-    """Text of the function that sums the first `count` series (its ``y``) at the time ``t``.
+    """Text of the function that sums the first `count` series (its ``y``) at the time ``t``."""
+    lines = [f"def {name}(c, t, y, out):", "    # value of each entry of the state"]
+    return lines + _sum_lines([(f"out[{row}]", "y", row) for row in range(count)], order)
+
+
+def sums_in_place(name: str, count: int, order: int) -> list[str]:
+    """The same of series of tangent vectors: each sum takes the place of the value at 0."""
+    lines = [f"def {name}(c, t, y, lanes):", "    # value of each entry of tangent vectors"]
+    places = [f"lanes[{row * (order + 1)}]" for row in range(count)]
+    return lines + _sum_lines([(place, "lanes", row) for row, place in enumerate(places)], order)
+
+
+def _sum_lines(rows: Iterable[tuple[str, str, int]], order: int) -> list[str]:
+    """Sums at ``t`` of series: of each where it goes, the array it is in, its row there.
 
     Even and odd powers are summed apart: two short chains of operations instead of a long one.
     """
-    lines = [f"def {name}(c, t, y, out):", "    # value of each entry of the state"]
-    lines += ["    square = t * t"]
-    for row in range(count):
+    lines = ["    square = t * t"]
+    for target, array, row in rows:
         first = row * (order + 1)
         for name, top in (("even", order - order % 2), ("odd", order - 1 + order % 2)):
-            lines.append(f"    {name} = y[{first + top}]")
+            lines.append(f"    {name} = {array}[{first + top}]")
             for k in range(top - 2, -1, -2):
-                lines.append(f"    {name} = {name} * square + y[{first + k}]")
-        lines.append(f"    out[{row}] = even + t * odd")
+                lines.append(f"    {name} = {name} * square + {array}[{first + k}]")
+        lines.append(f"    {target} = even + t * odd")
     return lines
 
 
@@ -225,10 +239,10 @@ class TaylorStep:
     ) -> None:
         self.values, self.rates, self.outputs = list(values), list(rates), list(outputs)
         self.order = order
-        self.name = graph.name
+        self.graph, self.name = graph, graph.name
         self.coefficients = coefficients
         self.lines: list[str] = []
-        self.nodes = _with_partners(graph, [*self.values, *self.rates, *self.outputs])
+        self.nodes = self._needed_for([*self.values, *self.rates, *self.outputs])
         self.size = len(values)
         self.leaves = {
             node.index: position
@@ -242,6 +256,10 @@ class TaylorStep:
             node.index: _partner(graph, node) for node in self.nodes if node.op in PARTNER
         }
         self.degrees = self._degrees()
+
+    def _needed_for(self, roots: Sequence[Node]) -> list[Node]:
+        """What is computed for `roots`, arguments first."""
+        return _with_partners(self.graph, roots)
 
     def _is_own_leaf(self, node: Node, position: int) -> bool:
         """Whether this entry is integrated, not a function of other entries."""
@@ -286,28 +304,37 @@ class TaylorStep:
             return min(UNBOUNDED, sum(inner))
         return UNBOUNDED
 
-    @staticmethod
-    def _degree(node: Node, degrees: dict[int, int]) -> int:
+    def _degree(self, node: Node, degrees: dict[int, int]) -> int:
         return 0 if node.constant else degrees[node.index]
 
     # --- text -------------------------------------------------------------------------------------
     def text(self, name: str, comment: str) -> list[str]:
         """The whole function."""
-        self.lines = [f"def {name}(c, t, y, out):", f"    # {comment}; order {self.order}"]
+        self.lines = [self._head(name), f"    # {comment}; order {self.order}"]
         for k in range(self.order + 1):
             self._write_order(k)
         return self.lines
 
+    def _head(self, name: str) -> str:
+        return f"def {name}(c, t, y, out):"
+
     def _write_order(self, k: int) -> None:
-        for node in self.nodes:
+        for node in self.nodes if k < self.order else self._needed_for(self._last()):
             if k <= self.degrees[node.index] and not self._is_integrated(node, k):
                 self._assign(node, k)
-        for row, node in enumerate([*self.values, *self.outputs]):
-            text = self._known(node, k)
-            self.lines.append(f"    out[{row * (self.order + 1) + k}] = {text or '0.0'}")
+        self._write_rows(k)
         if k < self.order:
             for leaf, position in self.leaves.items():
                 self._integrate(leaf, position, k)
+
+    def _last(self) -> list[Node]:
+        """What is computed to the highest order: rates would lead further."""
+        return [*self.values, *self.outputs]
+
+    def _write_rows(self, k: int) -> None:
+        for row, node in enumerate([*self.values, *self.outputs]):
+            text = self._known(node, k)
+            self.lines.append(f"    out[{row * (self.order + 1) + k}] = {text or '0.0'}")
 
     def _is_integrated(self, node: Node, k: int) -> bool:
         return node.index in self.leaves and k > 0
@@ -470,6 +497,120 @@ class TaylorStep:
 
     def _one_minus_square(self, node: Node, k: int) -> str:
         return f"{'1.0 ' if k == 0 else ''}- ({self._square(node, k)})"
+
+
+class FollowedStep(TaylorStep):
+    """A Taylor step that writes, behind the series of a usual one, what tangents need.
+
+    Parameters
+    ----------
+    order : of the series that a usual step writes
+    extra : further orders of what tangents need
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        values: Sequence[Node],
+        rates: Sequence[Node],
+        outputs: Sequence[Node],
+        order: int,
+        extra: int,
+        coefficients: Coefficients,
+    ) -> None:
+        self.tangents = [*map(graph.tangent, values)], [*map(graph.tangent, rates)]
+        self._read = _split(reachable(node for part in self.tangents for node in part))[1]
+        super().__init__(graph, values, rates, outputs, order + extra, coefficients)
+        self.shown = order
+        # Numbers that are written.
+        self.length = (len(self.values) + len(self.outputs)) * (order + 1)
+        self.needed: dict[tuple[int, int], tuple[Node, int]] = {}
+
+    def _needed_for(self, roots: Sequence[Node]) -> list[Node]:
+        return super()._needed_for([*roots, *self._read])
+
+    def place(self, node: Node, k: int) -> int:
+        """Where coefficient k of `node` is, which is written from now on."""
+        if (node.index, k) not in self.needed:
+            self.needed[node.index, k] = node, self.length
+            self.length += 1
+        return self.needed[node.index, k][1]
+
+    def _needed(self, k: int) -> list[tuple[Node, int]]:
+        """What is needed to this order, and its places."""
+        return [needed for (_, order), needed in self.needed.items() if order == k]
+
+    def text(self, name: str, comment: str) -> list[str]:
+        self.order = max([self.shown, *(order for _, order in self.needed)])
+        return super().text(name, comment)
+
+    def _shown(self, k: int) -> list[Node]:
+        """What is written as a usual step does."""
+        return [*self.values, *self.outputs] if k <= self.shown else []
+
+    def _last(self) -> list[Node]:
+        return [*self._shown(self.order), *(node for node, _ in self._needed(self.order))]
+
+    def _write_rows(self, k: int) -> None:
+        for row, node in enumerate(self._shown(k)):
+            text = self._known(node, k)
+            self.lines.append(f"    out[{row * (self.shown + 1) + k}] = {text or '0.0'}")
+        for node, place in self._needed(k):
+            self.lines.append(f"    out[{place}] = {self._known(node, k)}")
+
+
+class TangentStep(TaylorStep):
+    """Writes the series of tangent vectors; what they need of the motion's series is read.
+
+    Parameters
+    ----------
+    motion : of which these are tangents; what is read has its places in what that one writes
+    """
+
+    def __init__(self, graph: Graph, motion: FollowedStep) -> None:
+        self.motion = motion
+        self._own: set[int] = set()  # what depends on a tangent vector
+        super().__init__(graph, *motion.tangents, [], motion.order, motion.coefficients)
+
+    def _needed_for(self, roots: Sequence[Node]) -> list[Node]:
+        own = _split(reachable(roots))[0]
+        self._own.update(node.index for node in own)
+        return own
+
+    def _is_own_leaf(self, node: Node, position: int) -> bool:
+        return node.op == "tangent" and node.value == position
+
+    def _degree(self, node: Node, degrees: dict[int, int]) -> int:
+        is_own = node.constant or node.index in self._own
+        return super()._degree(node, degrees if is_own else self.motion.degrees)
+
+    def _head(self, name: str) -> str:
+        return f"def {name}(c, t, y, lanes):"
+
+    def _known(self, node: Node, k: int) -> str:
+        if node.constant or node.index in self._own:
+            return super()._known(node, k)
+        return f"y[{self.motion.place(node, k)}]" if k <= self.motion.degrees[node.index] else ""
+
+    def _series_tangent(self, node: Node, k: int) -> str:
+        return f"lanes[{node.value * (self.order + 1)}]"
+
+    def _write_rows(self, k: int) -> None:
+        for row, node in enumerate(self.values):
+            if k > 0 or node.index not in self.leaves:
+                text = self._known(node, k) or "0.0"
+                self.lines.append(f"    lanes[{row * (self.order + 1) + k}] = {text}")
+
+
+def _split(nodes: Iterable[Node]) -> tuple[list[Node], list[Node]]:
+    """Those that depend on a tangent vector, arguments first, and what else these depend on."""
+    own: dict[int, Node] = {}
+    others: dict[int, Node] = {}
+    for node in nodes:
+        if node.op == "tangent" or any(arg.index in own for arg in node.args):
+            own[node.index] = node
+            others |= {arg.index: arg for arg in node.args if arg.index not in own}
+    return list(own.values()), [node for node in others.values() if not node.constant]
 
 
 def _partner(graph: Graph, node: Node) -> Node:

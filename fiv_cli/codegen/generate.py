@@ -72,8 +72,11 @@ class Generated:
     order : order of the Taylor steps
     state_names, parameter_names : entries of the vectors
     n_coefficients : length of the array ``c``
+    n_followed : numbers that a step with tangents writes of the motion, at most
     states : index of the contact state -> its table
     smooth : per contact, whether the law has no border at zero slip
+    sliding : kinds of the contacts where all slide, stops open
+    bounces : per contact, whether an impact gives something back
     zone : (start parameter, width parameter, contact) of the sector, or None
     texts : "flow", "tangent" and "jacobian"
     """
@@ -83,8 +86,11 @@ class Generated:
     state_names: tuple[str, ...]
     parameter_names: tuple[str, ...]
     n_coefficients: int
+    n_followed: int
     states: Mapping[int, StateTable]
     smooth: tuple[bool, ...]
+    sliding: tuple[int, ...]
+    bounces: tuple[bool, ...]
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
     _engines: dict[str, ExecutionEngine] = field(default_factory=dict, compare=False, repr=False)
@@ -130,11 +136,13 @@ def text_key(setup: Setup) -> str:
     sources += [package.parent / "models" / "base.py"]
     laws = sorted((package.parent / "friction").glob("*.py"))  # they may be composed of one another
     files = [*sources, *_model_files(setup.model), *laws]
+    outside = [one.origin.text for one in (setup.model, setup.law) if one.origin is not None]
     written = [dict(sorted(table.items())) for table in (setup.options, setup.structural)]
     settings = [*written, setup.order, list(setup.schedule.names)]
     return cache.content_key(
         [
             cache.source_of(*files),
+            *outside,
             setup.model.name,
             setup.law.name,
             json.dumps(settings),
@@ -145,12 +153,14 @@ def text_key(setup: Setup) -> str:
 
 
 def _model_files(model: Model) -> list[Path]:
-    """The model's file and those that models share."""
+    """The model's file and those that models share; one from outside may be made of any."""
     from fiv_cli.models import all_models
 
+    shared = (Path(__file__).parent.parent / "models").glob("*.py")
+    if model.origin is not None:
+        return sorted(shared)
     others = {m.equations.__module__ for m in all_models().values() if m.name != model.name}
     own = _source_file(model)
-    shared = (Path(__file__).parent.parent / "models").glob("*.py")
     kept = [file for file in shared if f"fiv_cli.models.{file.stem}" not in others]
     return sorted({own, *kept})
 
@@ -176,7 +186,14 @@ def _source_file(model: Model) -> Path:
 
 def _make(setup: Setup) -> bytes:
     from fiv_cli.codegen.derive import derive
-    from fiv_cli.codegen.emit import Coefficients, bernstein, constants, sums, value_and_slope
+    from fiv_cli.codegen.emit import (
+        Coefficients,
+        bernstein,
+        constants,
+        sums,
+        sums_in_place,
+        value_and_slope,
+    )
 
     derivation, order = derive(setup), setup.order
     coefficients = Coefficients()
@@ -184,12 +201,15 @@ def _make(setup: Setup) -> bytes:
     flow = [f"# {title}", "# state: " + ", ".join(derivation.state_names)]
     tangent = [f"# tangent flow of {title}"]
     jacobian = [f"# linearised flow of {title}"]
+    length = 0
     for state in derivation.states.values():
         flow += _flow_text(derivation, state, order, coefficients)
-        tangent += _tangent_text(derivation, state, order, coefficients)
+        steps, written = _tangent_steps(derivation, state, order, coefficients)
+        tangent += steps + _event_tangents(derivation, state, coefficients)
         jacobian += _jacobian_text(derivation, state, coefficients)
+        length = max(length, written)
     flow += sums("state", len(derivation.state_names), order)
-    tangent += sums("moved", len(derivation.state_names), order + TANGENT_EXTRA)
+    tangent += sums_in_place("moved", len(derivation.state_names), order + TANGENT_EXTRA)
     flow += value_and_slope("value_and_slope", order)
     flow += bernstein("bernstein", order)
     flow += constants("coefficients", coefficients.nodes, derivation.parameter_names)
@@ -199,8 +219,11 @@ def _make(setup: Setup) -> bytes:
         "state_names": derivation.state_names,
         "parameter_names": derivation.parameter_names,
         "n_coefficients": len(coefficients.nodes),
+        "n_followed": length,
         "states": {index: _table(state) for index, state in derivation.states.items()},
         "smooth": derivation.smooth,
+        "sliding": derivation.sliding,
+        "bounces": derivation.bounces,
         "zone": derivation.zone,
         "texts": {part: "\n".join(lines) + "\n" for part, lines in texts.items()},
     }
@@ -231,18 +254,12 @@ def _flow_text(
 ) -> list[str]:
     from fiv_cli.codegen.emit import TaylorStep, pointwise
 
-    switching = [guard.node for guard in state.guards]
-    angle = [] if state.angle is None else [state.angle]
-    graph = derivation.graph
-    arguments = [
-        graph.mul(graph.number(PLATEAU_WEIGHTS[op]), argument)
-        for op, argument in _saturating(state)
-    ]
-    watched = [*switching, *angle, *arguments]
-    step = TaylorStep(derivation.graph, state.values, state.rates, watched, order, coefficients)
+    graph, switching = derivation.graph, _switching(state)
+    watched = _watched(graph, state)
+    step = TaylorStep(graph, state.values, state.rates, watched, order, coefficients)
     lines = step.text(f"{state.name}_taylor", f"series of state and switching, {state.name}")
     contacts = [node for outputs in state.contacts for node in outputs]
-    outputs = [*state.values, *state.rates, *switching, *angle, *contacts, *state.energies]
+    outputs = [*state.values, *state.rates, *switching, *contacts, *state.energies]
     name = f"{state.name}_field"
     lines += pointwise(graph, name, f"{state.name}: rates and forces", outputs, coefficients)
     for contact in state.impacts:
@@ -252,16 +269,42 @@ def _flow_text(
     return lines
 
 
-def _tangent_text(
+def _switching(state: ContactState) -> list[Node]:
+    """The switching functions, and the angle of a sector."""
+    return [guard.node for guard in state.guards] + ([] if state.angle is None else [state.angle])
+
+
+def _watched(graph: Graph, state: ContactState) -> list[Node]:
+    """What a step is watched by: `_switching`, and arguments of saturating functions."""
+    arguments = [
+        graph.mul(graph.number(PLATEAU_WEIGHTS[op]), argument)
+        for op, argument in _saturating(state)
+    ]
+    return [*_switching(state), *arguments]
+
+
+def _tangent_steps(
     derivation: Derivation, state: ContactState, order: int, coefficients: Coefficients
+) -> tuple[list[str], int]:
+    """Steps of the motion and of its tangents beside it; how many numbers the first one writes."""
+    from fiv_cli.codegen.emit import FollowedStep, TangentStep
+
+    graph, name = derivation.graph, state.name
+    motion = FollowedStep(
+        graph, state.values, state.rates, _watched(graph, state), order, TANGENT_EXTRA,
+        coefficients,
+    )  # fmt: skip
+    tangents = TangentStep(graph, motion).text(f"{name}_tangent", f"series of tangents, {name}")
+    lines = motion.text(f"{name}_followed", f"series of the motion for its tangents, {name}")
+    return lines + tangents, motion.length
+
+
+def _event_tangents(
+    derivation: Derivation, state: ContactState, coefficients: Coefficients
 ) -> list[str]:
     graph, name = derivation.graph, state.name
-    step = _step_with_tangents(graph, state, [], order + TANGENT_EXTRA, coefficients)
-    lines = step.text(f"{name}_tangent", f"series with a tangent vector, {name}")
-    switching = [guard.node for guard in state.guards]
-    switching += [] if state.angle is None else [state.angle]
-    step = _step_with_tangents(graph, state, switching, EVENT_ORDER, coefficients)
-    lines += step.text(f"{name}_switching", f"switching, with a tangent vector, {name}")
+    step = _step_with_tangents(graph, state, _switching(state), EVENT_ORDER, coefficients)
+    lines = step.text(f"{name}_switching", f"switching, with a tangent vector, {name}")
     for contact in sorted(state.impacts):
         lines += _impact_tangent_text(derivation, state, contact, coefficients)
     return lines

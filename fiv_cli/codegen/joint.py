@@ -60,7 +60,7 @@ def joints(slips: Mapping[int, Row], gaps: Mapping[int, Row]) -> list[Joint]:
     """
     found: list[Joint] = []
     for contact, row in slips.items():
-        of_same = next((j for j in found if not _free([slips[j.leader], row])), None)
+        of_same = next((j for j in found if not are_free([slips[j.leader], row])), None)
         if of_same is None:
             found.append(Joint({contact: sympy.Integer(1)}))
         else:
@@ -68,14 +68,14 @@ def joints(slips: Mapping[int, Row], gaps: Mapping[int, Row]) -> list[Joint]:
             found[found.index(of_same)] = Joint({**of_same.factors, contact: factor})
     conditions = [slips[joint.leader] for joint in found] + list(gaps.values())
     several = [contact for joint in found if len(joint.factors) > 1 for contact in joint.factors]
-    if len(conditions) > 1 and not _free(conditions):
+    if len(conditions) > 1 and not are_free(conditions):
         raise _dependent([*slips, *gaps], "their directions depend on one another")
     if any(contact in gaps for contact in several):
         raise _dependent(several, "they have one direction, and their normal forces are algebraic")
     return found
 
 
-def _free(rows: Sequence[Row]) -> bool:
+def are_free(rows: Sequence[Row]) -> bool:
     """Whether the rows of a matrix of expressions are independent almost everywhere."""
     matrix, random = sympy.Matrix(rows), np.random.default_rng(0)
     symbols = sorted(matrix.free_symbols, key=str)

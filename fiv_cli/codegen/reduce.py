@@ -16,7 +16,7 @@ from fiv_cli.codegen.emit import constants
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.reduction import ELIMINATED, FUNCTION, Reduction, Slots, Statics
 from fiv_cli.codegen.setup import Setup
-from fiv_cli.friction.base import Law, Slip
+from fiv_cli.friction.base import Slip
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 
@@ -25,20 +25,22 @@ LONG_SUM = 4  # terms; sums over the thesis' seven modes, four frequencies, are 
 
 
 def derive_statics(setup: Setup) -> Statics:
-    """What is known of a system at rest, every contact closed and slipping."""
+    """What is known of a system at rest, every contact closed and slipping, stops open."""
     symbols = Symbols(setup.structural)
     contacts = setup.model.equations(symbols, setup.options).contacts
     rest = _at_rest(setup, symbols)
     return Statics(
         bilateral=tuple(map(_is_bilateral, contacts)),
-        determined=tuple(c.gap_coordinate for c in contacts if c.gap_coordinate is not None),
+        determined=tuple(
+            c.gap_coordinate for c in contacts if c.gap_coordinate is not None and not c.is_stop
+        ),
         reductions=() if rest is None else tuple(islice(_reductions(rest), MOST_REDUCTIONS)),
     )
 
 
 def _is_bilateral(contact: Contact) -> bool:
     """Whether nothing happens to the contact where its normal force changes sign."""
-    return contact.gap is None and not contact.ends_at_zero_normal_force
+    return contact.is_stop or (contact.gap is None and not contact.ends_at_zero_normal_force)
 
 
 @dataclass
@@ -81,8 +83,8 @@ def _at_rest(setup: Setup, symbols: Symbols) -> _Rest | None:
     unknowns = [symbols.normal_force(i) for i in range(count)]
     unknowns += [symbols.coordinate(name) for name in names]
     still = {symbols.velocity(name): 0 for name in names} | {symbols.time: 0}
-    still |= {symbols.closed(i): 1 for i in range(count)}
-    friction = _friction(symbols, setup.law, equations)
+    still |= {symbols.closed(i): int(not c.is_stop) for i, c in enumerate(equations.contacts)}
+    friction = _friction(symbols, setup, equations)
     coefficients: dict[Expr, Expr] = {}
     forces = {
         symbol: _shortened(force.subs(still), unknowns, coefficients)
@@ -155,12 +157,12 @@ def _lumped(expression: Expr, unknowns: Sequence[Expr], atoms: dict[Expr, Expr])
     return sympy.Add(*terms)
 
 
-def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Expr, Expr]:
+def _friction(symbols: Symbols, setup: Setup, equations: Equations) -> dict[Expr, Expr]:
     """Symbol of each friction force -> what the law makes of it."""
-    given = {p.name: symbols.parameter(p.name) for p in law.parameters}
-    given |= {name: e for name, e in equations.law_parameters.items() if name in given}
     found = {}
     for i, contact in enumerate(equations.contacts):
+        law = setup.law_of(contact)
+        given = equations.law_parameters_at(i, law.parameters, symbols)
         sign, v = symbols.sign(i), contact.slip_velocity
         slip = Slip(v, sign, sign * v, symbols.normal_force(i))
         found[symbols.tangential_force(i)] = sympy.sympify(law.sliding(slip, given))
@@ -168,7 +170,9 @@ def _friction(symbols: Symbols, law: Law, equations: Equations) -> dict[Expr, Ex
 
 
 def _contact(symbols: Symbols, contact: Contact, index: int) -> Expr:
-    """Vanishes at a closed contact: the gap of a rigid one, the force balance of a compliant."""
+    """Vanishes at rest: the gap of a rigid contact, the force balance of a soft one or a stop."""
+    if contact.is_stop:
+        return symbols.normal_force(index)
     if contact.normal_force is None:
         return contact.gap
     return symbols.normal_force(index) - contact.normal_force

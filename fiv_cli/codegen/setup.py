@@ -7,10 +7,11 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
-from fiv_cli.models.base import Model, followed
+from fiv_cli.models.base import Contact, Model, followed
 from fiv_cli.schedule import STEADY, Schedule
 
 LEAST_ORDER = 14
@@ -80,6 +81,19 @@ class Setup:
             taylor_order(rtol),
             schedule,
         )
+
+    def law_of(self, contact: Contact) -> Law:
+        """How a contact rubs: as the model says, else as the case does."""
+        if contact.law is None:
+            return self.law
+        law, known = get_law(contact.law), {*self.parameter_names, *contact.law_parameters}
+        missing = [p.name for p in law.parameters if p.name not in known]
+        if missing:
+            raise UsageError(
+                f"a contact of {self.model.name} has the law {law.name!r} without its "
+                f"{', '.join(missing)}\nnext: give it law_parameters={{{missing[0]!r}: ...}}"
+            )
+        return law
 
     @cached_property
     def key(self) -> Hashable:

@@ -70,20 +70,13 @@ def pack(
     variables : the variables of the analysis
     carries : row -> plain data for a continuing neighbour
     """
-    stored = [variable for variable in variables if variable.role is not Role.STATUS]
-    columns = {(v.name, bool(v.ragged)): _Column.of(v) for v in stored}
-    checked = [_storable(outcome, columns) for outcome in outcomes]
-    block = Block(
-        keys=np.frombuffer(b"".join(keys), np.uint8).reshape(len(keys), KEY_BYTES),
-        status=np.array([STATUS.codes[outcome.status] for outcome in checked], np.int8),
-        reason=np.array([reason_code(outcome.reason) for outcome in checked], np.int8),
-        messages={row: o.message for row, o in enumerate(checked) if o.message},
-        carries=dict(carries or {}),
-    )
-    for variable in stored:
-        if not variable.ragged:
-            _pack_value(block, checked, variable)
-    _pack_groups(block, checked, stored)
+    table = _Table.of(variables)
+    try:
+        block = _stacked(outcomes, table)
+    except UNSTORABLE:  # of one of them: which is found alone
+        block = _stacked([_storable(outcome, table) for outcome in outcomes], table)
+    block.keys = np.frombuffer(b"".join(keys), np.uint8).reshape(len(keys), KEY_BYTES)
+    block.carries = dict(carries or {})
     return block
 
 
@@ -184,15 +177,33 @@ class _Column:
         ndim = 1 if variable.ragged else len(variable.dims)
         return cls(variable, dtype_of(variable), codes, ndim)
 
-    def converted(self, value: object) -> Array | float | int:
-        """A value of one point: an array of the column's type, or a plain number.
+    def stacked(self, values: Sequence[object]) -> Array:
+        """The values of some points, None where there is none, with fill values in their place."""
+        fill = fill_value(self.variable)
+        if self.ndim == 0:
+            return self._plain([fill if value is None else value for value in values])
+        arrays = [None if value is None else self.converted(value) for value in values]
+        shapes = {None if array is None else array.shape for array in arrays}
+        if len(shapes) == 1:
+            return np.array(arrays)
+        largest = tuple(max(sizes) for sizes in zip(*(shapes - {None}), strict=True))
+        stack = np.full((len(arrays), *largest), fill, self.dtype)
+        for row, array in enumerate(arrays):
+            if array is not None:
+                place: tuple[Any, ...] = (row, *map(slice, array.shape))
+                stack[place] = array
+        return stack
 
-        Most values are plain already; an array for each would cost more than a cheap model.
-        """
-        if self.ndim == 0 and self.dtype.kind == "f" and isinstance(value, float):
-            return value
-        if self.ndim == 0 and type(value) is str and self.codes:
-            return self.codes[value]
+    def _plain(self, values: list[Any]) -> Array:
+        """Numbers and names; an array for each would cost more than a cheap model."""
+        if self.codes:
+            values = [self.codes[value] if type(value) is str else value for value in values]
+        if {*map(type, values)} <= PLAIN[self.dtype.kind]:
+            return np.array(values).astype(self.dtype, casting="unsafe")
+        return np.array([self.converted(value) for value in values])
+
+    def converted(self, value: object) -> Array:
+        """A value of one point as an array of the column's type."""
         array = np.asarray(value)
         if array.dtype != self.dtype:
             array = self._cast(array)
@@ -210,113 +221,112 @@ class _Column:
         return array.astype(self.dtype, casting="unsafe")
 
 
-_Columns = Mapping[tuple[str, bool], _Column]
-"""By name, and whether it is ragged."""
+UNSTORABLE = (KeyError, TypeError, ValueError, OverflowError)
+"""What a value raises that is none of its variable's."""
+
+PLAIN: Mapping[str, set[type]] = {"f": {float, np.float64}, "i": {int}}
+"""Kind of a column -> types whose values it takes as they are."""
 
 
-def _storable(outcome: Outcome, columns: _Columns) -> Outcome:
-    """`outcome` with plain arrays of the table's types, or a failed outcome that says why not."""
+@dataclass(frozen=True)
+class _Table:
+    """The columns of an analysis.
+
+    Attributes
+    ----------
+    values : of variables that a point has one value of
+    groups : ragged group -> columns of its variables
+    """
+
+    values: Mapping[str, _Column]
+    groups: Mapping[str, Mapping[str, _Column]]
+
+    @classmethod
+    def of(cls, variables: Sequence[Variable]) -> _Table:
+        columns = [_Column.of(v) for v in variables if v.role is not Role.STATUS]
+        groups: dict[str, dict[str, _Column]] = {}
+        for column in columns:
+            if column.variable.ragged:
+                groups.setdefault(column.variable.ragged, {})[column.variable.name] = column
+        plain = {one.variable.name: one for one in columns if not one.variable.ragged}
+        return cls(plain, groups)
+
+    def check(self, outcomes: Sequence[Outcome]) -> None:
+        """KeyError, TypeError: a value has no column, or rows stand where their summary would."""
+        rows = {name for group in self.groups.values() for name in group}
+        _refuse(
+            "variables", {n for outcome in outcomes for n in outcome.values} - {*self.values} - rows
+        )
+        _refuse("ragged variables", {n for outcome in outcomes for n in outcome.ragged} - rows)
+        for name in rows - {*self.values}:
+            if any(np.ndim(outcome.values.get(name, 0.0)) > 0 for outcome in outcomes):
+                raise TypeError(
+                    f"{name} is ragged: it goes into Outcome.ragged, not into Outcome.values"
+                )
+
+
+def _refuse(kind: str, names: set[str]) -> None:
+    if names:
+        raise KeyError(f"{min(names)} is not among the {kind} that the analysis declares")
+
+
+def _storable(outcome: Outcome, table: _Table) -> Outcome:
+    """`outcome`, or a failed outcome that says why it cannot be stored."""
     try:
-        return _converted(outcome, columns)
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        _stacked([outcome], table)
+    except UNSTORABLE as error:
         message = f"the result cannot be stored: {type(error).__name__}: {error}"
         return Outcome("failed", "internal_error", message=message)
+    return outcome
 
 
-def _converted(outcome: Outcome, columns: _Columns) -> Outcome:
-    if outcome.status not in STATUS.codes:
-        raise ValueError(f"unknown status {outcome.status!r}")
-    reason_code(outcome.reason)
-    values = {
-        name: _column(columns, name, False).converted(value)
-        for name, value in outcome.values.items()
-        if not _sums_up(name, value, columns)
-    }
-    rows = {
-        name: _column(columns, name, True).converted(value)
-        for name, value in outcome.ragged.items()
-    }
-    _check_rows(rows, columns)
-    return Outcome(outcome.status, outcome.reason, values, rows, outcome.message)
+def _stacked(outcomes: Sequence[Outcome], table: _Table) -> Block:
+    """The arrays of outcomes, without keys."""
+    table.check(outcomes)
+    block = Block(
+        keys=np.zeros((0, KEY_BYTES), np.uint8),
+        status=np.array([STATUS.codes[outcome.status] for outcome in outcomes], np.int8),
+        reason=np.array([reason_code(outcome.reason) for outcome in outcomes], np.int8),
+        messages={row: o.message for row, o in enumerate(outcomes) if o.message},
+    )
+    for name, column in table.values.items():
+        values = [outcome.values.get(name) for outcome in outcomes]
+        if any(value is not None for value in values):
+            block.values[name] = column.stacked(values)
+    for group, columns in table.groups.items():
+        block.row_sizes[group], rows = _concatenated(outcomes, group, columns)
+        block.ragged |= rows
+    return block
 
 
-def _sums_up(name: str, value: Any, columns: _Columns) -> bool:
-    """Whether a value is the summary of what a ragged variable holds row by row: not stored.
-
-    Raises
-    ------
-    TypeError
-        it is the rows themselves.
-    """
-    if (name, True) not in columns:
-        return False
-    if np.ndim(value) > 0:
-        raise TypeError(f"{name} is ragged: it goes into Outcome.ragged, not into Outcome.values")
-    return True
-
-
-def _column(columns: _Columns, name: str, ragged: bool) -> _Column:
-    if (name, ragged) not in columns:
-        kind = "ragged variables" if ragged else "variables"
-        raise KeyError(f"{name} is not among the {kind} that the analysis declares")
-    return columns[name, ragged]
-
-
-def _check_rows(rows: Mapping[str, Any], columns: _Columns) -> None:
-    sizes: dict[str, int] = {}
-    for name, row in rows.items():
-        group = columns[name, True].variable.ragged
-        if sizes.setdefault(group, len(row)) != len(row):
-            raise ValueError(f"the rows of the group {group!r} differ in length")
-
-
-def _pack_value(block: Block, outcomes: Sequence[Outcome], variable: Variable) -> None:
-    """Stack one variable over the points; nothing where no point has it."""
-    values = [outcome.values.get(variable.name) for outcome in outcomes]
-    if all(value is None for value in values):
-        return
-    fill = fill_value(variable)
-    if not variable.dims:
-        plain = [fill if value is None else value for value in values]
-        block.values[variable.name] = np.array(plain, dtype_of(variable))
-        return
-    shapes = {None if array is None else array.shape for array in values}
-    if len(shapes) == 1:
-        block.values[variable.name] = np.array(values)
-        return
-    largest = tuple(max(sizes) for sizes in zip(*(shapes - {None}), strict=True))
-    stack = np.full((len(values), *largest), fill, dtype_of(variable))
-    for row, array in enumerate(values):
-        if array is not None:
-            place: tuple[Any, ...] = (row, *(slice(size) for size in array.shape))
-            stack[place] = array
-    block.values[variable.name] = stack
-
-
-def _pack_groups(block: Block, outcomes: Sequence[Outcome], variables: Sequence[Variable]) -> None:
-    """Concatenate the ragged variables over the points, group by group."""
-    groups: dict[str, list[Variable]] = {}
-    for variable in variables:
-        if variable.ragged:
-            groups.setdefault(variable.ragged, []).append(variable)
-    for group, members in groups.items():
-        sizes = np.array([_group_size(outcome, members) for outcome in outcomes], np.int32)
-        block.row_sizes[group] = sizes
-        for variable in members:
-            block.ragged[variable.name] = _concatenated(outcomes, sizes, variable)
-
-
-def _group_size(outcome: Outcome, members: Sequence[Variable]) -> int:
-    return max(len(outcome.ragged.get(variable.name, ())) for variable in members)
-
-
-def _concatenated(outcomes: Sequence[Outcome], sizes: Array, variable: Variable) -> Array:
-    empty = np.empty(0, dtype_of(variable))
-    rows = [
-        padded(outcome.ragged.get(variable.name, empty), (int(size),), fill_value(variable))
-        for outcome, size in zip(outcomes, sizes, strict=True)
+def _concatenated(
+    outcomes: Sequence[Outcome], group: str, columns: Mapping[str, _Column]
+) -> tuple[Array, dict[str, Array]]:
+    """How many rows of a ragged group each point has, and these, one after the other."""
+    found = {
+        name: [None if (rows := outcome.ragged.get(name)) is None else column.converted(rows)
+               for outcome in outcomes]
+        for name, column in columns.items()
+    }  # fmt: skip
+    sizes = [
+        {len(rows) for rows in given if rows is not None}
+        for given in zip(*found.values(), strict=True)
     ]
-    return np.concatenate(rows) if rows else empty
+    if any(len(some) > 1 for some in sizes):
+        raise ValueError(f"the rows of the group {group!r} differ in length")
+    counts = np.array([sum(some) for some in sizes], np.int32)
+    return counts, {
+        name: _end_to_end(found[name], counts, column) for name, column in columns.items()
+    }
+
+
+def _end_to_end(given: Sequence[Array | None], counts: Array, column: _Column) -> Array:
+    fill, dtype = fill_value(column.variable), column.dtype
+    rows = [
+        np.full(count, fill, dtype) if rows is None else rows
+        for rows, count in zip(given, counts.tolist(), strict=True)
+    ]
+    return np.concatenate(rows) if rows else np.empty(0, dtype)
 
 
 def to_plain(value: Any) -> Any:

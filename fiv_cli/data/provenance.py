@@ -50,6 +50,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         "overrides": case.overrides,
         "fingerprint": fingerprint,
         "solver_json": asdict(case.solver),
+        **({"own_json": _texts(case)} if case.own else {}),
         **({"schedule_json": dict(case.schedule.curves)} if case.schedule.curves else {}),
         "packages_json": {name: _version(name) for name in PACKAGES},
     }
@@ -71,6 +72,19 @@ def surroundings() -> dict[str, str]:
         "C library": " ".join(platform.libc_ver()),
         "processor": machine_description(),
         **{name: _version(name) for name in ("numba", *PACKAGES)},
+    }
+
+
+def _texts(case: Case) -> dict[str, object]:
+    """The files of a model and laws that are not in the box: what stood there, and its hash."""
+    files = dict.fromkeys(case.own.values())
+    return {
+        origin.path: {
+            "holds": [name for name, other in case.own.items() if other == origin],
+            "sha256": origin.digest,
+            "text": origin.text,
+        }
+        for origin in files
     }
 
 

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, LANES, PER_CONTACT
 from fiv_cli.codegen.memory import Array
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.kernel import Run
@@ -48,6 +48,7 @@ def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
     end = frame.parts["parameters"].stop - 1
     frame.place_own("slip_signs", slice(end - system.n_contacts, end))
     frame.slip_signs[:] = 1.0
+    frame.kinds[:] = system.tables.sliding_kinds
     return frame
 
 
@@ -79,8 +80,9 @@ def _scratch(system: System) -> dict[str, Array]:
         "at_rest",
     )  # fmt: skip
     return {
-        "series": np.zeros(rows * (order + 1)),
-        "work": np.zeros(rows * (system.generated.tangent_order + 1)),
+        "series": np.zeros(max(rows * (order + 1), system.generated.n_followed)),
+        "work": np.zeros(max(rows * (order + 1), system.generated.n_followed)),
+        "lanes": np.zeros(n * (system.generated.tangent_order + 1) * LANES),
         **{name: np.zeros(max(width, 2 * n)) for name in vectors},
         "nodes": np.zeros((2, width)),
         **roots.scratch(order),

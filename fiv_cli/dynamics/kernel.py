@@ -28,6 +28,7 @@ from fiv_cli.codegen.codes import (
     GAP,
     JAMMING,
     KINETIC,
+    LANES,
     NORMAL,
     OTHER_POWER,
     PER_CONTACT,
@@ -85,6 +86,7 @@ BISECTIONS = 80
 TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
 FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
+SHORTER = 0.75  # a part of a step that does not suit tangents is cut to this share of it
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
 ROUNDING = 1e-16  # a residual, relative to the scale, that no further step improves
@@ -101,6 +103,8 @@ class Run(Search):
     n_states: FixedInt
     n_coordinates: FixedInt
     n_contacts: FixedInt
+    all_sliding: FixedInt  # number of the contact state in which all slide
+    most_open: FixedInt  # ... and of that in which all are open that can be
     tangent_order: FixedInt
     is_taylor: FixedInt  # 1; 0: rk4
     # Addresses of generated functions; of one per contact state 0 where there is no such state.
@@ -109,7 +113,8 @@ class Run(Search):
     sum_tangent: FixedInt
     taylor: Ints
     field: Ints
-    with_tangent: Ints
+    followed: Ints  # the same series as `taylor`, and what tangents need of the motion's
+    tangent: Ints
     switching_with_tangent: Ints
     impact: Ints2  # by contact state and contact
     impact_with_tangent: Ints2
@@ -122,9 +127,12 @@ class Run(Search):
     n_arguments: Ints
     contact_place: Ints
     energy_place: Ints
-    # Per contact: whether it cannot open (its loss is the end), whether it slips in one sense only.
+    # Per contact: whether it cannot open (its loss is the end), whether it slips in one sense only,
+    # its kind where all slide (a stop is open), whether its impacts give something back.
     is_end: Ints
     is_one_way: Ints
+    sliding_kinds: Ints
+    bounces: Ints
     # Places of the sector's start and width among the parameters (-1: there is no sector), and of
     # whether the motion is inside; the contact whose angle it is.
     sector_start: FixedInt
@@ -207,6 +215,7 @@ class Run(Search):
     # --- scratch, written before it is read ---
     series: Floats
     work: Floats
+    lanes: Floats  # series of tangents, of several at once
     outputs: Floats  # of a field function
     reached: Floats  # the state at the end of a step
     inner: Floats
@@ -468,10 +477,10 @@ def known_zeros_of(
 
 
 @native
-def sticks(run: Run) -> bool:
-    """Whether a contact sticks."""
+def holds(run: Run) -> bool:
+    """Whether a contact sticks or a stop is closed."""
     for i in range(run.n_contacts):
-        if run.kinds[i] == STICK:
+        if run.kinds[i] == STICK or run.kinds[i] < run.sliding_kinds[i]:
             return True
     return False
 
@@ -510,7 +519,7 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
             opens = kind == NORMAL and trigger_kind < NORMAL
         if lead < 0 and not (lenient and opens and lead < -1):
             return False
-        if lead == 0 and kind == VELOCITY and sticks(run):
+        if lead == 0 and kind == VELOCITY and holds(run):
             return False  # held by another contact: test_what_another_contact_holds_does_not_slip
         if lead != 1 and (kind == JAMMING or kind == SINGULAR):
             return False  # forces without bound: test_directions_that_meet_on_the_way
@@ -522,7 +531,8 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
 @native
 def series_at_hand(run: Run, index: int) -> float:
     """Write the series of a contact state; the length of the step that they allow."""
-    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.series)
+    taylor = run.taylor[index] if len(run.tangents) == 0 else run.followed[index]
+    call_generated(taylor, run.coefficients, run.time, run.y, run.series)
     order, rows = run.order, run.n_states + run.n_guards[index] + run.has_angle[index]
     step = step_size(run.series, rows, order, run.rtol, run.last_step)
     for i in range(run.n_arguments[index]):
@@ -531,19 +541,40 @@ def series_at_hand(run: Run, index: int) -> float:
 
 
 @native
-def slip_velocity(run: Run, y: Floats, contact: int) -> float:
+def let_go(run: Run) -> int:
+    """Number of the contact state in which what sticks is let go."""
+    index = 0
+    for i in range(run.n_contacts - 1, -1, -1):
+        index = 3 * index + (run.sliding_kinds[i] if run.kinds[i] == STICK else run.kinds[i])
+    return index
+
+
+@native
+def slip_velocity(run: Run, y: Floats, contact: int, is_struck: bool) -> float:
     """v_rel of a contact; zero when it is zero to rounding."""
     index, outputs = state_index(run.kinds, run.n_contacts), run.outputs
-    if run.taylor[index] == 0:  # one at rest that cannot stick: it slides, one way or the other
-        index = 0
-        for i in range(run.n_contacts - 1, -1, -1):
-            index = 3 * index + (SLIP if run.kinds[i] == STICK else run.kinds[i])
+    # What is struck need not stick; one at rest that cannot stick slides, one way or the other.
+    if is_struck or run.taylor[index] == 0:
+        index = let_go(run)
     call_generated(run.field[index], run.coefficients, run.time, y, outputs)
     v = outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
     scale = 0.0
     for i in range(run.n_coordinates, run.n_states):
         scale += abs(y[i])
     return 0.0 if abs(v) <= ZERO * scale else v
+
+
+@native
+def rebounds(run: Run, contact: int) -> bool:
+    """Whether a contact that has just been struck opens again (run.y is the state thereafter)."""
+    if run.bounces[contact] == 0 or run.n_chained > SHORT_FLIGHTS:
+        return False
+    index, order = let_go(run), run.order
+    call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.work)
+    for g in range(run.n_guards[index]):
+        if run.guard_kinds[index, g] == GAP and run.guard_contacts[index, g] == contact:
+            return leading(run.work, (run.n_states + g) * (order + 1), order, run.last_step, 1) > 0
+    return False
 
 
 @native
@@ -559,15 +590,17 @@ def offer_states(run: Run, i: int, trigger_kind: int, triggered: bool, grazing: 
     """The candidate states of a contact; `triggered` says that it is the one that triggered."""
     sign = 1 if run.slip_signs[i] > 0.0 else -1
     run.n_offers[i], run.is_at_rest[i] = 0, 0
-    if run.kinds[i] == SEPARATION and not (triggered and trigger_kind == GAP):
+    closes = triggered and trigger_kind == GAP and not rebounds(run, i)
+    if run.kinds[i] == SEPARATION and not closes:
         offer(run, i, SEPARATION, sign)
         return
-    if run.kinds[i] == STICK or (triggered and trigger_kind == VELOCITY):
+    struck = trigger_kind == GAP and not triggered  # test_what_sticks_is_torn_off_by_an_impact
+    if (run.kinds[i] == STICK and not struck) or (triggered and trigger_kind == VELOCITY):
         run.is_at_rest[i] = 1
-    else:  # re-contact, or a slip that ends at the same instant
-        v = slip_velocity(run, run.y, i)
+    else:  # re-contact, an impact elsewhere, or a slip that ends at the same instant
+        v = slip_velocity(run, run.y, i, struck)
         run.is_at_rest[i] = 1 if v == 0.0 else 0
-        if run.kinds[i] == SEPARATION and v != 0.0 and run.is_one_way[i] == 0:
+        if (run.kinds[i] == SEPARATION or struck) and v != 0.0 and run.is_one_way[i] == 0:
             sign = 1 if v > 0.0 else -1
     released = triggered and (trigger_kind == CAPACITY_UP or trigger_kind == CAPACITY_DOWN)
     if released and not grazing:  # the demanded force passes the capacity: it slips its way
@@ -873,29 +906,65 @@ def turning_value(
 def move_tangents(run: Run, index: int, tau: float) -> None:
     """Carry the tangent vectors (rows) over a step of length tau, in the parts that they need.
 
-    The step was chosen for the motion. A tangent has modes that the motion may leave at rest, and
-    where these are fast its series needs shorter steps.
+    Several are carried at once, and all share the motion's series. The step was chosen for the
+    motion. A tangent has modes that the motion may leave at rest, and where these are fast its
+    series needs shorter steps.
     """
-    n, order, t = run.n_states, run.tangent_order, run.time
-    c, moved, series, joined = run.coefficients, run.sum_tangent, run.work, run.joined
-    tangent, series_of_tangent = joined[n:], run.work[n * (order + 1) :]
-    for row in range(run.tangents.shape[0]):
+    n, width, count = run.n_states, (run.tangent_order + 1) * LANES, run.tangents.shape[0]
+    if run.is_taylor == 0:
+        call_generated(run.followed[index], run.coefficients, run.time, run.y, run.series)
+    for first in range(0, count, LANES):
+        taken = min(LANES, count - first)
         for i in range(n):
-            joined[i] = run.y[i]
-            tangent[i] = run.tangents[row, i]
-        done = 0.0
-        while done < tau:
-            call_generated(run.with_tangent[index], c, t + done, joined, series)
-            rest = tau - done
-            part = step_size(series, 2 * n, order, run.rtol, rest)
-            if part >= rest or done + part == done:
-                part, done = rest, tau
-            else:
-                done += part
-                call_generated(moved, c, part, series, joined)
-            call_generated(moved, c, part, series_of_tangent, tangent)
+            for lane in range(LANES):
+                value = run.tangents[first + lane, i] if lane < taken else 0.0
+                run.lanes[i * width + lane] = value
+        move_lanes(run, index, tau)
         for i in range(n):
-            run.tangents[row, i] = tangent[i]
+            for lane in range(taken):
+                run.tangents[first + lane, i] = run.lanes[i * width + lane]
+
+
+@native
+def move_lanes(run: Run, index: int, tau: float) -> None:
+    """Carry the tangent vectors in `lanes` over a step; its series are at hand."""
+    c, t, series, done = run.coefficients, run.time, run.series, 0.0
+    while True:
+        call_generated(run.tangent[index], c, t + done, series, run.lanes)
+        rest = tau - done
+        part = rest
+        while not suits_tangents(run, part):
+            part *= SHORTER
+        if done + part == done:
+            part = rest
+        call_generated(run.sum_tangent, c, part, run.lanes, run.lanes)
+        if part >= rest:
+            return
+        done += part
+        call_generated(run.sum_series, c, done, run.series, run.between)
+        call_generated(run.followed[index], c, t + done, run.between, run.work)
+        series = run.work
+
+
+@native
+def suits_tangents(run: Run, step: float) -> bool:
+    """Whether the last two terms of the series of tangents stay below rtol times their scales.
+
+    As in `step_size`, of which this is the question alone.
+    """
+    lanes, order, suits = run.lanes, run.tangent_order, True
+    square, before = step * step, 1.0
+    for _ in range(order - 1):
+        before *= step
+    for i in range(run.n_states):
+        first = i * (order + 1) * LANES
+        for lane in range(first, first + LANES):
+            scale = max(abs(lanes[lane]), abs(lanes[lane + LANES]) * step)
+            scale = max(scale, abs(lanes[lane + 2 * LANES]) * square)
+            high, low = lanes[lane + order * LANES], lanes[lane + (order - 1) * LANES]
+            last = max(abs(high) * step, abs(low)) * before
+            suits = suits and not (last > run.rtol * scale and scale > NEGLIGIBLE)
+    return suits
 
 
 @native
@@ -987,10 +1056,7 @@ def enter_sector(run: Run, angle: float) -> bool:
 @native
 def starts_open(run: Run, contact: int) -> bool:
     """Whether a contact begins open: a gap, or none but one that is about to be."""
-    n, order = run.n_states, run.order
-    apart = len(run.taylor) - 1  # the state in which every contact is open
-    if run.taylor[apart] == 0:
-        return False
+    n, order, apart = run.n_states, run.order, run.most_open
     for g in range(run.n_guards[apart]):
         if run.guard_kinds[apart, g] == GAP and run.guard_contacts[apart, g] == contact:
             zeros = zeros_at_start(run, apart, g)
@@ -1022,23 +1088,27 @@ def set_out(run: Run) -> bool:
     for i in range(run.n_contacts):
         is_open = starts_open(run, i)
         run.kinds[i] = SEPARATION if is_open else SLIP
+    if run.taylor[state_index(run.kinds, run.n_contacts)] == 0:  # between stops without play
+        for i in range(run.n_contacts):
+            run.kinds[i] = run.sliding_kinds[i]
     take_on(run)
     for k in range(run.n_states):
         run.at_rest[k] = 0.0
     for i in range(run.n_contacts):
-        run.slip_velocities[i] = slip_velocity(run, run.y, i)
+        run.slip_velocities[i] = slip_velocity(run, run.y, i, False)
     for i in range(run.n_contacts):
         if run.kinds[i] == SLIP:
             smooth, direction = run.is_one_way[i] == 1, run.slip_velocities[i]
             if smooth:  # the way it slides when the system is at rest
-                direction = slip_velocity(run, run.at_rest, i)
+                direction = slip_velocity(run, run.at_rest, i, False)
             run.slip_signs[i] = -1.0 if direction < 0.0 else 1.0
             if run.slip_velocities[i] == 0.0 and not smooth:
                 run.kinds[i] = STICK
     angle = 0.0
-    if run.has_angle[0] == 1:
-        call_generated(run.field[0], run.coefficients, run.time, run.y, run.outputs)
-        angle = run.outputs[2 * run.n_states + run.n_guards[0]]
+    index = run.all_sliding
+    if run.has_angle[index] == 1:
+        call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
+        angle = run.outputs[2 * run.n_states + run.n_guards[index]]
     return enter_sector(run, angle)
 
 
@@ -1236,19 +1306,21 @@ def polished(
 
 
 @native
+def kinetic_energy(run: Run, index: int) -> float:
+    """The kinetic energy as a contact state has it."""
+    call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
+    return run.outputs[run.energy_place[index] + KINETIC]
+
+
+@native
 def collide(run: Run, index: int, contact: int) -> None:
-    """An impact, if the contact's state has one; books the energy that it takes."""
-    outputs, out, t = run.outputs, run.reached, run.time
-    kinetic = run.energy_place[index] + KINETIC
-    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
-    before = outputs[kinetic]
+    """An impact, if the contact's state has one."""
+    out, t = run.reached, run.time
     if len(run.tangents) > 0:
         strike(run, run.impact_with_tangent[index, contact])
     call_generated(run.impact[index, contact], run.coefficients, t, run.y, out)
     for i in range(run.n_states):
         run.y[i] = out[i]
-    call_generated(run.field[index], run.coefficients, t, run.y, outputs)
-    run.impact_loss += before - outputs[kinetic]
     run.n_impacts += 1
 
 
@@ -1424,13 +1496,17 @@ def pass_event(
     if trigger_kind == NORMAL and run.is_end[contact] == 1:
         return CONTACT_LOST
     impacted = trigger_kind == GAP and run.impact[index, contact] != 0
+    energy = 0.0
     if impacted:
+        energy = kinetic_energy(run, index)
         collide(run, index, contact)
     if border:
         pass_border(run, index, hit == UPPER_BORDER)
     elif not decide(run, trigger_kind, contact, grazing):
         return NO_STATE
     take_up(run)
+    if impacted:
+        run.impact_loss += energy - kinetic_energy(run, state_index(run.kinds, run.n_contacts))
     if with_tangents:
         saltate(run)
     if run.section_kind == SECTION_ZERO:

@@ -54,7 +54,6 @@ class Stop(IntEnum):
 
 
 INFINITE = float("inf")
-ALL_SLIP = 0  # number of the contact state in which every contact slips
 CALL_SECONDS = 0.1  # that a call of the driver may take
 STOPS = tuple(Stop)  # by their numbers
 
@@ -201,7 +200,7 @@ class Motion:
             frame.y[:] = vector
         frame.time = time
         for contact, sticks in enumerate(sticking):
-            frame.kinds[contact] = STICK if sticks else SLIP
+            frame.kinds[contact] = STICK if sticks else frame.sliding_kinds[contact]
         self.started = self._advance(time, False, 0.0) != Stop.NO_STATE
 
     @property
@@ -266,7 +265,7 @@ class Motion:
 
     def _is_out_of_contact(self) -> bool:
         """Whether a contact that cannot open would have to pull."""
-        normal_forces = self._field(ALL_SLIP).contacts[:, 0]
+        normal_forces = self._field(self.system.sliding_index).contacts[:, 0]
         return bool(np.any((self.system.tables.is_end == 1) & (normal_forces < 0.0)))
 
     # --- going on -------------------------------------------------------------------------------
@@ -380,7 +379,7 @@ class Motion:
 
     def _is_dependent(self) -> bool:
         """Whether the conditions of the contacts at rest are not independent, or may not be."""
-        kinds = np.where(self.frame.is_at_rest == 1, STICK, SLIP)
+        kinds = np.where(self.frame.is_at_rest == 1, STICK, self.frame.sliding_kinds)
         index = int(kernel.state_index(kinds, len(kinds)))
         tables = self.system.tables
         if tables.field[index] == 0:
@@ -391,11 +390,12 @@ class Motion:
     def _is_jammed(self) -> bool:
         """Whether the determinant of an algebraic normal force has lost its sign in sliding."""
         tables, parameters = self.system.tables, self.frame.parameters.copy()
-        kinds = tables.guard_kinds[ALL_SLIP, : tables.n_guards[ALL_SLIP]]
+        index = self.system.sliding_index
+        kinds = tables.guard_kinds[index, : tables.n_guards[index]]
         for sign in (1.0, -1.0):
             parameters[-1 - len(self.kinds) : -1] = sign
             coefficients = self.system.coefficients(parameters)
-            switching = self.system.field(ALL_SLIP, coefficients, self.time, self.y).switching
+            switching = self.system.field(index, coefficients, self.time, self.y).switching
             if np.any(switching[kinds == JAMMING] <= 0.0):
                 return True
         return False

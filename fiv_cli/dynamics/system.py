@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION, index_of
 from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.setup import Setup
@@ -81,13 +81,15 @@ class System:
     def tangent_tables(self) -> Mapping[str, NDArray[np.int64]]:
         """Addresses of the functions that carry tangents, compiled on first use, by field."""
         tables = {
-            "with_tangent": np.zeros_like(self.tables.field),
+            "followed": np.zeros_like(self.tables.field),
+            "tangent": np.zeros_like(self.tables.field),
             "switching_with_tangent": np.zeros_like(self.tables.field),
             "impact_with_tangent": np.zeros_like(self.tables.impact),
         }
         for index, state in self.generated.states.items():
             name, address = state.name, partial(self.generated.address, part=TANGENT_TEXT)
-            tables["with_tangent"][index] = address(f"{name}_tangent")
+            tables["followed"][index] = address(f"{name}_followed")
+            tables["tangent"][index] = address(f"{name}_tangent")
             tables["switching_with_tangent"][index] = address(f"{name}_switching")
             for contact in state.impacts:
                 place = index, contact
@@ -96,8 +98,13 @@ class System:
 
     @cached_property
     def sum_tangent(self) -> int:
-        """Address of the function that sums the series of a tangent, compiled on first use."""
+        """Address of the function that sums the series of tangents, compiled on first use."""
         return self.generated.address("moved", TANGENT_TEXT)
+
+    @cached_property
+    def sliding_index(self) -> int:
+        """Number of the contact state in which every contact slips and every stop is open."""
+        return index_of(self.generated.sliding)
 
     @cached_property
     def outputs_width(self) -> int:
@@ -232,6 +239,8 @@ class Tables:
     energy_place: NDArray[np.int64]
     is_end: NDArray[np.int64]
     is_one_way: NDArray[np.int64]
+    sliding_kinds: NDArray[np.int64]
+    bounces: NDArray[np.int64]
     numbers: Mapping[str, int]
 
     def arrays(self) -> dict[str, NDArray[np.int64]]:
@@ -248,8 +257,13 @@ def _tables(generated: Generated) -> Tables:
         for name in (*widths, "taylor", "field", "n_guards", "has_angle", "n_arguments",
                      "contact_place", "energy_place")
     }  # fmt: skip
-    smooth, ends = np.array(generated.smooth, np.int64), np.ones(contacts, np.int64)
-    tables = Tables(**per_state, is_end=ends, is_one_way=smooth, numbers=_numbers(generated))
+    per_contact = {
+        "is_end": np.ones(contacts, np.int64),
+        "is_one_way": np.array(generated.smooth, np.int64),
+        "sliding_kinds": np.array(generated.sliding, np.int64),
+        "bounces": np.array(generated.bounces, np.int64),
+    }
+    tables = Tables(**per_state, **per_contact, numbers=_numbers(generated))
     for index, state in states.items():
         _enter_state(tables, generated, index, state)
     return tables
@@ -280,6 +294,10 @@ def _numbers(generated: Generated) -> dict[str, int]:
         "n_states": len(generated.state_names),
         "n_coordinates": len(generated.coordinates),
         "n_contacts": len(generated.smooth),
+        "all_sliding": index_of(generated.sliding),
+        "most_open": max(
+            generated.states, key=lambda i: generated.states[i].kinds.count(SEPARATION)
+        ),
         "order": generated.order,
         "tangent_order": generated.tangent_order,
         "fill_coefficients": generated.address("coefficients"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from fiv_cli.friction import (
     coulomb,
     cubic,
@@ -12,6 +14,9 @@ from fiv_cli.friction import (
     linear_slope,
     lugre,
     none,
+    rate_and_state,
+    rational,
+    simscape,
     stribeck,
     stribeck_viscous,
     tanh,
@@ -29,20 +34,38 @@ _LAWS: tuple[Law, ...] = (
     linear_slope.LAW,
     hyperbolic.LAW,
     four_parameter.LAW,
+    rational.LAW,
     cubic.LAW,
+    simscape.LAW,
     dahl.LAW,
     lugre.LAW,
+    rate_and_state.LAW,
 )
 
 TANH_OF = "tanh of "
 
-_REGULARISED = tuple(tanh.regularised(law) for law in _LAWS if law.capacity is not None)
-_BY_NAME = {law.name: law for law in (*_LAWS, *_REGULARISED)}
+
+def _with_regularised(laws: Iterable[Law]) -> dict[str, Law]:
+    """Laws by name, and behind them the regularised forms of those that stick."""
+    plain = tuple(laws)
+    smooth = (tanh.regularised(law) for law in plain if law.capacity is not None)
+    return {law.name: law for law in (*plain, *smooth)}
+
+
+_BOX = _with_regularised(_LAWS)
+_BY_NAME = dict(_BOX)
 
 
 def all_laws() -> dict[str, Law]:
     """Every friction law, by name, each law's regularised form included (a copy)."""
     return dict(_BY_NAME)
+
+
+def know_laws(laws: Iterable[Law], alone: bool = False) -> None:
+    """List laws that are not in the box; `alone`: no others from outside."""
+    known = dict(_BOX) if alone else dict(_BY_NAME)
+    _BY_NAME.clear()
+    _BY_NAME.update(known | _with_regularised(laws))
 
 
 def get_law(name: str) -> Law:

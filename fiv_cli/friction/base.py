@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Parameter, Requirement, State, followed
+from fiv_cli.models.origin import Origin
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -57,6 +58,7 @@ class Law:
     requirements : what its parameters must be to one another
     constant_load : it gives a force that does not depend on the normal force
     only_in_stick : parameters that sliding does not read
+    origin : where it stands, if not in the box
     """
 
     name: str
@@ -73,6 +75,7 @@ class Law:
     requirements: tuple[Requirement, ...] = ()
     constant_load: bool = False
     only_in_stick: tuple[str, ...] = ()
+    origin: Origin | None = None
 
     @property
     def kind(self) -> str:

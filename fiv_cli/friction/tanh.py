@@ -40,4 +40,5 @@ def regularised(law: Law) -> Law:
         structural=law.structural,
         requirements=tuple(r for r in law.requirements if kept.issuperset(r.reads)),
         constant_load=law.constant_load,
+        origin=law.origin,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from fiv_cli.models import (
     annular_plate,
     belt_1dof,
@@ -15,6 +17,7 @@ from fiv_cli.models import (
     pin_on_disc,
 )
 from fiv_cli.models.base import Model
+from fiv_cli.models.excitation import BETWEEN, excited
 
 _MODELS: tuple[Model, ...] = (
     belt_1dof.MODEL,
@@ -30,11 +33,23 @@ _MODELS: tuple[Model, ...] = (
 )
 
 
+_FROM_OUTSIDE: dict[str, Model] = {}
+"""What `fiv_cli/own` has loaded."""
+
+
 def all_models() -> dict[str, Model]:
     """Every model, by name (a copy)."""
-    return {model.name: model for model in _MODELS}
+    return {model.name: model for model in _MODELS} | _FROM_OUTSIDE
+
+
+def know_models(models: Iterable[Model], alone: bool = False) -> None:
+    """List models that are not in the box; `alone`: no others from outside."""
+    if alone:
+        _FROM_OUTSIDE.clear()
+    _FROM_OUTSIDE.update({model.name: model for model in models})
 
 
 def get_model(name: str) -> Model:
-    """The model called `name`; KeyError when there is none."""
-    return all_models()[name]
+    """The model called `name`, perhaps an excited one; KeyError when there is none."""
+    plain, plus, _ = name.partition(BETWEEN)
+    return excited(all_models()[plain], name) if plus else all_models()[name]

@@ -18,9 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from math import lcm, pi
 from typing import TYPE_CHECKING
 
 from fiv_cli.errors import UsageError
+from fiv_cli.models.origin import Origin
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import check_quantity
 
@@ -30,6 +33,9 @@ if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
 
 Options = Mapping[str, str]
+
+MOST_RATIO = 50  # of whole numbers that frequencies of excitations are to one another
+SAME_RATIO = 1e-12
 
 ROLES_OF_UNITS = (
     dict.fromkeys(("N m-1", "N m", "N m-3"), "stiffness")
@@ -226,6 +232,10 @@ class Contact:
     sliding_only : the contact always slides the way the drive moves it at rest: there is neither
         stick nor reversal of friction; without a gap it is bilateral (F_N may be negative)
     static_friction : False: it sticks up to the kinetic friction at zero speed, not more
+    law : name of its friction law, where that is the model's matter and not the case's
+    law_parameters : law parameter name -> expression seen by its law, where it has its own
+    restitution : share of the gap rate that an impact gives back (Newton); 0: plastic
+    is_stop : at a sliding equilibrium it is open, see `stop`
     """
 
     slip_velocity: Expr
@@ -238,6 +248,10 @@ class Contact:
     closing_rate: Expr | None = None
     sliding_only: bool = False
     static_friction: bool = True
+    law: str | None = None
+    law_parameters: Mapping[str, Expr] = field(default_factory=dict)
+    restitution: Expr | int = 0
+    is_stop: bool = False
 
     def __post_init__(self) -> None:
         if self.normal_force is None and (self.gap is None or self.gap_coordinate is None):
@@ -245,6 +259,37 @@ class Contact:
                 "a rigid contact (normal_force = None) has no gap or no gap_coordinate\n"
                 "next: name the state that the closed gap determines"
             )
+
+
+def stop(
+    gap: Expr,
+    coordinate: str | None = None,
+    normal_force: Expr | None = None,
+    restitution: Expr | int = 0,
+) -> Contact:
+    """A frictionless stop: what closes the gap and rests on nothing.
+
+    Parameters
+    ----------
+    gap : distance that is left, m
+    coordinate : of a rigid stop: the state that the closed gap determines
+    normal_force : of a soft stop: its force, N, where it is closed
+    restitution : share of the gap rate that an impact on a rigid stop gives back; its impacts may
+        pile up: when their flights are below rounding, it stays closed
+    """
+    import sympy
+
+    return Contact(
+        slip_velocity=sympy.Integer(0),
+        slip_coordinate="",
+        normal_force=normal_force,
+        gap=gap,
+        gap_coordinate=coordinate,
+        impact="plastic" if normal_force is None else "none",
+        law="none",
+        restitution=restitution,
+        is_stop=True,
+    )
 
 
 @dataclass(frozen=True)
@@ -276,6 +321,7 @@ class Equations:
     law_parameters : law parameter name -> expression seen by the law, for parameters that
         differ between zones
     zone : the non-uniform sector, if any
+    powers : excitation -> what it puts in, W, of those of `Model.powers`
     """
 
     accelerations: Mapping[str, Expr]
@@ -284,6 +330,14 @@ class Equations:
     potential_energy: Expr
     law_parameters: Mapping[str, Expr] = field(default_factory=dict)
     zone: Zone | None = None
+    powers: Mapping[str, Expr] = field(default_factory=dict)
+
+    def law_parameters_at(
+        self, contact: int, table: Iterable[Parameter], symbols: Symbols
+    ) -> dict[str, Expr]:
+        """What the parameters of a law are at a contact."""
+        given = {**self.law_parameters, **self.contacts[contact].law_parameters}
+        return {p.name: given.get(p.name, symbols.parameter(p.name)) for p in table}
 
 
 @dataclass(frozen=True)
@@ -344,9 +398,13 @@ class Model:
     requirements : what its parameters, and those of its laws, must be to one another
     singular : (parameters and derived numbers, options) -> the reason of ``fiv_cli/flags.py`` why
         its equations mean nothing there, and a message; ("", "") where they do
+    base : coordinates that what holds the model would carry along if it moved; none: it cannot
+    varied : parameters that vary harmonically, see ``excitation.py``
+    powers : excitation that does work -> what it is, in words
     example : what a new case begins with: from rest it vibrates somewhere in the range
     sliding : likewise one that follows no motion: in the range sliding changes its stability; None:
         in that of `example`
+    origin : where it stands, if not in the box
     """
 
     name: str
@@ -371,7 +429,11 @@ class Model:
     requirements: tuple[Requirement, ...] = ()
     singular: Callable[[Mapping[str, float], Options], tuple[str, str]] = _regular
     example: Example | None = None
+    base: tuple[str, ...] = ()
+    varied: tuple[str, ...] = ()
+    powers: Mapping[str, str] = field(default_factory=dict)
     sliding: Example | None = None
+    origin: Origin | None = None
 
     def mechanics(self, symbols: Symbols, options: Options) -> Equations:
         """The equations under `options`; UsageError unless their contacts are as many as declared.
@@ -400,12 +462,18 @@ class Model:
         """Parameters of a law with the defaults that they have on this model."""
         return tuple(_with_default(p, self.law_defaults.get(p.name)) for p in law_parameters)
 
-    def active_forcing(self, parameters: Mapping[str, float]) -> Forcing | None:
-        """The excitation that is switched on under `parameters`, if any."""
-        for forcing in self.forcings:
-            if parameters[forcing.amplitude] != 0.0:
-                return forcing
-        return None
+    def excitation_period(self, known: Mapping[str, float]) -> float | None:
+        """Common period of the excitations that are on, s; None where none is.
+
+        `known` : parameters and derived numbers
+        """
+        frequency = common_frequency(self.forcings, known)
+        return 2 * pi / abs(frequency) if frequency else None
+
+    def fastest(self, known: Mapping[str, float]) -> float:
+        """Highest angular frequency of the excitations that are on, rad/s; 0 where none is."""
+        on = [forcing for forcing in self.forcings if known[forcing.amplitude] != 0.0]
+        return max((abs(forcing.frequency(known)) for forcing in on), default=0.0)
 
     def averaged_forcing(self) -> Forcing | None:
         """The excitation whose fast motion can be averaged out, if any."""
@@ -416,10 +484,35 @@ class Model:
         return {**parameters, **{forcing.amplitude: 0.0 for forcing in self.forcings}}
 
 
+def common_frequency(forcings: Iterable[Forcing], known: Mapping[str, float]) -> float | None:
+    """Angular frequency of which those of all excitations that are on are multiples, rad/s.
+
+    0 where none is on; None where there is none, up to `MOST_RATIO`.
+    """
+    found = [forcing.frequency(known) for forcing in forcings if known[forcing.amplitude] != 0.0]
+    if len(set(found)) < 2:
+        return found[0] if found else 0.0
+    ratios = [Fraction(one / found[0]).limit_denominator(MOST_RATIO) for one in found]
+    misses = [abs(r * found[0] - one) for r, one in zip(ratios, found, strict=True)]
+    if any(miss > SAME_RATIO * abs(one) for miss, one in zip(misses, found, strict=True)):
+        return None
+    return found[0] / lcm(*(ratio.denominator for ratio in ratios))
+
+
 def leaders(table: Iterable[Parameter], given: Container[str] = ()) -> dict[str, str]:
     """Parameter -> the one whose value it takes, where it is not `given` one of its own."""
-    following = {p.name: p.default_from for p in table if p.default_from is not None}
-    return {name: leader for name, leader in following.items() if name not in given}
+    every = {p.name: p.default_from for p in table if p.default_from is not None}
+    following = {name: leader for name, leader in every.items() if name not in given}
+    return {name: _first_leader(name, following) for name in following}
+
+
+def _first_leader(name: str, following: Mapping[str, str]) -> str:
+    """The one that is followed in the end: some follow one that follows another."""
+    met: list[str] = []
+    while name in following and name not in met:
+        met.append(name)
+        name = following[name]
+    return name
 
 
 def followed(table: Sequence[Parameter], given: Mapping[str, float]) -> dict[str, float]:

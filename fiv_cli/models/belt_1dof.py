@@ -85,6 +85,7 @@ MODEL = Model(
     constant_load=True,
     law_defaults={"mu_k": 0.23, "mu_s": 0.4, "F0": 10.0, "alpha_0": -0.1},
     forcings=(Forcing("u0", lambda p: p["omega"], "harmonic motion of the base"),),
+    base=("x",),
     example=Example("v", 0.5, 2.0, {"c": 0.1}, {"f_max": 2.0}),
     sliding=Example("v", 1.0, 6.0, {"c": 0.1}, law="stribeck"),
 )

@@ -77,6 +77,7 @@ MODEL = Model(
     constant_load=True,
     law_defaults={"mu_k": 0.1, "mu_s": 0.4},
     contacts=2,
+    base=("x1", "x2"),
     example=Example("v", 1.0, 4.0, {}, {"f_max": 2.0}),
     sliding=Example("v", 1.0, 6.0, law="stribeck"),
 )

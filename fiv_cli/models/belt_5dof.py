@@ -235,6 +235,7 @@ MODEL = Model(
     default_law="coulomb",
     law_defaults={"mu_k": 0.3, "mu_s": 3.0},
     options=OPTIONS,
+    base=("x1", "x2"),
     example=Example(
         "mu_k", 0.3, 2.7, {"mu_s": 3.0}, {"t_end": 2.0, "f_max": 100.0, "resolution": 0.5}
     ),

@@ -100,5 +100,6 @@ MODEL = Model(
     law_defaults={"mu_k": 0.4, "mu_s": "mu_k"},
     options=(inclined_springs.STATES_OF_MOTION,),
     forcings=(Forcing("A_b", omega, "tangential harmonic force", fast_velocity),),
+    base=("x",),
     example=Example("mu_k", 0.3, 0.6, {"states": "all"}, {"f_max": 2.0}),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from copy import copy
 
 import sympy
 
@@ -13,7 +14,7 @@ class Symbols:
     """SymPy symbols by name; two calls with one name give the same symbol.
 
     A parameter that must be written into the code (a structural one) is a number instead; one
-    that varies in time (a scheduled one) is a linear function of it.
+    that varies in time is a linear function of it (a scheduled one) or a harmonic one.
     """
 
     def __init__(
@@ -21,6 +22,7 @@ class Symbols:
     ) -> None:
         self._structural = dict(structural or {})
         self._scheduled = frozenset(scheduled)
+        self._varied: frozenset[str] = frozenset()
         self.time = sympy.Symbol("t", real=True)
         self.zone = self._real("zone")
 
@@ -32,11 +34,26 @@ class Symbols:
         """Parameter `name`; a number where its value is structural, a function of a schedule."""
         if name in self._structural:
             return sympy.nsimplify(self._structural[name])
+        if name in self._varied:
+            return self._real(f"p.{name}") + self.swing(name)
         return self._real(f"p.{name}") + self.parameter_rate(name) * self.time
 
     def parameter_rate(self, name: str) -> sympy.Expr:
-        """Rate of parameter `name`, per second: zero unless it follows a schedule."""
+        """Rate of parameter `name`, per second: zero unless it varies in time."""
+        if name in self._varied:
+            return sympy.diff(self.swing(name), self.time)
         return self._real(f"p.{rate_of(name)}") if name in self._scheduled else sympy.Integer(0)
+
+    def varying(self, names: Collection[str]) -> Symbols:
+        """The same symbols, of which these parameters vary harmonically."""
+        found = copy(self)
+        found._varied = frozenset(names)
+        return found
+
+    def swing(self, of: str) -> sympy.Expr:
+        """The harmonic part of what is called so: A cos(omega t + phase)."""
+        turned = self.parameter(f"omega_{of}") * self.time + self.parameter(f"phase_{of}")
+        return self.parameter(f"A_{of}") * sympy.cos(turned)
 
     def coordinate(self, name: str) -> sympy.Symbol:
         """Generalised coordinate (or internal state of the law)."""

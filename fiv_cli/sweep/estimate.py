@@ -2,8 +2,9 @@
 
 The sample is spread evenly over the grid and the starts, the same each time, and grows until it
 tells the mean cost of a point or patience ends. Chains are a stratum for each start, sampled in
-pieces. The costs of points differ a hundredfold, chaos being dear, so the range is that of the mean
-of the sample, symmetric in its logarithm.
+pieces; of maps that are refined some are drawn (``map_estimate.py``). The costs of points differ a
+hundredfold, chaos being dear, so the range is that of the mean of the sample, symmetric in its
+logarithm.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import ceil, exp, hypot, inf, prod, sqrt
 from typing import NamedTuple
 
@@ -21,9 +23,12 @@ import numpy as np
 from fiv_cli.analyses.base import AT_ONCE
 from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
+from fiv_cli.data.block import Block
 from fiv_cli.notation.amounts import duration, size
+from fiv_cli.sweep.map_estimate import Cost, Drawing
 from fiv_cli.sweep.plan import AnalysisPlan, continues, counted, dim_of, make_plan, visiting_order
 from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.requests import StartEntry, Values
 from fiv_cli.sweep.worker import Result, Segment, Task, run_task
 
@@ -140,24 +145,80 @@ def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Itera
     for analysis in make_plan(case).analyses:
         prepare(analysis.systems(), announce)
         announce(f"running a sample of the points of {analysis.layout.name}")
-        strata = _sampled(analysis)
-        if any(stratum.counts for stratum in strata):
-            yield _estimated(analysis, strata, workers)
+        if analysis.maps is not None:
+            sample = _of_maps(analysis, analysis.maps)
+        else:
+            sample = _of_strata(_sampled(analysis), _points(analysis))
+        if sample.run:
+            yield _estimated(analysis, sample, workers)
 
 
-def _estimated(analysis: AnalysisPlan, strata: Sequence[Stratum], workers: int) -> Estimate:
-    sampled = sum(sum(stratum.counts) for stratum in strata)
-    stored = sum(stratum.stored for stratum in strata) / sampled * analysis.size
-    points, at_once = _points(analysis), _parallel(analysis, workers)
-    of_a_point = sum(stratum.total for stratum in strata) / points[1] / at_once
-    spread = exp(2.0 * hypot(_relative_error(strata), OF_TIMING))
-    low = (STARTING + of_a_point * points[0]) / spread
-    high = (STARTING + of_a_point * points[1]) * spread
+class Sample(NamedTuple):
+    """What some points of an analysis say of all of them.
+
+    Attributes
+    ----------
+    run : how many points
+    stored : bytes of their results
+    cost : of all points, on one core
+    error : standard error of its time, over it
+    """
+
+    run: int
+    stored: int
+    cost: Cost
+    error: float
+
+
+def _of_strata(strata: Sequence[Stratum], points: int) -> Sample:
+    run, stored = sum(sum(s.counts) for s in strata), sum(s.stored for s in strata)
+    seconds = sum(stratum.total for stratum in strata)
+    cost = Cost((points, points), (seconds, seconds))
+    return Sample(run, stored, cost, _relative_error(strata))
+
+
+def _of_maps(analysis: AnalysisPlan, maps: Maps) -> Sample:
+    """From as many maps as can be drawn while patience lasts, from one at least."""
+    begun, at_once = time.monotonic(), _fitting(TASK, _seconds_of_first(analysis), AT_ONCE)
+    drawings: list[Drawing] = []
+    for (place,) in _spread([len(maps.numbers)]):
+        drawing = Drawing(maps, maps.numbers[place], partial(_at, analysis), at_once)
+        drawing.until(begun + PATIENCE * (len(drawings) + 1))
+        drawings.append(drawing)
+        if (time.monotonic() - begun) * (1.0 + 1.0 / len(drawings)) > PATIENCE:
+            break
+    costs, many = [drawing.cost() for drawing in drawings], len(maps.numbers)
+    cost = Cost(*(tuple(np.mean(pairs, axis=0) * many) for pairs in zip(*costs, strict=True)))
+    seconds = [high for _, (_, high) in costs]
+    apart = float(np.std(seconds, ddof=1) / np.mean(seconds)) if len(costs) > 1 else 1.0
+    error = apart * sqrt((1.0 - len(costs) / many) / len(costs))
+    run = sum(level.run for drawing in drawings for level in drawing.levels)
+    return Sample(run, sum(drawing.stored for drawing in drawings), cost, error)
+
+
+def _at(analysis: AnalysisPlan, positions: Sequence[int]) -> tuple[Block, float]:
+    """What the points at some positions give, and their processor time, s."""
+    shape, dims = analysis.layout.shape, len(analysis.layout.dims)
+    places = [[int(i) for i in np.unravel_index(number, shape)] for number in positions]
+    segments = tuple(
+        Segment((_values(analysis, place[:dims]),), place[-1] if len(place) > dims else 0)
+        for place in places
+    )
+    result, seconds = _timed(analysis, segments)
+    return result.block, seconds
+
+
+def _estimated(analysis: AnalysisPlan, sample: Sample, workers: int) -> Estimate:
+    at_once = _parallel(analysis, workers)
+    spread = exp(2.0 * hypot(sample.error, OF_TIMING))
+    low, high = (STARTING + seconds / at_once for seconds in sample.cost.seconds)
+    low, high = low / spread, high * spread
+    stored = sample.stored / sample.run * analysis.size
     processes = 1 + workers * (workers > 1 and high * at_once > Policy().in_process_below)
     return Estimate(
         name=analysis.layout.name,
-        points=points,
-        sampled=sampled,
+        points=(ceil(sample.cost.points[0]), ceil(sample.cost.points[1])),
+        sampled=sample.run,
         expected=sqrt(low * high),
         seconds=(low, high),
         memory=OF_A_PROCESS * processes + IN_MEMORY * stored,
@@ -172,12 +233,9 @@ def _relative_error(strata: Sequence[Stratum]) -> float:
     return hypot(*(stratum.error for stratum in strata)) / total if total else inf
 
 
-def _points(analysis: AnalysisPlan) -> tuple[int, int]:
-    """How many points are run, least and most."""
-    most = analysis.size - sum(analysis.excluded().values())
-    if analysis.maps is None:
-        return most, most
-    return min(most, len(analysis.maps.numbers) * prod(analysis.maps.coarse.values())), most
+def _points(analysis: AnalysisPlan) -> int:
+    """How many points are run."""
+    return analysis.size - sum(analysis.excluded().values())
 
 
 def _parallel(analysis: AnalysisPlan, workers: int) -> float:
@@ -246,7 +304,7 @@ def _timed(analysis: AnalysisPlan, segments: tuple[Segment, ...]) -> tuple[Resul
 def _strata(analysis: AnalysisPlan, seconds: float) -> list[Stratum]:
     """All points, where one takes some `seconds`."""
     entries = analysis.template.entries
-    of_a_start = _points(analysis)[1] / len(entries)
+    of_a_start = _points(analysis) / len(entries)
     if not of_a_start:
         return []
     alone = [index for index, entry in enumerate(entries) if not continues(entry)]

@@ -27,6 +27,7 @@ from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
 from fiv_cli.notation.amounts import size
+from fiv_cli.own.load import know
 from fiv_cli.sweep.refine import Maps, maps_of
 from fiv_cli.sweep.requests import (
     StartEntry,
@@ -260,6 +261,7 @@ class Plan:
 
 def make_plan(case: Case) -> Plan:
     """The plan of a valid case."""
+    know(case.own.values())
     analyses = tuple(_analysis_plan(case, spec) for spec in case.analyses)
     return Plan(case, analyses)
 
@@ -323,6 +325,7 @@ def _template(
         linear=get_analysis(spec.kind).linear,
         base=bytes.fromhex(fingerprint(case, spec)),
         schedule=case.schedule,
+        own=tuple(dict.fromkeys(case.own.values())),
     )
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from fiv_cli.analyses.base import (
     STEADY,
+    Batch,
     Request,
     Schedule,
     Setup,
@@ -27,7 +28,10 @@ from fiv_cli.analyses.base import (
 )
 from fiv_cli.case.case import SEVERAL, StartSpec
 from fiv_cli.friction import get_law
-from fiv_cli.models.base import Requirement
+from fiv_cli.friction.base import Law
+from fiv_cli.models import get_model
+from fiv_cli.models.base import Model, Requirement
+from fiv_cli.models.origin import Origin
 
 Values = tuple[Any, ...]
 
@@ -86,6 +90,7 @@ class Template:
     linear : no motion is followed
     base : digest of everything that decides a point but its axis values and its start
     schedule : parameters that vary in time
+    own : the texts of a model and laws that are not in the box
     """
 
     model: str
@@ -102,6 +107,7 @@ class Template:
     linear: bool
     base: bytes
     schedule: Schedule = STEADY
+    own: tuple[Origin, ...] = ()
 
     @cached_property
     def axes_by_kind(self) -> Mapping[str, Sequence[tuple[str, int]]]:
@@ -138,20 +144,24 @@ def exclusion(request: Request, linear: bool) -> Requirement | None:
     return next(filter(None, unmet), None)
 
 
-def request_at(template: Template, values: Values, start: Start | None) -> Request:
-    """The run of a point from `start`."""
+def request_at(
+    template: Template, values: Values, start: Start | None, batch: Batch | None = None
+) -> Request:
+    """The run of a point from `start`, one of `batch`."""
     law, parameters = law_at(template, values), parameters_at(template, values)
     options = {**template.options, **_of_kind(template, values, "option")}
-    structural = tuple((name, parameters[name]) for name in get_law(law).structural)
+    friction = get_law(law)
+    structural = tuple((name, parameters[name]) for name in friction.structural)
     solver, schedule = template.solver, template.schedule
-    setup = _setup(template.model, law, tuple(options.items()), structural, solver.rtol, schedule)
-    return Request(setup, parameters, template.analysis, template.settings, solver, start)
+    model = get_model(template.model)
+    setup = _setup(model, friction, tuple(options.items()), structural, solver.rtol, schedule)
+    return Request(setup, parameters, template.analysis, template.settings, solver, start, batch)
 
 
 @lru_cache(maxsize=256)
 def _setup(
-    model: str,
-    law: str,
+    model: Model,
+    law: Law,
     options: tuple[tuple[str, str], ...],
     structural: tuple[tuple[str, float], ...],
     rtol: float,
@@ -296,7 +306,9 @@ def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
 def _packed(template: Template, kind: str, value: Any) -> bytes:
     if kind == "law":  # with what no axis says of it: another law has other parameters
         fixed = sorted((n, float(v).hex()) for n, v in template.parameters[value].items())
-        value = f"{value} {get_law(value).numerics_version} {fixed}"
+        law = get_law(value)
+        text = [law.origin.digest] if law.origin else []
+        value = " ".join([value, str(law.numerics_version), *text, f"{fixed}"])
     if isinstance(value, str):
         return b"s" + value.encode() + b"\0"
     return b"d" + struct.pack("<d", value + 0.0)  # a negative zero is a zero

@@ -103,12 +103,13 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         a live run holds the run directory.
     """
     begun = time.monotonic()
+    plan = make_plan(case)
     check_output(output, fingerprint(case), policy.fresh)
     folder = run_folder(output)
     store.create(folder)
     with hold(folder):
         _claim(folder, case, policy.fresh)
-        journal = Journal(folder, make_plan(case))
+        journal = Journal(folder, plan)
         journal.load()
         _sweep_leftovers(folder, output)
         scheduler = Scheduler(journal, policy, progress, _logger(folder))
@@ -203,7 +204,8 @@ def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
     settings += [f"--set 'grid.{_toml_key(name)}=[{value}]'" for name, value in quoted.items()]
     entry = analysis.entry(index)
     start = "" if entry is None else f"   # initial: {entry.label}"
-    return " ".join(["fiv run", case.source, *settings]) + start
+    files = [f"--with {origin.path}" for origin in analysis.template.own if not origin.entry]
+    return " ".join(["fiv run", case.source, *files, *settings]) + start
 
 
 @contextmanager

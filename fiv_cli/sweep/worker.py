@@ -17,7 +17,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, from_plain, pack, to_plain
 from fiv_cli.data.states import on_all_states
 from fiv_cli.flags import is_retried
+from fiv_cli.own.load import know
 from fiv_cli.sweep.requests import (
     StartEntry,
     Template,
@@ -134,17 +135,17 @@ class Result:
 def run_task(task: Task) -> Result:
     """Run every point of a task."""
     begun = time.perf_counter()
+    know(task.template.own)
     execute = imported(task.executor)
     outcomes: list[Outcome] = []
     keys: list[bytes] = []
     states: dict[int, ChainState] = {}
     carries: dict[int, dict[str, Any]] = {}
-    points = [values for segment in task.segments for values in segment.values]
-    batches = _batches(task.template, points)
+    batches = _batches(task)
     with _Pulse(task) as pulse:
         if _is_run_in_blocks(task):
             outcomes = list(_run_in_blocks(task.template, batches, pulse))
-            keys = [point_key(task.template, values, None) for values in points]
+            keys = [point_key(task.template, values, None) for values, _ in _points(task)]
         coming = chain.from_iterable(batches)
         for number, segment in enumerate(() if outcomes else task.segments):
             ran = list(_run_segment(task.template, segment, coming, execute, pulse))
@@ -163,13 +164,25 @@ def _is_run_in_blocks(task: Task) -> bool:
     return task.template.linear and task.executor == EXECUTOR and task.time_limit is None
 
 
-def _batches(template: Template, points: Sequence[Values]) -> Iterator[list[Request]]:
-    """The points of a task, without starts, a batch at a time."""
-    for first in range(0, len(points), AT_ONCE):
-        some = points[first : first + AT_ONCE]
-        requests = [request_at(template, values, None) for values in some]
+def _points(task: Task) -> Iterator[tuple[Values, StartEntry | None]]:
+    """The points of a task, each with its start."""
+    for segment in task.segments:
+        entry = task.template.entries[segment.entry]
+        yield from ((values, entry) for values in segment.values)
+
+
+def _batches(task: Task) -> Iterator[list[Request]]:
+    """The points of a task, a batch at a time; those on chains without starts."""
+    template, points = task.template, _points(task)
+    while some := list(islice(points, AT_ONCE)):
+        requests: list[Request] = []
         batch = Batch(requests)
-        yield [replace(request, batch=batch) for request in requests]
+        for values, entry in some:
+            start = None
+            if entry is not None and entry.spec.kind != "continue":
+                start = resolve_start(template, values, entry)
+            requests.append(request_at(template, values, start, batch))
+        yield requests
 
 
 def _run_in_blocks(
@@ -270,7 +283,8 @@ def _outcome_of(
     if barrier:
         return Outcome("not_reached", barrier)
     try:
-        request = replace(request, start=_start_of(template, values, entry, state))
+        if entry is not None and entry.spec.kind == "continue":
+            request = replace(request, start=_start_of(template, values, entry, state))
         unmet = exclusion(request, template.linear)
         if unmet is not None:
             return Outcome("not_computed", unmet.reason)
@@ -289,11 +303,9 @@ def _barrier(entry: StartEntry | None, state: ChainState | None) -> str:
 
 
 def _start_of(
-    template: Template, values: Values, entry: StartEntry | None, state: ChainState | None
-) -> Start | None:
-    """Where a point starts: where the one before it ended, if it follows one."""
-    if entry is None:
-        return None
+    template: Template, values: Values, entry: StartEntry, state: ChainState | None
+) -> Start:
+    """Where a point of a chain starts: where the one before it ended, if it follows one."""
     if state is None or state.lost or state.carry is None:
         return resolve_start(template, values, entry)
     return continued_start(entry, state.carry)

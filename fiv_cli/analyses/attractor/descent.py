@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
@@ -180,18 +180,24 @@ class Descent:
     """
 
     def __init__(self, target: LevelSet, bent: float = np.inf) -> None:
-        self.target = target
+        self.target, self.bent = target, bent
+
+    @cached_property
+    def slide(self) -> Slide:
+        """What a look reads and writes."""
+        target = self.target
         guards, modes = target.shares.shape
-        self.slide = _blank(len(target.equilibrium), modes, guards).copy()
-        self.slide.show("equilibrium", target.equilibrium)
-        self.slide.show("free", target.free.astype(np.int64))
-        self.slide.show("inverse_real", target.inverse.real.copy())
-        self.slide.show("inverse_imag", target.inverse.imag.copy())
-        self.slide.show("shares", np.ascontiguousarray(target.shares))
-        self.slide.show("weights", target.weights)
-        self.slide.show("rates", target.eigenvalues.real.copy())
-        self.slide.is_bounded, self.slide.period = int(target.is_bounded), target.period
-        self.slide.bent = bent
+        slide = _blank(len(target.equilibrium), modes, guards).copy()
+        slide.show("equilibrium", target.equilibrium)
+        slide.show("free", target.free.astype(np.int64))
+        slide.show("inverse_real", target.inverse.real.copy())
+        slide.show("inverse_imag", target.inverse.imag.copy())
+        slide.show("shares", np.ascontiguousarray(target.shares))
+        slide.show("weights", target.weights)
+        slide.show("rates", target.eigenvalues.real.copy())
+        slide.is_bounded, slide.period = int(target.is_bounded), target.period
+        slide.bent = self.bent
+        return slide
 
     def margin(self, time: float, state: Vector) -> float:
         """1 - V/c as soon as the slide is sure to end at the equilibrium; NaN before.
@@ -201,6 +207,10 @@ class Descent:
         time : s
         state : of sliding, shape (n_states,)
         """
+        if "slide" not in vars(self) and self.bent == np.inf:  # most that are linear are at once
+            exact = self.target.margin(state)
+            if not np.isnan(exact):
+                return exact
         found = self._look(time, state)
         if found == MAY_BE_LINEAR:
             exact = self.target.margin(state)
@@ -211,7 +221,9 @@ class Descent:
         if found == FULL:
             self._make_room()
             found = self._look(time, state)
-        return 1.0 - self.target.level(self.target.amplitudes(state)) if found == FALLS else np.nan
+        if found != FALLS:
+            return np.nan
+        return 1.0 - float(self.target.level(self.target.amplitudes(state)))
 
     def _look(self, time: float, state: Vector) -> int:
         found: int = LOOK.function(self.slide.address, time, address_of(state))

@@ -6,15 +6,16 @@ What is asked, and the numbers, are in ``grounds.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.grounds import HURWITZ, LINEAR, SAMPLES
 from fiv_cli.analyses.rest.equilibria import Sliding
-from fiv_cli.analyses.rest.linearisation import free_states
+from fiv_cli.analyses.rest.linearisation import free_states, inverted
 from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]
@@ -25,6 +26,7 @@ UNSEEN = 1e-3  # weight of a mode that no switching function sees, over the larg
 ROUNDING = 1e-12  # of rates, over those of the equilibrium's size, and far below LINEAR
 PHASES = 4  # of an excitation, at which sliding is compared with that of the unexcited system
 SAME = 1e-9  # ... to this share
+TURNS = 64  # looks at each turn of an excitation that moves switching functions
 SEED = 7411  # of the points of a level set that are looked at
 
 
@@ -32,21 +34,29 @@ SEED = 7411  # of the points of a level set that are looked at
 class LevelSet:
     """The neighbourhood of a stable sliding equilibrium in which sliding decays.
 
+    At one equilibrium or, in rows, at several.
+
     Attributes
     ----------
     sliding : the unexcited system in sliding
-    equilibrium : state vector, shape (n_states,)
-    number : of the equilibrium among the solutions of the point, from 1
-    eigenvalues : of sliding at it, 1/s; shape (n_free,)
+    equilibrium : state vector, shape (..., n_states)
+    number : of the equilibrium among the solutions of the point, from 1; shape (...)
+    eigenvalues : of sliding at it, 1/s; shape (..., n_free)
     vectors, inverse : eigenvectors of the free states, as columns, and the inverse matrix
+    shares : share of each switching function that a unit amplitude of each mode can take; shape
+        (..., n_guards, n_free)
+    asked, answer : a state whose `margin` is known
     """
 
     sliding: Sliding
     equilibrium: Vector
-    number: int
+    number: NDArray[np.intp]
     eigenvalues: Complex
     vectors: Complex
     inverse: Complex
+    shares: Real
+    asked: Vector
+    answer: Vector
 
     @cached_property
     def free(self) -> NDArray[np.intp]:
@@ -58,105 +68,108 @@ class LevelSet:
         """The longest natural period; the slowest decay time where nothing oscillates, s."""
         turning = np.abs(self.eigenvalues.imag)
         turning = turning[turning > 0.0]
-        return float(2 * np.pi / np.min(turning)) if len(turning) else 1.0 / self.slowest
+        return float(2 * np.pi / np.min(turning)) if len(turning) else 1.0 / float(self.slowest)
 
     @cached_property
-    def slowest(self) -> float:
+    def slowest(self) -> Vector:
         """Rate of the slowest decay, 1/s."""
-        return float(-np.max(self.eigenvalues.real))
+        return np.asarray(-np.max(self.eigenvalues.real, axis=-1))
 
     # --- the level --------------------------------------------------------------------------------
-    @cached_property
-    def shares(self) -> Real:
-        """Share of each switching function that a unit amplitude of each mode can take.
-
-        Shape (n_guards, n_free).
-        """
-        margins, slopes = self._guards
-        return np.asarray(np.abs(slopes @ self.vectors) / margins[:, None], np.float64)
-
-    @cached_property
-    def _guards(self) -> tuple[Vector, Real]:
-        """Switching functions at the equilibrium, and their slopes by the free states."""
-        margins = self.sliding.field(self.equilibrium).switching
-        m, size = len(self.sliding.system.coordinates), np.max(np.abs(self.equilibrium))
-        steps = np.full(len(self.equilibrium), DIFFERENCE * (size if size > 0.0 else 1.0))
-        steps[m : 2 * m] *= np.max(np.abs(self.eigenvalues))
-        moved = np.tile(self.equilibrium, (2, len(self.free), 1))
-        for column, place in enumerate(self.free):
-            moved[:, column, place] += (steps[place], -steps[place])
-        shares = self.sliding.field(moved).switching / (2.0 * steps[self.free])[:, None]
-        return margins, np.ascontiguousarray((shares[0] - shares[1]).T)
-
     @cached_property
     def is_bounded(self) -> bool:
         """Whether some switching function limits the level set."""
         return bool(np.any(self.shares > 0.0))
 
-    @property
-    def holds(self) -> bool:
-        """Whether the equilibrium itself is on no switching surface."""
-        return bool(np.all(self._guards[0] > 0.0))
-
     def amplitudes(self, state: Vector) -> Vector:
-        """Modal amplitudes of the distance from the equilibrium; shape (n_free,)."""
-        return np.asarray(np.abs(self.inverse @ (state - self.equilibrium)[self.free]), np.float64)
+        """Modal amplitudes of the distance from the equilibrium; shape (..., n_free)."""
+        return np.abs(_times(self.inverse, (state - self.equilibrium)[..., self.free]))
 
-    def level(self, amplitudes: Vector) -> float:
+    def level(self, amplitudes: Vector) -> Vector:
         """V over c: below 1 no switching surface is met."""
-        return float(np.max(self.shares @ amplitudes, initial=0.0))
+        return np.asarray(np.max(_times(self.shares, amplitudes), axis=-1, initial=0.0))
 
     @cached_property
     def weights(self) -> Vector:
-        """By which amplitudes of modes are compared; shape (n_free,)."""
-        seen = np.max(self.shares, axis=0, initial=0.0)
-        largest = np.max(seen, initial=0.0)
-        return np.maximum(seen, UNSEEN * largest) if largest > 0.0 else np.ones(len(seen))
+        """By which amplitudes of modes are compared; shape (..., n_free)."""
+        seen = np.max(self.shares, axis=-2, initial=0.0)
+        largest = np.max(seen, axis=-1, keepdims=True, initial=0.0)
+        return np.where(largest > 0.0, np.maximum(seen, UNSEEN * largest), 1.0)
 
     # --- is sliding linear there? -----------------------------------------------------------------
-    def nonlinearity(self, amplitudes: Vector) -> float:
+    def nonlinearity(self, amplitudes: Vector) -> Vector:
         """Largest nonlinear part of the rates over the slowest decay, on the level set.
 
         Looked at in `SAMPLES` points with the weighted sum of `amplitudes`: one mode after the
         other large, at every phase.
         """
-        reach = max(float(self.weights @ amplitudes), self._rounding)
-        states = np.repeat(self.equilibrium[None, :], SAMPLES, axis=0)
-        states[:, self.free] += reach * self.shapes
-        rates = self.sliding.rates(states)[:, self.free]
+        reach = np.maximum(np.sum(self.weights * amplitudes, axis=-1), self._rounding)[..., None]
+        states = np.repeat(self.equilibrium[..., None, :], SAMPLES, axis=-2)
+        states[..., self.free] += reach[..., None] * self.shapes
+        rates = self.sliding.rates(states)[..., self.free].swapaxes(-1, -2)
         modal, sizes = self._modal_shapes
-        bent = np.abs(self.inverse @ rates.T - reach * self.eigenvalues[:, None] * modal)
-        norms = np.linalg.norm(self.weights[:, None] * bent, axis=0)
-        return float(np.max(norms / (reach * sizes))) / self.slowest
+        bent = np.abs(self.inverse @ rates - (reach * self.eigenvalues)[..., None] * modal)
+        norms = np.linalg.norm(self.weights[..., None] * bent, axis=-2)
+        return np.asarray(np.max(norms / (reach * sizes), axis=-1) / self.slowest)
 
     @cached_property
-    def _rounding(self) -> float:
+    def _rounding(self) -> Vector:
         """Weighted amplitude below which rounding of the rates passes for their nonlinear part."""
-        whole = self.weights @ np.abs(self.inverse @ self.equilibrium[self.free])
-        return float(ROUNDING * whole * np.max(np.abs(self.eigenvalues)) / self.slowest)
+        whole = np.abs(_times(self.inverse, self.equilibrium[..., self.free]))
+        fastest = np.max(np.abs(self.eigenvalues), axis=-1)
+        return ROUNDING * np.sum(self.weights * whole, axis=-1) * fastest / self.slowest
 
     @cached_property
     def _modal_shapes(self) -> tuple[Complex, Vector]:
         """Modal amplitudes of `shapes`, as columns, and their weighted sizes."""
-        modal = self.inverse @ self.shapes.T
-        return modal, np.linalg.norm(self.weights[:, None] * np.abs(modal), axis=0)
+        modal = self.inverse @ self.shapes.swapaxes(-1, -2)
+        return modal, np.linalg.norm(self.weights[..., None] * np.abs(modal), axis=-2)
 
     @cached_property
     def shapes(self) -> Real:
         """Distances from the equilibrium whose weighted amplitudes sum to one."""
-        sizes, phases = _drawn(len(self.eigenvalues))
-        away = (sizes / self.weights * phases @ self.vectors.T).real
-        return np.asarray(away / (np.abs(away @ self.inverse.T) @ self.weights)[:, None])
+        sizes, phases = _drawn(self.eigenvalues.shape[-1])
+        drawn = sizes / self.weights[..., None, :] * phases
+        away = (drawn @ self.vectors.swapaxes(-1, -2)).real
+        amplitudes = np.abs(away @ self.inverse.swapaxes(-1, -2))
+        return away / np.sum(amplitudes * self.weights[..., None, :], axis=-1, keepdims=True)
+
+    def margins(self, states: NDArray[np.float64]) -> Vector:
+        """1 - V/c where sliding from a state is linear and meets nothing; NaN where it is not."""
+        amplitudes = self.amplitudes(states)
+        levels, found = self.level(amplitudes), np.full(len(states), np.nan)
+        near = np.flatnonzero(levels < 1.0)
+        if len(near) > 0:
+            there = self if len(near) == len(states) else self[near]
+            amplitudes, levels = amplitudes[near], levels[near]
+            bent = np.where(amplitudes.any(axis=-1), there.nonlinearity(amplitudes), 0.0)
+            left = 1.0 - levels - amplitudes.shape[-1] * bent
+            found[near] = np.where((bent <= LINEAR) & (left > 0.0), 1.0 - levels, np.nan)
+        return found
 
     def margin(self, state: Vector) -> float:
-        """1 - V/c where sliding from `state` is linear and meets nothing; NaN where it is not."""
-        amplitudes = self.amplitudes(state)
-        level = self.level(amplitudes)
-        if not level < 1.0:
-            return float("nan")
-        bent = self.nonlinearity(amplitudes) if np.any(amplitudes > 0.0) else 0.0
-        left = 1.0 - level - len(amplitudes) * bent
-        return 1.0 - level if bent <= LINEAR and left > 0.0 else float("nan")
+        """That of one state; at one equilibrium."""
+        if (state == self.asked).all():
+            return float(self.answer)
+        return float(self._row.margins(state[None])[0])
+
+    @cached_property
+    def _row(self) -> LevelSet:
+        """The same in a row of one."""
+        return self[None]
+
+    def asked_of(self, states: NDArray[np.float64]) -> LevelSet:
+        """The same; the margins of these states are known."""
+        return replace(self, asked=states, answer=self.margins(states))
+
+    def __getitem__(self, rows: Any) -> LevelSet:
+        """About some of the equilibria."""
+        return LevelSet(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+
+def _times(matrix: NDArray[Any], vector: NDArray[Any]) -> NDArray[Any]:
+    """The product, row by row."""
+    return (matrix @ vector[..., None])[..., 0]
 
 
 @cache
@@ -170,57 +183,123 @@ def _drawn(modes: int) -> tuple[Real, Complex]:
     return sizes, phases
 
 
-def level_set(
-    sliding: Sliding, equilibrium: Vector, jacobian: Real, number: int
-) -> LevelSet | None:
-    """The level sets about an equilibrium; None where it is not stable, or on a border.
+def level_sets(
+    sliding: Sliding, equilibria: Vector, jacobians: Real, numbers: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], LevelSet]:
+    """The level sets about equilibria, in rows: which have some, and these.
+
+    One that is not stable, or on a border, has none.
 
     Parameters
     ----------
-    jacobian : of the free states, shape (n_free, n_free), 1/s
-    number : of the equilibrium among the solutions, from 1
+    jacobians : of the free states, shape (rows, n_free, n_free), 1/s
+    numbers : of the equilibria among the solutions of their points, from 1
     """
-    values, vectors = np.linalg.eig(jacobian)
-    if np.max(values.real) >= -HURWITZ * np.max(np.abs(values)):
-        return None
-    try:
-        inverse = np.linalg.inv(vectors)
-    except np.linalg.LinAlgError:
-        return None
-    levels = LevelSet(
-        sliding, equilibrium, number, values.astype(complex), vectors.astype(complex),
-        inverse.astype(complex),
-    )  # fmt: skip
-    return levels if levels.holds else None
+    values, vectors = np.linalg.eig(jacobians)
+    speeds = np.max(np.abs(values), axis=-1)
+    stable = np.max(values.real, axis=-1) < -HURWITZ * speeds
+    inverses = _inverses(values, vectors)
+    stable &= ~np.isnan(inverses).any(axis=(1, 2))
+    margins, slopes = _guards(sliding, equilibria, speeds)
+    rows = np.flatnonzero(stable & (margins > 0.0).all(axis=-1))
+    vectors = vectors[rows].astype(complex)
+    shares = np.abs(slopes[rows] @ vectors) / margins[rows, :, None]
+    values = values[rows].astype(complex)
+    found = sliding[rows], equilibria[rows], numbers[rows], values, vectors, inverses[rows], shares
+    unknown = np.full(len(rows), np.nan)
+    return rows, LevelSet(*found, unknown[:, None], unknown)
 
 
-def slides_freely(system: System, parameters: Mapping[str, float], target: LevelSet) -> bool:
-    """Whether an excitation leaves sliding alone: a sector with the same kinetic friction does.
+def _inverses(values: Complex, vectors: Complex) -> Complex:
+    """Inverse matrices of eigenvectors, of real ones by real numbers; NaN where there are none."""
+    found = np.empty(vectors.shape, complex)
+    real = (values.imag == 0.0).all(axis=-1)
+    found[real], found[~real] = inverted(vectors[real].real), inverted(vectors[~real])
+    return found
+
+
+def _guards(sliding: Sliding, equilibria: Vector, speeds: Vector) -> tuple[Vector, Real]:
+    """Switching functions at equilibria, and their slopes by the free states.
+
+    Parameters
+    ----------
+    speeds : largest eigenvalue at each, 1/s
+    """
+    free, m = free_states(sliding.system), len(sliding.system.coordinates)
+    sizes = np.max(np.abs(equilibria), axis=-1, keepdims=True)
+    steps = np.repeat(DIFFERENCE * np.where(sizes > 0.0, sizes, 1.0), equilibria.shape[-1], axis=1)
+    steps[:, m : 2 * m] *= speeds[:, None]
+    columns, away = np.arange(len(free)), steps[:, free]
+    moved = np.tile(equilibria[:, None, None, :], (1, 2, len(free), 1))
+    moved[:, 0, columns, free] += away
+    moved[:, 1, columns, free] -= away
+    shares = sliding.field(moved).switching / (2.0 * away)[:, None, :, None]
+    slopes = (shares[:, 0] - shares[:, 1]).swapaxes(-1, -2)
+    return sliding.field(equilibria).switching, np.ascontiguousarray(slopes)
+
+
+def under_excitation(
+    system: System, parameters: Mapping[str, float], target: LevelSet
+) -> LevelSet | None:
+    """The level sets where an excitation leaves sliding alone: a sector with the same kinetic
+    friction does, and a drive whose speed varies. None where it does not.
 
     The rates of the excited system are those of the unexcited one at every phase and on either
-    side of a sector's border.
+    side of a sector's border; switching functions may move as a whole, and the least counts.
     """
+    known = system.known(parameters)
+    period = system.setup.model.excitation_period(known)
+    if period is None:
+        return target
+    fastest = system.setup.model.fastest(known)
+    turns = TURNS * max(1, round(period * fastest / (2 * np.pi)))
+    moved = _all_moved(system, parameters, target, np.arange(PHASES) * period / PHASES)
+    if moved is None or not np.any(moved):
+        return None if moved is None else target
+    moved = _all_moved(system, parameters, target, np.arange(turns) * period / turns)
+    if moved is None:
+        return None
+    least, greatest = np.min(moved, axis=0), np.max(moved, axis=0)
+    between = (greatest - least) * (np.pi / TURNS) ** 2  # what a harmonic may be below its samples
+    at_rest = target.sliding.field(target.equilibrium).switching
+    lowest = at_rest + np.minimum(least - between, 0.0)
+    if np.any(lowest <= 0.0):
+        return None
+    shares = target.shares * (at_rest / lowest)[:, None]
+    return replace(target, shares=shares, asked=np.full_like(target.asked, np.nan))
+
+
+def _all_moved(
+    system: System, parameters: Mapping[str, float], target: LevelSet, times: Vector
+) -> Real | None:
+    """By how much switching functions are moved, at these times on either side of a border."""
     motion_parameters = system.parameter_vector(parameters)
     own = target.sliding.parameters
     motion_parameters[-1 - system.n_contacts : -1] = own[-1 - system.n_contacts : -1]
-    forcing = system.setup.model.active_forcing(parameters)
-    if forcing is None:
-        return True
-    period = 2 * np.pi / abs(forcing.frequency(system.known(parameters)))
-    states = [target.equilibrium.copy() for _ in range(2)]
+    states = np.stack([target.equilibrium, target.equilibrium])
     states[1][target.free] += np.max(np.abs(target.equilibrium)) * target.shapes[0]
+    moved = []
     for zone in (0.0, 1.0):
         motion_parameters[-1] = zone
         coefficients = system.coefficients(motion_parameters)
-        for state in states:
-            for phase in range(PHASES):
-                if not _same_rates(target, coefficients, phase * period / PHASES, state):
-                    return False
-    return True
+        for time in times.tolist():
+            found = _moved(target, coefficients, time, states)
+            if found is None:
+                return None
+            moved.append(found)
+    return np.array(moved)
 
 
-def _same_rates(target: LevelSet, coefficients: Vector, time: float, state: Vector) -> bool:
+def _moved(target: LevelSet, coefficients: Vector, time: float, states: Real) -> Vector | None:
+    """By how much an excitation moves the switching functions; None where it moves the rates too,
+    or does not move them alike in all states."""
     sliding = target.sliding
-    rates = sliding.system.field(sliding.index, coefficients, time, state).rates
-    expected = sliding.rates(state)
-    return bool(np.max(np.abs(rates - expected)) <= SAME * np.max(np.abs(expected)))
+    found = sliding.system.field(sliding.index, coefficients, time, states)
+    still = sliding.field(states)
+    scale = np.max(np.abs(still.rates), axis=-1, keepdims=True)
+    if np.any(np.max(np.abs(found.rates - still.rates), axis=-1, keepdims=True) > SAME * scale):
+        return None
+    by = found.switching - still.switching
+    if np.any(np.abs(by[1] - by[0]) > SAME * np.max(np.abs(still.switching))):
+        return None
+    return np.where(np.abs(by[0]) > SAME * np.abs(still.switching[0]), by[0], 0.0)

@@ -13,7 +13,9 @@ the equilibrium that was reached or, of a motion that does not rest, the first o
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -34,7 +36,7 @@ from fiv_cli.analyses.attractor.grounds import (
     RESTING,
     SIGNIFICANT,
 )
-from fiv_cli.analyses.attractor.level_set import LevelSet, level_set, slides_freely
+from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, under_excitation
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
@@ -46,14 +48,16 @@ from fiv_cli.analyses.attractor.own_section import (
 )
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
-from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, watch_over
+from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, Watch, watch_over
 from fiv_cli.analyses.base import Outcome, Request, Section
 from fiv_cli.analyses.common import (
     Sliding,
+    at_once,
     balance,
     initial_state,
-    rest_of,
+    rests,
     start_motion,
+    start_state,
     stopped,
     trust,
 )
@@ -81,7 +85,7 @@ SAME_PERIOD = 1e-6  # share by which the period at the section may differ from t
 
 def steady_state(system: System, request: Request) -> Outcome:
     """The steady state that the start leads to."""
-    rests = Rests(*rest_of(system, request))
+    rests = at_once(system, request, rests_at)
     if request.settings["section"].kind == OWN:
         return _at_own_section(system, request, rests)
     return _followed(system, request, rests, request.settings["section"])
@@ -125,41 +129,29 @@ def from_least(values: Vector) -> Vector:
     return np.roll(values, -int(np.argmin(values)))
 
 
+@dataclass(frozen=True)
 class Rests:
     """The sliding equilibria of a point, and what slides to them.
 
-    Parameters
+    Attributes
     ----------
     unexcited : the system without its excitation, in sliding
     solutions : its equilibria, shape (n_states,) each
+    eigenvalues : of sliding at the first of them, 1/s; None without one
+    natural_period : the longest one there, s; infinite where nothing oscillates
+    level_sets : about every stable one
     """
 
-    def __init__(self, unexcited: Sliding, solutions: list[Vector]) -> None:
-        self.unexcited = unexcited
-        self.solutions = solutions
+    unexcited: Sliding
+    solutions: list[Vector]
+    eigenvalues: NDArray[np.complex128] | None = None
+    natural_period: float = np.inf
+    level_sets: list[LevelSet] = field(default_factory=list)
 
     @property
     def first(self) -> Vector | None:
         """The one that growing loads lead to."""
         return self.solutions[0] if self.solutions else None
-
-    @cached_property
-    def eigenvalues(self) -> NDArray[np.complex128] | None:
-        """Of sliding at the first equilibrium, 1/s."""
-        if self.first is None:
-            return None
-        return np.linalg.eigvals(self.jacobians[0]).astype(complex)
-
-    @cached_property
-    def jacobians(self) -> list[NDArray[np.float64]]:
-        """Of sliding at each of them, of the free states, 1/s."""
-        return [free_jacobian(self.unexcited, solution) for solution in self.solutions]
-
-    @cached_property
-    def natural_period(self) -> float:
-        """The longest one at the first equilibrium, s; infinite where nothing oscillates."""
-        turning = np.abs(self.eigenvalues.imag) if self.eigenvalues is not None else np.zeros(0)
-        return float(2 * np.pi / np.min(turning[turning > 0.0], initial=np.inf)) or np.inf
 
     @property
     def is_neutral(self) -> bool:
@@ -169,16 +161,57 @@ class Rests:
         frequency = float(np.max(np.abs(self.eigenvalues)))
         return abs(float(np.max(self.eigenvalues.real))) <= HURWITZ * frequency
 
-    @cached_property
-    def level_sets(self) -> list[LevelSet]:
-        """About every stable one."""
-        sets = (
-            level_set(self.unexcited, y, jacobian, number)
-            for number, (y, jacobian) in enumerate(
-                zip(self.solutions, self.jacobians, strict=True), start=1
-            )
-        )
-        return [levels for levels in sets if levels is not None]
+
+def rests_at(system: System, requests: Sequence[Request]) -> list[Rests]:
+    """What there is to come to rest at, at several points."""
+    state, solutions = rests(system, requests)
+    counts = np.array([len(some) for some in solutions])
+    owners = np.repeat(np.arange(len(counts)), counts)
+    y = np.array([one for some in solutions for one in some]).reshape(-1, len(system.state_names))
+    numbers = 1 + np.arange(len(owners)) - (np.cumsum(counts) - counts)[owners]
+    at, first = state[owners], numbers == 1
+    jacobians = free_jacobian(at, y)
+    eigenvalues = np.linalg.eigvals(jacobians[first]).astype(complex)
+    periods = _longest_periods(eigenvalues)
+    spectra = dict(zip(owners[first].tolist(), eigenvalues, strict=True))
+    spans = dict(zip(owners[first].tolist(), periods, strict=True))
+    sets = _level_sets_of(
+        system, requests, solutions, owners, level_sets(at, y, jacobians, numbers)
+    )
+    return [
+        Rests(state[row], some, spectra.get(row), spans.get(row, np.inf), sets[row])
+        for row, some in enumerate(solutions)
+    ]
+
+
+def _longest_periods(eigenvalues: NDArray[np.complex128]) -> list[float]:
+    """The longest natural period of each spectrum, s; infinite where nothing oscillates."""
+    turning = np.abs(eigenvalues.imag)
+    slowest = np.min(np.where(turning > 0.0, turning, np.inf), axis=-1, initial=np.inf)
+    return [float(2 * np.pi / speed) or np.inf for speed in slowest.tolist()]
+
+
+def _level_sets_of(
+    system: System,
+    requests: Sequence[Request],
+    solutions: list[list[Vector]],
+    owners: NDArray[np.intp],
+    found: tuple[NDArray[np.intp], LevelSet],
+) -> list[list[LevelSet]]:
+    """The level sets of each point, with their margins where a start is known."""
+    rows, levels = found
+    sets: list[list[LevelSet]] = [[] for _ in requests]
+    there = owners[rows].tolist()
+    starts = [(requests[point].start, solutions[point][0]) for point in there]
+    unknown = np.full(len(system.state_names), np.nan)
+    states = [
+        unknown if start is None else start_state(system, start, first) for start, first in starts
+    ]
+    if there:
+        levels = levels.asked_of(np.array(states))
+    for row, point in enumerate(there):
+        sets[point].append(levels[row])
+    return sets
 
 
 class _Response:
@@ -187,13 +220,11 @@ class _Response:
     def __init__(self, system: System, request: Request, rests: Rests, motion: Motion) -> None:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
+        self.ways = rests.unexcited.parameters[-1 - system.n_contacts : -1]
         self.rests, self.motion = rests, motion
         self.initial = initial_state(motion)
         self.excitation = self.problem.excitation
         self.patience = self._patience()
-        ways = rests.unexcited.parameters[-1 - system.n_contacts : -1]
-        self.watch = watch_over(motion, ways, self.excitation, self.patience)
-        self.watch.early_passages = PASSAGES * len(motion.y)
         self.section = self.problem.section
         names = self.system.state_names
         self.observed = names.index(self.settings["observe"] or names[0])
@@ -218,15 +249,22 @@ class _Response:
         return max(spans)
 
     @cached_property
+    def watch(self) -> Watch:
+        """What the motion is followed by; few that come to rest at once need it."""
+        watch = watch_over(self.motion, self.ways, self.excitation, self.patience)
+        watch.early_passages = PASSAGES * len(self.motion.y)
+        return watch
+
+    @cached_property
     def descents(self) -> list[Descent]:
         """Slides down to the stable equilibria, of which an excitation leaves nothing but those
         that do not feel it."""
         parameters = self.problem.parameters
-        return [
-            Descent(target)
-            for target in self.rests.level_sets
-            if self.excitation is None or slides_freely(self.system, parameters, target)
-        ]
+        targets = self.rests.level_sets
+        if self.excitation is not None:
+            felt = [under_excitation(self.system, parameters, target) for target in targets]
+            targets = [target for target in felt if target is not None]
+        return [Descent(target) for target in targets]
 
     # --- the course of a run ----------------------------------------------------------------------
     def outcome(self) -> Outcome:
@@ -295,16 +333,17 @@ class _Response:
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        return self._all_contacts(SLIP) and bool((self.motion.slip_signs == self.watch.ways).all())
+        return self._all_slide() and bool((self.motion.slip_signs == self.ways).all())
 
-    def _all_contacts(self, kind: int) -> bool:
-        """Whether every contact is of this kind."""
-        return all(own == kind for own in self.motion.kinds.tolist())
+    def _all_slide(self) -> bool:
+        """Whether every contact slips, stops open."""
+        frame = self.motion.frame
+        return bool((frame.kinds == frame.sliding_kinds).all())
 
     def _is_quiet(self) -> bool:
         """Whether all contacts have slipped long enough without an event."""
         waited = self.motion.time - self.watch.last_event >= self.patience * ALMOST
-        return waited and self._all_contacts(SLIP)
+        return waited and self._all_slide()
 
     @property
     def _times(self) -> Vector:
@@ -332,19 +371,20 @@ class _Response:
         if not self.motion.started:
             return None
         if self._is_sliding():
+            for descent in self.descents:
+                margin = descent.margin(self.motion.time, self.motion.y)
+                if not math.isnan(margin):
+                    return self._at_equilibrium(descent.target, margin)
             if not self.watch.knows_slides:
                 slides = [descent.slide.address for descent in self.descents]
                 self.watch.show("slides", np.array(slides, np.int64))
                 self.watch.knows_slides = 1
-            for descent in self.descents:
-                margin = descent.margin(self.motion.time, self.motion.y)
-                if not np.isnan(margin):
-                    return self._at_equilibrium(descent.target, margin)
         return self._stuck()
 
     def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
         outcome = self._resting_values(target.equilibrium)
-        reached = {"equilibrium_index": target.number, "L_s_reference_index": target.number}
+        number = int(target.number)
+        reached = {"equilibrium_index": number, "L_s_reference_index": number}
         outcome.values |= reached | {"L_s": 0.0, "decay_margin": margin}
         return outcome
 
@@ -352,7 +392,9 @@ class _Response:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
         if self.excitation is not None or np.any(self.motion.rates() != 0.0):
             return None
-        if not (self._all_contacts(STICK) or self._is_held()):
+        frame = self.motion.frame
+        all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
+        if not (all_stick or self._is_held()):
             return None
         outcome = self._resting_values(self.motion.y)
         outcome.values["decay_margin"] = 1.0
@@ -360,7 +402,7 @@ class _Response:
         return outcome
 
     def _is_held(self) -> bool:
-        """Whether sticking contacts determine every velocity, whatever the others do.
+        """Whether sticking contacts and stops determine every velocity, whatever the others do.
 
         Where they leave one free, a motion may stand still on the border between two basins.
         """

@@ -24,7 +24,7 @@ from fiv_cli.analyses.attractor.settling import (
     grow_scales,
     period_among,
 )
-from fiv_cli.codegen.codes import SLIP, STICK
+from fiv_cli.codegen.codes import STICK
 from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.memory import (
     FixedFloat,
@@ -45,8 +45,8 @@ from fiv_cli.dynamics.kernel import (
     SECTION_PHASE,
     STEP_BUDGET,
     Run,
+    holds,
     state_index,
-    sticks,
 )
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import Vector
@@ -214,10 +214,10 @@ def repeats(watch: Watch, run: Run) -> bool:
 
 
 @native
-def are_all(run: Run, kind: int) -> bool:
-    """Whether every contact is of this kind."""
+def all_slide(run: Run) -> bool:
+    """Whether every contact slips, stops open."""
     for i in range(run.n_contacts):
-        if run.kinds[i] != kind:
+        if run.kinds[i] != run.sliding_kinds[i]:
             return False
     return True
 
@@ -228,7 +228,7 @@ def slides(watch: Watch, run: Run) -> bool:
     for i in range(run.n_contacts):
         if run.slip_signs[i] != watch.ways[i]:
             return False
-    return are_all(run, SLIP)
+    return all_slide(run)
 
 
 @native
@@ -243,8 +243,8 @@ def comes_down(watch: Watch, run: Run) -> bool:
 
 @native
 def is_stuck(watch: Watch, run: Run) -> bool:
-    """Whether a contact sticks and nothing moves."""
-    if watch.excitation > 0.0 or not sticks(run):
+    """Whether something holds and nothing moves."""
+    if watch.excitation > 0.0 or not holds(run):
         return False
     n, index = run.n_states, state_index(run.kinds, run.n_contacts)
     call_generated(run.field[index], run.coefficients, run.time, run.y, run.outputs)
@@ -268,7 +268,7 @@ def waits(watch: Watch, run: Run) -> bool:
     since = watch.last_point if watch.excitation > 0.0 else watch.last_event
     if watch.is_paced == 0 or watch.asks_waiting == 0 or run.time - since < watch.patience * ALMOST:
         return False
-    if watch.excitation == 0.0 and not are_all(run, SLIP):
+    if watch.excitation == 0.0 and not all_slide(run):
         return False
     watch.has_waited, watch.last_point = 1, run.time
     return True

@@ -67,10 +67,7 @@ class Problem:
     @cached_property
     def excitation(self) -> float | None:
         """Period of the excitation, s; None without one."""
-        forcing = self.system.setup.model.active_forcing(self.parameters)
-        if forcing is None:
-            return None
-        return 2 * np.pi / abs(forcing.frequency(self.system.known(self.parameters)))
+        return self.system.setup.model.excitation_period(self.system.known(self.parameters))
 
     def changed(self, varied: Varied, value: float) -> Problem:
         """The same with one parameter, and what follows it, at another value (SI)."""

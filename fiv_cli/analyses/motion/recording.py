@@ -19,7 +19,6 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.rest.surface import Place, weights
-from fiv_cli.codegen.codes import CODE_NAMES
 from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 
@@ -47,8 +46,8 @@ def record(system: System, request: Request) -> Outcome:
     outcome.values |= initial | trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger.times,
-        "event_from": [CODE_NAMES[code] for code in ledger.before.tolist()],
-        "event_to": [CODE_NAMES[code] for code in ledger.after.tolist()],
+        "event_from": ledger.before,
+        "event_to": ledger.after,
         "event_contact": ledger.contacts + 1,
         "event_residual": ledger.residuals,
     }

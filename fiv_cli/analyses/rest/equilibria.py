@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.codegen.codes import GAP
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics.arrays import BOUND
@@ -51,7 +52,7 @@ class Sliding:
     system : the compiled system
     parameters : parameter vector with slip signs; shape (..., n_parameters)
     coefficients : generated coefficients; shape (..., n_coefficients)
-    index : contact state "all slip"
+    index : contact state "all slip", stops open
     moving : whether every contact has slip velocity at rest, as a sliding equilibrium needs
     """
 
@@ -148,7 +149,8 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     unexcited = system.setup.model.unexcited
     vectors = np.array([system.parameter_vector(unexcited(point)) for point in points])
     coefficients = system.coefficients(vectors)
-    state = Sliding(system, vectors, coefficients, 0, np.ones(len(points), bool))
+    index = system.sliding_index
+    state = Sliding(system, vectors, coefficients, index, np.ones(len(points), bool))
     at_rest = np.zeros((len(points), len(system.state_names)))
     velocities = state.contact_forces(at_rest)[..., 2]
     moving = ((velocities != 0.0) | np.array(system.generated.smooth)).all(axis=-1)
@@ -157,7 +159,7 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
         first = vectors.shape[-1] - 1 - system.n_contacts
         vectors[:, first:-1] = np.where(velocities < 0.0, -1.0, 1.0)
         coefficients = system.coefficients(vectors)
-    return Sliding(system, vectors, coefficients, 0, moving)
+    return Sliding(system, vectors, coefficients, index, moving)
 
 
 @dataclass(frozen=True)
@@ -275,10 +277,12 @@ def why_none(state: Sliding) -> str:
 
 
 def _is_held(points: Sliding, y: Vector) -> NDArray[np.bool_]:
-    """Whether no unilateral contact has to pull, at each point."""
-    normal = points.contact_forces(y)[..., 0]
-    held: NDArray[np.bool_] = ((normal >= 0.0) | np.array(points.statics.bilateral)).all(axis=-1)
-    return held
+    """Whether no unilateral contact has to pull and no stop to give way, at each point."""
+    field, tables = points.field(y), points.system.tables
+    closed = (field.contacts[..., 0] >= 0.0) | np.array(points.statics.bilateral)
+    kinds = tables.guard_kinds[points.index, : tables.n_guards[points.index]]
+    held: NDArray[np.bool_] = closed.all(axis=-1)
+    return held & (field.switching[..., kinds == GAP] >= 0.0).all(axis=-1)
 
 
 # --- by one polynomial ----------------------------------------------------------------------------

@@ -218,7 +218,7 @@ def _correction(jacobians: Real, values: Complex, vectors: Complex) -> Complex:
     """
     m = values.shape[-1] // 2
     stiffness, damping = -jacobians[:, m:, :m], -jacobians[:, m:, m:]
-    left = _inverted(vectors)[..., m:]
+    left = inverted(vectors)[..., m:]
     shapes, by_mode = vectors[:, :m], values[:, None, :]
     residual = shapes * by_mode**2 + (damping @ shapes) * by_mode + stiffness @ shapes
     step = -np.einsum("nim,nmi->ni", left, residual)
@@ -226,13 +226,13 @@ def _correction(jacobians: Real, values: Complex, vectors: Complex) -> Complex:
     return result
 
 
-def _inverted(matrices: Complex) -> Complex:
+def inverted(matrices: Complex) -> Complex:
     """Inverses; NaN of the singular ones."""
     with suppress(np.linalg.LinAlgError):
         return np.linalg.inv(matrices).astype(complex, copy=False)
     if len(matrices) == 1:
         return np.full(matrices.shape, complex(np.nan, np.nan))
-    return np.concatenate([_inverted(matrices[row : row + 1]) for row in range(len(matrices))])
+    return np.concatenate([inverted(matrices[row : row + 1]) for row in range(len(matrices))])
 
 
 def stability(values: Complex) -> str:

@@ -1,0 +1,28 @@
+"""Where a model or a law stands that is not in the box."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The text of models and laws from outside.
+
+    Attributes
+    ----------
+    path : the file, as given; of an installed package its name and version
+    text : what stood there when it was read
+    entry : ``module:name`` that an installed package offers; empty: `text` is the file itself
+    """
+
+    path: str
+    text: str
+    entry: str = ""
+
+    @cached_property
+    def digest(self) -> str:
+        """What tells texts apart, 64 hexadecimal digits."""
+        return sha256(self.text.encode()).hexdigest()

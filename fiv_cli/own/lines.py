@@ -1,0 +1,90 @@
+"""On which line of a file of models something stands."""
+
+from __future__ import annotations
+
+import ast
+import re
+import traceback
+from collections.abc import Iterator
+
+from fiv_cli.errors import Problem
+
+_LACKS = re.compile(r"(?:\w+\.)?(\w+?)(?:\.__init__)?\(\) missing \d+ .*? arguments?: (.*)")
+
+
+class Lines:
+    """The lines of a text, whose form may be none."""
+
+    def __init__(self, text: str) -> None:
+        try:
+            tree: ast.AST = ast.parse(text)
+        except (SyntaxError, ValueError, RecursionError):
+            tree = ast.Module([], [])
+        self._nodes = list(ast.walk(tree))
+
+    def of(self, call: str, key: str | int = 0, keyword: str = "") -> int | None:
+        """The line of ``call(key, ...)``, or of what it is given as `keyword`.
+
+        Parameters
+        ----------
+        key : the first argument, or ``name=``; a number: which of the calls, from 0
+        """
+        calls = sorted(self._calls(call), key=lambda node: node.lineno)
+        if isinstance(key, str):
+            calls = [node for node in calls if key in _named(node)]
+        elif calls:
+            calls = [calls[min(key, len(calls) - 1)]]
+        for node in calls[:1]:
+            given = (k.value.lineno for k in node.keywords if k.arg == keyword)
+            return next(given, node.lineno)
+        return None
+
+    def of_text(self, text: str) -> int | None:
+        """The first line on which a text constant stands."""
+        constants = (node for node in self._nodes if isinstance(node, ast.Constant))
+        return min((node.lineno for node in constants if node.value == text), default=None)
+
+    def imports(self) -> Iterator[tuple[str, int]]:
+        """(package, line) of everything that is imported."""
+        for node in self._nodes:
+            if isinstance(node, ast.Import):
+                yield from ((alias.name.partition(".")[0], node.lineno) for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                yield (node.module or "").partition(".")[0], node.lineno
+
+    def problem(self, error: BaseException, path: str) -> Problem:
+        """What an exception says that came out of the file, with the line that raised it."""
+        if isinstance(error, SyntaxError) and error.filename == path:
+            return Problem("syntax", error.msg, line=error.lineno, column=error.offset)
+        frames = traceback.extract_tb(error.__traceback__)
+        line = next((f.lineno for f in reversed(frames) if f.filename == path), None)
+        place = next((f.name for f in reversed(frames) if f.filename == path), "file")
+        return Problem(place.strip("<>"), _said(error), line=line)
+
+    def _calls(self, name: str) -> Iterator[ast.Call]:
+        for node in self._nodes:
+            if isinstance(node, ast.Call):
+                called = getattr(node.func, "id", getattr(node.func, "attr", ""))
+                if called == name:
+                    yield node
+
+
+def _named(call: ast.Call) -> set[object]:
+    """What the first argument or ``name=`` of a call is."""
+    given = [*call.args[:1], *(k.value for k in call.keywords if k.arg == "name")]
+    return {node.value for node in given if isinstance(node, ast.Constant)}
+
+
+def _said(error: BaseException) -> str:
+    """An exception in words."""
+    lacks = _LACKS.fullmatch(str(error)) if isinstance(error, TypeError) else None
+    if lacks is not None:
+        return f"{lacks[1]} is not given {lacks[2]}".replace("'", "")
+    if isinstance(error, KeyError):
+        return f"there is no {error}"
+    first = str(error).partition("\nnext:")[0]
+    return first if type(error).__module__.startswith("fiv_cli") else _spoken(error, first)
+
+
+def _spoken(error: BaseException, text: str) -> str:
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

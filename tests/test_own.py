@@ -1,0 +1,238 @@
+"""Models and laws from outside: known where they are named, refused with the line otherwise."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from own_models import CASE, MODEL
+
+from fiv_cli import api
+from fiv_cli.case.identity import fingerprint
+from fiv_cli.cli.main import run
+from fiv_cli.errors import ModelFileError, StoreMismatchError
+from fiv_cli.friction import all_laws
+from fiv_cli.models import all_models
+from fiv_cli.models.origin import Origin
+from fiv_cli.own import load
+from fiv_cli.own.check import problems_of
+from fiv_cli.own.probe import examine, use_files
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import for_stderr
+from fiv_cli.sweep.run import run_case
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_left(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("my.py").write_text(MODEL)
+    Path("case.toml").write_text(CASE)
+    yield
+    use_files(())
+
+
+def mistaken(*changes: tuple[str, str], folder: str = ".") -> ModelFileError:
+    """What is said of the model with these changes."""
+    text = MODEL
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path = Path(folder) / "my.py"
+    path.write_text(text)
+    with pytest.raises(ModelFileError) as caught:
+        use_files([path])
+    return caught.value
+
+
+def line_of(error: ModelFileError, part: str) -> None:
+    """The first problem is told on the line on which `part` stands."""
+    line = error.problems[0].line
+    text = Path(error.source).read_text().splitlines()
+    assert line is not None and part in text[line - 1], error
+    assert f"{error.source}:{line}" in str(error)
+
+
+# --- what is right --------------------------------------------------------------------------------
+def test_the_models_and_laws_in_the_box_pass_what_strangers_must():
+    quick = [model for model in all_models().values() if "disc" not in model.name]
+    for thing in [*quick, *all_laws().values()]:
+        assert problems_of(thing, Origin("box", "")) == []
+
+
+def test_a_model_of_ones_own_is_listed_run_and_told_with_its_text(capsys):
+    assert run(["models", "my-belt", "--with", "my.py"]) == 0
+    assert "k*x^2/2 + k3*x^4/4" in capsys.readouterr().out
+    assert run(["run", "case.toml", "--with", "my.py", "-q", "-o", "a.nc"]) == 0
+    (stored,) = json.loads(api.read("a.nc").attrs["own_json"]).values()
+    assert stored["text"] == MODEL and stored["holds"] == ["my-belt"]
+    assert run(["new", "my-belt", "--with", "my.py"]) == 0
+    assert 'law = "coulomb"' in capsys.readouterr().out
+    assert "my-belt" not in all_models()
+
+
+def test_a_case_alone_runs_no_code_and_says_what_to_type(capsys):
+    Path("my.py").write_text("open('was_run', 'w')\n" + MODEL)
+    assert run(["check", "case.toml"]) == 3
+    assert "fiv run case.toml --with my.py" in capsys.readouterr().err
+    assert not Path("was_run").exists()
+
+
+def test_a_folder_stands_for_its_files_and_the_environment_for_the_option(monkeypatch, capsys):
+    Path("models").mkdir()
+    Path("models/one.py").write_text(MODEL)
+    Path("models/two.py").write_text(MODEL.replace("my-", "your-"))
+    monkeypatch.setenv("FIV_WITH", "models")
+    assert run(["models", "--json"]) == 0
+    names = [model["name"] for model in json.loads(capsys.readouterr().out)["models"]]
+    assert {"my-belt", "your-belt"} <= {*names}
+
+
+def test_workers_load_the_text_that_was_read_not_the_file():
+    case = api.load("case.toml", using="my.py")
+    Path("my.py").unlink()
+    policy = Policy(workers=2, chunk_points=1, in_process_below=0.0)
+    run_case(case, Path("two.nc"), policy, for_stderr(quiet=True))
+    run_case(case, Path("one.nc"), Policy(workers=1), for_stderr(quiet=True))
+    assert api.read("two.nc").identical(api.read("one.nc"))
+
+
+# --- what was edited ------------------------------------------------------------------------------
+def test_an_edited_model_meets_neither_old_results_nor_old_code():
+    case = api.load("case.toml", using="my.py")
+    before = api.run(case, "a.nc", workers=1)
+    Path("my.py").write_text(MODEL.replace('p("k3") * x**3', '2 * p("k3") * x**3').replace(
+        '* x**4 / 4', '* x**4 / 2'))  # fmt: skip
+    edited = api.load("case.toml", using="my.py")
+    assert fingerprint(edited) != fingerprint(case)
+    with pytest.raises(StoreMismatchError, match="another case"):
+        api.run(edited, "a.nc", workers=1)
+    Path("a.nc").unlink()
+    with pytest.raises(StoreMismatchError, match=r"own\.my-belt"):
+        api.run(edited, "a.nc", workers=1)
+    after = api.run(edited, "a.nc", workers=1, fresh=True)
+    assert (after["x_max"] < before["x_max"]).all()
+    again = api.run(case, workers=1)  # a case is what it was loaded as
+    assert again["x_max"].equals(before["x_max"])
+
+
+def test_a_law_on_an_axis_is_known_by_its_text_too():
+    text = CASE.replace("[grid]", '[grid]\nfriction = ["coulomb", "my-law"]')
+    Path("case.toml").write_text(text)
+    before = api.run(api.load("case.toml", using="my.py"), "a.nc", workers=1)
+    Path("laws.py").write_text(MODEL[: MODEL.index("MODEL = ")] + MODEL[MODEL.index("LAW = ") :])
+    Path("model.py").write_text(MODEL[: MODEL.index("LAW = ")])
+    both = api.load("case.toml", using=["model.py", "laws.py"])
+    api.run(both, "b.nc", workers=1)
+    Path("laws.py").write_text(Path("laws.py").read_text().replace("0.4", "0.3"))
+    edited = api.load("case.toml", using=["model.py", "laws.py"])
+    after = api.run(edited, "b.nc", workers=1)  # only the points under that law are run again
+    coulomb, mine = ({"friction": name} for name in ("coulomb", "my-law"))
+    assert after["x_max"].sel(coulomb).equals(before["x_max"].sel(coulomb))
+    assert not after["x_max"].sel(mine).equals(before["x_max"].sel(mine))
+
+
+# --- what is wrong --------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("changes", "part", "said"),
+    [
+        ([("MODEL = Model(", "MODEL = Model((")], "Model((", "never closed|was not closed"),
+        ([("        kinetic_energy=p(\"m\") * x_dot**2 / 2,\n", "")], "Equations(",
+         "not given kinetic_energy"),
+        ([("p(\"m\") * x_dot**2 / 2", "0 * x")], "kinetic_energy", "x_dot"),
+        ([(" + p(\"k3\") * x**4 / 4", "")], "potential_energy", r"k3\*x\*\*3\*x_dot"),
+        ([('"N m-3"', '"N m-2"')], '"k3"', "with another unit of k3"),
+        ([('"N m-1"', '"N/mm"')], '"k"', "not in SI"),
+        ([('"N m-1"', '"Newton"')], '"k"', "unknown unit"),
+        ([('"kg", 1.0', '"kg", -1.0')], '"m"', "out of range"),
+        ([('p("k3") * x**3', 'p("k4") * x**3')], "accelerations", "parameter 'k4'"),
+        ([('"x", p("N"))', '"x", p("N") * symbols.normal_force(0))')], "p(\"N\")",
+         "depends on the force"),
+        ([("p(\"v\") - x_dot", "x_dot - p(\"v\")")], "Contact(", "drives its slip"),
+        ([("slip.speed**2)", "slip.speed**2 + slip.states['x'])")], "force=", "there is no 'x'"),
+        ([('name="my-belt"', 'name="belt-1dof"')], 'name="belt-1dof"', "comes with fiv"),
+        ([('default_law="coulomb"', 'default_law="culomb"')], "default_law", "coulomb"),
+        ([("PARAMETERS = (", "import own_models\nPARAMETERS = (")], "import own_models",
+         "does not follow"),
+        ([('"""A mass', 'raise SystemExit(0)\n"""A mass')], "SystemExit", "SystemExit"),
+    ],
+    ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
+         "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
+         "companion", "exit"],
+)  # fmt: skip
+def test_a_mistake_is_told_with_its_line(changes, part, said):
+    error = mistaken(*changes)
+    assert re.search(said, str(error)), error
+    line_of(error, part)
+    assert error.exit_code == 3
+
+
+def test_two_contacts_solved_for_one_coordinate_are_refused_where_the_second_stands():
+    contact = 'contacts=(Contact(p("v") - x_dot, "x", p("N")),),'
+    second = (
+        'contacts=(Contact(p("v") - x_dot, "x", p("N")),\n Contact(-y_dot - x_dot, "x", p("N"))),'
+    )
+    error = mistaken(
+        (contact, second),
+        ("    spring =", '    y_dot = symbols.velocity("y")\n    spring ='),
+        (' / p("m")}', ' / p("m"), "y": symbols.tangential_force(1) / p("m")}'),
+        ("x_dot**2 / 2", "(x_dot**2 + y_dot**2) / 2"),
+        ('"displacement"),)', '"displacement"), State("y", "y", "m", "sideways"))'),
+        ("    constant_load=True,\n", "    constant_load=True,\n    contacts=2,\n"),
+    )
+    assert "contacts 1 and 2 are both solved for 'x'" in str(error)
+    line_of(error, "-y_dot - x_dot")
+
+
+@pytest.mark.parametrize("hang", ["while True:\n    pass", "sum(range(10**15))"])
+def test_what_does_not_end_is_stopped_on_its_line(hang):
+    text = f"{hang}\n{MODEL}"
+    with pytest.raises(ModelFileError) as caught:
+        examine([Origin("endless.py", text)], limit=1.0)
+    (problem,) = caught.value.problems
+    assert "1 s" in problem.message and problem.line in (1, 2)
+
+
+def test_two_files_may_not_hold_one_name():
+    Path("other.py").write_text(MODEL)
+    with pytest.raises(ModelFileError, match=r"stands in my\.py"):
+        use_files([Path("my.py"), Path("other.py")])
+
+
+def test_what_is_no_model_file_is_said_in_one_line(capsys):
+    Path("empty.py").write_text("")
+    assert run(["models", "--with", "empty.py"]) == 3
+    assert run(["models", "--with", "nowhere.py"]) == 2
+    assert "fiv new-model NAME" in capsys.readouterr().err
+
+
+# --- installed packages ---------------------------------------------------------------------------
+def test_an_installed_package_is_known_when_it_is_named(monkeypatch, capsys):
+    Path("somebodys.py").write_text(MODEL)
+    monkeypatch.syspath_prepend(".")
+    entry = SimpleNamespace(
+        module="somebodys", value="somebodys:MODEL", dist=SimpleNamespace(name="s", version="1")
+    )
+    asked = {"fiv.models": [entry], "fiv.laws": []}
+    monkeypatch.setattr(load, "entry_points", lambda group: asked[group])
+    case = api.load("case.toml")
+    found = api.run(case, workers=1)
+    assert "s 1 (somebodys:MODEL)" in json.loads(found.attrs["own_json"])
+    assert run(["models", "my-belt"]) == 0
+
+
+# --- what it costs --------------------------------------------------------------------------------
+def test_models_of_the_box_load_nothing_that_checks():
+    program = (
+        "from fiv_cli import api\n"
+        "case = {'schema': 1, 'model': {'name': 'belt-1dof'}, 'analysis': [{'kind': 'response'}]}\n"
+        "api.run(api.load(case), workers=1)\n"
+        "import sys; names = [name.split('fiv_cli.own.') for name in sys.modules]\n"
+        "print(sorted(name[1] for name in names if len(name) > 1))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.strip() == "['lines', 'load']"

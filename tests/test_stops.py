@@ -1,0 +1,164 @@
+"""Frictionless stops with restitution; contacts with a law and coefficients of their own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import booked, by_both, ledger, motion
+from scipy.optimize import fsolve
+from small_models import ON_TWO_BELTS, SMALL, _coordinates, _parameters
+
+from fiv_cli import api
+from fiv_cli.codegen.codes import (
+    CODE_SEPARATION,
+    CODE_SLIP_MINUS,
+    CODE_SLIP_PLUS,
+    SEPARATION,
+    SLIP,
+    STICK,
+)
+from fiv_cli.errors import UsageError
+from fiv_cli.models.base import Contact, Equations, Forcing, Options, stop
+
+CLOSED = (CODE_SLIP_PLUS, CODE_SLIP_MINUS)
+
+
+def _stopped(symbols: Any, options: Options) -> Equations:
+    """m x'' = F_T - c x' - k x + A cos(omega t) - F_1 + F_2: a mass on a belt between two stops."""
+    import sympy
+
+    p = symbols.parameter
+    x, x_dot = symbols.coordinate("x"), symbols.velocity("x")
+    friction, push = symbols.tangential_force(0), p("A") * sympy.cos(p("omega") * symbols.time)
+    stops = symbols.normal_force(2) - symbols.normal_force(1)
+    free = push + p("G") - p("c") * x_dot - p("k") * x
+    return Equations(
+        accelerations={"x": (friction + stops + free) / p("m")},
+        contacts=(
+            Contact(slip_velocity=p("v") - x_dot, slip_coordinate="x", normal_force=p("N")),
+            stop(p("ahead") - x, "x", restitution=p("e")),
+            stop(x + p("behind"), "x", restitution=p("e")),
+        ),
+        kinetic_energy=p("m") * x_dot**2 / 2,
+        potential_energy=p("k") * x**2 / 2 - p("G") * x,
+    )
+
+
+STOPPED = replace(
+    SMALL,
+    name="stopped",
+    title="a mass on a belt between two stops",
+    parameters=_parameters(
+        m=1.0, c=0.0, k=1.0, G=0.0, A=0.0, omega=2.0, N=10.0, v=1.0, ahead=1.0, behind=9.0, e=0.5
+    ),
+    states=lambda options: _coordinates("x"),
+    equations=_stopped,
+    contacts=3,
+    forcings=(Forcing("A", lambda p: p["omega"], "harmonic force"),),
+)
+FREE = {"N": 0.0, "mu_k": 0.0, "mu_s": 0.0}
+
+
+def test_impacts_that_pile_up_end_at_the_instant_of_their_closed_form() -> None:
+    """A mass falls with G = 2 through h = 1: it lies still from t_1 + 2 t_1 e / (1 - e) on."""
+    begun = motion(STOPPED, k=0.0, G=2.0, e=0.5, **FREE)
+    assert booked(begun, 20.0).residual < 1e-12
+    rows = ledger(begun)
+    hits = rows[rows[:, 3] == 1]
+    flights = 2.0 * 0.5 ** np.arange(1, 30)
+    np.testing.assert_allclose(hits[:30, 0], 1.0 + np.concatenate([[0.0], flights.cumsum()]))
+    assert hits[-1, 0] == pytest.approx(3.0, abs=1e-12)
+    assert hits[-1, 1] == CODE_SEPARATION and hits[-1, 2] in CLOSED
+    assert begun.y.tolist() == [1.0, 0.0] and begun.kinds.tolist() == [SLIP, SLIP, SEPARATION]
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
+def test_an_impact_gives_back_its_share_of_the_speed(e: float) -> None:
+    begun = motion(STOPPED, start={"x_dot": 3.0}, k=0.0, e=e, **FREE)
+    moved = booked(begun, 1.0)
+    assert begun.y[1] == pytest.approx(-3.0 * e, rel=1e-14)
+    assert moved.impact == pytest.approx(4.5 * (1.0 - e * e), rel=1e-14)
+
+
+def test_what_sticks_is_torn_off_by_an_impact() -> None:
+    """It moves with the belt, v = 1, meets the stop at t = 1 and slides: x'' = mu_k N - k x."""
+    begun = motion(STOPPED, start={"x_dot": 1.0}, e=0.5, mu_k=0.3, mu_s=0.4)
+    begun.run(0.9)
+    assert begun.kinds[0] == STICK
+    begun.run(1.25)
+    t = 0.25
+    assert begun.kinds.tolist() == [SLIP, SEPARATION, SEPARATION]
+    assert begun.y[0] == pytest.approx(3.0 - 2.0 * np.cos(t) - 0.5 * np.sin(t), rel=1e-13)
+
+
+@pytest.mark.parametrize("omega", [1.8, 2.0])
+def test_the_orbit_of_one_impact_a_period(omega: float) -> None:
+    """x'' + x = A cos(omega t) and a stop at 0 (Shaw & Holmes, J. Sound Vib. 90 (1983) 129)."""
+    e, period, forced = 0.8, 2.0 * np.pi / omega, 1.0 / (1.0 - omega**2)
+
+    def left(unknowns: Any) -> list[float]:
+        phase, a, b, speed = unknowns
+        angles, free = omega * np.array([0.0, period]) + phase, np.array([0.0, period])
+        x = forced * np.cos(angles) + a * np.cos(free) + b * np.sin(free)
+        x_dot = -forced * omega * np.sin(angles) - a * np.sin(free) + b * np.cos(free)
+        return [x[0], x[1], x_dot[0] + e * speed, x_dot[1] - speed]
+
+    *_, speed = fsolve(left, [0.3, 0.1, 0.1, 1.0], xtol=1e-13)
+    given = {"A": 1.0, "omega": omega, "e": e, "ahead": 0.0, **FREE}
+    found = api.analyse(STOPPED, "coulomb", "response", {"x": -0.3}, **given).values
+    assert found["attractor"] == "periodic"
+    assert found["period"] == pytest.approx(period, rel=1e-9)
+    assert found["x_dot_max"] == pytest.approx(speed, rel=1e-9)
+    assert found["x_max"] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_series_and_rk4_meet_the_same_impacts() -> None:
+    given = {"A": 2.0, "e": 0.6, "ahead": 0.5, "behind": 0.4, "mu_k": 0.02, "mu_s": 0.03}
+    by_both(8.0, 1e-3, STOPPED, start={"x": 0.1}, **given)
+
+
+def test_a_belt_pulls_a_mass_against_a_stop() -> None:
+    """Where the sliding equilibrium lies beyond the stop, the mass comes to rest at it."""
+    pulled = {"mu_k": 0.3, "mu_s": 0.4}
+    rest = api.analyse(STOPPED, "coulomb", "equilibrium", ahead=2.0, **pulled)
+    assert (rest.status, rest.reason) == ("failed", "contact_would_pull")
+    held = api.analyse(STOPPED, "coulomb", "response", {"x": 0.0}, ahead=2.0, **pulled)
+    assert (held.values["attractor"], held.values["x_max"]) == ("equilibrium", 2.0)
+    free = api.analyse(STOPPED, "coulomb", "equilibrium", ahead=4.0, **pulled).values
+    assert free["equilibrium"].item() == pytest.approx(3.0, rel=1e-14)
+    np.testing.assert_allclose(free["F_N"], [[10.0, 0.0, 0.0]])
+
+
+def test_each_contact_may_have_its_own_law_and_coefficients() -> None:
+    """Two belts, the second greased: at rest k x = mu_k N_1 + mu N_2 + b V_2."""
+    model = replace(
+        ON_TWO_BELTS,
+        name="greased",
+        parameters=(*ON_TWO_BELTS.parameters, *_parameters(mu=0.1, b=0.25)),
+        equations=partial(_greased, told=("mu_s", "mu_k", "F_V")),
+    )
+    for law, drops in (("coulomb", 0.0), ("lugre", 0.25 * 6.0)):
+        given = {"sigma_2": drops / 6.0} if law == "lugre" else {}
+        found = api.analyse(model, law, "equilibrium", V2=2.0, mu_k=0.3, mu_s=0.3, **given)
+        load = 0.3 * 6.0 + drops + 0.1 * 4.0 + 0.25 * 2.0
+        assert found.values["equilibrium"].item() == pytest.approx(load, rel=1e-12), law
+
+
+def test_a_law_of_a_contact_says_which_of_its_parameters_it_lacks() -> None:
+    told = ("mu_s", "mu_k")
+    model = replace(ON_TWO_BELTS, name="dry", equations=partial(_greased, told=told))
+    with pytest.raises(UsageError, match=r"dry has the law 'viscous' without its F_V\nnext: give"):
+        api.analyse(model, "coulomb", "equilibrium")
+
+
+def _greased(symbols: Any, options: Options, told: tuple[str, ...]) -> Equations:
+    """A mass on two belts; the second has a law of its own, of whose parameters some are told."""
+    p, found = symbols.parameter, ON_TWO_BELTS.equations(symbols, options)
+    dry, greased = found.contacts
+    own = {"mu_s": p("mu"), "mu_k": p("mu"), "F_V": p("b")}
+    given = {name: own[name] for name in told}
+    return replace(found, contacts=(dry, replace(greased, law="viscous", law_parameters=given)))
