@@ -335,6 +335,8 @@ class TwoMasses(Program):
         self.p, self.kinds = dict(parameters), list(kinds)
         self.c2 = 2.0 * self.p["D"] * np.sqrt(self.p["m2"] * self.p["k2"])
         self.c1 = self.p["c1_over_c2"] * self.c2
+        self.loads = self.p["N"], self.p["N2"]
+        self.speeds = self.p["v"], self.p["v2"]
 
     def pulls(self, y: Vector) -> tuple[float, float]:
         """What springs and dampers pull with, against friction (3.13, 3.14; 3.16, 3.17)."""
@@ -343,31 +345,32 @@ class TwoMasses(Program):
         first = (self.c1 + self.c2) * x1_dot - self.c2 * x2_dot + (k1 + k2) * x1 - k2 * x2
         return first, self.c2 * (x2_dot - x1_dot) + k2 * (x2 - x1)
 
-    def friction(self, sign: float, slip: float) -> float:
+    def friction(self, mass: int, sign: float, slip: float) -> float:
         """3.12 with 3.15, continued analytically through zero slip."""
         p = self.p
-        return sign * (p["mu_k"] + (p["mu_s"] - p["mu_k"]) * np.exp(-sign * slip)) * p["N"]
+        falling = (p["mu_s"] - p["mu_k"]) * np.exp(-sign * slip)
+        return sign * (p["mu_k"] + falling) * self.loads[mass]
 
     def begin(self, y: Vector) -> Mode:
         """The combination of states that both contacts are in."""
-        p, masses, kinds = self.p, (self.p["m1"], self.p["m2"]), tuple(self.kinds)
+        masses, kinds = (self.p["m1"], self.p["m2"]), tuple(self.kinds)
+        v, capacities = self.speeds, [self.p["mu_s"] * load for load in self.loads]
 
         def rate(t: float, y: Vector) -> Vector:
             pulls = self.pulls(y)
             a = [
-                (self.friction(kind, p["v"] - y[2 + i]) - pulls[i]) / masses[i] if kind else 0.0
+                (self.friction(i, kind, v[i] - y[2 + i]) - pulls[i]) / masses[i] if kind else 0.0
                 for i, kind in enumerate(kinds)
             ]
             return np.array([y[2], y[3], *a])
 
         guards: dict[str, Guard] = {}
-        capacity = p["mu_s"] * p["N"]
         for i, kind in enumerate(kinds):
             if kind:
-                guards[f"{i} velocity"] = lambda t, y, i=i, kind=kind: kind * (p["v"] - y[2 + i])
+                guards[f"{i} velocity"] = lambda t, y, i=i, kind=kind: kind * (v[i] - y[2 + i])
             else:
-                guards[f"{i} up"] = lambda t, y, i=i: capacity - self.pulls(y)[i]
-                guards[f"{i} down"] = lambda t, y, i=i: capacity + self.pulls(y)[i]
+                guards[f"{i} up"] = lambda t, y, i=i: capacities[i] - self.pulls(y)[i]
+                guards[f"{i} down"] = lambda t, y, i=i: capacities[i] + self.pulls(y)[i]
         return Mode(" ".join(_WORDS[kind] for kind in kinds), rate, guards)
 
     def next_mode(self, hit: str, t: float, y: Vector) -> Mode:
@@ -375,9 +378,9 @@ class TwoMasses(Program):
         contact, what = int(hit[0]), hit[2:]
         self.kinds[contact] = {"up": 1.0, "down": -1.0}.get(what, 0.0)
         if what == "velocity":
-            y[2 + contact] = self.p["v"]
+            y[2 + contact] = self.speeds[contact]
             demand = self.pulls(y)[contact]
-            held = abs(demand) <= self.p["mu_s"] * self.p["N"]
+            held = abs(demand) <= self.p["mu_s"] * self.loads[contact]
             self.kinds[contact] = 0.0 if held else float(np.sign(demand))
         return self.begin(y)
 

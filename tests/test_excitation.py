@@ -249,6 +249,17 @@ def test_a_case_names_its_excitations_and_sweeps_them() -> None:
     np.testing.assert_allclose(found["period_ratio"], np.round(found["period_ratio"]), atol=1e-8)
 
 
+def test_what_takes_the_value_of_what_varies_varies_with_it() -> None:
+    one_belt = CASE.replace("belt-1dof", "belt-2mass").replace("parameters = { c = 0.1 }", "")
+    one_belt = one_belt.replace("x = {", "x1 = {").replace("omega_x", "omega_x1")
+    case = parse_case(one_belt.replace("amplitude = 0.2, ", ""), "two.toml", ())
+    assert "v2(t)" in case.model
+    at = case.parameters_at("stribeck", {"A_v": 0.2})
+    assert (at["v2"], at["A_v2"], at["omega_v2"]) == (1.2, 0.2, 0.7)
+    given = one_belt.replace('name = "belt-2mass"', 'name = "belt-2mass"\nparameters.v2 = 1.0')
+    assert "v2(t)" not in parse_case(given.replace("amplitude = 0.2, ", ""), "two.toml", ()).model
+
+
 @pytest.mark.parametrize(
     ("was", "lines", "path", "words"),
     [

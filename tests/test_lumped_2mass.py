@@ -57,13 +57,22 @@ def joint_states(begun: Motion, before: list[int], count: int) -> list[str]:
 
 
 # --- against an independent program --------------------------------------------------------------
-@pytest.mark.parametrize(("start", "damping"), CASES)
-def test_events_against_an_independent_program(start: Mapping[str, float], damping: float) -> None:
-    begun = masses(start, D=damping)
+@pytest.mark.parametrize(
+    ("start", "changes"),
+    [(start, {"D": damping}) for start, damping in CASES]
+    + [
+        ({"x1": 3.0, "x2": -2.0}, {"D": 0.1, "v": 0.7, "v2": -0.4, "N2": 8.0}),
+        ({"x1": 1.0, "x2": 4.0}, {"D": 0.2, "N": 0.0, "N2": 20.0}),
+    ],
+)
+def test_events_against_an_independent_program(
+    start: Mapping[str, float], changes: Mapping[str, float]
+) -> None:
+    begun = masses(start, **changes)
     before = begun.codes
     assert begun.run(200.0) == Stop.REACHED
     kinds = [SIGNS[code] for code in before]
-    other = TwoMasses(defaults("belt-2mass", "stribeck", D=damping), kinds)
+    other = TwoMasses(defaults("belt-2mass", "stribeck", **changes), kinds)
     state = np.array([start.get(name, 0.0) for name in STATES])
     expected, _ = other.follow(state, 200.0, COMPARED)
     assert joint_states(begun, before, COMPARED) == [event.after for event in expected]

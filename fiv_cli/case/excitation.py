@@ -10,8 +10,8 @@ from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.schedule import may_vary, refuse_sectors
 from fiv_cli.case.structure import CurveTable, ForceTable
-from fiv_cli.models.base import Model, Parameter
-from fiv_cli.models.excitation import BASE, BETWEEN, Term, excited
+from fiv_cli.models.base import Model, Parameter, leaders
+from fiv_cli.models.excitation import BASE, BETWEEN, NAMES, Term, excited
 from fiv_cli.notation.names import ascii_name
 
 
@@ -25,7 +25,7 @@ class _Asked:
 
     def values(self) -> Iterator[tuple[str, object, Path]]:
         """The parameters that it gives, each with what is written, and its place."""
-        for key in self.table.model_fields_set:
+        for key in [key for key in NAMES if key in self.table.model_fields_set]:
             yield self.term.named(key), getattr(self.table, key), (*self.place, key)
 
 
@@ -34,18 +34,35 @@ def with_excitations(form: Form, physics: Physics, report: Report) -> Physics:
     asked = [*_forces(form, physics.model, report), *_variations(form, physics, report)]
     if not asked:
         return physics
-    name = BETWEEN.join([physics.model.name, *(one.term.text for one in asked)])
+    carried = _carried(asked, form, physics)
+    terms = [one.term.text for one in asked] + [term.text for term in carried]
+    name = BETWEEN.join([physics.model.name, *terms])
     found = replace(physics, model=excited(physics.model, name))
-    leaders, fixed = _values(asked, found, form, report)
+    followed, fixed = _values(asked, found, form, report)
     _refuse_what_does_nothing(asked, form, report)
-    name = BETWEEN.join([name, *(f"{one} = {other}" for one, other in leaders.items())])
-    unread = {parameter for one in asked for parameter, _, _ in one.values()} - {*leaders, *fixed}
+    for term, leader in carried.items():
+        followed |= {term.named(key): leader.named(key) for key in ("amplitude", "omega", "phase")}
+    name = BETWEEN.join([name, *(f"{one} = {other}" for one, other in followed.items())])
+    unread = {parameter for one in asked for parameter, _, _ in one.values()} - {*followed, *fixed}
     return replace(
         found,
         model=excited(physics.model, name),
         fixed={**physics.fixed, **fixed},
         unread=physics.unread | unread,
     )
+
+
+def _carried(asked: list[_Asked], form: Form, physics: Physics) -> dict[Term, Term]:
+    """What varies because it takes the value of something that does -> that one's variation."""
+    varied = {one.term.of: one.term for one in asked if one.term.kind == "parameter"}
+    given = {*physics.given, *varied, *(axis.name for axis in form.grid)}
+    table = physics.table()
+    own = {p.name for p in physics.model.parameters}
+    return {
+        Term("parameter", name, "" if name in own else table[name].unit): varied[leader]
+        for name, leader in leaders(table.values(), given).items()
+        if leader in varied
+    }
 
 
 def forced(model: Model) -> dict[str, str]:
@@ -100,33 +117,33 @@ def _values(
     asked: list[_Asked], physics: Physics, form: Form, report: Report
 ) -> tuple[dict[str, str], dict[str, float]]:
     """What the tables give: parameters that follow another, and values in SI."""
-    known, leaders, fixed = physics.table(), dict[str, str](), dict[str, float]()
+    known, followed, fixed = physics.table(), dict[str, str](), dict[str, float]()
     for name, value, place in (one for found in asked for one in found.values()):
         elsewhere = [other for other in form.places_of(name) if other != place]
         if elsewhere:
             shown = ".".join(map(str, elsewhere[0]))
             report.add(place, f"{name} is also given by {shown}", "one of the two")
         elif ascii_name(str(value)) in known and isinstance(value, str):
-            if _agrees(known[name], known[ascii_name(value)], leaders, place, report):
-                leaders[name] = ascii_name(value)
+            if _agrees(known[name], known[ascii_name(value)], followed, place, report):
+                followed[name] = ascii_name(value)
         else:
             named = f", or the name of a parameter in {known[name].unit}"
             with report.noting(place, known[name].allowed + named):
                 fixed[name] = known[name].read(value)
-    return leaders, fixed
+    return followed, fixed
 
 
 def _agrees(
     parameter: Parameter,
     leader: Parameter,
-    leaders: Mapping[str, str],
+    followed: Mapping[str, str],
     place: Path,
     report: Report,
 ) -> bool:
     """Whether one can take the value of the other; notes where it cannot."""
     chain, name = [parameter.name], leader.name
-    while name in leaders and name not in chain:
-        chain, name = [*chain, name], leaders[name]
+    while name in followed and name not in chain:
+        chain, name = [*chain, name], followed[name]
     if name in chain or not parameter.name.startswith(("A_", "omega_", "phase_")):
         report.add(place, f"{parameter.name} cannot follow {leader.name}", parameter.allowed)
         return False
