@@ -12,6 +12,7 @@ import asyncio
 import contextlib
 import logging
 import secrets
+import sys
 import threading
 import time
 from collections.abc import Callable, Collection, Iterator
@@ -206,6 +207,8 @@ def _differences(own: dict[str, str], theirs: dict[str, str] | Exception) -> lis
 
 def _connected(place: str) -> Any:
     """A client of the scheduler at an address or named in a file."""
+    if sys.modules.get("dask", sys) is None:
+        del sys.modules["dask"]  # it was out of sight: see `cli.main`
     try:
         from distributed import Client
     except ImportError:
