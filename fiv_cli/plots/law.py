@@ -64,9 +64,12 @@ def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np
     v = sympy.Symbol("v", real=True)
     sign = int(np.sign(velocity.sum()))
     values = {name: sympy.nsimplify(value) for name, value in parameters.items()}
-    slip = Slip(v, sympy.Integer(sign), sign * v, sympy.Integer(1))
-    evaluate = sympy.lambdify(v, law.sliding(slip, values), "numpy")
-    return np.broadcast_to(np.asarray(evaluate(velocity), dtype=float), velocity.shape)
+    rows = law.row_symbols()
+    slip = Slip(v, sympy.Integer(sign), sign * v, sympy.Integer(1), rows=rows)
+    evaluate = sympy.lambdify([v, rows], law.sliding(slip, values), "numpy")
+    numbers = np.array([law.rows_at(x, parameters) for x in velocity.tolist()])
+    found = evaluate(velocity, np.moveaxis(numbers, 0, -1))
+    return np.broadcast_to(np.asarray(found, dtype=float), velocity.shape)
 
 
 def _scales_with_load(law: Law) -> bool:
@@ -75,7 +78,8 @@ def _scales_with_load(law: Law) -> bool:
 
     load = sympy.Symbol("N", positive=True)
     v = sympy.Symbol("v", positive=True)
-    expression = law.sliding(Slip(v, sympy.Integer(1), v, load), law.defaults)
+    slip = Slip(v, sympy.Integer(1), v, load, rows=law.row_symbols())
+    expression = law.sliding(slip, law.defaults)
     return bool(sympy.sympify(expression).has(load))
 
 
