@@ -491,17 +491,22 @@ def _number(expression: Expr, values: Mapping[Expr, float]) -> float:
     return float(expression.subs(values).evalf())
 
 
+_SLIP = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
+
+
 # --- laws -----------------------------------------------------------------------------------------
 def _forces_of_law(law: Law) -> Iterator[Fault]:
-    names = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
+    names = _SLIP
     states = {state.name: state.unit for state in law.states}
     own = {name: sympy.Symbol(name, real=True) for name in (*names, *states)}
     v, sign, speed, normal = (own[name] for name in names)
-    slip = Slip(v, sign, speed, normal, {name: own[name] for name in states})
+    rows = law.row_symbols()
+    slip = Slip(v, sign, speed, normal, {name: own[name] for name in states}, rows)
     parameters = {p.name: sympy.Symbol(f"p.{p.name}", real=True) for p in law.parameters}
     units: dict[Expr, Dimension | None] = {own[n]: dimension(u) for n, u in names.items()}
     units |= {own[name]: dimension(unit) for name, unit in states.items()}
     units |= {parameters[p.name]: dimension(p.unit) for p in law.parameters}
+    units |= {number: None for row in rows for number in row}
     found = {"force": (law.force(slip, parameters), dimension("N"))}
     if law.capacity is not None:
         found["capacity"] = (law.capacity(slip.N, parameters), dimension("N"))
