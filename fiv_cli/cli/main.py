@@ -65,8 +65,8 @@ Exit codes:
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
   3  an input file is invalid        8  points are still to run (status --exit-code)
-  4  points failed or ran out of     129 SIGHUP    130 Ctrl-C    143 SIGTERM
-     budget
+  4  points failed or ran out of     9  a cluster is out of reach (run --cluster)
+     budget                          129 SIGHUP    130 Ctrl-C    143 SIGTERM
 
 \b
 Every option has a twin in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
@@ -140,6 +140,7 @@ def cli() -> None:
 def main() -> NoReturn:
     """The console script."""
     ending.take_over()
+    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # or xarray imports it
     try:
         code = run(sys.argv[1:])
     except (ending.Ended, OSError) as error:  # the latter: a terminal that is gone
