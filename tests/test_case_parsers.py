@@ -313,4 +313,4 @@ class TestNames:
             for law in laws_of(model):
                 assert not own & {parameter.name for parameter in get_law(law).parameters}
                 states = {state.name for state in model.states(model.default_options())}
-                assert not states & get_law(law).states.keys()
+                assert not states & {state.name for state in get_law(law).states}

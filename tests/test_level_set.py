@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from motions import defaults, system
 from small_models import DOUBLE_WELL
 
+from fiv_cli.analyses.attractor import descent as descent_kernels
 from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN
 from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, under_excitation
@@ -51,7 +52,8 @@ def test_a_level_below_one_meets_no_surface_and_the_bound_is_close(x: float, x_d
     state = target.equilibrium + np.array([x, x_dot])
     level = target.level(target.amplitudes(state))
     assert level == pytest.approx(hypot(x, x_dot), rel=1e-5, abs=1e-9)
-    margin = target.margin(state)
+    (margin,) = target[None].margins(state[None])
+    assert margin == pytest.approx(Descent(target).margin(0.0, state), nan_ok=True)
     assert np.isnan(margin) == (level >= 1.0) or level == pytest.approx(1.0, abs=1e-9)
     settings = {"t_end": 7.0, "sample": 7.0}
     start = dict(zip(("x", "x_dot"), state, strict=True))
@@ -117,6 +119,12 @@ def test_sliding_with_a_stribeck_law_is_linear_only_near_its_equilibrium() -> No
     assert target is not None
     parts = [target.nonlinearity(np.full(2, size)) for size in (1e-1, 1e-2, 1e-3)]
     assert parts[0] > 5.0 * parts[1] > 25.0 * parts[2]
+    descent = Descent(target)
+    for size in (1e-1, 1e-2, 1e-3):
+        state = target.equilibrium + size
+        descent.margin(0.0, state)
+        expected = target.nonlinearity(target.amplitudes(state))
+        assert descent_kernels.nonlinearity(descent.slide) == pytest.approx(expected, rel=1e-6)
     assert about_the_belt().nonlinearity(np.full(2, 1.0)) < 1e-9
 
 

@@ -13,6 +13,7 @@ from scipy.optimize import fsolve
 from small_models import ON_TWO_BELTS, SMALL, _coordinates, _parameters
 
 from fiv_cli import api
+from fiv_cli.cli.equations import equation_lines
 from fiv_cli.codegen.codes import (
     CODE_SEPARATION,
     CODE_SLIP_MINUS,
@@ -114,6 +115,15 @@ def test_the_orbit_of_one_impact_a_period(omega: float) -> None:
     assert found["period"] == pytest.approx(period, rel=1e-9)
     assert found["x_dot_max"] == pytest.approx(speed, rel=1e-9)
     assert found["x_max"] == pytest.approx(0.0, abs=1e-15)
+    np.testing.assert_allclose(np.prod(found["floquet_multiplier"]), e * e, rtol=1e-8)
+
+
+def test_a_motion_of_irregular_impacts_is_chaotic() -> None:
+    """Past the flip of one impact a period, judged by the impacts: nothing ever sticks."""
+    given = {"A": 1.0, "omega": 2.8, "e": 0.8, "ahead": 0.0, **FREE}
+    found = api.analyse(STOPPED, "coulomb", "response", {"x": -0.3}, {"t_max": 2000.0}, **given)
+    assert (found.values["attractor"], found.values["section_kind"]) == ("chaotic", "impact")
+    assert found.values["section_contact"] == 2 and found.values["lyapunov"] > 0.05
 
 
 def test_series_and_rk4_meet_the_same_impacts() -> None:
@@ -153,6 +163,12 @@ def test_a_law_of_a_contact_says_which_of_its_parameters_it_lacks() -> None:
     model = replace(ON_TWO_BELTS, name="dry", equations=partial(_greased, told=told))
     with pytest.raises(UsageError, match=r"dry has the law 'viscous' without its F_V\nnext: give"):
         api.analyse(model, "coulomb", "equilibrium")
+
+
+def test_equations_show_the_laws_of_contacts_and_what_impacts_give_back() -> None:
+    told = replace(ON_TWO_BELTS, equations=partial(_greased, told=("mu_k",)))
+    assert "  law_2 = viscous (mu_k = mu)" in equation_lines(told)
+    assert {"  restitution_2 = e", "  law_2 = none"} <= set(equation_lines(STOPPED))
 
 
 def _greased(symbols: Any, options: Options, told: tuple[str, ...]) -> Equations:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import traceback
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
-from fiv_cli.analyses.base import Outcome, Request
+from fiv_cli.analyses.base import Outcome, Request, Setup
 from fiv_cli.errors import StorageError
 from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.plate import ModeNotFoundError
 
 if TYPE_CHECKING:
+    from fiv_cli.analyses.rest.stiffness import Cost
     from fiv_cli.dynamics.system import System
 
 
@@ -104,6 +105,16 @@ def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> Non
                 _load(system, needs)
             if needs.motions:
                 _load_kernels(needs, announce)
+
+
+def cost_of_law(
+    setup: Setup, points: Sequence[Mapping[str, float]], announce: Callable[[str], None]
+) -> Cost:
+    """Steps of the law of `setup` in those of Coulomb's, at each point; see `stiffness`."""
+    from fiv_cli.analyses.rest.stiffness import cost_of
+
+    with _stored():
+        return cost_of(setup, points, announce)
 
 
 @contextmanager

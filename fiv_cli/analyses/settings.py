@@ -506,9 +506,9 @@ class SectionSetting(TableSetting):
     keys: ClassVar[tuple[Setting, ...]] = (
         Choice(
             "event",
-            "a transition of a contact; any: the first that the motion has, or where nothing "
-            "sticks the points at which `observe` turns back",
-            choices=("any", "slip->stick", "stick->slip"),
+            "a transition of a contact, or what closes it; any: the first that the motion has, "
+            "or where nothing sticks the points at which `observe` turns back",
+            choices=("any", "slip->stick", "stick->slip", "impact"),
         ),
         Integer("contact", "contact of the event, from 1", default=1),
         Text("zero", "velocity that passes zero, e.g. x_dot"),

@@ -14,14 +14,16 @@ from fiv_cli.errors import CaseError, FivError, printable
 if TYPE_CHECKING:
     from fiv_cli.case.case import Case
     from fiv_cli.sweep.estimate import Estimate
+    from fiv_cli.sweep.plan import Plan
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of checking one case: the lines of its plan, or the error."""
+    """What came of checking one case: its plan and the laws that are dear, or the error."""
 
     source: str
     plan: tuple[str, ...] = ()
+    stiff: tuple[str, ...] = ()
     estimates: tuple[Estimate, ...] = ()
     error: FivError | None = None
 
@@ -50,7 +52,8 @@ def command(
     """Check case files and print what `fiv run` would do with them.
 
     Mistakes are listed in three looks at most, first all of the form, then all unknown names, then
-    all wrong values, each with its line, what is allowed and what may have been meant. Nothing is
+    all wrong values, each with its line, what is allowed and what may have been meant. Said is also
+    which friction law will cost more than 100 times the steps of Coulomb's. Nothing is
     computed, unless an estimate of time, memory and disk is asked for: up to some twenty seconds
     for each analysis, of which nothing is kept. The exit code is 3 when a case is invalid.
 
@@ -75,10 +78,18 @@ def check_case(source: str, overrides: Sequence[str], workers: int = 0) -> Verdi
 
     try:
         case = api.load(source, overrides)
-        plan = tuple(api.check(case).describe())
-        return Verdict(source, plan, tuple(_estimates(case, workers)) if workers else ())
+        plan = api.check(case)
+        estimates = tuple(_estimates(case, workers)) if workers else ()
+        return Verdict(source, tuple(plan.describe()), _stiff(plan), estimates)
     except FivError as error:
         return Verdict(source, error=error)
+
+
+def _stiff(plan: Plan) -> tuple[str, ...]:
+    from fiv_cli.sweep.stiff import stiff_laws
+
+    provide_cache()
+    return tuple(stiff_laws(plan.analyses, lambda sentence: click.echo(sentence, err=True)))
 
 
 def _estimates(case: Case, workers: int) -> Iterator[Estimate]:
@@ -91,7 +102,8 @@ def _estimates(case: Case, workers: int) -> Iterator[Estimate]:
 def _print(verdicts: Iterable[Verdict]) -> None:
     for verdict in verdicts:
         if verdict.error is None:
-            lines = [*verdict.plan, *(one.line() for one in verdict.estimates)]
+            stiff = (f"  {sentence}" for sentence in verdict.stiff)
+            lines = [*verdict.plan, *stiff, *(one.line() for one in verdict.estimates)]
             click.echo(printable("\n".join(lines)))
         else:
             click.echo(str(verdict.error), err=True)
@@ -103,6 +115,7 @@ def _document(verdict: Verdict) -> dict[str, object]:
         "case": verdict.source,
         "valid": verdict.error is None,
         "plan": verdict.plan,
+        "stiff": verdict.stiff,
         "estimates": [asdict(one) for one in verdict.estimates],
         "error": None if verdict.error is None else str(verdict.error).splitlines()[0],
         "problems": problems,

@@ -33,6 +33,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "models": ("fiv_cli.cli.models", "List models and friction laws; print their equations."),
     "kinds": ("fiv_cli.cli.kinds", "List the kinds of analyses, starts, figures and claims."),
     "new": ("fiv_cli.cli.new", "Write a commented case file to start from."),
+    "new-model": ("fiv_cli.cli.new_model", "Write a file of a model of your own to start from."),
+    "new-law": ("fiv_cli.cli.new_law", "The same of a friction law."),
     "schema": ("fiv_cli.cli.schema", "Print the JSON schema of case files, for editors."),
     "variables": ("fiv_cli.cli.variables", "List what the analyses of a case give."),
     "check": ("fiv_cli.cli.check", "Check case files and say what a run would do."),

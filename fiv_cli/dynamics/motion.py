@@ -34,7 +34,12 @@ from fiv_cli.errors import UsageError
 from fiv_cli.schedule import rate_of
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
-KIND_NAMES = {"slip": SLIP, "stick": STICK, "separation": SEPARATION}
+EVENTS = {
+    "slip->stick": (SLIP, STICK),
+    "stick->slip": (STICK, SLIP),
+    "impact": (SEPARATION, kernel.ANY),
+}
+"""Events that a section may lie on: kinds of the contact before and after."""
 
 
 class Stop(IntEnum):
@@ -112,7 +117,7 @@ class Ledger(NamedTuple):
     Attributes
     ----------
     times : s
-    before, after : contact states, see `CODE_NAMES`
+    before, after : contact states, see `CODE_NAMES`, or pieces of the law, see `Law.events`
     contacts : 0-based
     residuals : of the switching functions, relative
     """
@@ -217,6 +222,11 @@ class Motion:
     def slip_signs(self) -> Vector:
         """Sign of slip in each contact, where it slips; shape (n_contacts,)."""
         return self.frame.slip_signs
+
+    @property
+    def ways(self) -> Vector:
+        """How it slides: the numbers of the pieces of its law, then the signs of slip."""
+        return self.frame.parameters[self.system.n_own_parameters : -1]
 
     @property
     def coefficients(self) -> Vector:
@@ -487,7 +497,7 @@ def section_words(system: System, section: Section | None) -> NDArray[np.int64]:
         return np.array([kernel.SECTION_NONE, 0, 0, 0, 0, 0])
     contact = section.contact - 1
     if section.kind == "event":
-        before, after = (KIND_NAMES[kind] for kind in section.event.split("->"))
+        before, after = EVENTS[section.event]
         return np.array([kernel.SECTION_EVENT, before, after, contact, 0, 0])
     if section.kind == "zero":
         state, direction = system.state_names.index(section.state), DIRECTIONS[section.direction]

@@ -18,7 +18,7 @@ class Section:
     ----------
     kind : "event" (a transition), "zero" (a velocity passes zero, or comes to rest there),
         "phase" (stroboscopic) or "own" (one that the motion has)
-    event : "slip->stick" or "stick->slip" when kind is "event"
+    event : "slip->stick", "stick->slip" or "impact" when kind is "event"
     state : velocity state, e.g. ``x1_dot``, when kind is "zero"
     direction : "up", "down" or "both" when kind is "zero"
     phase : phase of the excitation, rad, when kind is "phase"

@@ -23,6 +23,7 @@ from fiv_cli.sweep.plan import counted
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
+from fiv_cli.sweep.stiff import stiff_laws
 from fiv_cli.sweep.worker import Result, imported, lost_point, run_task
 from fiv_cli.sweep.workers import GLANCE, Beat, Workers
 
@@ -167,11 +168,12 @@ class Scheduler:
 
     def _prepare(self, indices: list[int]) -> None:
         """Generate and compile before workers start; on a cluster each host does it."""
-        if self.policy.cluster:
-            return
-        analyses = self.journal.plan.analyses
-        requests = (request for i in indices for request in analyses[i].systems())
-        imported(self.policy.preparer)(requests, self.progress.note)
+        analyses = [self.journal.plan.analyses[i] for i in indices]
+        if not self.policy.cluster:
+            requests = (request for analysis in analyses for request in analysis.systems())
+            imported(self.policy.preparer)(requests, self.progress.note)
+        for sentence in stiff_laws(analyses, self.progress.note):
+            self.progress.note(sentence)
 
     def _drain(self, index: int, queue: Queue, pace: Pace) -> None:
         """Run everything in one queue, in this process or in workers."""

@@ -152,7 +152,8 @@ def processor_of_children() -> float:
 
 
 @contextmanager
-def _place() -> Iterator[Place]:
+def place() -> Iterator[Place]:
+    """A folder for the runs of a benchmark."""
     with tempfile.TemporaryDirectory() as folder:
         yield Place(Path(folder))
 
@@ -163,8 +164,8 @@ def report_cold() -> None:
     pin = ONE_POINT.format(model="pin-on-disc", state="phi_dot")
     runs = []
     for _ in range(FIRST_RUNS):
-        with _place() as place:
-            runs.append((place.run(belt), place.run(pin), place.run(pin)))
+        with place() as folder:
+            runs.append((folder.run(belt), folder.run(pin), folder.run(pin)))
     first, new_model, again = (list(costs) for costs in zip(*runs, strict=True))
     print("a run of one point, in a new process")
     for what, costs in (
@@ -177,9 +178,9 @@ def report_cold() -> None:
 
 def report_warm() -> None:
     """Print what a second run of a small case takes beyond the imports of other packages."""
-    with _place() as place:
-        place.run(SMALL)
-        pairs = [_with_imports(place) for _ in range(PAIRS)]
+    with place() as folder:
+        folder.run(SMALL)
+        pairs = [_with_imports(folder) for _ in range(PAIRS)]
     runs, imports = (list(costs) for costs in zip(*pairs, strict=True))
     beyond = median(run.wall - other.wall for run, other in pairs)
     processor = median(run.processor - other.processor for run, other in pairs)
@@ -190,18 +191,18 @@ def report_warm() -> None:
     )
 
 
-def _with_imports(place: Place) -> tuple[Cost, Cost]:
-    run = place.run(SMALL)
+def _with_imports(folder: Place) -> tuple[Cost, Cost]:
+    run = folder.run(SMALL)
     others = [name for name in run.modules.split() if not name.startswith("fiv_cli")]
-    return run, place.imports(" ".join(others))
+    return run, folder.imports(" ".join(others))
 
 
 def report_workers() -> None:
     """Print how much faster two workers are than one."""
-    with _place() as place:
-        place.run(ONE_POINT.format(model="pin-on-disc", state="phi_dot"))
+    with place() as folder:
+        folder.run(ONE_POINT.format(model="pin-on-disc", state="phi_dot"))
         pairs = [
-            (place.run(MINUTE, "--workers", "1"), place.run(MINUTE, "--workers", "2"))
+            (folder.run(MINUTE, "--workers", "1"), folder.run(MINUTE, "--workers", "2"))
             for _ in range(WORKER_PAIRS)
         ]
     ones, twos = (list(costs) for costs in zip(*pairs, strict=True))
@@ -215,8 +216,8 @@ def report_workers() -> None:
 
 def report_memory() -> None:
     """Print the peak memory of the parent in a sweep of a million points."""
-    with _place() as place:
-        cost = place.run(MILLION)
+    with place() as folder:
+        cost = folder.run(MILLION)
     print(f"a million points: {cost.wall:.0f} s, peak of the parent {cost.peak / 1024:.0f} MiB")
 
 

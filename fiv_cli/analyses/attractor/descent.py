@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from fiv_cli.analyses.attractor import grounds
-from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN, LEADING
+from fiv_cli.analyses.attractor.grounds import AGREEMENT, FALLEN, LEADING, LINEAR, SAMPLES
 from fiv_cli.analyses.attractor.level_set import LevelSet
 from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.memory import (
+    Array,
     FixedFloat,
     FixedInt,
     Floats,
@@ -22,14 +23,15 @@ from fiv_cli.codegen.memory import (
     Frame,
     Ints,
     address_of,
+    call_generated,
     floats_at,
     native,
 )
 from fiv_cli.dynamics.system import Vector
 
-# What a look at a slide says: nothing; that it is to be seen whether sliding is linear from here;
-# that it falls as it should; that there is no room for another look.
-NOTHING, MAY_BE_LINEAR, FALLS, FULL = 0, 1, 2, 3
+# What a look at a slide says: nothing; that sliding is linear from here; that it falls as it
+# should; that there is no room for another look.
+NOTHING, IS_LINEAR, FALLS, FULL = 0, 1, 2, 3
 ROOM = 64  # looks
 
 
@@ -38,11 +40,10 @@ class Slide(Frame):
 
     equilibrium: Floats
     free: Ints  # places of the states that slide freely
-    inverse_real: Floats2  # modes by free states
-    inverse_imag: Floats2
+    inverse: Floats2  # modes by free states, of which each has a real and an imaginary part
     shares: Floats2  # switching functions by modes
     weights: Floats  # of modes
-    rates: Floats
+    eigenvalues: Floats  # real and imaginary parts
     is_bounded: FixedInt
     period: FixedFloat
     bent: float  # smallest size at which sliding was found to be nonlinear
@@ -53,6 +54,17 @@ class Slide(Frame):
     sizes: Floats  # weighted sums of ...
     amplitudes: Floats2
     now: Floats
+
+    # --- is sliding linear? see `LevelSet.nonlinearity` ---
+    field: FixedInt  # address of what gives the rates
+    coefficients: Floats
+    shapes: Floats2  # samples by free states
+    straight: Floats2  # rates of their modes where sliding is linear, samples by modes, likewise
+    shape_sizes: Floats
+    rounding: FixedFloat
+    slowest: FixedFloat
+    sample: Floats  # scratch
+    outputs: Floats
 
 
 def slide_at(address: int) -> Slide:
@@ -69,8 +81,8 @@ def measure_slide(slide: Slide, y: Floats) -> None:
         real, imag = 0.0, 0.0
         for j in range(modes):
             off = y[slide.free[j]] - slide.equilibrium[slide.free[j]]
-            real += slide.inverse_real[mode, j] * off
-            imag += slide.inverse_imag[mode, j] * off
+            real += slide.inverse[mode, 2 * j] * off
+            imag += slide.inverse[mode, 2 * j + 1] * off
         slide.now[mode] = math.sqrt(real * real + imag * imag)
         slide.size += slide.weights[mode] * slide.now[mode]
     for guard in range(slide.shares.shape[0]):
@@ -81,6 +93,39 @@ def measure_slide(slide: Slide, y: Floats) -> None:
 
 
 @native
+def nonlinearity(slide: Slide) -> float:
+    """`LevelSet.nonlinearity` of what was measured."""
+    n, modes, worst = len(slide.equilibrium), len(slide.free), 0.0
+    reach = max(slide.size, slide.rounding)
+    for sample in range(SAMPLES):
+        for i in range(n):
+            slide.sample[i] = slide.equilibrium[i]
+        for j in range(modes):
+            slide.sample[slide.free[j]] += reach * slide.shapes[sample, j]
+        call_generated(slide.field, slide.coefficients, 0.0, slide.sample, slide.outputs)
+        square = 0.0
+        for mode in range(modes):
+            real = -reach * slide.straight[sample, 2 * mode]
+            imag = -reach * slide.straight[sample, 2 * mode + 1]
+            for j in range(modes):
+                rate = slide.outputs[n + slide.free[j]]
+                real += slide.inverse[mode, 2 * j] * rate
+                imag += slide.inverse[mode, 2 * j + 1] * rate
+            square += slide.weights[mode] * slide.weights[mode] * (real * real + imag * imag)
+        worst = max(worst, math.sqrt(square) / slide.shape_sizes[sample])
+    return worst / (reach * slide.slowest)
+
+
+@native
+def is_linear(slide: Slide) -> bool:
+    """Whether sliding is linear from what was measured, and meets nothing."""
+    if slide.size == 0.0:
+        return True
+    bent = nonlinearity(slide)
+    return bent <= LINEAR and 1.0 - slide.level - len(slide.free) * bent > 0.0
+
+
+@native
 def look_at_slide(slide: Slide, time: float, y: Floats) -> int:
     """Look at the slide, again if it was looked at just now; what that says."""
     measure_slide(slide, y)
@@ -88,7 +133,9 @@ def look_at_slide(slide: Slide, time: float, y: Floats) -> int:
         slide.count = 0
         return NOTHING
     if slide.size < FALLEN * slide.bent:
-        return MAY_BE_LINEAR
+        if is_linear(slide):
+            return IS_LINEAR
+        slide.bent = slide.size
     if slide.count > 0 and slide.times[slide.count - 1] == time:
         slide.count -= 1
     row = slide.count
@@ -128,7 +175,7 @@ def agrees(slide: Slide, first: int, last: int) -> bool:
         if slide.weights[mode] * before >= LEADING * largest:
             if before <= 0.0 or after <= 0.0:
                 return False
-            measured, rate = math.log(after / before) / elapsed, slide.rates[mode]
+            measured, rate = math.log(after / before) / elapsed, slide.eigenvalues[2 * mode]
             if not abs(measured - rate) <= AGREEMENT * abs(rate):
                 return False
     return True
@@ -153,21 +200,14 @@ LOOK = Compiled("look", "int64(int64, float64, int64)", FILES, _declared)
 
 
 @cache
-def _blank(states: int, free: int, guards: int) -> Slide:
+def _blank(states: int, free: int, outputs: int) -> Slide:
     """What slides of these sizes copy."""
-    return Slide.holding(
-        {
-            "equilibrium": np.zeros(states),
-            "free": np.zeros(free, np.int64),
-            "inverse_real": np.zeros((free, free)),
-            "inverse_imag": np.zeros((free, free)),
-            "shares": np.zeros((guards, free)),
-            **{name: np.zeros(free) for name in ("weights", "rates", "now")},
-            **{name: np.zeros(0) for name in ("times", "sizes")},
-            "amplitudes": np.zeros((0, free)),
-        },
-        {},
-    )
+    kinds = {name: field.kind for name, field in Slide.fields.items() if field.kind.depth}
+    none: dict[str, Array] = {
+        name: np.zeros((0,) * kind.depth, kind.element) for name, kind in kinds.items()
+    }
+    scratch = {"now": np.zeros(free), "sample": np.zeros(states), "outputs": np.zeros(outputs)}
+    return Slide.holding(none | scratch | {"amplitudes": np.zeros((0, free))}, {})
 
 
 class Descent:
@@ -185,16 +225,16 @@ class Descent:
     @cached_property
     def slide(self) -> Slide:
         """What a look reads and writes."""
-        target = self.target
-        guards, modes = target.shares.shape
-        slide = _blank(len(target.equilibrium), modes, guards).copy()
-        slide.show("equilibrium", target.equilibrium)
-        slide.show("free", target.free.astype(np.int64))
-        slide.show("inverse_real", target.inverse.real.copy())
-        slide.show("inverse_imag", target.inverse.imag.copy())
-        slide.show("shares", np.ascontiguousarray(target.shares))
-        slide.show("weights", target.weights)
-        slide.show("rates", target.eigenvalues.real.copy())
+        target, sliding = self.target, self.target.sliding
+        sizes = len(target.equilibrium), len(target.free), sliding.system.outputs_width
+        slide = _blank(*sizes).copy()
+        for name in ("equilibrium", "free", "shares", "weights", "shapes", "shape_sizes"):
+            slide.show(name, getattr(target, name))
+        for name in ("inverse", "eigenvalues", "straight"):
+            slide.show(name, getattr(target, name).view(float))
+        slide.show("coefficients", sliding.coefficients)
+        slide.field = int(sliding.system.tables.field[sliding.index])
+        slide.rounding, slide.slowest = float(target.rounding), float(target.slowest)
         slide.is_bounded, slide.period = int(target.is_bounded), target.period
         slide.bent = self.bent
         return slide
@@ -207,23 +247,13 @@ class Descent:
         time : s
         state : of sliding, shape (n_states,)
         """
-        if "slide" not in vars(self) and self.bent == np.inf:  # most that are linear are at once
-            exact = self.target.margin(state)
-            if not np.isnan(exact):
-                return exact
+        if (state == self.target.asked).all() and not np.isnan(self.target.answer):
+            return float(self.target.answer)
         found = self._look(time, state)
-        if found == MAY_BE_LINEAR:
-            exact = self.target.margin(state)
-            if not np.isnan(exact):
-                return exact
-            self.slide.bent = self.slide.size
-            found = self._look(time, state)
         if found == FULL:
             self._make_room()
             found = self._look(time, state)
-        if found != FALLS:
-            return np.nan
-        return 1.0 - float(self.target.level(self.target.amplitudes(state)))
+        return np.nan if found == NOTHING else 1.0 - self.slide.level
 
     def _look(self, time: float, state: Vector) -> int:
         found: int = LOOK.function(self.slide.address, time, address_of(state))

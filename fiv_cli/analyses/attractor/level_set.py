@@ -45,6 +45,11 @@ class LevelSet:
     vectors, inverse : eigenvectors of the free states, as columns, and the inverse matrix
     shares : share of each switching function that a unit amplitude of each mode can take; shape
         (..., n_guards, n_free)
+    weights : by which amplitudes of modes are compared; shape (..., n_free)
+    shapes : distances from the equilibrium whose weighted amplitudes sum to one; shape (...,
+        SAMPLES, n_free)
+    straight : rates of their modal amplitudes where sliding is linear, likewise
+    shape_sizes : weighted sizes of their modal amplitudes; shape (..., SAMPLES)
     asked, answer : a state whose `margin` is known
     """
 
@@ -55,6 +60,10 @@ class LevelSet:
     vectors: Complex
     inverse: Complex
     shares: Real
+    weights: Vector
+    shapes: Real
+    straight: Complex
+    shape_sizes: Vector
     asked: Vector
     answer: Vector
 
@@ -89,13 +98,6 @@ class LevelSet:
         """V over c: below 1 no switching surface is met."""
         return np.asarray(np.max(_times(self.shares, amplitudes), axis=-1, initial=0.0))
 
-    @cached_property
-    def weights(self) -> Vector:
-        """By which amplitudes of modes are compared; shape (..., n_free)."""
-        seen = np.max(self.shares, axis=-2, initial=0.0)
-        largest = np.max(seen, axis=-1, keepdims=True, initial=0.0)
-        return np.where(largest > 0.0, np.maximum(seen, UNSEEN * largest), 1.0)
-
     # --- is sliding linear there? -----------------------------------------------------------------
     def nonlinearity(self, amplitudes: Vector) -> Vector:
         """Largest nonlinear part of the rates over the slowest decay, on the level set.
@@ -103,36 +105,21 @@ class LevelSet:
         Looked at in `SAMPLES` points with the weighted sum of `amplitudes`: one mode after the
         other large, at every phase.
         """
-        reach = np.maximum(np.sum(self.weights * amplitudes, axis=-1), self._rounding)[..., None]
+        reach = np.maximum(np.sum(self.weights * amplitudes, axis=-1), self.rounding)[..., None]
         states = np.repeat(self.equilibrium[..., None, :], SAMPLES, axis=-2)
         states[..., self.free] += reach[..., None] * self.shapes
         rates = self.sliding.rates(states)[..., self.free].swapaxes(-1, -2)
-        modal, sizes = self._modal_shapes
-        bent = np.abs(self.inverse @ rates - (reach * self.eigenvalues)[..., None] * modal)
+        straight = self.straight.swapaxes(-1, -2)
+        bent = np.abs(self.inverse @ rates - reach[..., None] * straight)
         norms = np.linalg.norm(self.weights[..., None] * bent, axis=-2)
-        return np.asarray(np.max(norms / (reach * sizes), axis=-1) / self.slowest)
+        return np.asarray(np.max(norms / (reach * self.shape_sizes), axis=-1) / self.slowest)
 
     @cached_property
-    def _rounding(self) -> Vector:
+    def rounding(self) -> Vector:
         """Weighted amplitude below which rounding of the rates passes for their nonlinear part."""
         whole = np.abs(_times(self.inverse, self.equilibrium[..., self.free]))
         fastest = np.max(np.abs(self.eigenvalues), axis=-1)
         return ROUNDING * np.sum(self.weights * whole, axis=-1) * fastest / self.slowest
-
-    @cached_property
-    def _modal_shapes(self) -> tuple[Complex, Vector]:
-        """Modal amplitudes of `shapes`, as columns, and their weighted sizes."""
-        modal = self.inverse @ self.shapes.swapaxes(-1, -2)
-        return modal, np.linalg.norm(self.weights[..., None] * np.abs(modal), axis=-2)
-
-    @cached_property
-    def shapes(self) -> Real:
-        """Distances from the equilibrium whose weighted amplitudes sum to one."""
-        sizes, phases = _drawn(self.eigenvalues.shape[-1])
-        drawn = sizes / self.weights[..., None, :] * phases
-        away = (drawn @ self.vectors.swapaxes(-1, -2)).real
-        amplitudes = np.abs(away @ self.inverse.swapaxes(-1, -2))
-        return away / np.sum(amplitudes * self.weights[..., None, :], axis=-1, keepdims=True)
 
     def margins(self, states: NDArray[np.float64]) -> Vector:
         """1 - V/c where sliding from a state is linear and meets nothing; NaN where it is not."""
@@ -146,17 +133,6 @@ class LevelSet:
             left = 1.0 - levels - amplitudes.shape[-1] * bent
             found[near] = np.where((bent <= LINEAR) & (left > 0.0), 1.0 - levels, np.nan)
         return found
-
-    def margin(self, state: Vector) -> float:
-        """That of one state; at one equilibrium."""
-        if (state == self.asked).all():
-            return float(self.answer)
-        return float(self._row.margins(state[None])[0])
-
-    @cached_property
-    def _row(self) -> LevelSet:
-        """The same in a row of one."""
-        return self[None]
 
     def asked_of(self, states: NDArray[np.float64]) -> LevelSet:
         """The same; the margins of these states are known."""
@@ -202,12 +178,30 @@ def level_sets(
     stable &= ~np.isnan(inverses).any(axis=(1, 2))
     margins, slopes = _guards(sliding, equilibria, speeds)
     rows = np.flatnonzero(stable & (margins > 0.0).all(axis=-1))
-    vectors = vectors[rows].astype(complex)
-    shares = np.abs(slopes[rows] @ vectors) / margins[rows, :, None]
-    values = values[rows].astype(complex)
-    found = sliding[rows], equilibria[rows], numbers[rows], values, vectors, inverses[rows], shares
-    unknown = np.full(len(rows), np.nan)
-    return rows, LevelSet(*found, unknown[:, None], unknown)
+    values, vectors = values[rows].astype(complex), vectors[rows].astype(complex)
+    inverses, shares = inverses[rows], np.abs(slopes[rows] @ vectors) / margins[rows, :, None]
+    weights, unknown = _weights(shares), np.full(len(rows), np.nan)
+    shapes = _shapes(vectors, inverses, weights)
+    modal = shapes @ inverses.swapaxes(-1, -2)
+    sizes = np.linalg.norm(weights[:, None] * np.abs(modal), axis=-1)
+    return rows, LevelSet(
+        sliding[rows], equilibria[rows], numbers[rows], values, vectors, inverses, shares,
+        weights, shapes, values[:, None] * modal, sizes, unknown[:, None], unknown,
+    )  # fmt: skip
+
+
+def _weights(shares: Real) -> Vector:
+    seen = np.max(shares, axis=-2, initial=0.0)
+    largest = np.max(seen, axis=-1, keepdims=True, initial=0.0)
+    return np.where(largest > 0.0, np.maximum(seen, UNSEEN * largest), 1.0)
+
+
+def _shapes(vectors: Complex, inverses: Complex, weights: Vector) -> Real:
+    sizes, phases = _drawn(vectors.shape[-1])
+    drawn = sizes / weights[:, None] * phases
+    away = (drawn @ vectors.swapaxes(-1, -2)).real
+    amplitudes = np.abs(away @ inverses.swapaxes(-1, -2))
+    return np.asarray(away / np.sum(amplitudes * weights[:, None], axis=-1, keepdims=True))
 
 
 def _inverses(values: Complex, vectors: Complex) -> Complex:

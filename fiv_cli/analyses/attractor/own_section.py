@@ -2,7 +2,8 @@
 
 The first contact coming to stick is tried first. A motion that is through without it is watched a
 little longer: the first of the other contacts that comes to stick decides or, failing that, one
-that is torn loose; where nothing sticks, the points at which the observed coordinate turns back.
+that is torn loose, or the first stop that is struck; where there is neither, the points at which
+the observed coordinate turns back.
 """
 
 from __future__ import annotations
@@ -10,7 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from fiv_cli.analyses.base import Outcome, Section
-from fiv_cli.codegen.codes import CODE_SLIP_MINUS, CODE_SLIP_PLUS, CODE_STICK, STICK
+from fiv_cli.codegen.codes import (
+    CODE_SEPARATION,
+    CODE_SLIP_MINUS,
+    CODE_SLIP_PLUS,
+    CODE_STICK,
+    SEPARATION,
+    STICK,
+)
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System
 
@@ -32,13 +40,14 @@ def is_missed(outcome: Outcome) -> bool:
     return goes_on and not _points(outcome)
 
 
-def tells_more(found: Outcome, before: Outcome) -> bool:
+def tells_more(found: Outcome, section: Section, before: Outcome) -> bool:
     """Whether the run by another section is the better answer.
 
     Of a slide only what is proved: until it has settled it passes for a torus.
     """
     proved = found.values["attractor"] not in ("undecided", "quasiperiodic", "chaotic")
-    return proved or before.reason == "no_section_points"
+    slides = before.reason != "no_section_points" and section.event != "impact"
+    return proved or not slides
 
 
 def own_section(motion: Motion, observed: str, span: float) -> Section:
@@ -54,7 +63,9 @@ def own_section(motion: Motion, observed: str, span: float) -> Section:
     before, after, contacts = motion.ledger.before, motion.ledger.after, motion.ledger.contacts
     begun = np.isin(before, SLIPS) & (after == CODE_STICK)
     ended = (before == CODE_STICK) & np.isin(after, SLIPS)
-    for event, happens in (("slip->stick", begun), ("stick->slip", ended)):
+    stops = motion.frame.sliding_kinds == SEPARATION
+    struck = (before == CODE_SEPARATION) & stops[contacts]
+    for event, happens in (("slip->stick", begun), ("stick->slip", ended), ("impact", struck)):
         if happens.any():
             return Section("event", event=event, contact=int(contacts[happens].min()) + 1)
     return turning_points(motion.system, observed)

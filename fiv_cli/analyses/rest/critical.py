@@ -23,6 +23,10 @@ def variables(subject: Subject) -> list[Variable]:
             headline=1, width="critical_width",
         ),
         Variable("critical_width", varied.unit, "width of the interval that holds it", "crossing"),
+        Variable(
+            "critical_error", varied.unit, "how far it may be off", "crossing",
+            comment="that interval, and rounding of the other parameters",
+        ),
         classes("crossing_kind", "what happens there", "crossing"),
         classes("crossing_direction", moves, "crossing"),
         count("crossing_mode", "mode that crosses; -1: none", "crossing", comment=ranked),

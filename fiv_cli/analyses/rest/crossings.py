@@ -47,6 +47,7 @@ MARGIN = 2.0  # by which departures from a straight line must be smaller than wh
 MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
 JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
 HALVINGS = 64
+ROUNDED = 16.0 * ULP  # share of a value by which rounding of the other parameters moves it
 NEIGHBOURS = 8  # numbers on each side of a root without frequency that are looked at
 
 
@@ -121,6 +122,15 @@ class Crossing:
     frequency: float
     below: int
     above: int
+
+    @property
+    def error(self) -> float:
+        """How far `value` may be off.
+
+        Its interval is that of the equations as rounded: of parameters and what is computed from
+        them.
+        """
+        return self.width + ROUNDED * abs(self.value)
 
 
 Found = TypeVar("Found")
@@ -225,6 +235,7 @@ def _described(crossings: Sequence[Crossing], ends: Sequence[Sample]) -> dict[st
     return {
         "critical_value": np.array([c.value for c in crossings], float),
         "critical_width": np.array([c.width for c in crossings], float),
+        "critical_error": np.array([c.error for c in crossings], float),
         "crossing_kind": np.array([c.kind for c in crossings], np.str_),
         "crossing_direction": np.array([c.direction for c in crossings], np.str_),
         "crossing_mode": np.array([c.mode for c in crossings], np.int64),
