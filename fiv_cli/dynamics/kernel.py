@@ -234,6 +234,7 @@ class Run(Search):
     greatest: Floats
     squares: Floats  # integrals
     shares: Floats2  # time of each contact in slip, stick, separation
+    works: Floats  # of each excitation
     quadrature: Floats2
 
     # --- scratch, written before it is read ---
@@ -939,6 +940,8 @@ def add_up(run: Run, here: Floats, weight: float, energies: int) -> None:
     run.other_work += weight * here[energies + OTHER_POWER]
     run.friction_work += weight * here[energies + FRICTION_POWER]
     run.drive_work += weight * here[energies + DRIVE_POWER]
+    for i in range(len(run.works)):
+        run.works[i] += weight * here[energies + DRIVE_POWER + 1 + i]
 
 
 @native
