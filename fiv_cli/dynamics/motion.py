@@ -87,6 +87,7 @@ class Measures(NamedTuple):
     largest_residual : of an event, relative
     least, greatest, squares : of each state, and the integral of its square; shape (n_states,)
     shares : time in slip, stick, separation; shape (n_contacts, 3)
+    works : of each excitation, J
     """
 
     measured_time: float
@@ -100,6 +101,7 @@ class Measures(NamedTuple):
     greatest: Vector
     squares: Vector
     shares: NDArray[np.float64]
+    works: Vector
 
     @property
     def extremes(self) -> NDArray[np.float64]:
@@ -117,7 +119,7 @@ class Ledger(NamedTuple):
     Attributes
     ----------
     times : s
-    before, after : contact states, see `CODE_NAMES`
+    before, after : contact states, see `CODE_NAMES`, or pieces of the law, see `Law.events`
     contacts : 0-based
     residuals : of the switching functions, relative
     """
@@ -219,9 +221,19 @@ class Motion:
         return self.frame.kinds
 
     @property
+    def is_held(self) -> bool:
+        """Whether a contact sticks or a stop is closed."""
+        return bool(kernel.holds(self.frame))
+
+    @property
     def slip_signs(self) -> Vector:
         """Sign of slip in each contact, where it slips; shape (n_contacts,)."""
         return self.frame.slip_signs
+
+    @property
+    def ways(self) -> Vector:
+        """How it slides: the numbers of the pieces of its law, then the signs of slip."""
+        return self.frame.parameters[self.system.n_own_parameters : -1]
 
     @property
     def coefficients(self) -> Vector:
@@ -311,6 +323,7 @@ class Motion:
         self.frame.show("greatest", np.full(n, -np.inf))
         self.frame.show("squares", np.zeros(n))
         self.frame.show("shares", np.zeros((contacts, 3)))
+        self.frame.show("works", np.zeros(len(self.system.setup.model.powers)))
 
     def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
         """Carry tangent vectors (rows) along from here on."""
