@@ -384,8 +384,8 @@ def analyse(
 
     Parameters
     ----------
-    model, law : names; or objects of one's own, written in a file that is imported and each
-        under a name of its own; law None: the model's first
+    model, law : names, also of files that `load` has been given; or objects of one's own, written
+        in a file that is imported and each under a name of its own; law None: the model's first
     analysis : kind
     start : states that are not zero, or a `Start`
     settings : of the analysis, where they differ from the defaults: as a case writes them, or the
@@ -442,7 +442,11 @@ def _setup(
     from fiv_cli.codegen.setup import Setup
     from fiv_cli.friction import all_laws, why_unfit
     from fiv_cli.models import all_models
+    from fiv_cli.own.load import seek
 
+    for name in (model, law):
+        if isinstance(name, str):
+            seek(name)
     if isinstance(model, str):
         model = pick(model, all_models(), "model", "fiv models")
     if isinstance(law, str):

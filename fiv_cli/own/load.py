@@ -33,27 +33,28 @@ GROUPS = ("fiv.models", "fiv.laws")
 
 SEARCHED = 200  # files beside a case that are searched for a name
 MOST_BYTES = 2**20  # of a file of models
+_MADE = re.compile(r"^\w+ = (?:\w+\.)*(?:Model|Law|replace)\(", re.MULTILINE)
 _NAME = re.compile(r"[A-Za-z][\w.-]*", re.ASCII)
 
 
 def read(paths: Iterable[Path]) -> tuple[Origin, ...]:
-    """What stands in files; a folder stands for all Python files in it.
+    """What stands in files; a folder stands for those in it that make a model or a law.
 
     Raises
     ------
     UsageError
         one cannot be read.
     """
-    files = [file for path in paths for file in _files_of(path)]
-    return tuple(Origin(str(file), _text(file)) for file in dict.fromkeys(files))
+    files = {file.resolve(): file for path in paths for file in _files_of(path)}
+    return tuple(Origin(str(file), _text(file)) for file in files.values())
 
 
 def _files_of(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
-    files = sorted(path.glob("*.py"))
+    files = [file for file in sorted(path.glob("*.py")) if _MADE.search(_text(file))]
     if not files:
-        raise UsageError(f"--with {path}: no Python files in it\nnext: fiv new-model NAME")
+        raise UsageError(f"--with {path}: no file in it makes a model\nnext: fiv new-model NAME")
     return files
 
 
@@ -211,6 +212,12 @@ def _companion(name: str) -> str:
 
 
 # --- installed packages ---------------------------------------------------------------------------
+def seek(name: str) -> None:
+    """Have a model or a law at hand that an installed package may offer."""
+    if name not in {**all_models(), **all_laws()}:
+        know_installed()
+
+
 def know_installed() -> None:
     """Know what installed packages offer, where the name is not taken.
 
