@@ -143,6 +143,7 @@ REDUCED = [
         (0, 1),
         (2, 3),
     ),
+    ("ch7/basin_shares", ("grid.Omega=[2.0]", "grid.N0=[30.0]"), (0, 1), ()),
     ("ch7/fig_7_07", ("grid.Omega=[1.0, 2.5, 8.0]",), (0, 1), ()),
     ("ch7/pin_laws", ("grid.Omega=[1.0, 8.0]",), (), (0, 1)),
     ("ch6/slider_laws", ("grid.mu_k=[0.2, 2.5]",), (0, 1), (2,)),

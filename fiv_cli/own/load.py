@@ -26,7 +26,6 @@ from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models, know_models
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
-from fiv_cli.own.lines import Lines
 
 GROUPS = ("fiv.models", "fiv.laws")
 """Entry points of installed packages."""
@@ -101,6 +100,8 @@ def know(origins: Iterable[Origin]) -> None:
 
 
 def _refuse_taken_names(origin: Origin) -> None:
+    from fiv_cli.own.lines import Lines
+
     lines, problems = Lines(origin.text), []
     known: dict[str, Model | Law] = {**all_models(), **all_laws()}
     for thing in declared(origin):
@@ -167,10 +168,12 @@ def module_of(origin: Origin) -> ModuleType:
     """The module that the text of a file makes; what it prints goes to stderr."""
     if origin.entry:
         return importlib.import_module(origin.entry.partition(":")[0])
+    from fiv_cli.own.lines import Lines
+
     lines = Lines(origin.text)
     name = f"fiv_own_{origin.digest}"
     try:
-        _refuse_companions(origin, lines)
+        _refuse_companions(origin, lines.imports())
         loader = _Text(origin)
         spec = importlib.util.spec_from_loader(name, loader)
         assert spec is not None
@@ -185,7 +188,7 @@ def module_of(origin: Origin) -> ModuleType:
     return module
 
 
-def _refuse_companions(origin: Origin, lines: Lines) -> None:
+def _refuse_companions(origin: Origin, imports: Iterable[tuple[str, int]]) -> None:
     """Refuse modules that are neither Python's nor installed: nothing would follow their text."""
     problems = [
         Problem(
@@ -195,7 +198,7 @@ def _refuse_companions(origin: Origin, lines: Lines) -> None:
             "write what is needed of it into this file, or install it as a package",
             line,
         )
-        for name, line in lines.imports()
+        for name, line in imports
         if (found := _companion(name))
     ]
     if problems:
