@@ -33,10 +33,13 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "models": ("fiv_cli.cli.models", "List models and friction laws; print their equations."),
     "kinds": ("fiv_cli.cli.kinds", "List the kinds of analyses, starts, figures and claims."),
     "new": ("fiv_cli.cli.new", "Write a commented case file to start from."),
+    "new-model": ("fiv_cli.cli.new_model", "Write a file of a model of your own to start from."),
+    "new-law": ("fiv_cli.cli.new_law", "The same of a friction law."),
     "schema": ("fiv_cli.cli.schema", "Print the JSON schema of case files, for editors."),
     "variables": ("fiv_cli.cli.variables", "List what the analyses of a case give."),
     "check": ("fiv_cli.cli.check", "Check case files and say what a run would do."),
     "run": ("fiv_cli.cli.run", "Run case files; the answers land in NetCDF datasets."),
+    "assemble": ("fiv_cli.cli.assemble", "Join the parts of a case that ran apart (run --shard)."),
     "status": ("fiv_cli.cli.status", "Say how far a run has come."),
     "history": ("fiv_cli.cli.history", "Run one point of a sweep again, with its full motion."),
     "show": ("fiv_cli.cli.show", "Summarise a dataset."),
@@ -62,9 +65,9 @@ Exit codes:
   0  done, or as much as asked for   5  a difference (diff, regress, verify, claims)
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
-  3  an input file is invalid        8  points are still to run (status --exit-code)
-  4  points failed or ran out of     129 SIGHUP    130 Ctrl-C    143 SIGTERM
-     budget
+  3  an input file is invalid        8  points are still to run (assemble, status)
+  4  points failed or ran out of     9  a cluster is out of reach (run --cluster)
+     budget                          129 SIGHUP    130 Ctrl-C    143 SIGTERM
 
 \b
 Every option has a twin in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
@@ -138,6 +141,7 @@ def cli() -> None:
 def main() -> NoReturn:
     """The console script."""
     ending.take_over()
+    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # or xarray imports it
     try:
         code = run(sys.argv[1:])
     except (ending.Ended, OSError) as error:  # the latter: a terminal that is gone

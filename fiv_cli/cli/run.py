@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import provide_cache, set_option, with_option
+from fiv_cli.cli.common import PartType, provide_cache, set_option, with_option
 from fiv_cli.errors import CaseError, InputError, UsageError
 
 if TYPE_CHECKING:
     from fiv_cli.case.case import Case
+    from fiv_cli.sweep.parts import Part
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import Progress
     from fiv_cli.sweep.run import Summary
@@ -38,6 +39,18 @@ asked for, is no failure: `fiv run --max-points 10 CASE && fiv plot ...` goes on
     default=2,
     show_default=True,
     help="Worker processes; 1: compute in this process.",
+)
+@click.option(
+    "--cluster",
+    metavar="ADDRESS or FILE",
+    default="",
+    help="Compute on the workers of this dask scheduler: tcp://HOST:PORT, or its scheduler file.",
+)
+@click.option(
+    "--shard",
+    "part",
+    type=PartType(),
+    help="Run part I of N of the points, in any order and anywhere; fiv assemble joins them.",
 )
 @click.option(
     "--resume/--fresh",
@@ -67,6 +80,8 @@ def command(
     output: Path | None,
     overrides: tuple[str, ...],
     workers: int,
+    cluster: str,
+    part: Part | None,
     resume: bool,
     keep_going: bool,
     max_points: int | None,
@@ -90,6 +105,8 @@ def command(
       fiv run a.toml b.toml --workers 4
       fiv run a.toml --set grid.mu_k=[0.3] -o one.nc
       fiv run a.toml --max-points 20          # a first look
+      fiv run a.toml --cluster tcp://node1:8786
+      fiv run a.toml --shard 3/16             # then: fiv assemble a.toml
     """
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import for_stderr
@@ -97,6 +114,8 @@ def command(
     provide_cache()
     policy = Policy(
         workers=workers,
+        cluster=cluster,
+        part=part,
         fresh=not resume,
         fail_fast=not keep_going,
         max_points=max_points,
@@ -110,7 +129,7 @@ def command(
         summaries.append(_run(case, path, policy, for_stderr(quiet, title), verbose))
         if not quiet:
             click.echo("\n".join(summaries[-1].lines()), err=True)
-        click.echo(path)
+        click.echo(summaries[-1].output)
     return 0 if all(summary.sound for summary in summaries) else UNSOUND
 
 

@@ -188,5 +188,9 @@ class Law:
     @property
     def defaults(self) -> dict[str, float]:
         """Parameter -> default of its own table; a model may have others."""
-        given = {p.name: p.default for p in self.parameters if p.default is not None}
-        return followed(self.parameters, given)
+        return self.completed({})
+
+    def completed(self, given: Mapping[str, float]) -> dict[str, float]:
+        """Parameter -> value: as given, else the default of its own table."""
+        defaults = {p.name: p.default for p in self.parameters if p.default is not None}
+        return followed(self.parameters, {**defaults, **given})
