@@ -9,6 +9,7 @@ FivError                         1  internal error
 ├── DifferenceError              5  two things that should agree differ
 ├── StoreMismatchError           6  the stored run belongs to another case
 ├── LockedError                  7  a live run holds the run directory
+├── ClusterError                 9  the workers of a cluster are out of reach or cannot be used
 └── StorageError                 2  the output cannot be written (no space, no permission)
 
 A message's first line says what and where; its last line says what to type or edit next.
@@ -184,3 +185,9 @@ class LockedError(FivError):
     """Another live process holds the run directory."""
 
     exit_code = 7
+
+
+class ClusterError(FivError):
+    """The scheduler of a cluster does not answer, or none of its workers can be used."""
+
+    exit_code = 9

@@ -260,6 +260,12 @@ ATTRACTOR = FlagTable(
 CONTACT_STATE = FlagTable(
     {NOT_COMPUTED: -1, "slip+": 0, "slip-": 1, "stick": 2, "separation": 3}, fill=NOT_COMPUTED
 )
+PIECES = ("holds", "slides+", "slides-", "creeping", "forward", "backward")
+"""What the elements of friction laws may be in."""
+CONTACT_EVENT = FlagTable(
+    {**CONTACT_STATE.codes, **{name: code for code, name in enumerate(PIECES, 4)}},
+    fill=NOT_COMPUTED,
+)
 CROSSING_KIND = FlagTable({NOT_COMPUTED: -1, "root": 0, "jump": 1, "end": 2}, fill=NOT_COMPUTED)
 CROSSING_DIRECTION = FlagTable(
     {NOT_COMPUTED: -1, "to_stable": 0, "to_unstable": 1, "lost": 2, "gained": 3},
@@ -308,6 +314,7 @@ TABLES: Mapping[str, FlagTable] = {
     "reason": REASON,
     "attractor": ATTRACTOR,
     "contact_state": CONTACT_STATE,
+    "contact_event": CONTACT_EVENT,
     "stable": STABLE,
     "crossing_kind": CROSSING_KIND,
     "crossing_direction": CROSSING_DIRECTION,

@@ -67,15 +67,15 @@ def verify(
     """
     bench = partial(api.analyse, solver=SolverSettings(rtol=RTOL), announce=announce)
     chosen = PROBLEMS if problems is None else problems
-    return [check for problem in chosen for check in _solve(problem, bench)]
+    return [check for problem in chosen for check in solve(problem, bench)]
 
 
-def _solve(problem: Problem, bench: Bench) -> list[Check]:
+def solve(problem: Problem, bench: Bench) -> list[Check]:
     """The checks of one problem; a problem that cannot be computed is a failed check."""
     try:
         return list(problem(bench))
     except Exception as error:
-        name = f"{problem.__name__}: {type(error).__name__}: {error}"
+        name = f"{getattr(problem, '__name__', 'trial')}: {type(error).__name__}: {error}"
         return [Check(name, "not computed", nan, nan, 0.0)]
 
 

@@ -9,9 +9,10 @@ import subprocess
 import sys
 import time
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 PATIENCE = 30.0
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -46,7 +47,7 @@ class Run:
 
     Attributes
     ----------
-    arguments : what stands behind ``fiv``
+    arguments : what stands behind ``fiv``, or behind another `program`
     folder : where it runs
     environment : variables beside those of the test run
     entry : run in the child before it begins
@@ -56,13 +57,14 @@ class Run:
     folder: Path
     environment: Mapping[str, str] = field(default_factory=dict)
     entry: Callable[[], None] = by_default
+    program: ClassVar[Sequence[str]] = FIV
 
     def __enter__(self) -> Run:
         self.mark = uuid.uuid4().hex
         self.errors = self.folder / f"{self.mark}.stderr"
         with self.errors.open("w") as errors:
             self.process = subprocess.Popen(
-                [*FIV, *self.arguments],
+                [*self.program, *self.arguments],
                 cwd=self.folder,
                 env={**os.environ, **self.environment, MARK: self.mark},
                 stdout=subprocess.DEVNULL,

@@ -88,8 +88,8 @@ def by_both(t_end: float, step: float, *given: Any, **named: Any) -> tuple[Motio
 
 def transitions(moved: Motion) -> list[str]:
     """Events so far in words, with the contact's number where there are several."""
-    several = moved.system.n_contacts > 1
+    several, names = moved.system.n_contacts > 1, (*CODE_NAMES, *moved.system.setup.law.events)
     return [
-        f"{CODE_NAMES[int(row[1])]}->{CODE_NAMES[int(row[2])]}" + f" {int(row[3])}" * several
+        f"{names[int(row[1])]}->{names[int(row[2])]}" + f" {int(row[3])}" * several
         for row in ledger(moved)
     ]

@@ -49,6 +49,7 @@ FLOORS = {
     "sweep": 6,
     "api": 7,
     "verify": 8,
+    "trial": 8,
     "cli": 9,
 }
 # Within one floor: laws are parametrised like models; datasets know the case they came from.
@@ -59,6 +60,7 @@ NEIGHBOURS = {
     ("data", "case"),
     ("reading", "data"),
     ("reading", "case"),
+    ("trial", "verify"),
 }
 
 

@@ -14,6 +14,7 @@ from motions import defaults
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.system import build_system
+from fiv_cli.flags import PIECES
 from fiv_cli.friction import TANH_OF, all_laws, get_law, why_unfit
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models import all_models, get_model
@@ -61,6 +62,8 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
         None,
     ),
+    "linear-regularisation": ({"mu_k": 0.23, "v_tol": 1.4}, 0.5 * 0.23 * 5, None),
+    "jenkins": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
     "dahl": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
     "lugre": (
         {
@@ -86,7 +89,8 @@ by_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 def force(law: Law, v: float, parameters: dict[str, Any]) -> float:
     """F_T at a signed slip velocity."""
     sign = 1 if v >= 0.0 else -1
-    return float(law.sliding(Slip(v, sign, sign * v, NORMAL), parameters))
+    slip = Slip(v, sign, sign * v, NORMAL, rows=law.rows_at(v, parameters))
+    return float(law.sliding(slip, parameters))
 
 
 def row_of(law: Law) -> tuple[dict[str, float], float, float | None]:
@@ -164,15 +168,22 @@ def symbolic(law: Law) -> tuple[Slip, dict[str, Any]]:
     states = {state.name: sympy.Symbol(state.name, real=True) for state in law.states}
     symbols = {p.name: sympy.Symbol(p.name, positive=True) for p in law.parameters}
     values = symbols | {name: sympy.Integer(2) for name in law.structural}
-    return Slip(v, sign, sign * v, normal, states), values
+    return Slip(v, sign, sign * v, normal, states, law.row_symbols()), values
+
+
+def every_part(law: Law) -> list[Any]:
+    """Force, rates and guards as symbols."""
+    slip, values = symbolic(law)
+    rates = law.rates(slip, values) if law.rates else {}
+    guards = law.guards(slip, values) if law.guards else ()
+    return [law.force(slip, values), *rates.values(), *(g for of_one in guards for g in of_one)]
 
 
 @by_law
 def test_every_parameter_is_read(law: Law) -> None:
     """In sliding, but for those of stick alone; a law that cannot stick has none of these."""
-    slip, values = symbolic(law)
-    rates = law.rates(slip, values) if law.rates else {}
-    read = set().union(*(e.free_symbols for e in (law.force(slip, values), *rates.values())))
+    values = symbolic(law)[1]
+    read = set().union(*(part.free_symbols for part in every_part(law)))
     unread = {p.name for p in law.parameters if values[p.name] not in read}
     led = {p.default_from for p in law.parameters}  # another one follows it
     assert unread - led == {*law.only_in_stick, *law.structural} - led
@@ -182,10 +193,21 @@ def test_every_parameter_is_read(law: Law) -> None:
 @by_law
 def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
     """With the sign of slip given, nothing like |v| or sign(v) is left to differentiate."""
-    slip, values = symbolic(law)
-    rates = law.rates(slip, values) if law.rates else {}
-    for expression in (law.force(slip, values), *rates.values()):
+    for expression in every_part(law):
         assert not expression.atoms(sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Piecewise)
+
+
+@pytest.mark.parametrize("law", [law for law in LAWS if law.pieces], ids=lambda law: law.name)
+def test_pieces_lead_to_one_another(law: Law) -> None:
+    """As many numbers, guards and known zeros each; every piece can be left, and be come to."""
+    width, ways = law.shape[1], len(law.pieces[0].exits)
+    leading = [[out for out in piece.exits if out is not None] for piece in law.pieces]
+    assert all(leading) and len(law.places) == len(law.pieces)
+    assert {out.to for outs in leading for out in outs} == set(law.places)
+    assert {len(out.zeros) for outs in leading for out in outs} == {ways}
+    assert {(len(piece.row), len(piece.exits)) for piece in law.pieces} == {(width, ways)}
+    assert set(law.events) <= set(PIECES)
+    assert len(every_part(law)) == 1 + len(law.states) + law.elements * ways
 
 
 @pytest.mark.parametrize(
@@ -198,6 +220,7 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
         ("rational", {"mu_k": 0.0, "delta": 1}, "hyperbolic", {"delta": 2.0}),
         ("four-parameter", {"d": 1.0, "e": 0.0}, "coulomb", {"mu_k": 0.4}),
         ("lugre", {"mu_s": 0.1, "sigma_2": 0.0}, "dahl", {"mu_k": 0.1}),
+        ("linear-regularisation", {"v_tol": 0.1}, "coulomb", {}),
     ],
 )
 def test_laws_contain_one_another(

@@ -13,7 +13,7 @@ from synthetic_datasets import bifurcation
 CASE = BELT + '[[analysis]]\nkind = "history"\nt_end = 1.0\n'
 
 HEAVY = ("numba", "llvmlite", "xarray", "netCDF4", "h5py", "matplotlib", "sympy", "scipy",
-         "pydantic", "joblib", "numpy", "rich")  # fmt: skip
+         "pydantic", "joblib", "numpy", "rich", "dask", "distributed")  # fmt: skip
 # What makes a shell wait: a quarter of a second and more each.
 SLOW = ("numba", "scipy", "sympy", "matplotlib", "netCDF4")
 
@@ -50,6 +50,18 @@ def test_what_was_compiled_before_is_run_without_a_compiler(tmp_path: Path) -> N
     loaded_by("from fiv_cli.cli.main import run\nrun(['run', 'case.toml', '-q'])", tmp_path)
     arguments = ["run", "case.toml", "-q", "--fresh"]
     assert_loads_none(("numba", "sympy", "joblib"), arguments, tmp_path)
+
+
+def test_what_runs_on_this_machine_loads_no_cluster(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CASE)
+    program = (
+        "import contextlib, sys\nfrom fiv_cli.cli.main import main\n"
+        "sys.argv[1:] = ['run', 'case.toml', '-q', '--time-limit', '60']\n"
+        "with contextlib.suppress(SystemExit):\n    main()\n"
+        "sys.modules = {name: module for name, module in sys.modules.items() if module}"
+    )
+    assert loaded_by(program, tmp_path).isdisjoint(("dask", "distributed"))
+    assert (tmp_path / "runs" / "case.nc").is_file()
 
 
 @pytest.mark.parametrize(

@@ -279,17 +279,42 @@ def test_kinds_of_one_dataset_refuse_several():
 
 
 # --- curve -------------------------------------------------------------------------------------
-def test_a_curve_has_a_line_for_every_start_and_none_leads_through_an_undecided_point():
+def test_a_curve_has_a_line_for_every_start_and_none_leads_to_another_class():
     dataset = data.bifurcation()
     (ax,) = draw(dataset, figure("curve")).axes
     undecided = dataset["attractor"] == data.codes(data.ATTRACTORS, "undecided")
     for label in ("near", "far"):
+        classes = dataset["attractor"].sel(initial=label).values
         expected = dataset["L_s"].where(~undecided).sel(initial=label).values
-        assert np.array_equal(marks(ax, label)[:, 1], expected, equal_nan=True)
+        cut = np.insert(expected, np.flatnonzero(np.diff(classes)) + 1, np.nan)
+        assert len(cut) > len(expected)
+        assert np.array_equal(marks(ax, label)[:, 1], cut, equal_nan=True)
     (hollow,) = [line for line in ax.lines if line.get_markerfacecolor() == "none"]
     assert hollow.get_linestyle() == "None"
     assert np.array_equal(hollow.get_ydata(), dataset["L_s"].values[undecided])
     assert ax.get_ylabel() == "$L_s$ (rad$^{2}$)"
+
+
+def test_what_is_taken_over_undecided_points_is_called_undecided():
+    dataset = data.bifurcation()
+    taking = {"what": "spread", "over": ["initial"]}
+    (ax,) = draw(dataset, figure("curve", variable="L_s", take=taking)).axes
+    assert ax.get_ylabel().startswith("spread of $L")
+    assert marks(ax, "undecided")[:, 0].tolist() == pytest.approx([1.5])
+    assert marks(ax, "failed")[:, 0].tolist() == pytest.approx([2.5])
+
+
+def test_a_line_stands_where_the_section_that_motions_choose_changes():
+    dataset = data.bifurcation()
+    kinds = {"flag_values": [-1, 0, 2], "flag_meanings": "not_computed slip_to_stick turning_point"}
+    chosen = np.where(dataset["attractor"] == data.codes(data.ATTRACTORS, "periodic"), 0, -1)
+    same = dataset.assign(section_kind=(("Omega", "initial"), chosen.astype(np.int8), kinds))
+    same["section_contact"] = dataset["L_s"] * 0.0 + 1.0
+    assert "another section" not in legend_texts(draw(same, figure("bifurcation")).axes[0])
+    chosen[25:, 1] = 2
+    other = same.assign(section_kind=(("Omega", "initial"), chosen.astype(np.int8), kinds))
+    (ax,) = draw(other, figure("bifurcation")).axes
+    assert marks(ax, "another section")[:, 0].tolist() == pytest.approx([2.95, 2.95])
 
 
 def test_several_variables_of_a_curve_are_named_in_its_legend():
@@ -398,7 +423,8 @@ def test_axes_that_advance_together_are_each_an_axis():
     for name, label in (("Omega", r"disc speed $\Omega$ (rad/s)"), ("N0", "$N_{0}$ (N)")):
         (ax,) = draw(dataset, figure("curve", x=name)).axes
         assert ax.get_xlabel() == label
-        assert np.array_equal(marks(ax, "far")[:, 0], dataset[name])
+        at = marks(ax, "far")[:, 0]
+        assert np.array_equal(at[np.isfinite(at)], dataset[name])
     lines = draw(dataset.isel(Omega_N0=[0, 9]), figure("curve", x="initial", variable="L_s"))
     assert "$\\Omega$ = 1.4 rad/s, $N_{0}$ = 14 N" in legend_texts(lines.axes[0])
     drawn = draw(dataset, figure("curve", x="initial", select={"N0": 20}))
@@ -921,8 +947,23 @@ def test_a_law_of_a_coefficient_and_one_of_a_force_have_their_own_axis():
 
 def test_what_a_contact_holds_in_stick_is_drawn():
     (ax,) = draw_laws(["coulomb"]).axes
-    dashed = [line for line in ax.lines if line.get_linestyle() == "--" and len(line.get_xdata())]
-    assert list(dashed[0].get_ydata()) == [-0.4, 0.4]
+    dotted = [line for line in ax.lines if line.get_linestyle() == ":" and len(line.get_xdata())]
+    assert list(dotted[0].get_ydata()) == [-0.4, 0.4]
+
+
+def test_laws_are_drawn_with_the_parameters_that_are_given():
+    wanted = ["stribeck:v_s=5 cm/s, mu_s=0.5", "stribeck", "exponential:mu_s=0.6"]
+    (ax,) = draw_laws(wanted, fastest=0.1).axes
+    drawn = [line for line in ax.lines if len(line.get_xdata()) > 2][1::2]  # of positive speed
+    ends = [(line.get_ydata()[0], line.get_ydata()[-1]) for line in drawn]
+    expected = [(0.5, 0.3 + 0.2 * np.exp(-2.0)), (0.4, 0.3 + 0.1 * np.exp(-0.1)), (0.6, None)]
+    for found, (begun, ended) in zip(ends, expected, strict=True):
+        assert found[0] == pytest.approx(begun)
+        assert ended is None or found[1] == pytest.approx(ended, rel=1e-3)
+    assert len({line.get_linestyle() for line in ax.lines}) > 2
+    for wrong, said in (("stribeck:vs=1", "did you mean 'v_s'"), ("stribeck:v_s=-1", "> 0")):
+        with pytest.raises(UsageError, match=said):
+            draw_laws([wrong])
 
 
 def test_unknown_laws_and_kinds_are_named():

@@ -26,12 +26,21 @@ set_option: Callable[[F], F] = click.option(
 )
 
 
+_NAMED = "fiv_cli.with"
+
+
+def named_files() -> bool:
+    """Whether this command was given files of models or laws."""
+    return _NAMED in click.get_current_context().meta
+
+
 def _use(context: click.Context, option: click.Parameter, paths: Sequence[Path]) -> None:
     """Have the models and laws of files at hand for this command; heavy only where there are."""
     if paths:
         from fiv_cli.own.probe import use_files
 
         use_files(paths)
+        context.meta[_NAMED] = True
         context.call_on_close(lambda: use_files(()))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from fiv_cli.friction.base import Law, Slip
@@ -37,7 +37,7 @@ def law_lines(law: Law) -> list[str]:
     v, sign, speed, normal_force = (sympy.Symbol(name, real=True) for name in names)
     parameters = {p.name: sympy.Symbol(p.name) for p in law.parameters}
     states = {state.name: sympy.Symbol(state.name, real=True) for state in law.states}
-    slip = Slip(v, sign, speed, normal_force, states)
+    slip = Slip(v, sign, speed, normal_force, states, law.row_symbols())
     lines = [f"  F_T = {_plain_text(law.force(slip, parameters))}      (slip velocity v)"]
     rates = law.rates(slip, parameters) if law.rates else {}
     lines += [f"  d{name}/dt = {_plain_text(rate)}" for name, rate in rates.items()]
@@ -45,7 +45,24 @@ def law_lines(law: Law) -> list[str]:
         lines.append(
             f"  |F_T| <= {_plain_text(law.capacity(normal_force, parameters))}      (stick)"
         )
+    if law.guards is not None:
+        lines += _piece_lines(law, law.guards(slip, parameters)[0])
     return lines
+
+
+def _piece_lines(law: Law, guards: Sequence[Any]) -> Iterator[str]:
+    """The pieces of a law: their numbers, and what they lead to, of its first element."""
+    import sympy
+
+    names = law.row_symbols()[0]
+    each = "each element" if law.elements > 1 else "the law"
+    yield f"\n  {', '.join(map(str, names))} by the piece that {each} is in, and what ends it:"
+    for piece in law.pieces:
+        told = dict(zip(names, map(sympy.nsimplify, piece.row), strict=True))
+        leads = ((out.to, guard) for out, guard in zip(piece.exits, guards, strict=True) if out)
+        outs = [f"{_plain_text(guard.subs(told))} = 0, then {to}" for to, guard in leads]
+        numbers = ", ".join(f"{x:g}" for x in piece.row)
+        yield f"  {piece.name} ({numbers}): {'; '.join(outs)}"
 
 
 def _plain_text(expression: Any) -> str:

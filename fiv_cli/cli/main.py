@@ -33,6 +33,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "models": ("fiv_cli.cli.models", "List models and friction laws; print their equations."),
     "kinds": ("fiv_cli.cli.kinds", "List the kinds of analyses, starts, figures and claims."),
     "new": ("fiv_cli.cli.new", "Write a commented case file to start from."),
+    "new-model": ("fiv_cli.cli.new_model", "Write a file of a model of your own to start from."),
+    "new-law": ("fiv_cli.cli.new_law", "The same of a friction law."),
     "schema": ("fiv_cli.cli.schema", "Print the JSON schema of case files, for editors."),
     "variables": ("fiv_cli.cli.variables", "List what the analyses of a case give."),
     "check": ("fiv_cli.cli.check", "Check case files and say what a run would do."),
@@ -63,8 +65,8 @@ Exit codes:
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
   3  an input file is invalid        8  points are still to run (status --exit-code)
-  4  points failed or ran out of     129 SIGHUP    130 Ctrl-C    143 SIGTERM
-     budget
+  4  points failed or ran out of     9  a cluster is out of reach (run --cluster)
+     budget                          129 SIGHUP    130 Ctrl-C    143 SIGTERM
 
 \b
 Every option has a twin in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
@@ -138,6 +140,7 @@ def cli() -> None:
 def main() -> NoReturn:
     """The console script."""
     ending.take_over()
+    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # or xarray imports it
     try:
         code = run(sys.argv[1:])
     except (ending.Ended, OSError) as error:  # the latter: a terminal that is gone

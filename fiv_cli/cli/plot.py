@@ -32,7 +32,16 @@ if TYPE_CHECKING:
 )
 @click.option("--figure", "name", help="Draw this figure of the case only, or this kind of figure.")
 @with_option
-@click.option("--law", "laws", multiple=True, help="Draw a friction law instead (repeatable).")
+@click.option(
+    "--law",
+    "laws",
+    multiple=True,
+    metavar="NAME[:PARAMETER=VALUE,...]",
+    help="Draw a friction law instead (repeatable).",
+)
+@click.option(
+    "--speed", type=float, metavar="M/S", help="Greatest slip velocity of laws. Default: 2."
+)
 @click.option(
     "--style", default="screen", help="What figures are for: screen, paper (90 mm, Times), talk."
 )
@@ -46,6 +55,7 @@ def command(
     output: Path | None,
     name: str | None,
     laws: tuple[str, ...],
+    speed: float | None,
     style: str,
     width: float | None,
     font: str | None,
@@ -64,25 +74,26 @@ def command(
       fiv plot runs/fig_7_06_reached.nc
       fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf --style paper --width 84
       fiv plot runs/damped.nc runs/undamped.nc --figure bifurcation -o both.svg
-      fiv plot --law coulomb --law stribeck
+      fiv plot --law coulomb --law stribeck:mu_s=0.5,v_s=0.05 --speed 0.3
     """
     if bool(files) == bool(laws):
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
     from fiv_cli.plots import look_of, save
 
     look = look_of(style, width, font, titled)
-    figures = _of_laws(laws, look) if laws else _of_files(files, name, look)
+    figures = _of_laws(laws, look, speed) if laws else _of_files(files, name, look)
     for path, figure in _with_paths(figures, output):
         save(figure, path, look)
         click.echo(path)
 
 
-def _of_laws(laws: Sequence[str], look: Look) -> list[tuple[Path, Figure]]:
+def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple[Path, Figure]]:
     """(default path, figure) of the laws in one figure."""
     from fiv_cli.plots import draw_laws
 
-    words = "-".join(law.replace(" ", "-") for law in laws)
-    return [(Path("runs") / f"law-{words}.png", draw_laws(laws, look))]
+    names = dict.fromkeys(law.partition(":")[0].replace(" ", "-") for law in laws)
+    figure = draw_laws(laws, look) if speed is None else draw_laws(laws, look, speed)
+    return [(Path("runs") / f"law-{'-'.join(names)}.png", figure)]
 
 
 def _of_files(files: Sequence[Path], name: str | None, look: Look) -> list[tuple[Path, Figure]]:

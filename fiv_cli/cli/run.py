@@ -40,6 +40,12 @@ asked for, is no failure: `fiv run --max-points 10 CASE && fiv plot ...` goes on
     help="Worker processes; 1: compute in this process.",
 )
 @click.option(
+    "--cluster",
+    metavar="ADDRESS or FILE",
+    default="",
+    help="Compute on the workers of this dask scheduler: tcp://HOST:PORT, or its scheduler file.",
+)
+@click.option(
     "--resume/--fresh",
     default=True,
     help="Keep what is stored and run the rest (default), or throw it away.",
@@ -67,6 +73,7 @@ def command(
     output: Path | None,
     overrides: tuple[str, ...],
     workers: int,
+    cluster: str,
     resume: bool,
     keep_going: bool,
     max_points: int | None,
@@ -90,6 +97,7 @@ def command(
       fiv run a.toml b.toml --workers 4
       fiv run a.toml --set grid.mu_k=[0.3] -o one.nc
       fiv run a.toml --max-points 20          # a first look
+      fiv run a.toml --cluster tcp://node1:8786
     """
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import for_stderr
@@ -97,6 +105,7 @@ def command(
     provide_cache()
     policy = Policy(
         workers=workers,
+        cluster=cluster,
         fresh=not resume,
         fail_fast=not keep_going,
         max_points=max_points,

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, plain, print_json, print_table, provide_cache
+from fiv_cli.cli.common import (
+    json_option,
+    named_files,
+    plain,
+    print_json,
+    print_table,
+    provide_cache,
+    with_option,
+)
 
 if TYPE_CHECKING:
     from fiv_cli.verify import Check
@@ -18,6 +26,7 @@ COLUMNS = ("what", "found", "expected", "error", "tolerance", "verdict")
 
 @click.command("verify")
 @json_option
+@with_option
 def command(as_json: bool) -> int:
     """Check this installation against answers that are known without it.
 
@@ -25,15 +34,17 @@ def command(as_json: bool) -> int:
     closed forms or published values are known, and prints the error of each beside its tolerance.
     Exit code 5 when any is outside.
 
+    With --with the models and laws of files are checked instead: energy balance, derivatives
+    against differences, two ways of integrating, and what a function verify(bench) of a file says.
+
     \b
     Examples:
       fiv verify
       fiv verify --json
+      fiv verify --with my_model.py
     """
-    from fiv_cli.verify import verify
-
     provide_cache()
-    checks = verify(lambda message: click.echo(message, err=True))
+    checks = _checks(lambda message: click.echo(message, err=True))
     failed = [check for check in checks if not check.passed]
     if as_json:
         print_json({"passed": not failed, "checks": [_document(check) for check in checks]})
@@ -41,6 +52,17 @@ def command(as_json: bool) -> int:
         _print(checks)
     click.echo(f"{len(checks) - len(failed)} of {len(checks)} checks passed", err=True)
     return DIFFERENCE if failed else 0
+
+
+def _checks(announce: Callable[[str], None]) -> list[Check]:
+    """Of the installation; or of what --with has named."""
+    if named_files():
+        from fiv_cli.trial import try_own
+
+        return try_own(announce)
+    from fiv_cli.verify import verify
+
+    return verify(announce)
 
 
 def _document(check: Check) -> dict[str, object]:

@@ -10,6 +10,7 @@ SLIP, STICK, SEPARATION = 0, 1, 2
 # Contact states, with the sense of slip, in ledgers and samples.
 CODE_SLIP_PLUS, CODE_SLIP_MINUS, CODE_STICK, CODE_SEPARATION = 0, 1, 2, 3
 CODE_NAMES = ("slip+", "slip-", "stick", "separation")
+CODE_PIECE = len(CODE_NAMES)  # of a law's first piece; the others follow
 
 # Kinds of switching function; each is positive inside the contact state that it guards.
 VELOCITY = 0  # sign * v_rel of a slipping contact
@@ -20,6 +21,7 @@ GAP = 4  # gap of a separated contact
 JAMMING = 5  # determinant of the algebraic forces where a contact is rigid
 PARTING = 6  # of contacts that stick jointly: negative unless their drives go on alike
 SINGULAR = 7  # determinant of the conditions of stick, in forces or in velocities
+PIECE = 8  # what the piece is left by that an element of the law is in
 
 # What `field` functions report per contact, and of the energy balance: where each stands there.
 CONTACT_OUTPUTS = ("F_N", "F_T", "slip_velocity")

@@ -22,6 +22,7 @@ from fiv_cli.codegen.codes import (
     JAMMING,
     NORMAL,
     PARTING,
+    PIECE,
     SEPARATION,
     SINGULAR,
     SLIP,
@@ -33,7 +34,7 @@ from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
-from fiv_cli.friction.base import Slip
+from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
@@ -41,11 +42,12 @@ from fiv_cli.schedule import rate_of
 
 @dataclass(frozen=True)
 class Guard:
-    """A switching function."""
+    """A switching function; of an element's piece also its place among those of all elements."""
 
     kind: int
     contact: int
     node: Node
+    place: int = 0
 
 
 @dataclass(frozen=True)
@@ -87,11 +89,13 @@ class Derivation:
     ----------
     graph : the expressions
     state_names : entries of the state vector: coordinates, velocities, internal states
-    parameter_names : entries of the parameter vector: parameters, signs of slip, zone
+    parameter_names : entries of the parameter vector: parameters, numbers of pieces, signs of
+        slip, zone
     states : contact states by `index_of`
     smooth : per contact, whether its law has no border at zero slip
     sliding : kinds of the contacts where all slide: SLIP, of a stop SEPARATION
     bounces : per contact, whether an impact gives something back
+    pieced : contacts whose law is given by pieces
     zone : start and width parameters of the sector and its contact, if any
     """
 
@@ -102,7 +106,19 @@ class Derivation:
     smooth: tuple[bool, ...]
     sliding: tuple[int, ...]
     bounces: tuple[bool, ...]
+    pieced: tuple[int, ...]
     zone: tuple[str, str, int] | None
+
+
+def _pieced(setup: Setup, laws: Sequence[Law]) -> list[int]:
+    """The contacts under the case's law, where that is given by pieces."""
+    others = [law.name for law in laws if law.pieces and law is not setup.law]
+    if others:
+        raise UsageError(
+            f"a contact of {setup.model.name} has a law of its own, {others[0]!r}, "
+            "that is given by pieces\nnext: leave its law to the case"
+        )
+    return [i for i, law in enumerate(laws) if law.pieces]
 
 
 def derive(setup: Setup) -> Derivation:
@@ -118,6 +134,7 @@ class _Deriver:
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
         self.laws = [setup.law_of(contact) for contact in self.contacts]
+        self.pieced = _pieced(setup, self.laws)
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
             [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
@@ -141,15 +158,17 @@ class _Deriver:
             if each and not self._blocked(kinds):
                 states[index_of(kinds)] = self._contact_state(kinds)
         signs = [f"sign.{i}" for i in range(len(self.contacts))]
+        rows = [symbol.name for i in range(len(self.contacts)) for symbol in self._rows(i)]
         zone = self.equations.zone
         return Derivation(
             graph=self.graph,
             state_names=tuple(self.state_names),
-            parameter_names=(*self.parameters, *signs, "zone"),
+            parameter_names=(*self.parameters, *rows, *signs, "zone"),
             states=states,
             smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
             sliding=tuple(SEPARATION if contact.is_stop else SLIP for contact in self.contacts),
             bounces=tuple(contact.restitution != 0 for contact in self.contacts),
+            pieced=tuple(self.pieced),
             zone=None if zone is None else (zone.start, zone.width, zone.contact),
         )
 
@@ -195,6 +214,7 @@ class _Deriver:
                 state.name: self.symbols.coordinate(entry)
                 for state, entry in zip(law.states, names, strict=True)
             },
+            rows=self._rows_of(contact),
         )
 
     def _law_force(self, contact: int) -> Expr:
@@ -204,10 +224,25 @@ class _Deriver:
         rates = self.laws[contact].rates
         return {} if rates is None else rates(self._slip(contact), self._law_parameters(contact))
 
+    def _rows_of(self, contact: int) -> list[list[sympy.Symbol]]:
+        shape = self.laws[contact].shape if contact in self.pieced else (0, 0)
+        return self.symbols.rows(contact, *shape)
+
+    def _rows(self, contact: int) -> list[sympy.Symbol]:
+        return [symbol for row in self._rows_of(contact) for symbol in row]
+
+    def _law_guards(self, contact: int) -> list[Expr]:
+        guards = self.laws[contact].guards
+        if guards is None:
+            return []
+        given = guards(self._slip(contact), self._law_parameters(contact))
+        return [guard for of_element in given for guard in of_element]
+
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
         told = (self.law_forces[contact], *self._law_rates(contact).values())
+        told += tuple(self._law_guards(contact))
         borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
         return self.laws[contact].capacity is None and not borders
 
@@ -245,6 +280,7 @@ class _Deriver:
         for i, kind in enumerate(kinds):
             names[symbols.sign(i)] = graph.parameter(f"sign.{i}")
             names[symbols.closed(i)] = graph.number(0.0 if kind == SEPARATION else 1.0)
+            names |= {symbol: graph.parameter(symbol.name) for symbol in self._rows(i)}
         return names
 
     def _joints(self, kinds: tuple[int, ...]) -> list[Joint]:
@@ -492,6 +528,12 @@ class _Deriver:
             sign = names[self.symbols.sign(contact)]
             velocity = graph.build(description.slip_velocity, names)
             guards.append(Guard(VELOCITY, contact, graph.mul(sign, velocity)))
+        if kind == SLIP:
+            v, own = self._slip(contact).v, self._law_guards(contact)
+            first = self.pieced.index(contact) * len(own) if own else 0
+            for place, guard in enumerate(own, first):
+                node = graph.build(guard.subs(v, description.slip_velocity), names)
+                guards.append(Guard(PIECE, contact, node, place))
         if description.gap is not None or description.ends_at_zero_normal_force:
             guards.append(Guard(NORMAL, contact, normal))
         return guards

@@ -48,7 +48,7 @@ class StateTable:
     ----------
     kinds : 0 slip, 1 stick, 2 separation, per contact
     name : prefix of its functions
-    guards : (kind, contact) of each switching function, in order
+    guards : (kind, contact, place) of each switching function, in order
     has_angle : whether the sector's angle follows the switching functions
     n_arguments : how many arguments of saturating functions follow those, for step control
     impacts : contacts with an impact function, and one that carries tangents through it
@@ -56,7 +56,7 @@ class StateTable:
 
     kinds: tuple[int, ...]
     name: str
-    guards: tuple[tuple[int, int], ...]
+    guards: tuple[tuple[int, int, int], ...]
     has_angle: bool
     n_arguments: int
     impacts: tuple[int, ...]
@@ -77,6 +77,7 @@ class Generated:
     smooth : per contact, whether the law has no border at zero slip
     sliding : kinds of the contacts where all slide, stops open
     bounces : per contact, whether an impact gives something back
+    pieced : contacts whose law is given by pieces
     zone : (start parameter, width parameter, contact) of the sector, or None
     texts : "flow", "tangent" and "jacobian"
     """
@@ -91,6 +92,7 @@ class Generated:
     smooth: tuple[bool, ...]
     sliding: tuple[int, ...]
     bounces: tuple[bool, ...]
+    pieced: tuple[int, ...]
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
     _engines: dict[str, ExecutionEngine] = field(default_factory=dict, compare=False, repr=False)
@@ -224,6 +226,7 @@ def _make(setup: Setup) -> bytes:
         "smooth": derivation.smooth,
         "sliding": derivation.sliding,
         "bounces": derivation.bounces,
+        "pieced": derivation.pieced,
         "zone": derivation.zone,
         "texts": {part: "\n".join(lines) + "\n" for part, lines in texts.items()},
     }
@@ -234,7 +237,7 @@ def _table(state: ContactState) -> dict[str, object]:
     return {
         "kinds": state.kinds,
         "name": state.name,
-        "guards": [(guard.kind, guard.contact) for guard in state.guards],
+        "guards": [(guard.kind, guard.contact, guard.place) for guard in state.guards],
         "has_angle": state.angle is not None,
         "n_arguments": len(_saturating(state)),
         "impacts": sorted(state.impacts),

@@ -93,7 +93,7 @@ def _at_rest(setup: Setup, symbols: Symbols) -> _Rest | None:
     vanishing = [_contact(symbols, contact, i) for i, contact in enumerate(equations.contacts)]
     vanishing += [equations.accelerations[name] for name in names]
     exact = [sympy.sympify(e).subs(forces).subs(still) for e in vanishing]
-    parameters = _parameters(setup, symbols, count)
+    parameters = _parameters(setup, symbols, equations.contacts)
     laid_out = dict(zip(unknowns, exact, strict=True))
     return _polynomial(laid_out, unknowns[count:], parameters, coefficients)
 
@@ -106,10 +106,13 @@ def _shortened(force: Expr, unknowns: Sequence[Expr], atoms: dict[Expr, Expr]) -
     return atoms.setdefault(coefficient, sympy.Dummy(real=True)) * rest
 
 
-def _parameters(setup: Setup, symbols: Symbols, count: int) -> dict[Expr, str]:
-    """Symbol -> name of every parameter, derived number, sign of slip, and of the zone."""
+def _parameters(setup: Setup, symbols: Symbols, contacts: Sequence[Contact]) -> dict[Expr, str]:
+    """Symbol -> name of every parameter, number of a piece, sign of slip, and of the zone."""
     found = {sympy.Symbol(f"p.{name}", real=True): name for name in setup.parameter_names}
-    found |= {symbols.sign(i): f"sign.{i}" for i in range(count)}
+    pieced = [i for i, contact in enumerate(contacts) if setup.law_of(contact) is setup.law]
+    rows = [row for i in pieced for row in symbols.rows(i, *setup.law.shape)]
+    found |= {symbol: symbol.name for row in rows for symbol in row}
+    found |= {symbols.sign(i): f"sign.{i}" for i in range(len(contacts))}
     return found | {symbols.zone: "zone"}
 
 
@@ -164,7 +167,7 @@ def _friction(symbols: Symbols, setup: Setup, equations: Equations) -> dict[Expr
         law = setup.law_of(contact)
         given = equations.law_parameters_at(i, law.parameters, symbols)
         sign, v = symbols.sign(i), contact.slip_velocity
-        slip = Slip(v, sign, sign * v, symbols.normal_force(i))
+        slip = Slip(v, sign, sign * v, symbols.normal_force(i), rows=symbols.rows(i, *law.shape))
         found[symbols.tangential_force(i)] = sympy.sympify(law.sliding(slip, given))
     return found
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import platform
 from dataclasses import asdict, is_dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 import fiv_cli
 from fiv_cli.analyses import get_analysis
@@ -49,6 +53,25 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         **({"own_json": _texts(case)} if case.own else {}),
         **({"schedule_json": dict(case.schedule.curves)} if case.schedule.curves else {}),
         "packages_json": {name: _version(name) for name in PACKAGES},
+    }
+
+
+@cache
+def surroundings() -> dict[str, str]:
+    """What decides the bits of a number beside the case: program, packages, processor, C library.
+
+    Also on another machine, whose own is then asked for.
+    """
+    from fiv_cli.codegen.lower import machine_description
+
+    program = sorted(Path(fiv_cli.__file__).parent.rglob("*.py"))
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in program)).hexdigest()
+    return {
+        "fiv": f"{fiv_cli.__version__} ({digest[:8]})",
+        "Python": platform.python_version(),
+        "C library": " ".join(platform.libc_ver()),
+        "processor": machine_description(),
+        **{name: _version(name) for name in ("numba", *PACKAGES)},
     }
 
 

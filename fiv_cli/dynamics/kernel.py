@@ -10,6 +10,11 @@ first, the first one is taken in which every switching function is positive in t
 first non-vanishing derivative. That single rule covers stick against reversal, release in the
 direction of the demanded force, several contacts at once, grazing, re-contact at zero
 compression, and transitions that follow one another at one instant.
+
+A law that is given by pieces adds a switching function for each way out of the piece that an
+element of it is in. Where one falls the element goes on in the next piece; then, and wherever the
+contact state is decided anew, elements whose switching functions fall go on likewise, until none
+does.
 """
 
 from __future__ import annotations
@@ -19,6 +24,7 @@ import numpy as np
 from fiv_cli.codegen.codes import (
     CAPACITY_DOWN,
     CAPACITY_UP,
+    CODE_PIECE,
     CODE_SEPARATION,
     CODE_SLIP_MINUS,
     CODE_SLIP_PLUS,
@@ -32,6 +38,7 @@ from fiv_cli.codegen.codes import (
     NORMAL,
     OTHER_POWER,
     PER_CONTACT,
+    PIECE,
     SEPARATION,
     SINGULAR,
     SLIP,
@@ -125,6 +132,7 @@ class Run(Search):
     n_guards: Ints
     guard_kinds: Ints2
     guard_contacts: Ints2
+    guard_places: Ints2  # of pieces: the element, times ways out, and the way out
     has_angle: Ints
     n_arguments: Ints
     contact_place: Ints
@@ -135,6 +143,12 @@ class Run(Search):
     is_one_way: Ints
     sliding_kinds: Ints
     bounces: Ints
+    # Of the law: the contact of each element that is in a piece; per piece its numbers, the piece
+    # behind each way out (-1: none), and, by piece and way out, the known zeros behind it.
+    element_contacts: Ints
+    piece_rows: Floats2
+    piece_exits: Ints2
+    piece_zeros: Ints2
     # Places of the sector's start and width among the parameters (-1: there is no sector), and of
     # whether the motion is inside; the contact whose angle it is.
     sector_start: FixedInt
@@ -155,7 +169,9 @@ class Run(Search):
     y: OwnFloats
     parameters: OwnFloats
     slip_signs: OwnFloats  # the part of the parameters that holds them
+    rows: OwnFloats  # ... and the part that holds the numbers of pieces
     kinds: OwnInts
+    in_piece: OwnInts  # number of the piece of each element of all contacts
     coefficients: OwnFloats
     filled_for: float  # slip signs and sector that coefficients were computed for; 0: none
     task: int
@@ -175,6 +191,11 @@ class Run(Search):
     n_chained: int  # transitions at this instant
     n_grazings: int
     n_impacts: int
+    # The element that has just left a piece and its row of `piece_zeros` (-1: none), or the
+    # switching function that only touched zero (-1: none).
+    left_element: int
+    left_by: int
+    touched_guard: int
 
     # --- section points, samples, a ledger of events, tangent vectors ---
     section_kind: FixedInt
@@ -235,6 +256,8 @@ class Run(Search):
     n_offers: Ints
     offered_kinds: Ints2
     offered_signs: Ints2
+    pieces_before: Ints
+    pieces_offered: Ints
 
 
 @native
@@ -462,6 +485,8 @@ def known_zeros_of(
     Each case names the test that fails without it.
     """
     kind, contact = run.guard_kinds[index, guard], run.guard_contacts[index, guard]
+    if kind == PIECE:
+        return known_zeros_of_piece(run, index, guard) if trigger_kind == PIECE else 0
     if kind == VELOCITY and contact == trigger_contact:
         released = trigger_kind == (CAPACITY_UP if run.slip_signs[contact] > 0.0 else CAPACITY_DOWN)
         if released and run.series[(run.n_states + guard) * (run.order + 1) + 1] < 0.0:
@@ -476,6 +501,71 @@ def known_zeros_of(
     if contact == trigger_contact and kind == GAP and trigger_kind == NORMAL:
         return 1  # test_a_contact_that_opens_has_no_gap
     return 0
+
+
+@native
+def known_zeros_of_piece(run: Run, index: int, guard: int) -> int:
+    """The same of a way out of a piece where an element has just come into one."""
+    if guard == run.touched_guard:
+        return 1
+    ways, place = run.piece_exits.shape[1], run.guard_places[index, guard]
+    if run.left_by < 0 or place // ways != run.left_element:
+        return 0
+    return run.piece_zeros[run.left_by, place % ways]
+
+
+@native
+def put_in_piece(run: Run, element: int, piece: int) -> None:
+    """Let an element be in a piece."""
+    width = run.piece_rows.shape[1]
+    run.in_piece[element] = piece
+    for k in range(width):
+        run.rows[element * width + k] = run.piece_rows[piece, k]
+    run.filled_for = 0.0
+
+
+@native
+def leave_piece(run: Run, index: int, guard: int) -> None:
+    """Let the element whose switching function falls go on in the next piece."""
+    ways, place = run.piece_exits.shape[1], run.guard_places[index, guard]
+    element, way = place // ways, place % ways
+    piece = run.in_piece[element]
+    run.left_element, run.left_by = element, piece * ways + way
+    put_in_piece(run, element, run.piece_exits[piece, way])
+
+
+@native
+def first_out(run: Run, index: int, step: float, trigger_kind: int) -> int:
+    """The first way out of a piece that is fallen through, or will be at once; -1: none."""
+    for guard in range(run.n_guards[index]):
+        if run.guard_kinds[index, guard] == PIECE:
+            offset = (run.n_states + guard) * (run.order + 1)
+            zeros = known_zeros_of(run, index, guard, trigger_kind, -1)
+            if leading(run.series, offset, run.order, step, zeros) < 0:
+                return guard
+    return -1
+
+
+@native
+def comparing_step(run: Run) -> float:
+    """Time over which derivatives are compared, where the series at hand allow a step."""
+    if run.first_step < ENDLESS:
+        return run.first_step
+    return run.last_step if run.last_step > 0.0 else 0.0
+
+
+@native
+def settle_pieces(run: Run, index: int, trigger_kind: int) -> bool:
+    """Let elements go on until each is in a piece that it stays in; False: they go in circles."""
+    for _ in range(CHAIN_CAP + len(run.piece_exits)):
+        guard = first_out(run, index, comparing_step(run), trigger_kind)
+        if guard < 0:
+            return True
+        leave_piece(run, index, guard)
+        run.left_by = -1  # nothing is known of one that lay elsewhere
+        fill(run)
+        run.first_step = series_at_hand(run, index)
+    return False
 
 
 @native
@@ -498,10 +588,10 @@ def consistent(run: Run, trigger_kind: int, trigger_contact: int, lenient: bool)
     if run.taylor[index] == 0:
         return False
     fill(run)
-    step = series_at_hand(run, index)
-    run.first_step = step
-    if step == ENDLESS:  # a motion that is a polynomial has no time scale of its own
-        step = run.last_step if run.last_step > 0.0 else 0.0
+    run.first_step = series_at_hand(run, index)
+    if len(run.in_piece) > 0 and not settle_pieces(run, index, trigger_kind):
+        return False
+    step = comparing_step(run)
     for g in range(run.n_guards[index]):
         kind, contact = run.guard_kinds[index, g], run.guard_contacts[index, g]
         offset = (run.n_states + g) * (order + 1)
@@ -646,8 +736,14 @@ def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> 
     begin = 0
     if trigger_kind == GAP and run.n_chained > SHORT_FLIGHTS:
         begin = combinations
+    for i in range(len(run.in_piece)):
+        run.pieces_offered[i] = run.in_piece[i]
+    left_by = run.left_by
     for attempt in range(begin, 2 * combinations):
-        rest = attempt % combinations
+        rest, run.left_by = attempt % combinations, left_by
+        for i in range(len(run.in_piece)):
+            if run.in_piece[i] != run.pieces_offered[i]:
+                put_in_piece(run, i, run.pieces_offered[i])
         if trigger_contact >= 0:  # the contact that triggered changes first: others stay
             rest = pick(run, trigger_contact, rest)
         for i in range(run.n_contacts - 1, -1, -1):
@@ -1368,10 +1464,27 @@ def book_event(run: Run, contact: int, itself: bool, residual: float) -> None:
             and (run.kinds[i] == run.section_to or run.section_to == ANY)
         ):
             keep_section(run)
+    book_pieces(run, residual)
     if run.n_events == events:
         run.n_grazings += 1
     else:
         run.largest_residual = max(run.largest_residual, residual)
+
+
+@native
+def book_pieces(run: Run, residual: float) -> None:
+    """Enter the elements that have come into another piece."""
+    for element in range(len(run.in_piece)):
+        before, after = run.pieces_before[element], run.in_piece[element]
+        if before != after:
+            run.n_events += 1
+            if run.n_ledger < len(run.ledger_times):
+                row = run.n_ledger
+                run.ledger_times[row], run.ledger_residuals[row] = run.time, residual
+                run.ledger_before[row] = CODE_PIECE + before
+                run.ledger_after[row] = CODE_PIECE + after
+                run.ledger_contacts[row] = run.element_contacts[element]
+                run.n_ledger += 1
 
 
 @native
@@ -1411,6 +1524,8 @@ def note_codes(run: Run) -> None:
     """The contact state as it is before an event."""
     for i in range(run.n_contacts):
         run.code_before[i] = code_of(run.kinds[i], run.slip_signs[i])
+    for i in range(len(run.in_piece)):
+        run.pieces_before[i] = run.in_piece[i]
 
 
 @native
@@ -1480,6 +1595,18 @@ def pass_border(run: Run, index: int, upwards: bool) -> None:
 
 
 @native
+def pass_piece(run: Run, index: int, hit: int, grazing: bool) -> None:
+    """Go on in the next piece, unless the switching function only touches zero."""
+    run.left_by = run.touched_guard = -1
+    if grazing:
+        step, offset = series_at_hand(run, index), (run.n_states + hit) * (run.order + 1)
+        if leading(run.series, offset, run.order, step, 1) >= 0:
+            run.touched_guard = hit
+            return
+    leave_piece(run, index, hit)
+
+
+@native
 def pass_event(
     run: Run, index: int, hit: int, residual: float, grazing: bool, sign_before: float, is_met: bool
 ) -> int:
@@ -1502,6 +1629,8 @@ def pass_event(
     if impacted:
         energy = kinetic_energy(run, index)
         collide(run, index, contact)
+    if trigger_kind == PIECE:
+        pass_piece(run, index, hit, grazing)
     if border:
         pass_border(run, index, hit == UPPER_BORDER)
     elif not decide(run, trigger_kind, contact, grazing):

@@ -117,7 +117,7 @@ class Ledger(NamedTuple):
     Attributes
     ----------
     times : s
-    before, after : contact states, see `CODE_NAMES`
+    before, after : contact states, see `CODE_NAMES`, or pieces of the law, see `Law.events`
     contacts : 0-based
     residuals : of the switching functions, relative
     """
@@ -222,6 +222,11 @@ class Motion:
     def slip_signs(self) -> Vector:
         """Sign of slip in each contact, where it slips; shape (n_contacts,)."""
         return self.frame.slip_signs
+
+    @property
+    def ways(self) -> Vector:
+        """How it slides: the numbers of the pieces of its law, then the signs of slip."""
+        return self.frame.parameters[self.system.n_own_parameters : -1]
 
     @property
     def coefficients(self) -> Vector:

@@ -150,19 +150,31 @@ class System:
         return series[..., n:, :]
 
     def parameter_values(self, parameters: Mapping[str, float]) -> tuple[float, ...]:
-        """Parameters in generated order; the slip signs and the sector follow them there."""
+        """Parameters of model and law in generated order."""
         values: tuple[float, ...] = self._take_own(self.known(parameters))
         return values
 
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
-        """`parameter_values`, slip signs +1, sector 0; shape (n_parameters,)."""
-        return np.array([*self.parameter_values(parameters), *(1.0,) * self.n_contacts, 0.0])
+        """`parameter_values`, first pieces, slip signs +1, sector 0; shape (n_parameters,)."""
+        values, law = self.parameter_values(parameters), self.setup.law
+        rows = [x for piece in law.pieces[:1] for x in piece.row] * self.n_elements
+        return np.array([*values, *rows, *(1.0,) * self.n_contacts, 0.0])
+
+    @property
+    def n_elements(self) -> int:
+        """Elements of the law, of all contacts, that are in a piece each."""
+        return len(self.generated.pieced) * self.setup.law.elements
+
+    @property
+    def n_own_parameters(self) -> int:
+        """Parameters of model and law: numbers of pieces, slip signs and sector follow them."""
+        rows = self.n_elements * self.setup.law.shape[1]
+        return len(self.generated.parameter_names) - 1 - self.n_contacts - rows
 
     @cached_property
     def _take_own(self) -> itemgetter[Any]:
         """Takes the model's and the law's parameters (there are several) out of a mapping."""
-        own = len(self.generated.parameter_names) - 1 - self.n_contacts
-        return itemgetter(*self.generated.parameter_names[:own])
+        return itemgetter(*self.generated.parameter_names[: self.n_own_parameters])
 
     @cached_property
     def _is_extended(self) -> bool:
@@ -233,6 +245,7 @@ class Tables:
     n_guards: NDArray[np.int64]
     guard_kinds: NDArray[np.int64]
     guard_contacts: NDArray[np.int64]
+    guard_places: NDArray[np.int64]
     has_angle: NDArray[np.int64]
     n_arguments: NDArray[np.int64]
     contact_place: NDArray[np.int64]
@@ -251,7 +264,8 @@ class Tables:
 def _tables(generated: Generated) -> Tables:
     contacts, states = len(generated.smooth), generated.states
     most = max(1, *(len(state.guards) for state in states.values()))
-    widths = {"impact": (contacts,), "guard_kinds": (most,), "guard_contacts": (most,)}
+    of_guards = dict.fromkeys(("guard_kinds", "guard_contacts", "guard_places"), (most,))
+    widths = {"impact": (contacts,), **of_guards}
     per_state = {
         name: np.zeros((3**contacts, *widths.get(name, ())), np.int64)
         for name in (*widths, "taylor", "field", "n_guards", "has_angle", "n_arguments",
@@ -277,8 +291,10 @@ def _enter_state(tables: Tables, generated: Generated, index: int, state: StateT
     for contact in state.impacts:
         tables.impact[index, contact] = generated.address(f"{state.name}_impact_{contact}")
     tables.n_guards[index] = len(state.guards)
-    for place, (kind, contact) in enumerate(state.guards):
-        tables.guard_kinds[index, place], tables.guard_contacts[index, place] = kind, contact
+    told = tables.guard_kinds, tables.guard_contacts, tables.guard_places
+    for number, guard in enumerate(state.guards):
+        for table, entry in zip(told, guard, strict=True):
+            table[index, number] = entry
     tables.has_angle[index] = int(state.has_angle)
     tables.n_arguments[index] = state.n_arguments
     first = 2 * len(generated.state_names) + len(state.guards) + int(state.has_angle)

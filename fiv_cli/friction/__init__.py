@@ -11,6 +11,8 @@ from fiv_cli.friction import (
     exponential,
     four_parameter,
     hyperbolic,
+    jenkins,
+    linear_regularisation,
     linear_slope,
     lugre,
     none,
@@ -37,7 +39,9 @@ _LAWS: tuple[Law, ...] = (
     rational.LAW,
     cubic.LAW,
     simscape.LAW,
+    linear_regularisation.LAW,
     dahl.LAW,
+    jenkins.LAW,
     lugre.LAW,
     rate_and_state.LAW,
 )

@@ -10,12 +10,17 @@ velocity ``v``, the sign of slip ``sign`` (+1 or -1, a property of the contact s
 computed from v), the speed ``speed`` = sign * v >= 0, the normal force ``N`` and the law's
 internal states by name. Whatever contains ``sign`` or ``speed`` is non-analytic at v = 0: the
 contact state then has a border there, and an event lies on it.
+
+A law may be given by *pieces*, between which each of its elements changes: a slider that is held or
+slides, intervals of the slip velocity. A piece is a row of numbers that force, rates and guards
+contain (`Slip.rows`); it is left where a guard falls to zero, which is an event.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fiv_cli.models.base import Parameter, Requirement, State, followed
@@ -27,13 +32,47 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Slip:
-    """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states."""
+    """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states.
+
+    `rows` are the numbers of the pieces that the elements of the law are in, an element each.
+    """
 
     v: Expr
     sign: Expr
     speed: Expr
     N: Expr
     states: Mapping[str, Expr] = field(default_factory=dict)
+    rows: Sequence[Sequence[Expr]] = ()
+
+
+@dataclass(frozen=True)
+class Exit:
+    """What follows where a guard of a piece falls to zero.
+
+    Attributes
+    ----------
+    to : name of the piece
+    zeros : of each of its guards, how many derivatives, from the value on, are zero then
+    """
+
+    to: str
+    zeros: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A sub-state of a slipping contact: what an element of a law is in.
+
+    Attributes
+    ----------
+    name : its first word is what events are booked under, see `flags.PIECES`
+    row : the numbers that the law's expressions contain
+    exits : what follows where each guard falls to zero; None of one that does not
+    """
+
+    name: str
+    row: tuple[float, ...]
+    exits: tuple[Exit | None, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +97,12 @@ class Law:
     requirements : what its parameters must be to one another
     constant_load : it gives a force that does not depend on the normal force
     only_in_stick : parameters that sliding does not read
+    stored : ``(Slip, parameters) -> energy`` in J that friction may give back, under a constant
+        normal force; None: none
+    pieces : those that an element may be in, the one that it begins in first
+    elements : that change from piece to piece, each for itself
+    guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
+    resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding
     origin : where it stands, if not in the box
     """
 
@@ -75,6 +120,11 @@ class Law:
     requirements: tuple[Requirement, ...] = ()
     constant_load: bool = False
     only_in_stick: tuple[str, ...] = ()
+    stored: Callable[[Slip, Mapping[str, Expr]], Expr] | None = None
+    pieces: tuple[Piece, ...] = ()
+    elements: int = 1
+    guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
+    resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
     origin: Origin | None = None
 
     @property
@@ -83,6 +133,42 @@ class Law:
         if self.states:
             return "dynamic"
         return "regularised" if self.capacity is None else "set-valued"
+
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """Name of a piece -> its number."""
+        return {piece.name: number for number, piece in enumerate(self.pieces)}
+
+    @property
+    def events(self) -> tuple[str, ...]:
+        """Words for the pieces in a ledger."""
+        return tuple(piece.name.split()[0] for piece in self.pieces)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Elements that are in a piece each, and numbers of a piece."""
+        return (self.elements, len(self.pieces[0].row)) if self.pieces else (0, 0)
+
+    def row_symbols(self) -> list[list[Expr]]:
+        """What the numbers of the pieces are called where a law is written out."""
+        import sympy
+
+        elements, length = self.shape
+        tail = [f"_{element + 1}" if elements > 1 else "" for element in range(elements)]
+        return [
+            [sympy.Symbol(f"n{place + 1}{end}", real=True) for place in range(length)]
+            for end in tail
+        ]
+
+    def at_rest(self, v: float, parameters: Mapping[str, float]) -> list[int]:
+        """Number of the piece that each element is in while it slides steadily at v, m/s."""
+        if self.resting is None:
+            return []
+        return [self.places[name] for name in self.resting(v, parameters)]
+
+    def rows_at(self, v: float, parameters: Mapping[str, float]) -> list[tuple[float, ...]]:
+        """The numbers of these pieces, an element each."""
+        return [self.pieces[number].row for number in self.at_rest(v, parameters)]
 
     def sliding(self, slip: Slip, parameters: Mapping[str, Expr]) -> Expr:
         """F_T in N of steady sliding, where the internal states rest."""
@@ -99,5 +185,9 @@ class Law:
     @property
     def defaults(self) -> dict[str, float]:
         """Parameter -> default of its own table; a model may have others."""
-        given = {p.name: p.default for p in self.parameters if p.default is not None}
-        return followed(self.parameters, given)
+        return self.completed({})
+
+    def completed(self, given: Mapping[str, float]) -> dict[str, float]:
+        """Parameter -> value: as given, else the default of its own table."""
+        defaults = {p.name: p.default for p in self.parameters if p.default is not None}
+        return followed(self.parameters, {**defaults, **given})

@@ -33,6 +33,7 @@ LAW = Law(
     force=lambda slip, p: p["sigma_0"] * slip.states["deflection"] * slip.N,
     capacity=None,
     states=(DEFLECTION,),
+    stored=lambda slip, p: p["sigma_0"] * slip.states["deflection"] ** 2 * slip.N / 2,
     rates=lambda slip, p: {
         "deflection": slip.v - p["sigma_0"] * slip.states["deflection"] * slip.speed / p["mu_k"],
     },

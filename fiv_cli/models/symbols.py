@@ -83,6 +83,13 @@ class Symbols:
         """Sign of slip of a contact, +1 or -1: a property of the contact state."""
         return self._real(f"sign.{contact}")
 
+    def rows(self, contact: int, elements: int, length: int) -> list[list[sympy.Symbol]]:
+        """The numbers of the pieces that the elements of a contact's law are in."""
+        return [
+            [self._real(f"piece.{contact}.{element}.{place}") for place in range(length)]
+            for element in range(elements)
+        ]
+
     def in_zone(self, outside: sympy.Expr, inside: sympy.Expr) -> sympy.Expr:
         """`outside` off the sector and `inside` on it, both exactly."""
         return outside * (1 - self.zone) + inside * self.zone

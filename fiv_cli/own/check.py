@@ -25,6 +25,7 @@ from fiv_cli.notation.names import ascii_name, listed, suggest
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.own.dimensions import Dimension, MixedUnitsError, dimension, dimension_of, spoken
 from fiv_cli.own.lines import Lines
+from fiv_cli.own.load import is_name
 
 ROUNDING = 1e-9
 SHOWN = 160  # characters of an expression that are shown
@@ -112,7 +113,9 @@ def _tables_of_law(law: Law) -> Iterator[Fault]:
 
 def _header(thing: Model | Law) -> Iterator[Fault]:
     call = type(thing).__name__
-    for attribute in ("name", "title", "reference"):
+    if not is_name(thing.name):
+        yield Fault((call, 0, "name"), f"{thing.name!r} is no name", "letters, digits, - . _")
+    for attribute in ("title", "reference"):
         value = getattr(thing, attribute)
         if not isinstance(value, str) or not value or not value.isprintable():
             yield Fault((call, 0, attribute), f"{attribute} is {value!r}", "a text of one line")
@@ -175,9 +178,9 @@ def _twice(call: str, names: list[str]) -> Iterator[Fault]:
 
 
 def _no(
-    call: str, key: str, keyword: str, what: str, known: Iterable[str], name: str = ""
+    call: str, key: str | int, keyword: str, what: str, known: Iterable[str], name: str = ""
 ) -> Fault:
-    names, wanted = [*known], name or key
+    names, wanted = [*known], name or str(key)
     message = f"there is no {what} {wanted!r}"
     return Fault((call, key, keyword), message, listed(names), suggest(wanted, names))
 
@@ -290,7 +293,6 @@ def _unknown_symbol(place: tuple[str, str | int, str], symbol: Expr, written: _W
 
 
 def _of_contact(number: int, contact: Contact, written: _Written) -> Iterator[Fault]:
-    symbols, names = written.symbols, [*written.equations.accelerations]
     forces = {*written.forces}
     for keyword in ("slip_velocity", "normal_force", "gap"):
         expression = sympy.sympify(getattr(contact, keyword) or 0)
@@ -299,22 +301,39 @@ def _of_contact(number: int, contact: Contact, written: _Written) -> Iterator[Fa
             message = f"depends on the force {min(map(str, own))}, which follows from it"
             allowed = "states, parameters and time"
             yield Fault(("Contact", number, keyword), message, allowed)
-    if contact.slip_coordinate not in names:
-        yield _no("Contact", number, "slip_coordinate", "state", names,  # type: ignore[arg-type]
-                  contact.slip_coordinate)  # fmt: skip
-    elif not sympy.diff(contact.slip_velocity, symbols.velocity(contact.slip_coordinate)):
-        message = f"the slip velocity does not depend on {contact.slip_coordinate}_dot"
-        yield Fault(("Contact", number, "slip_coordinate"), message)
+    if contact.law is not None:
+        yield from _of_its_own_law(number, contact.law, written.model)
+    if not contact.is_stop:
+        yield from _of_slip(number, contact, written)
+
+
+def _of_slip(number: int, contact: Contact, written: _Written) -> Iterator[Fault]:
+    symbols, coordinate = written.symbols, contact.slip_coordinate
+    names, place = [*written.equations.accelerations], ("Contact", number, "slip_coordinate")
+    if coordinate not in names:
+        yield _no(*place, "state", names, coordinate)
+    elif not sympy.diff(contact.slip_velocity, symbols.velocity(coordinate)):
+        yield Fault(place, f"the slip velocity does not depend on {coordinate}_dot")
     for earlier, other in enumerate(written.equations.contacts[:number]):
-        if other.slip_coordinate == contact.slip_coordinate and not _parallel(
-            contact, other, written
-        ):
+        both = not other.is_stop and other.slip_coordinate == coordinate
+        if both and not _parallel(contact, other, written):
+            numbers = f"contacts {earlier + 1} and {number + 1}"
             message = (
-                f"contacts {earlier + 1} and {number + 1} are both solved for "
-                f"{contact.slip_coordinate!r}, and slip in different directions"
+                f"{numbers} are both solved for {coordinate!r}, and slip in different directions"
             )
-            hint = "name another state that its slip velocity depends on"
-            yield Fault(("Contact", number, "slip_coordinate"), message, "", hint)
+            yield Fault(place, message, "", "name another state that its slip velocity depends on")
+
+
+def _of_its_own_law(number: int, name: str, model: Model) -> Iterator[Fault]:
+    """The law that a contact has of its own is in the box, or in the file of its model."""
+    try:
+        origin = get_law(name).origin
+    except KeyError:
+        yield _no("Contact", number, "law", "law", all_laws(), name)
+        return
+    if origin not in (None, model.origin):
+        message = f"the law {name!r} stands in another file"
+        yield Fault(("Contact", number, "law"), message, "", "write it into this one")
 
 
 def _parallel(one: Contact, other: Contact, written: _Written) -> bool:
@@ -391,6 +410,8 @@ def _affine(written: _Written) -> Iterator[Fault]:
 def _friction_opposes_slip(written: _Written) -> Iterator[Fault]:
     symbols, equations = written.symbols, written.equations
     for i, contact in enumerate(equations.contacts):
+        if contact.is_stop:
+            continue
         force = symbols.tangential_force(i)
         response: Any = sum(
             sympy.diff(contact.slip_velocity, symbols.velocity(name)) * sympy.diff(a, force)
@@ -470,17 +491,22 @@ def _number(expression: Expr, values: Mapping[Expr, float]) -> float:
     return float(expression.subs(values).evalf())
 
 
+_SLIP = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
+
+
 # --- laws -----------------------------------------------------------------------------------------
 def _forces_of_law(law: Law) -> Iterator[Fault]:
-    names = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
+    names = _SLIP
     states = {state.name: state.unit for state in law.states}
     own = {name: sympy.Symbol(name, real=True) for name in (*names, *states)}
     v, sign, speed, normal = (own[name] for name in names)
-    slip = Slip(v, sign, speed, normal, {name: own[name] for name in states})
+    rows = law.row_symbols()
+    slip = Slip(v, sign, speed, normal, {name: own[name] for name in states}, rows)
     parameters = {p.name: sympy.Symbol(f"p.{p.name}", real=True) for p in law.parameters}
     units: dict[Expr, Dimension | None] = {own[n]: dimension(u) for n, u in names.items()}
     units |= {own[name]: dimension(unit) for name, unit in states.items()}
     units |= {parameters[p.name]: dimension(p.unit) for p in law.parameters}
+    units |= {number: None for row in rows for number in row}
     found = {"force": (law.force(slip, parameters), dimension("N"))}
     if law.capacity is not None:
         found["capacity"] = (law.capacity(slip.N, parameters), dimension("N"))

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 from fiv_cli.errors import Problem
 
+_ALIKE = {"Contact": ("Contact", "stop")}
 _LACKS = re.compile(r"(?:\w+\.)?(\w+?)(?:\.__init__)?\(\) missing \d+ .*? arguments?: (.*)")
 
 
@@ -65,7 +66,7 @@ class Lines:
         for node in self._nodes:
             if isinstance(node, ast.Call):
                 called = getattr(node.func, "id", getattr(node.func, "attr", ""))
-                if called == name:
+                if called in _ALIKE.get(name, (name,)):
                     yield node
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
@@ -32,6 +33,7 @@ GROUPS = ("fiv.models", "fiv.laws")
 
 SEARCHED = 200  # files beside a case that are searched for a name
 MOST_BYTES = 2**20  # of a file of models
+_NAME = re.compile(r"[A-Za-z][\w.-]*", re.ASCII)
 
 
 def read(paths: Iterable[Path]) -> tuple[Origin, ...]:
@@ -68,6 +70,11 @@ def _text(path: Path) -> str:
         ) from None
     except (SyntaxError, UnicodeDecodeError, LookupError) as error:
         raise ModelFileError(str(path), [Problem("text", f"is no text: {error}")]) from None
+
+
+def is_name(name: object) -> bool:
+    """Whether a model or a law can be called so: in a case, on a command line, in a file's name."""
+    return isinstance(name, str) and bool(_NAME.fullmatch(name))
 
 
 def use(origins: Iterable[Origin]) -> None:
@@ -118,7 +125,7 @@ def declared(origin: Origin) -> tuple[Model | Law, ...]:
     if origin.entry:
         things: Iterable[Any] = [_of_entry(origin)]
     else:
-        things = vars(_module(origin)).values()
+        things = vars(module_of(origin)).values()
     box = {id(thing) for table in (all_models(), all_laws()) for thing in table.values()}
     found = [t for t in _flat(things) if isinstance(t, Model | Law) and id(t) not in box]
     if not found:
@@ -154,8 +161,11 @@ class _Text(ExecutionLoader):
         return self.origin.text
 
 
-def _module(origin: Origin) -> ModuleType:
+@cache
+def module_of(origin: Origin) -> ModuleType:
     """The module that the text of a file makes; what it prints goes to stderr."""
+    if origin.entry:
+        return importlib.import_module(origin.entry.partition(":")[0])
     lines = Lines(origin.text)
     name = f"fiv_own_{origin.digest}"
     try:

@@ -6,6 +6,7 @@ An equilibrium is drawn at its value. Cycles that are unstable, which no motion 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,9 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import SECTION
 from fiv_cli.plots import branch, labels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import is_class
+from fiv_cli.reading.datasets import is_class, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DEFAULT = "section_value"
-CROWD = 64  # values at one point of the grid, which are drawn smaller: a cloud has an inside
+CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.5
 
 
@@ -53,6 +55,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     fitting = [part for one in others if (part := _of_the_same(one, first)) is not None]
     _dash_unstable(ax, fitting, points.abscissa(first, settings), _observed(first[name]))
     ax.set_ylabel(labels.axis_label(first[name]))
+    _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
     points.dress(ax, shown, settings)
     return figure
@@ -134,11 +137,37 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
             look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
             ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
         ax.plot(
-            cloud.rest_x, cloud.rest_y, "_", ms=size * (1.5 + 0.7 * later), mew=1.2 + 0.6 * later,
+            cloud.rest_x, cloud.rest_y, "_", ms=size * (1.5 + 0.4 * later), mew=0.9 + 0.25 * later,
             color=entry.colour,
         )  # fmt: skip
     if any(cloud.rest_x.size for cloud in clouds):
-        ax.plot([], [], "_", ms=4.0, mew=1.2, color=style.BLACK, label=resting)
+        ax.plot([], [], "_", mew=1.2, color=style.BLACK, label=resting)
+
+
+def _mark_other_sections(
+    ax: Axes, datasets: Sequence[xr.Dataset], settings: points.Settings
+) -> None:
+    """A line across where the section that motions choose changes: values jump there with it."""
+    places = {place for dataset in datasets for place in _other_sections(dataset, settings)}
+    for number, place in enumerate(sorted(places)):
+        label = "another section" if number == 0 else None
+        ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
+
+
+def _other_sections(dataset: xr.Dataset, settings: points.Settings) -> Iterator[float]:
+    """The middles between neighbours along the axis whose motions have different sections."""
+    if "section_kind" not in dataset:
+        return
+    axis = points.abscissa(dataset, settings)
+    x, dim = points.positions(axis), str(axis.dims[0])
+    contact = numbers(dataset["section_contact"]).fillna(0)
+    chosen = numbers(dataset["section_kind"]) + len(SECTION.codes) * contact
+    for line in points.lines(dataset, [dim], [str(d) for d in chosen.dims]):
+        section = chosen.isel(line.index).values
+        met = np.flatnonzero(np.isfinite(section))
+        for one, other in itertools.pairwise(met.tolist()):
+            if section[one] != section[other]:
+                yield float(0.5 * (x[one] + x[other]))
 
 
 # --- unstable cycles ------------------------------------------------------------------------------

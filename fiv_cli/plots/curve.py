@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,7 +33,6 @@ BECOMES = {
     "lost": "the equilibrium ends",
     "gained": "an equilibrium begins",
 }
-DASHES = ("-", "--", ":", "-.")
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -42,7 +41,10 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """Lines of every layer; undecided points are hollow and no line leads through them."""
+    """Lines of every layer; undecided points are hollow.
+
+    No line leads through these, nor from a point of one class to a neighbour of another.
+    """
     names = variables_of(layers[0].dataset, settings)
     curves = [c for layer in layers for name in names for c in _curves(layer, name, settings)]
     anything = any(np.isfinite(curve.y).any() for curve in curves)
@@ -54,7 +56,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     classes = bool(flag_names(layers[0].dataset[names[0]].attrs))
     apart = classes or not select.is_numeric(points.abscissa(layers[0].dataset, settings))
     for dash, sort in dict.fromkeys((curve.dash, curve.sort) for curve in curves if curve.sort):
-        ax.plot([], [], dash, color=style.BLACK, label=sort)
+        ax.plot([], [], ls=dash, color=style.BLACK, label=sort)
     for curve, entry in zip(curves, entries, strict=True):
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
@@ -62,19 +64,21 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if not classes:
         style.level(ax)
     _name_values(ax, [layers[0].dataset[name] for name in names])
-    points.dress(ax, layers, settings)
+    points.dress(ax, layers, settings, "undecided" if names == ["attractor"] else "")
     return figure
 
 
 def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:
     """One line; without lines between points that stand `apart`."""
-    y, mark = curve.y + shift, "." if apart else f".{curve.dash}"
+    y = curve.y + shift
+    look: dict[str, Any] = {"marker": ".", "ms": 3, "color": entry.colour}
     known = np.where(curve.open, np.nan, y)
-    ax.plot(
-        curve.x, known, mark, ms=3, color=entry.colour, label=None if curve.sort else entry.label
-    )
+    x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
+    dash = curve.dash if curve.sort else entry.dash
+    label = None if curve.sort else entry.label
+    ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
-        ax.plot([], [], ".-", ms=3, color=entry.colour, label=entry.label)
+        ax.plot([], [], label=entry.label, **look)
     if curve.open.any():
         at = curve.open
         ax.plot(curve.x[at], y[at], "o", ms=3, color=entry.colour, mfc="none", mew=0.6)
@@ -103,7 +107,8 @@ class _Curve:
     """One line: the words for its variable, those for its place, its points and their width.
 
     `open` are the points whose class is undecided: their numbers are those of some stretch of time.
-    `sort` is what a dash means, where colours mean another thing.
+    `jumps` are the places at which another class begins. `sort` is what a dash means, where
+    colours mean another thing.
     """
 
     name: str
@@ -112,7 +117,8 @@ class _Curve:
     y: np.ndarray
     open: np.ndarray
     width: np.ndarray | None = None
-    dash: str = "-"
+    jumps: Sequence[int] = ()
+    dash: Any = "-"
     sort: str = ""
 
 
@@ -131,10 +137,15 @@ def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_
     if "crossing" in array.dims and _sorting(dataset):
         return _by_sort(layer, array, x, dim)
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
+    classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
-        y, open_ = (one.isel(line.index).values for one in (array, unsure & array.notnull()))
-        curves.append(_Curve(words, points.joined(layer.label, line.label), x, y, open_))
+        y, open_, told = (
+            one.isel(line.index).values for one in (array, unsure & array.notnull(), classes)
+        )
+        jumps = (np.flatnonzero(told[1:] != told[:-1]) + 1).tolist()
+        label = points.joined(layer.label, line.label)
+        curves.append(_Curve(words, label, x, y, open_, jumps=jumps))
     return curves
 
 
@@ -147,7 +158,7 @@ def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) 
     for line in points.lines(dataset, [dim], along):
         label = points.joined(layer.label, line.label)
         for number, (sort, mask) in enumerate(sorts.items() if len(sorts) > 1 else [("", True)]):
-            dashed = (DASHES[number % len(DASHES)], sort) if label else ("-", "")
+            dash = style.dash(number, len(sorts))
             kept, known, mode = (
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
                 for part in (array, widths, modes)
@@ -156,7 +167,8 @@ def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) 
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, known[at])
-                curves.append(_Curve(words, label or sort, *found, *dashed))
+                dashed = {"dash": dash, "sort": sort} if label else {}
+                curves.append(_Curve(words, label or sort, *found, **dashed))
     return curves
 
 

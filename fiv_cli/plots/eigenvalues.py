@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PARTS = ("eigenvalue_real", "mode_frequency")
-DASHES = ("-", "--", "-.", ":")
+MARKED = 40  # unstable points of a line that have a mark, about
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -64,16 +64,14 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             y = part[name].isel(mode=mode).values
             if not np.any(np.isfinite(y)):
                 continue  # under other options the model has more modes
-            dash = DASHES[number % len(DASHES)]
+            dash = style.dash(number, len(lines))
             label = points.joined(name_of_mode, line.label)
-            ax.plot(x, y, dash, color=colour, label=label)
-            unstable = part[PARTS[0]].isel(mode=mode).values > 0.0
-            ax.plot(
-                x[unstable], y[unstable], "o", ms=3.5, color=style.VERMILLION, mec="white", mew=0.4,
-                zorder=4,
-            )  # fmt: skip
+            ax.plot(x, y, ls=dash, color=colour, label=label)
+            unstable = np.flatnonzero(part[PARTS[0]].isel(mode=mode).values > 0.0)
+            marked = unstable[:: max(1, x.size // MARKED)]
+            ax.plot(x[marked], y[marked], "o", ms=2.6, color=style.VERMILLION, mew=0.0, zorder=4)
     if np.any(dataset[PARTS[0]].values > 0.0):
-        ax.plot([], [], "o", ms=3.5, color=style.VERMILLION, label="unstable")
+        ax.plot([], [], "o", color=style.VERMILLION, mew=0.0, label="unstable")
 
 
 def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:

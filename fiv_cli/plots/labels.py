@@ -20,7 +20,7 @@ GREEK = frozenset(
 )
 # A name among words: Greek, with a number or a subscript, or a letter alone that is no word.
 NAME = re.compile(
-    rf"(?<![\w\\-])(?:(?:{'|'.join(sorted(GREEK))})\w*|[A-Za-z]\d+\w*|[A-Za-z]_\w+|[B-HJ-Zb-hj-z])(?![\w-])"
+    rf"(?<![\w\\'-])(?:(?:{'|'.join(sorted(GREEK))})\w*|[A-Za-z]\d+\w*|[A-Za-z]_\w+|[B-HJ-Zb-hj-z])(?![\w-])"
 )
 FORMULA = re.compile(r"\w+ ?/ ?(?:\(|sqrt)")
 # The thesis writes the angle with the open form of the letter.

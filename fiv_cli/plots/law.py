@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,38 +16,64 @@ from fiv_cli.plots import labels, style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.typing import ColorType
 
 FASTEST = 2.0  # m/s
 SAMPLES = 801
+STICK = ":"
+
+Given = tuple[Law, Mapping[str, float]]
 
 
-def draw_laws(names: Sequence[str], look: style.Look | None = None) -> Figure:
-    """The laws called `names`, with the defaults of their tables.
+def draw_laws(
+    wanted: Sequence[str], look: style.Look | None = None, fastest: float = FASTEST
+) -> Figure:
+    """Laws, each as ``NAME`` or ``NAME:PARAMETER=VALUE,...``; the rest by its table.
+
+    Parameters
+    ----------
+    fastest : greatest slip velocity, m/s
 
     Raises
     ------
-    UsageError : there is no such law, or they share no axis
+    UsageError : there is no such law or parameter, or they share no axis
     """
-    known = all_laws()
-    laws = [pick(name, known, "friction law", "fiv models --laws") for name in names]
+    laws = [_given(words) for words in wanted]
     with style.looks(look=look):
-        figure = _draw(laws)
+        figure = _draw(laws, fastest)
         style.finish(figure)
         return figure
 
 
-def _draw(laws: Sequence[Law]) -> Figure:
-    figure, (ax,) = style.new_panels(1, 1, _title(laws))
-    for law, colour in zip(laws, style.line_colours(len(laws)), strict=True):
-        _curve(ax, law, colour)
-    forces = [not _scales_with_load(law) for law in laws]
+def _given(words: str) -> Given:
+    """A law and the values of its parameters: ``stribeck:v_s=5 cm/s,mu_s=0.5``."""
+    name, _, changes = words.partition(":")
+    law = pick(name.strip(), all_laws(), "friction law", "fiv models --laws")
+    table = {parameter.name: parameter for parameter in law.parameters}
+    given = {}
+    for change in filter(str.strip, changes.split(",")):
+        key, _, value = map(str.strip, change.partition("="))
+        parameter = pick(key, table, f"parameter of {law.name}", f"fiv models {law.name}")
+        try:
+            given[key] = parameter.read(value)
+        except ValueError as error:
+            raise UsageError(
+                f"--law {words}: {key}: {error}\nmust be {parameter.allowed}"
+            ) from None
+    return law, law.completed(given)
+
+
+def _draw(laws: Sequence[Given], fastest: float) -> Figure:
+    figure, (ax,) = style.new_panels(1, 1, _title([law for law, _ in laws]))
+    for number, given in enumerate(laws):
+        colour = style.line_colours(len(laws))[number]
+        _curve(ax, given, fastest, {"color": colour, "ls": style.dash(number, len(laws))})
+    forces = [not _scales_with_load(law) for law, _ in laws]
     ratio = r"$F_\mathrm{T}/F_\mathrm{N}$"
     if any(forces) and not all(forces):
         raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
     ax.set_ylabel(r"$F_\mathrm{T}$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
-    ax.plot([], [], "--", color=style.BLACK, lw=1.0, label="held in stick")
+    ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label="held in stick")
     figure.legend(loc="outside lower center")
     return figure
 
@@ -64,9 +90,12 @@ def force(law: Law, velocity: np.ndarray, parameters: Mapping[str, float]) -> np
     v = sympy.Symbol("v", real=True)
     sign = int(np.sign(velocity.sum()))
     values = {name: sympy.nsimplify(value) for name, value in parameters.items()}
-    slip = Slip(v, sympy.Integer(sign), sign * v, sympy.Integer(1))
-    evaluate = sympy.lambdify(v, law.sliding(slip, values), "numpy")
-    return np.broadcast_to(np.asarray(evaluate(velocity), dtype=float), velocity.shape)
+    rows = law.row_symbols()
+    slip = Slip(v, sympy.Integer(sign), sign * v, sympy.Integer(1), rows=rows)
+    evaluate = sympy.lambdify([v, rows], law.sliding(slip, values), "numpy")
+    numbers = np.array([law.rows_at(x, parameters) for x in velocity.tolist()])
+    found = evaluate(velocity, np.moveaxis(numbers, 0, -1))
+    return np.broadcast_to(np.asarray(found, dtype=float), velocity.shape)
 
 
 def _scales_with_load(law: Law) -> bool:
@@ -75,23 +104,23 @@ def _scales_with_load(law: Law) -> bool:
 
     load = sympy.Symbol("N", positive=True)
     v = sympy.Symbol("v", positive=True)
-    expression = law.sliding(Slip(v, sympy.Integer(1), v, load), law.defaults)
+    slip = Slip(v, sympy.Integer(1), v, load, rows=law.row_symbols())
+    expression = law.sliding(slip, law.defaults)
     return bool(sympy.sympify(expression).has(load))
 
 
-def _curve(ax: Axes, law: Law, colour: ColorType) -> None:
+def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any]) -> None:
     """Both branches, and between them what the contact can hold in stick."""
-    speed = np.linspace(FASTEST / SAMPLES, FASTEST, SAMPLES) - FASTEST / SAMPLES * (1 - 1e-9)
-    parameters = law.defaults
-    for velocity, label in ((-speed[::-1], f"{law.name} ({_values(law)})"), (speed, "")):
-        ax.plot(velocity, force(law, velocity, parameters), color=colour, label=label or None)
+    law, parameters = given
+    speed = np.linspace(fastest / SAMPLES, fastest, SAMPLES) - fastest / SAMPLES * (1 - 1e-9)
+    for velocity, label in ((-speed[::-1], f"{law.name} ({_values(*given)})"), (speed, None)):
+        ax.plot(velocity, force(law, velocity, parameters), label=label, **look)
     if law.capacity is not None:
         held = float(law.capacity(1.0, parameters))
-        ax.plot([0.0, 0.0], [-held, held], "--", color=colour, lw=1.0)
+        ax.plot([0.0, 0.0], [-held, held], **look | {"ls": STICK, "lw": 1.2})
 
 
-def _values(law: Law) -> str:
-    given = law.defaults
+def _values(law: Law, given: Mapping[str, float]) -> str:
     return ", ".join(
         f"${p.symbol}$ = {given[p.name]:g} {labels.unit_text(p.unit)}".rstrip()
         for p in law.parameters

@@ -232,13 +232,14 @@ class Entry:
 
     Attributes
     ----------
-    colour : matplotlib colour
+    colour, dash : matplotlib colour and style of line
     label : legend entry; None: not in the legend
     number : counts the colours
     scattered : its points have starts of their own, so a line between them means nothing
     """
 
     colour: ColorType
+    dash: Any
     label: str | None
     number: int
     scattered: bool
@@ -251,7 +252,13 @@ def entries(names: Sequence[str]) -> list[Entry]:
     colours = style.line_colours(len(distinct))
     numbers = [distinct.index(stem) for stem in stems]
     return [
-        Entry(colours[number], _once(stem, stems[:place]), number, stem != names[place])
+        Entry(
+            colours[number],
+            style.dash(number, len(distinct)),
+            _once(stem, stems[:place]),
+            number,
+            stem != names[place],
+        )
         for place, (stem, number) in enumerate(zip(stems, numbers, strict=True))
     ]
 
@@ -290,13 +297,13 @@ def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
         )
 
 
-def dress(ax: Axes, layers: Sequence[Layer], settings: Settings) -> None:
-    """The axis that the layers are drawn against, their gaps, and a legend."""
+def dress(ax: Axes, layers: Sequence[Layer], settings: Settings, told: str = "") -> None:
+    """The axis that the layers are drawn against, their gaps but for the one told, a legend."""
     axis = abscissa(layers[0].dataset, settings)
     dress_axis(ax, axis, "x")
     reach(ax, axis)
     for layer in layers:
-        mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings))
+        mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings), told)
     scale(ax, settings)
     legend(ax)
 
@@ -311,10 +318,14 @@ GAP_MARKS = {
 }
 
 
-def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
-    """Marks along the lower edge wherever some point of the line of points has no answer."""
+def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray, told: str = "") -> None:
+    """Marks along the lower edge wherever some point of the line of points has no answer.
+
+    None of the kind that is `told` otherwise.
+    """
     dim = str(axis.dims[0])
-    for level, (name, mask) in enumerate(gaps(dataset).items()):
+    kinds = {name: mask for name, mask in gaps(dataset).items() if name != told}
+    for level, (name, mask) in enumerate(kinds.items()):
         anywhere = mask.any([d for d in mask.dims if d != dim])
         marker, colour = GAP_MARKS[name]
         x = positions(axis)[anywhere.values]
@@ -331,17 +342,15 @@ def legend(ax: Axes) -> None:
     None for a single line.
     """
     handles, names = _thinned(*ax.get_legend_handles_labels())
-    scale = style.KEY_SCALE
-    narrow = style.letters(ax.figure.figure) < LEAST_LETTERS
-    if narrow and len(names) > 2:
+    beside = style.letters(ax.figure.figure)
+    many = len(names) > MOST_ENTRIES_INSIDE
+    if (beside < LEAST_LETTERS and len(names) > 2) or (many and style.longest(names) > beside // 6):
         style.legend_below(ax.figure.figure, handles)
-    elif len(names) > MOST_ENTRIES_INSIDE:
+    elif many:
         columns = 1 + (len(names) - 1) // MOST_ENTRIES_IN_COLUMN
-        ax.figure.legend(
-            handles, names, loc="outside right center", ncols=columns, markerscale=scale
-        )
+        style.even_keys(ax.figure.legend(handles, names, loc="outside right center", ncols=columns))
     elif names:
-        ax.legend(handles, names, markerscale=scale)
+        style.even_keys(ax.legend(handles, names))
 
 
 def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:

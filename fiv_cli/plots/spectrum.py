@@ -165,11 +165,13 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     names = motion.variables(dataset, settings)
     shown = [(one, name) for one in motion.motions(dataset, settings) for name in names]
-    for (one, name), colour in zip(shown, style.line_colours(len(shown)), strict=True):
+    for number, (one, name) in enumerate(shown):
         values = motion.of_contact(one.data[name], settings)
         frequency, height = amplitude_spectrum(one.time, values)
         label = points.joined(one.label, labels.short_label(dataset[name]))
-        ax.plot(frequency * factor_of(settings), height, color=colour, label=label, lw=0.9)
+        width = 0.8 * (1 + (len(shown) - 1 - number) / len(shown))  # one is seen behind another
+        colour = style.line_colours(len(shown))[number]
+        ax.plot(frequency * factor_of(settings), height, color=colour, label=label, lw=width)
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(
         "amplitude" + (f" of {labels.short_label(dataset[names[0]])}" * (len(names) == 1))

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.lines import Line2D
@@ -33,6 +33,7 @@ from fiv_cli.files import refuse_special, write_whole
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.legend import Legend
     from matplotlib.typing import ColorType
 
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
@@ -42,6 +43,7 @@ GREY = "#BBBBBB"
 # Marks and their sizes, of dots: the first are seen around those that lie on them.
 MARKS = (("o", 1.5), ("+", 1.2), ("x", 0.8), ("s", 0.5))
 LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+DASHES = ("-", "--", "-.", (0, (5, 1.5, 1, 1.5, 1, 1.5)))
 
 CLASSES = {
     "equilibrium": SKY,
@@ -69,7 +71,7 @@ TITLE_LETTERS = 92  # in a figure of one panel on a screen
 MARKUP = re.compile(r"\\[a-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
-KEY_SCALE = 2.0  # of the marks in legends
+KEY = 4.5  # size of the marks in legends, pt
 KEY_LETTERS = 7  # that the key of an entry of a legend takes
 ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
 IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
@@ -212,17 +214,32 @@ def letters(figure: Figure) -> int:
     )
 
 
+def longest(words: Sequence[str]) -> int:
+    """How many letters the longest of some words has when it is set."""
+    return max((len(MARKUP.sub("", word)) for word in words), default=0)
+
+
 def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
-    words = [MARKUP.sub("", str(handle.get_label())) for handle in handles]
-    beside = letters(figure) // (KEY_LETTERS + max(map(len, words), default=0))
+    words = [str(handle.get_label()) for handle in handles]
+    beside = letters(figure) // (KEY_LETTERS + longest(words))
     columns = max(1, min(beside, len(words)))
     if words:
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=columns, markerscale=KEY_SCALE,
-            title=title or None,
-        )  # fmt: skip
+        even_keys(
+            figure.legend(
+                handles=handles, loc="outside lower center", ncols=columns, title=title or None
+            )
+        )
     make_room(figure, bool(title) - (-len(words) // columns))
+
+
+def even_keys(legend: Legend) -> None:
+    """Marks of one size, however small or large they are in the figure."""
+    for key in legend.legend_handles:
+        if isinstance(key, Line2D):
+            key.set_markersize(KEY)
+        elif isinstance(key, PathCollection):
+            key.set_sizes([KEY**2])
 
 
 def make_room(figure: Figure, lines: int) -> None:
@@ -342,8 +359,8 @@ def class_colours(names: Sequence[str]) -> list[str]:
 def dot_size(columns: int) -> float:
     """Diameter (points) of the dots of a diagram with so many columns of dots side by side."""
     if columns < 60:
-        return 3.5
-    return 2.2 if columns < 400 else 1.2
+        return 2.8
+    return 1.9 if columns < 400 else 1.1
 
 
 def mark_of(number: int, count: int, size: float) -> dict[str, Any]:
@@ -360,6 +377,11 @@ def line_colours(count: int) -> list[ColorType]:
         return list(LINES[:count])
     ramp = mpl.colormaps["viridis"]
     return [ramp(0.92 * index / (count - 1)) for index in range(count)]
+
+
+def dash(number: int, count: int) -> Any:
+    """The dashes of one of `count` lines, which colours alone would not tell apart in grey."""
+    return DASHES[number % len(DASHES)] if count <= len(LINES) else "-"
 
 
 def tame_texts(figure: Figure) -> None:

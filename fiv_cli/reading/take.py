@@ -52,7 +52,7 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     Returns
     -------
     xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``, and
-        ``status``. Where nothing is known they are NaN, and the status is that of the first point
+        ``status``. Where nothing is known they are NaN, and the status is that of some point there
 
     Raises
     ------
@@ -71,7 +71,8 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     interval = xr.Dataset({**ends, "status": _status(dataset["status"], unknown, axes)})
     if take.get("relative_to"):
         interval = _relative(interval, take["relative_to"])
-    named = {"units": _unit(dataset[variable], what, axes[0]), "long_name": _words(variable, take)}
+    array = dataset[variable]
+    named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take)}
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
 
@@ -108,15 +109,17 @@ def _between(
 def _status(
     status: xr.DataArray, unknown: xr.DataArray, axes: Sequence[xr.DataArray]
 ) -> xr.DataArray:
-    """Status "ok" where something is known, else what the first point says."""
+    """Status "ok" where something is known, else what some point says, or "undecided"."""
     codes = {name: code for code, name in flag_names(status.attrs).items()}
-    first = status.isel(
-        {axis.dims[0]: 0 for axis in axes if axis.dims[0] in status.dims}, drop=True
-    )
+    worst = status.max([dim for dim in _dims(axes) if dim in status.dims])
     # a point of undecided class has been computed, and is yet no answer
-    pending = first.where(first != codes["ok"], codes["pending"])
-    told = xr.where(unknown, pending, codes["ok"])
-    return told.astype(status.dtype).assign_attrs(status.attrs)
+    undecided = max(codes.values()) + 1
+    told = xr.where(unknown, worst.where(worst != codes["ok"], undecided), codes["ok"])
+    names = {
+        "flag_values": np.array([*codes.values(), undecided], np.int8),
+        "flag_meanings": " ".join([*codes, "undecided"]),
+    }
+    return told.astype(status.dtype).assign_attrs(status.attrs | names)
 
 
 def _relative(shares: xr.Dataset, reference: Mapping[str, Any]) -> xr.Dataset:
@@ -145,15 +148,16 @@ def _unit(array: xr.DataArray, what: str, axis: xr.DataArray) -> str:
     return str(own.attrs.get("units", "1"))
 
 
-def _words(variable: str, take: Mapping[str, Any]) -> str:
-    """``share with stick fraction > 0``, ``share that is not equilibrium``, ``greatest x1``."""
-    words, of = variable.replace("_", " "), take.get("of", "")
+def _words(array: xr.DataArray, take: Mapping[str, Any]) -> str:
+    """``share with stick fraction > 0``, ``share that is not equilibrium``, ``spread of L_s``."""
+    name, of = str(array.name), take.get("of", "")
+    words = name if "symbol" in array.attrs else name.replace("_", " ")
     if "." in of:
         words = f"with {of.replace('.', words, 1)}"
     elif of:
         words = f"that is {of.replace('_', ' ')}"
     words += " over that of the reference" if take.get("relative_to") else ""
-    return f"{take['what']} {words}"
+    return f"{take['what']} {'of ' * (take['what'] == 'spread')}{words}"
 
 
 # --- ways of taking -------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ class Policy:
     chunk_points : points per task; None: measured
     chunk_seconds : aim for the duration of a task, s
     in_process_below : estimated work, s, below which no worker processes are started
+    cluster : address or file of a scheduler that has the workers; empty: those of this machine
     executor, preparer : ``module:function`` that runs a point, and that prepares the systems
     """
 
@@ -34,5 +35,6 @@ class Policy:
     chunk_points: int | None = None
     chunk_seconds: float = 0.5
     in_process_below: float = 4.0
+    cluster: str = ""
     executor: str = EXECUTOR
     preparer: str = PREPARER

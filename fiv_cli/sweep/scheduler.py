@@ -25,7 +25,7 @@ from fiv_cli.sweep.progress import Progress
 from fiv_cli.sweep.queue import Job, Queue
 from fiv_cli.sweep.stiff import stiff_laws
 from fiv_cli.sweep.worker import Result, imported, lost_point, run_task
-from fiv_cli.sweep.workers import Beat, Workers
+from fiv_cli.sweep.workers import GLANCE, Beat, Workers
 
 SHARE_OF_PAST = 0.02
 """How long a chunk may take, in the time that was spent before: what a kill can lose of it."""
@@ -50,9 +50,6 @@ NOT_SLOW, LINGERING = 0.5, 2.0
 
 FRUITLESS_RESTARTS = 3
 """Deaths of workers in a row, none of which had begun a point, after which we give up."""
-
-GLANCE = 0.2
-"""Seconds after which is looked again whether a worker died, or the program is to end."""
 
 FAILED = STATUS.codes["failed"]
 
@@ -170,10 +167,11 @@ class Scheduler:
         return Queue(analysis, record, self.policy.executor, self.policy.time_limit)
 
     def _prepare(self, indices: list[int]) -> None:
-        """Generate and compile before workers start, so that none does it twice."""
+        """Generate and compile before workers start; on a cluster each host does it."""
         analyses = [self.journal.plan.analyses[i] for i in indices]
-        requests = (request for analysis in analyses for request in analysis.systems())
-        imported(self.policy.preparer)(requests, self.progress.note)
+        if not self.policy.cluster:
+            requests = (request for analysis in analyses for request in analysis.systems())
+            imported(self.policy.preparer)(requests, self.progress.note)
         for sentence in stiff_laws(analyses, self.progress.note):
             self.progress.note(sentence)
 
@@ -196,7 +194,7 @@ class Scheduler:
 
     def _wants_workers(self, pace: Pace, queue: Queue) -> bool:
         """Workers pay when the work outlasts their start; a wall-clock limit needs them."""
-        if self.policy.time_limit is not None:
+        if self.policy.cluster or self.policy.time_limit is not None:
             return True
         remaining = pace.remaining(queue.left)
         below = self.policy.in_process_below
@@ -209,7 +207,11 @@ class Scheduler:
         return self._held is not None and not self._stopped
 
     def _started_workers(self) -> Workers:
-        """Processes of this machine; joblib is imported only where there are some."""
+        """Those of a cluster or of this machine; what runs them is imported only then."""
+        if self.policy.cluster:
+            from fiv_cli.sweep.cluster import Cluster
+
+            return Cluster(self.policy.cluster, self.progress.note)
         from fiv_cli.sweep.pool import WorkerPool
 
         return WorkerPool(self.policy.workers, self.journal.folder)
@@ -270,11 +272,12 @@ class Scheduler:
             return
         limit = self.policy.max_points
         left = queue.left if limit is None else min(queue.left, limit - self._dispatched)
-        seconds = pace.seconds_per_point * left / self.policy.workers
+        workers = self.policy.workers if self._workers is None else max(1, self._workers.size)
+        seconds = pace.seconds_per_point * left / workers
         if seconds > LONG:
             self._is_told = True
             self.progress.note(
-                f"some {duration(seconds)} to go on {self.policy.workers} workers, at "
+                f"some {duration(seconds)} to go on {workers} workers, at "
                 f"{duration(pace.seconds_per_point)} a point; Ctrl-C keeps what is finished, "
                 "`fiv check --estimate` says more"
             )

@@ -11,6 +11,9 @@ from typing import Protocol
 
 from fiv_cli.sweep.worker import Result, Task
 
+GLANCE = 0.2
+"""Seconds after which is looked again whether a worker died, or the program is to end."""
+
 
 @dataclass(frozen=True)
 class Beat:
@@ -18,6 +21,13 @@ class Beat:
 
     row: int
     seconds: float
+
+
+@dataclass(frozen=True)
+class Died:
+    """What comes of a task whose process died: where it was, if it had begun."""
+
+    beat: Beat | None
 
 
 class Workers(Protocol):

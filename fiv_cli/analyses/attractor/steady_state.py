@@ -220,7 +220,7 @@ class _Response:
     def __init__(self, system: System, request: Request, rests: Rests, motion: Motion) -> None:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
-        self.ways = rests.unexcited.parameters[-1 - system.n_contacts : -1]
+        self.ways = rests.unexcited.parameters[system.n_own_parameters : -1]
         self.rests, self.motion = rests, motion
         self.initial = initial_state(motion)
         self.excitation = self.problem.excitation
@@ -333,7 +333,7 @@ class _Response:
 
     def _is_sliding(self) -> bool:
         """Whether all contacts slip the way they do at an equilibrium."""
-        return self._all_slide() and bool((self.motion.slip_signs == self.ways).all())
+        return self._all_slide() and bool((self.motion.ways == self.ways).all())
 
     def _all_slide(self) -> bool:
         """Whether every contact slips, stops open."""

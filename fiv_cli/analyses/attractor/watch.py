@@ -100,7 +100,7 @@ class Watch(Frame):
     may_rest: FixedInt
     knows_slides: FixedInt  # whether `slides` are there; otherwise each may tell
     slides: Ints  # addresses of what is known of slides to the equilibria
-    ways: Floats  # slip signs at the equilibria
+    ways: Floats  # numbers of pieces, then slip signs, at the equilibria
     asks_waiting: FixedInt
     patience: FixedFloat
     last_point: float
@@ -225,8 +225,11 @@ def all_slide(run: Run) -> bool:
 @native
 def slides(watch: Watch, run: Run) -> bool:
     """Whether all contacts slip the way they do at an equilibrium."""
+    for i in range(len(run.rows)):
+        if run.rows[i] != watch.ways[i]:
+            return False
     for i in range(run.n_contacts):
-        if run.slip_signs[i] != watch.ways[i]:
+        if run.slip_signs[i] != watch.ways[len(run.rows) + i]:
             return False
     return all_slide(run)
 
@@ -355,7 +358,7 @@ def watch_over(motion: Motion, ways: Vector, excitation: float | None, patience:
 
     Parameters
     ----------
-    ways : slip signs at the equilibria, per contact
+    ways : `Motion.ways` at the equilibria
     excitation : its period, s; None: none
     patience : time between two looks, s, and without section points, at most
     """

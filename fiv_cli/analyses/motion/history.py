@@ -18,8 +18,8 @@ from fiv_cli.analyses.variables import (
 
 EVENTS = (
     Variable("event_time", "s", "instant of the event", ragged="event"),
-    detail("event_from", "contact before", of="contact_state", ragged="event"),
-    detail("event_to", "contact after", of="contact_state", ragged="event"),
+    detail("event_from", "contact before", of="contact_event", ragged="event"),
+    detail("event_to", "contact after", of="contact_event", ragged="event"),
     count("event_contact", "contact, counted from 1", ragged="event"),
     trust("event_residual", "switching function left at the event", ragged="event"),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,11 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.rest.surface import Place, weights
+from fiv_cli.codegen.codes import CODE_PIECE
 from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
+from fiv_cli.flags import CONTACT_EVENT
+from fiv_cli.friction.base import Law
 
 DEFAULT_SAMPLES = 2000
 LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
@@ -43,15 +47,22 @@ def record(system: System, request: Request) -> Outcome:
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
+    codes = _codes_of_events(system.setup.law)
     outcome.values |= initial | trust(motion) | _works(balance(motion, energy_before))
     outcome.ragged |= {
         "event_time": ledger.times,
-        "event_from": ledger.before,
-        "event_to": ledger.after,
+        "event_from": codes[ledger.before],
+        "event_to": codes[ledger.after],
         "event_contact": ledger.contacts + 1,
         "event_residual": ledger.residuals,
     }
     return outcome
+
+
+@cache
+def _codes_of_events(law: Law) -> NDArray[np.int64]:
+    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of the law."""
+    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in law.events)])
 
 
 def sample_times(settings: Settings) -> Vector:

@@ -25,6 +25,7 @@ from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics.arrays import BOUND
 from fiv_cli.dynamics.rows import call_rows
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
+from fiv_cli.friction.base import Law
 
 NEWTON_STEPS = 60
 CONVERGED = 1e-13  # last Newton step, relative to the solution
@@ -153,13 +154,22 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     state = Sliding(system, vectors, coefficients, index, np.ones(len(points), bool))
     at_rest = np.zeros((len(points), len(system.state_names)))
     velocities = state.contact_forces(at_rest)[..., 2]
-    moving = ((velocities != 0.0) | np.array(system.generated.smooth)).all(axis=-1)
-    backwards = (velocities < 0.0).any(axis=-1)
-    if backwards.any():
+    law = system.setup.law
+    still = np.array(system.generated.smooth) & (not (law.pieces and law.states))
+    moving = ((velocities != 0.0) | still).all(axis=-1)
+    if law.pieces or (velocities < 0.0).any():
         first = vectors.shape[-1] - 1 - system.n_contacts
         vectors[:, first:-1] = np.where(velocities < 0.0, -1.0, 1.0)
+        slips = velocities[:, list(system.generated.pieced)].tolist()
+        rows = [_rows(law, *point) for point in zip(slips, points, strict=True)]
+        vectors[:, system.n_own_parameters : first] = rows
         coefficients = system.coefficients(vectors)
     return Sliding(system, vectors, coefficients, index, moving)
+
+
+def _rows(law: Law, velocities: Sequence[float], point: Mapping[str, float]) -> list[float]:
+    """The numbers of the pieces in which every contact rests while it slides so."""
+    return [x for v in velocities for row in law.rows_at(v, point) for x in row]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,128 @@
+"""Models and laws from outside, tried as those in the box are.
+
+Of each: whether its equations are sound, whether energy is booked to rounding, whether derivatives
+agree with differences, and whether two ways of integrating give one motion. Then what its file
+itself holds to be known, in a function ``verify(bench)`` that yields `Check`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fiv_cli import api
+from fiv_cli.analyses.base import Outcome, SolverSettings
+from fiv_cli.analyses.common import sliding
+from fiv_cli.codegen.setup import Setup, default_parameters
+from fiv_cli.dynamics.system import build_system
+from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
+from fiv_cli.friction.base import Law
+from fiv_cli.models import all_models
+from fiv_cli.models.base import Model
+from fiv_cli.models.origin import Origin
+from fiv_cli.own.check import problems_of
+from fiv_cli.own.load import module_of
+from fiv_cli.verify import RTOL, Bench, Check, solve
+
+PERIODS = 5.0  # of the slowest mode, that a motion is followed
+STEPS = 400.0  # of rk4 in a period of the fastest mode
+BALANCED, DERIVED, SAME = 1e-10, 1e-6, 1e-6  # largest relative errors
+NUDGE = 1e-6  # of a coordinate or velocity, over its size, for differences
+
+
+def try_own(announce: Callable[[str], None] = lambda message: None) -> list[Check]:
+    """The checks of every model and law from outside that is known, computed now."""
+    known: Sequence[Model | Law] = (*all_models().values(), *all_laws().values())
+    own = [t for t in known if t.origin is not None and not t.name.startswith(TANH_OF)]
+    bench = partial(api.analyse, solver=SolverSettings(rtol=RTOL), announce=announce)
+    checks = [check for thing in own for check in solve(partial(_trial, thing), bench)]
+    for origin in dict.fromkeys(thing.origin for thing in own if thing.origin):
+        checks += solve(partial(_of_file, origin), bench)
+    return checks
+
+
+def _of_file(origin: Origin, bench: Bench) -> Iterator[Check]:
+    """What a file holds to be known."""
+    yield from getattr(module_of(origin), "verify", lambda bench: ())(bench)
+
+
+def _trial(thing: Model | Law, bench: Bench) -> Iterator[Check]:
+    """What holds of every model, and of every law on a model."""
+    assert thing.origin is not None
+    source = f"{thing.origin.path}: {thing.name}"
+    sound = float(not problems_of(thing, thing.origin))
+    yield Check("names, units, energies of the equations (1 sound)", source, sound, 1.0, 0.0)
+    model, law = _pair(thing)
+    parameters = _example(model)
+    if not model.contacts:
+        return
+    names, found, differences = _jacobians(model, law, parameters)
+    wrong = np.abs(found - differences) / (np.abs(differences).max(axis=0) + 1.0)
+    row, column = np.unravel_index(np.argmax(wrong), wrong.shape)
+    name = f"derivatives against differences, worst: rate of {names[row]} by {names[column]}"
+    yield Check(name, source, float(wrong[row, column]), 0.0, DERIVED)
+    yield from _of_motion(model, law, parameters, np.linalg.eigvals(found), bench, source)
+
+
+def _pair(thing: Model | Law) -> tuple[Model, Law]:
+    """A model under its law, or a law on the first model that takes it."""
+    if isinstance(thing, Model):
+        return thing, get_law(thing.default_law)
+    return next(model for model in all_models().values() if thing.name in laws_of(model)), thing
+
+
+def _example(model: Model) -> dict[str, float]:
+    """Parameters under which the model vibrates, if it says so."""
+    if model.example is None:
+        return {}
+    given = {n: v for n, v in model.example.given.items() if not isinstance(v, str)}
+    return {**given, model.example.axis: model.example.middle}
+
+
+def _jacobians(
+    model: Model, law: Law, changes: Mapping[str, float]
+) -> tuple[tuple[str, ...], NDArray[np.float64], NDArray[np.float64]]:
+    """Names of the states, and the derivatives of their rates, exact and by differences."""
+    parameters = default_parameters(model, law, **changes)
+    state = sliding(build_system(Setup.of(model, law, parameters=parameters)), parameters)
+    names = state.system.state_names
+    at = np.random.default_rng(0).uniform(0.01, 0.02, len(names))
+    columns = []
+    for i in range(len(names)):
+        nudge = np.zeros(len(names))
+        nudge[i] = NUDGE * at[i]
+        columns.append((state.rates(at + nudge) - state.rates(at - nudge)) / (2.0 * nudge[i]))
+    return names, state.jacobian(at), np.array(columns).T
+
+
+def _of_motion(
+    model: Model,
+    law: Law,
+    parameters: Mapping[str, float],
+    eigenvalues: NDArray[Any],
+    bench: Bench,
+    source: str,
+) -> Iterator[Check]:
+    """A motion from rest: its energy, and the same by steps of rk4."""
+    rates = np.abs(eigenvalues.imag)
+    rates = rates[rates > 0.0] if rates.any() else np.ones(1)
+    t_end = PERIODS * 2.0 * np.pi / rates.min()
+    settings = {"t_end": float(t_end)}
+    rk4 = SolverSettings("rk4", RTOL, float(2.0 * np.pi / rates.max() / STEPS))
+    exact = bench(model, law, "history", {}, settings, **parameters)
+    residual = float(exact.values.get("energy_residual", np.nan))
+    name = f"energy over {t_end:.4g} s from rest, relative"
+    yield Check(name, source, residual, 0.0, BALANCED)
+    stepped = bench(model, law, "history", {}, settings, solver=rk4, **parameters)
+    yield Check("Taylor against rk4, relative", source, _apart(exact, stepped, model), 0.0, SAME)
+
+
+def _apart(one: Outcome, other: Outcome, model: Model) -> float:
+    """How far two motions are apart at their end, over how far each coordinate goes."""
+    names = [state.name for state in model.states(model.default_options())]
+    ways = [(np.asarray(one.values[n]), np.asarray(other.values[n])) for n in names]
+    return max(float(abs(a[-1] - b[-1]) / (np.ptp(a) + 1e-300)) for a, b in ways)

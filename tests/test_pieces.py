@@ -1,0 +1,191 @@
+"""Laws given by pieces: loops of exact area, the laws that they tend to, their events, tangents."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import TIGHT, by_both, defaults, motion, system, transitions
+from numpy.typing import NDArray
+
+from fiv_cli import api
+from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.analyses.rest.linearisation import free_states
+from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.friction import get_law
+from fiv_cli.friction.base import Slip
+
+STILL = {"m": 1e12, "k": 1e12}  # what a belt under this mass does not move
+SHAKEN = {"v": [(0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (3.0, -1.0)]}  # m/s: by 0.25 m about a mean
+AT_REST = ("equilibrium", "eigenvalues")
+SMALL = {"c": 0.05, "v": 0.3, "N": 5.0}
+
+
+def cycled(law: str, **changes: float) -> Motion:
+    """A motion under a cycle of slip, from a turn to the same turn, measured along it."""
+    begun = motion("belt-1dof", law, {}, curves=SHAKEN, **STILL, **changes)
+    assert begun.run(0.5) == Stop.REACHED
+    begun.start_measuring(np.zeros(1))
+    begun.keep_ledger(100)
+    assert begun.run(2.5, measuring=True) == Stop.REACHED
+    return begun
+
+
+# --- one slider, one band -------------------------------------------------------------------------
+def test_the_cycle_of_a_jenkins_element_is_a_parallelogram() -> None:
+    """Of area 4 mu_k N (A - mu_k/sigma_0) under a slip of amplitude A, as its docstring says."""
+    begun = cycled("jenkins", mu_k=0.3, sigma_0=10.0, N=5.0)
+    assert begun.measures.drive_work == pytest.approx(4 * 0.3 * 5.0 * (0.25 - 0.03), rel=1e-11)
+    names = ["holds->slides-", "slides-->holds", "holds->slides+", "slides+->holds"]
+    assert transitions(begun) == names
+    assert begun.y[2] == pytest.approx(0.03, rel=1e-12)
+
+
+def test_a_slider_that_holds_throughout_takes_nothing() -> None:
+    begun = motion("belt-1dof", "jenkins", {"x": 0.01}, N=5.0, v=0.0, sigma_0=10.0)
+    before = begun.energy()
+    assert begun.run(50.0) == Stop.REACHED and begun.n_events == 0
+    stored = 10.0 * 5.0 * begun.y[2] ** 2 / 2
+    assert begun.energy() + stored == pytest.approx(before, rel=1e-9)
+
+
+def misses(law: str, name: str, values: Sequence[float], **given: float) -> NDArray[np.float64]:
+    """How far a mass under a law is from one under Coulomb's, as a parameter doubles or halves."""
+    start = {"x": given.pop("x", 0.0)}
+    given |= {"N": 5.0, "mu_k": 0.1}
+    ends = [motion("belt-1dof", law, start, **given, **{name: value}) for value in values]
+    ends.append(motion("belt-1dof", "coulomb", start, **given, mu_s=given["mu_k"]))
+    assert all(begun.run(6.0) == Stop.REACHED for begun in ends)
+    found: NDArray[np.float64] = np.abs([float(begun.y[0] - ends[-1].y[0]) for begun in ends[:-1]])
+    return found
+
+
+@pytest.mark.parametrize(
+    ("law", "name", "values", "given", "order"),
+    [
+        ("jenkins", "sigma_0", (1e3, 2e3, 4e3), {"x": 4.0, "v": 0.0}, 0.5),
+        ("linear-regularisation", "v_tol", (4e-3, 2e-3, 1e-3), {"v": 0.3, "c": 0.05}, 1.0),
+    ],
+)
+def test_laws_of_pieces_tend_to_coulomb(
+    law: str, name: str, values: tuple[float, ...], given: dict[str, float], order: float
+) -> None:
+    """Of a spring, the slip that turns it round takes a time of sigma_0 to the power -1/2."""
+    errors = misses(law, name, values, **given)
+    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(order, abs=0.05)
+
+
+# --- every law of pieces --------------------------------------------------------------------------
+DYNAMIC = ("jenkins",)
+LAWS = ("linear-regularisation", *DYNAMIC)
+# Where an event of a law's pieces lies in each: model, start, options, changes, until.
+SITES: dict[str, tuple[str, dict[str, float], dict[str, str], dict[str, float], float]] = {
+    "belt": ("belt-1dof", {"x": 0.4}, {}, SMALL, 3.0),
+    "two contacts": ("belt-2mass", {"x1": 0.5, "x2": 0.2}, {}, {"v": 0.4}, 3.0),
+    "algebraic normal force": (
+        "disc-rigid-contact",
+        {"phi_dot": 3.0},
+        {"modes": "0,1 0,2"},
+        {"Omega": 3.0, "N0": 500.0},
+        0.02,
+    ),
+    "separation": ("belt-5dof", {"x1_dot": 4.0, "y1": 1e-3}, {}, {}, 0.4),
+}
+by_law = pytest.mark.parametrize("law", LAWS)
+by_site = pytest.mark.parametrize("site", SITES)
+
+
+def begun_at(law: str, site: str, state: Any = None, solver: SolverSettings = TIGHT) -> Motion:
+    """A motion of a law at one of `SITES`, from its start or another state."""
+    model, start, options, changes, _ = SITES[site]
+    named = start if state is None else dict(zip(names_at(law, site), state, strict=True))
+    return motion(model, law, named, solver, options, **changes)
+
+
+def names_at(law: str, site: str) -> tuple[str, ...]:
+    """Entries of the state vector."""
+    model, _, options, changes, _ = SITES[site]
+    return system(model, law, options, parameters=defaults(model, law, **changes)).state_names
+
+
+@by_law
+@by_site
+def test_the_series_and_runge_kutta_meet_the_same_pieces(law: str, site: str) -> None:
+    model, start, options, changes, until = SITES[site]
+    step = until / 30_000
+    exact, rough = by_both(until, step, model, law, start, options=options, **changes)
+    assert exact.n_events > 0
+    np.testing.assert_allclose(rough.y, exact.y, rtol=1e-6, atol=1e-9)
+
+
+@by_law
+@by_site
+def test_tangents_follow_neighbours_through_events_of_pieces(law: str, site: str) -> None:
+    """A spring at its limit bends the flow by its own entry: that one alone is left out."""
+    begun, until = begun_at(law, site), SITES[site][-1]
+    begun.run(until / 20)
+    state = begun.y.copy()
+    carried = begun_at(law, site, state)
+    carried.carry_tangents(np.eye(len(state)))
+    assert carried.run(until / 3) == Stop.REACHED
+    scale = np.maximum(np.abs(state), 1e-3)
+    columns, places = [], [i for i in free_states(begun.system) if i < len(begun.system.motions)]
+    pressed = state.copy()  # a rigid contact that would overlap is closed, whatever is displaced
+    pressed[[i for i in range(len(begun.system.coordinates)) if i not in places]] = -1.0
+    for i in places:
+        ends = []
+        for shift in (1e-6, -1e-6):
+            near = pressed.copy()
+            near[i] += shift * scale[i]
+            ends.append(begun_at(law, site, near))
+            ends[-1].run(until / 3)
+        columns.append((ends[0].y - ends[1].y) / 2e-6)
+    expected = np.array(columns).T / scale[:, None]
+    found = (carried.tangents.T * scale / scale[:, None])[:, places]
+    np.testing.assert_allclose(found, expected, atol=1e-6 * max(1.0, np.abs(expected).max()))
+
+
+def stored_in(begun: Motion) -> float:
+    """What the law of a mass on a belt has stored, J."""
+    law, values = begun.system.setup.law, SMALL | get_law(begun.system.setup.law.name).defaults
+    assert law.stored is not None
+    states = {state.name: begun.y[begun.system.places[state.name]] for state in law.states}
+    return float(law.stored(Slip(0, 1, 0, values["N"], states, ()), values))
+
+
+@pytest.mark.parametrize("law", ["dahl", *DYNAMIC])
+def test_friction_gives_back_no_more_than_it_has_stored(law: str) -> None:
+    """int F_T v_rel dt less what is stored never falls."""
+    begun = begun_at(law, "belt")
+    begun.start_measuring(np.zeros(1))
+    taken = [0.0]
+    for until in np.linspace(0.02, 3.0, 150):
+        begun.run(until, measuring=True)
+        measures = begun.measures
+        taken.append(measures.drive_work - measures.friction_work - stored_in(begun))
+    assert np.diff(taken).min() > -1e-12 * taken[-1] and taken[-1] > 0.05
+
+
+# --- at rest --------------------------------------------------------------------------------------
+@pytest.mark.parametrize("law", LAWS)
+def test_steady_sliding_is_that_of_coulomb(law: str) -> None:
+    """Its eigenvalues too, beside one of each spring at its limit, which decays."""
+    given = {"v": 0.4, "c": 0.1, "mu_k": 0.2}
+    slides = {
+        name: {kind: api.analyse("belt-1dof", name, kind, **given) for kind in AT_REST}
+        for name in (law, "coulomb")
+    }
+    own, coulomb = slides[law], slides["coulomb"]
+    assert own["equilibrium"].values["complete"] == "certified"
+    found, exact = (one["equilibrium"].values["equilibrium"] for one in (own, coulomb))
+    np.testing.assert_allclose(found, exact, rtol=1e-14)
+    growth = own["eigenvalues"].values["growth_rate"]
+    assert growth == pytest.approx(coulomb["eigenvalues"].values["growth_rate"], rel=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_what_slides_to_rest_is_told_before_it_is_there(law: str) -> None:
+    found = api.analyse("belt-1dof", law, "response", v=2.0, c=0.3, mu_k=0.2, N=5.0)
+    assert found.values["attractor"] == "equilibrium" and found.values["decay_margin"] > 0.0
