@@ -12,23 +12,29 @@ from __future__ import annotations
 from fiv_cli.analyses.base import Analysis, Later
 from fiv_cli.analyses.motion.history import EVENTS
 from fiv_cli.analyses.settings import Integer, Number
-from fiv_cli.analyses.variables import Subject, Variable, axis, count, detail
+from fiv_cli.analyses.variables import Role, Subject, Variable, axis, count, detail
+
+
+OF_RECORDED = (
+    axis("time", "s", "time", symbol="t"),
+    Variable("slip", "m", "slip", "time", symbol="s"),
+    Variable("slip_dot", "m s-1", "slip velocity", "time", symbol=r"v_\mathrm{rel}"),
+    Variable("F_T", "N", "friction force", "time", symbol=r"F_\mathrm{T}"),
+    detail("contact_state", "state of contact", "time"),
+    count("n_steps", "integration steps", role=Role.WORK),
+)
+"""What is kept of the motion that is recorded, besides its events and the law's states."""
 
 
 def variables(subject: Subject) -> list[Variable]:
     """What is told of each instant, and of the last period."""
     return [
-        axis("time", "s", "time", symbol="t"),
-        Variable("slip", "m", "slip", "time", symbol="s"),
-        Variable("slip_dot", "m s-1", "slip velocity", "time", symbol=r"v_\mathrm{rel}"),
+        *OF_RECORDED,
         *(Variable(s.name, s.unit, s.meaning, "time", symbol=s.symbol) for s in subject.internal),
-        Variable("F_T", "N", "friction force", "time", symbol=r"F_\mathrm{T}"),
-        detail("contact_state", "state of contact", "time"),
         Variable("static_capacity", "N", "greatest force in stick", comment="NaN: it cannot stick"),
         Variable("loop_work", "J", "work of friction over the last period"),
         Variable("greatest_force", "N", "greatest friction force of the samples"),
         *EVENTS,
-        count("n_steps", "integration steps"),
     ]
 
 

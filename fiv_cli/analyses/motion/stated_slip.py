@@ -12,6 +12,7 @@ import numpy as np
 
 from fiv_cli.analyses.base import Outcome, Request, Start
 from fiv_cli.analyses.common import stopped
+from fiv_cli.analyses.motion.characteristic import OF_RECORDED
 from fiv_cli.analyses.motion.recording import record
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.motion import Motion
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from fiv_cli.models.symbols import Symbols
 
 MASS = 1e15  # kg: what friction changes of the motion is below rounding
-KEPT = ("time", "slip", "slip_dot", "F_T", "contact_state", "n_steps")
 
 
 def equations(symbols: Symbols, options: Options) -> Equations:
@@ -77,7 +77,7 @@ def characteristic(setup: Setup, request: Request) -> Outcome:
         start=Start("stated", "state", state),
     )
     outcome = record(system, alone)
-    kept = (*KEPT, *(state.name for state in law.states))
+    kept = [one.name for one in (*OF_RECORDED, *law.states)]
     outcome.values = {name: outcome.values[name] for name in kept}
     outcome.values |= {
         "static_capacity": _capacity(setup, parameters),
