@@ -92,6 +92,22 @@ def write_whole(path: Path, content: bytes, *, mode: int = ORDINARY, durable: bo
         _fill(temporary, content)
 
 
+def write_first(path: Path, content: bytes) -> None:
+    """Write `content` to a new file at `path`; what another process has put there meanwhile stays.
+
+    Raises
+    ------
+    OSError
+    """
+    own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+    write_whole(own, content)
+    try:
+        with contextlib.suppress(FileExistsError):
+            os.link(own, path)
+    finally:
+        own.unlink()
+
+
 def append_line(path: Path, line: str) -> None:
     """Append a line to the regular file at `path`, which is made if need be.
 

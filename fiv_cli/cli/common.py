@@ -8,9 +8,12 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from fiv_cli.sweep.parts import Part
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -59,6 +62,23 @@ with_option: Callable[[F], F] = click.option(
 json_option: Callable[[F], F] = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON instead of text."
 )
+
+
+class PartType(click.ParamType):
+    """``3/16``: the third of sixteen parts."""
+
+    name = "I/N"
+
+    def convert(
+        self, value: Any, parameter: click.Parameter | None, context: click.Context | None
+    ) -> Part:
+        """The part that a text names."""
+        from fiv_cli.sweep.parts import MOST, Part
+
+        number, _, of = str(value).partition("/")
+        if not (number.isdecimal() and of.isdecimal() and 1 <= int(number) <= int(of) <= MOST):
+            self.fail(f"{value!r}: part I of N is written I/N, from 1/N to N/N, N up to {MOST}")
+        return Part(int(number), int(of))
 
 
 def provide_cache() -> None:

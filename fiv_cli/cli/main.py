@@ -39,6 +39,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "variables": ("fiv_cli.cli.variables", "List what the analyses of a case give."),
     "check": ("fiv_cli.cli.check", "Check case files and say what a run would do."),
     "run": ("fiv_cli.cli.run", "Run case files; the answers land in NetCDF datasets."),
+    "assemble": ("fiv_cli.cli.assemble", "Join the parts of a case that ran apart (run --shard)."),
     "status": ("fiv_cli.cli.status", "Say how far a run has come."),
     "history": ("fiv_cli.cli.history", "Run one point of a sweep again, with its full motion."),
     "show": ("fiv_cli.cli.show", "Summarise a dataset."),
@@ -64,7 +65,7 @@ Exit codes:
   0  done, or as much as asked for   5  a difference (diff, regress, verify, claims)
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
-  3  an input file is invalid        8  points are still to run (status --exit-code)
+  3  an input file is invalid        8  points are still to run (assemble, status)
   4  points failed or ran out of     9  a cluster is out of reach (run --cluster)
      budget                          129 SIGHUP    130 Ctrl-C    143 SIGTERM
 

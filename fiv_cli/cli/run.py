@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import provide_cache, set_option, with_option
+from fiv_cli.cli.common import PartType, provide_cache, set_option, with_option
 from fiv_cli.errors import CaseError, InputError, UsageError
 
 if TYPE_CHECKING:
     from fiv_cli.case.case import Case
+    from fiv_cli.sweep.parts import Part
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import Progress
     from fiv_cli.sweep.run import Summary
@@ -46,6 +47,12 @@ asked for, is no failure: `fiv run --max-points 10 CASE && fiv plot ...` goes on
     help="Compute on the workers of this dask scheduler: tcp://HOST:PORT, or its scheduler file.",
 )
 @click.option(
+    "--shard",
+    "part",
+    type=PartType(),
+    help="Run part I of N of the points, in any order and anywhere; fiv assemble joins them.",
+)
+@click.option(
     "--resume/--fresh",
     default=True,
     help="Keep what is stored and run the rest (default), or throw it away.",
@@ -74,6 +81,7 @@ def command(
     overrides: tuple[str, ...],
     workers: int,
     cluster: str,
+    part: Part | None,
     resume: bool,
     keep_going: bool,
     max_points: int | None,
@@ -98,6 +106,7 @@ def command(
       fiv run a.toml --set grid.mu_k=[0.3] -o one.nc
       fiv run a.toml --max-points 20          # a first look
       fiv run a.toml --cluster tcp://node1:8786
+      fiv run a.toml --shard 3/16             # then: fiv assemble a.toml
     """
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import for_stderr
@@ -106,6 +115,7 @@ def command(
     policy = Policy(
         workers=workers,
         cluster=cluster,
+        part=part,
         fresh=not resume,
         fail_fast=not keep_going,
         max_points=max_points,
@@ -119,7 +129,7 @@ def command(
         summaries.append(_run(case, path, policy, for_stderr(quiet, title), verbose))
         if not quiet:
             click.echo("\n".join(summaries[-1].lines()), err=True)
-        click.echo(path)
+        click.echo(summaries[-1].output)
     return 0 if all(summary.sound for summary in summaries) else UNSOUND
 
 

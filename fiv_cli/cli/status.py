@@ -25,6 +25,7 @@ class Standing:
     Attributes
     ----------
     running : process that is running it; None: nobody is
+    running_parts : parts of it that are being run, ``3/16``
     counts : status -> number of points
     refined : of each refined analysis, in a line, how much of it was run
     stored_case_differs : how what is stored differs from the case; then it is not counted
@@ -37,6 +38,7 @@ class Standing:
     dataset: str
     dataset_exists: bool
     running: int | None
+    running_parts: list[str]
     points: int
     counts: dict[str, int]
     refined: list[str]
@@ -58,6 +60,7 @@ class Standing:
             *(f"  {line}" for line in self.refined),
             f"  dataset {self.dataset}{written}",
             *running,
+            *([f"  running: part {', '.join(self.running_parts)}"] if self.running_parts else []),
             *(f"  ignored {shard}" for shard in self.ignored_shards),
         ]
         if self.stored_case_differs:
@@ -100,13 +103,15 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
     from fiv_cli.sweep.journal import Journal, stored_identity
     from fiv_cli.sweep.lock import holder
     from fiv_cli.sweep.output import run_folder
+    from fiv_cli.sweep.parts import part_folders
     from fiv_cli.sweep.plan import make_plan
     from fiv_cli.sweep.run import count_statuses, refinements
 
     case = api.load(source, overrides)
     path = output or default_output(case)
     folder = run_folder(path)
-    journal = Journal(folder, make_plan(case))
+    parts = part_folders(folder)
+    journal = Journal(folder, make_plan(case), parts.values())
     stored = stored_identity(folder)
     differing = [] if stored is None else differences(stored, case)
     if not differing:
@@ -117,6 +122,7 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
         dataset=str(path),
         dataset_exists=path.exists(),
         running=holder(folder),
+        running_parts=[str(part) for part, own in parts.items() if holder(own) is not None],
         points=sum(counts.values()),
         counts=counts,
         refined=refinements(journal),

@@ -31,6 +31,7 @@ class Block:
     ragged : ragged variable -> concatenated rows
     messages : row -> details
     carries : row -> what a continuing neighbour needs, plain data
+    seconds : (n,) float32, about how long each point took
     """
 
     keys: Array
@@ -41,6 +42,11 @@ class Block:
     ragged: dict[str, Array] = field(default_factory=dict)
     messages: dict[int, str] = field(default_factory=dict)
     carries: dict[int, dict[str, Any]] = field(default_factory=dict)
+    seconds: Array = field(default_factory=lambda: np.zeros(0, np.float32))
+
+    def __post_init__(self) -> None:
+        if not len(self.seconds):
+            self.seconds = np.zeros(len(self.status), np.float32)
 
     def __len__(self) -> int:
         return len(self.status)
@@ -93,6 +99,8 @@ def _faults(block: Block, table: Mapping[str, Variable]) -> Iterator[str]:
         codes = list(TABLES[name].codes.values())
         if array.dtype != np.int8 or array.shape != (count,) or not np.isin(array, codes).all():
             yield f"{name} holds what no point has"
+    if block.seconds.dtype != np.float32 or block.seconds.shape != (count,):
+        yield "its costs have another form"
     if any(row not in range(count) for row in (*block.messages, *block.carries)):
         yield "it tells of rows that it has not"
     if not all(isinstance(message, str) for message in block.messages.values()):

@@ -102,6 +102,7 @@ def _to_arrays(block: Block) -> dict[str, Array]:
         "keys": block.keys,
         "status": block.status,
         "reason": block.reason,
+        "seconds": block.seconds,
         "messages": _json_array(block.messages),
         "carries": _json_array(block.carries),
         **{f"values/{name}": array for name, array in sorted(block.values.items())},
@@ -120,6 +121,7 @@ def _from_arrays(arrays: Mapping[str, Array]) -> Block:
         ragged=_group(arrays, "ragged/"),
         messages=_from_json(arrays["messages"]),
         carries=_from_json(arrays["carries"]),
+        seconds=arrays.get("seconds", np.zeros(0, np.float32)),
     )
 
 

@@ -3,6 +3,7 @@
 STEM.run/   identity.json  what the stored points belong to
             case.toml      the case as it is run, overrides as comments
             shards/        one file per finished chunk; all that is needed for the dataset
+            parts/         run directories of parts of the plan, see `parts`
             dataset.json   what the dataset was made from, see `receipt`
             run.log        what happened, with dates
             lock           see `lock`
@@ -13,7 +14,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 Positions = NDArray[np.int64]
 
 _NUMBER = re.compile(r"[0-9]{1,18}")
-PENDING = STATUS.codes["pending"]
+OK, PENDING = STATUS.codes["ok"], STATUS.codes["pending"]
 _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
 
 
@@ -73,6 +74,7 @@ class Record:
     ----------
     status, reason : (size,) codes; pending where nothing is stored
     told : (size,) codes of the class that the analysis tells of each point
+    mine : (size,) points that are this journal's business: all of them, or one part
     ran : (size,) points run now; one that failed is tried again in another run, not in this one
     shards : the stored blocks, in order
     states : position -> state of the chain after that point
@@ -84,6 +86,7 @@ class Record:
     status: NDArray[np.int8]
     reason: NDArray[np.int8]
     told: NDArray[np.int8]
+    mine: NDArray[np.bool_]
     ran: NDArray[np.bool_]
     classes: NDArray[np.int32]
     shards: list[Shard] = field(default_factory=list)
@@ -92,7 +95,7 @@ class Record:
 
     def wanted(self) -> NDArray[np.bool_]:
         """Which points are to be run, as far as is known, and which were."""
-        return np.ones(len(self.status), bool) if self.stage is None else self.stage.wanted
+        return self.mine if self.stage is None else self.stage.wanted & self.mine
 
     def done(self) -> NDArray[np.bool_]:
         """Which points need not be run again."""
@@ -100,9 +103,13 @@ class Record:
 
     def in_vain(self) -> NDArray[np.bool_]:
         """Which points have no answer for reasons that do not lie in them."""
-        retried = np.isin(self.reason, list(retried_codes()))
-        in_vain: NDArray[np.bool_] = retried & np.isin(self.status, _PROVISIONAL)
-        return in_vain
+        return _in_vain(self.status, self.reason)
+
+    def outdoes(self, block: Block, positions: Positions) -> NDArray[np.bool_]:
+        """Rows of a block that failed in vain where there is an answer (from another part)."""
+        status, reason = self.status[positions], self.reason[positions]
+        answered = (status != PENDING) & ~_in_vain(status, reason)
+        return _in_vain(block.status, block.reason) & answered
 
     def stored(self) -> NDArray[np.bool_]:
         """Which points have a result, a failed one included."""
@@ -114,13 +121,34 @@ class Record:
         return np.where(self.in_vain(), np.int32(BLANK), self.classes)
 
 
-class Journal:
-    """The stored results of a plan; the only writer of the run directory."""
+def _in_vain(status: NDArray[np.int8], reason: NDArray[np.int8]) -> NDArray[np.bool_]:
+    """Which points have no answer for reasons that do not lie in them."""
+    retried = np.isin(reason, list(retried_codes()))
+    in_vain: NDArray[np.bool_] = retried & np.isin(status, _PROVISIONAL)
+    return in_vain
 
-    def __init__(self, folder: Path, plan: Plan) -> None:
-        self.folder = folder
-        self.plan = plan
+
+class Journal:
+    """The stored results of a plan; the only writer of the run directory.
+
+    Parameters
+    ----------
+    others : run directories whose shards are read too, of parts of the plan (see `parts`)
+    mine : of each analysis the points to run; None: all
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        plan: Plan,
+        others: Iterable[Path] = (),
+        mine: Sequence[NDArray[np.bool_]] | None = None,
+    ) -> None:
+        self.folder, self.plan = folder, plan
+        self._others = tuple(others)
         self.records = [_empty_record(analysis) for analysis in plan.analyses]
+        for record, own in zip(self.records, mine or (), strict=False):
+            record.mine = own
         self.ignored: list[tuple[Path, str]] = []
         self._next = 0
         self._kept = 0
@@ -136,6 +164,7 @@ class Journal:
         paths = sorted(self.shard_folder.glob("*.h5"))
         numbers = [int(path.stem) for path in paths if _NUMBER.fullmatch(path.stem)]
         self._next = max(numbers, default=-1) + 1
+        paths += [path for other in self._others for path in sorted(other.glob("shards/*.h5"))]
         finders: dict[int, _Finder] = {}
         for path in paths:
             try:
@@ -188,6 +217,8 @@ class Journal:
         states: Mapping[int, ChainState],
     ) -> None:
         record = self.records[index]
+        if (block.status != OK).any():
+            positions = np.where(record.outdoes(block, positions), -1, positions)
         placed = positions >= 0
         kept = block if self._kept + block.nbytes <= KEPT else None
         self._kept += 0 if kept is None else block.nbytes
@@ -205,11 +236,12 @@ class Journal:
 
     def statuses(self, index: int) -> NDArray[np.int8]:
         """Status of every point whose turn has come, (any number,); what is filled in included."""
-        stage, status = self.records[index].stage, self.records[index].status
-        if stage is None:
-            return status
-        filled = np.full(np.count_nonzero(stage.filled), STATUS.codes[NOT_COMPUTED], np.int8)
-        return np.concatenate([status[stage.wanted], filled])
+        record = self.records[index]
+        if record.stage is None:
+            return record.status[record.mine]
+        count = np.count_nonzero(record.stage.filled & record.mine)
+        filled = np.full(count, STATUS.codes[NOT_COMPUTED], np.int8)
+        return np.concatenate([record.status[record.wanted()], filled])
 
     def blocks(self, index: int) -> Iterator[Placed]:
         """The stored blocks of an analysis with the positions of their rows, in order.
@@ -220,6 +252,18 @@ class Journal:
         for shard in self.records[index].shards:
             positions = shard.positions
             yield np.where((positions >= 0) & wanted[positions], positions, -1), shard.block()
+
+    def costs(self, index: int) -> NDArray[np.float32]:
+        """What each point that is left will take, s: as those do that are known on either side."""
+        record = self.records[index]
+        seconds = np.full(len(record.status), np.nan, np.float32)
+        for positions, block in self.blocks(index):
+            seconds[positions[positions >= 0]] = block.seconds[positions >= 0]
+        known = np.flatnonzero(seconds > 0.0)
+        if not len(known):
+            return np.ones(len(seconds), np.float32)
+        likely = np.interp(np.arange(len(seconds)), known, seconds[known]).astype(np.float32)
+        return np.where(record.done(), np.float32(0.0), likely)
 
     def shards(self) -> list[Path]:
         """The files that hold what is stored, in the order in which they count."""
@@ -308,6 +352,7 @@ def _empty_record(analysis: AnalysisPlan) -> Record:
         status=np.full(size, PENDING, np.int8),
         reason=np.zeros(size, np.int8),
         told=np.full(size, -1, np.int8),
+        mine=np.ones(size, bool),
         ran=np.zeros(size, bool),
         classes=np.zeros(0 if analysis.maps is None else size, np.int32),
     )
@@ -349,5 +394,6 @@ def write_identity(folder: Path, document: dict[str, Any], case_text: str) -> No
 
 def clear(folder: Path) -> None:
     """Throw the stored results in a run directory away (nothing else that may lie there)."""
-    shutil.rmtree(folder / "shards", ignore_errors=True)
+    for part in ("shards", "parts"):
+        shutil.rmtree(folder / part, ignore_errors=True)
     (folder / "identity.json").unlink(missing_ok=True)

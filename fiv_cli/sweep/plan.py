@@ -7,9 +7,11 @@ point but numbers in arrays.
 
 from __future__ import annotations
 
+import hashlib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product, repeat
 from math import prod
 from typing import Any
@@ -101,6 +103,16 @@ class AnalysisPlan:
         parts = [f"{name}={value}" for name, value in zip(names, values, strict=True)]
         parts += [] if entry is None else [f"initial={entry.label}"]
         return ",".join(parts) or "its only point"
+
+    @cached_property
+    def digest(self) -> bytes:
+        """Of all points and their order."""
+        axes = [
+            (axis.name, axis.kind, axis.values) for dim in self.layout.dims for axis in dim.axes
+        ]
+        shape = self.layout.dim_names, self.layout.shape, self.maps is None
+        entries = [entry and (entry.label, entry.identity) for entry in self.template.entries]
+        return hashlib.sha256(self.template.base + f"{axes}{shape}{entries}".encode()).digest()
 
     def points(self, positions: Positions) -> Iterator[tuple[Values, int]]:
         """Axis values and start index of points."""

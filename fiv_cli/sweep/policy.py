@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fiv_cli.sweep.parts import Part
 from fiv_cli.sweep.worker import EXECUTOR
 
 PREPARER = "fiv_cli.analyses.execute:prepare"
@@ -24,6 +25,7 @@ class Policy:
     chunk_seconds : aim for the duration of a task, s
     in_process_below : estimated work, s, below which no worker processes are started
     cluster : address or file of a scheduler that has the workers; empty: those of this machine
+    part : run this part of the plan only; None: all of it
     executor, preparer : ``module:function`` that runs a point, and that prepares the systems
     """
 
@@ -36,5 +38,6 @@ class Policy:
     chunk_seconds: float = 0.5
     in_process_below: float = 4.0
     cluster: str = ""
+    part: Part | None = None
     executor: str = EXECUTOR
     preparer: str = PREPARER

@@ -12,20 +12,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 import fiv_cli
 from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
 from fiv_cli.data.provenance import provenance
-from fiv_cli.errors import StorageError, StoreMismatchError
+from fiv_cli.errors import LockedError, StorageError, StoreMismatchError
 from fiv_cli.files import append_line, leftovers
 from fiv_cli.flags import STATUS
 from fiv_cli.sweep import journal as store
 from fiv_cli.sweep.answer import Answer, answers
 from fiv_cli.sweep.journal import Journal
-from fiv_cli.sweep.lock import hold
+from fiv_cli.sweep.lock import hold, holder
 from fiv_cli.sweep.output import check_output, run_folder
+from fiv_cli.sweep.parts import Part, dealt_out, divisions, part_folders
 from fiv_cli.sweep.plan import AnalysisPlan, Plan, counted, make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Progress
@@ -105,18 +107,84 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
     begun = time.monotonic()
     plan = make_plan(case)
     check_output(output, fingerprint(case), policy.fresh)
+    if policy.part is not None:
+        return _run_part(plan, output, policy.part, policy, progress)
     folder = run_folder(output)
     store.create(folder)
     with hold(folder):
         _claim(folder, case, policy.fresh)
-        journal = Journal(folder, plan)
-        journal.load()
+        journal = _loaded(Journal(folder, plan, part_folders(folder).values()))
         _sweep_leftovers(folder, output)
         scheduler = Scheduler(journal, policy, progress, _logger(folder))
         with _reported(scheduler, output, begun):
             _run_all(scheduler)
         write_dataset(journal, output)
         return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+
+
+def _run_part(plan: Plan, output: Path, part: Part, policy: Policy, progress: Progress) -> Summary:
+    """Run what is left of a part of a plan, in a run directory of its own; without a dataset."""
+    begun, case, run = time.monotonic(), plan.case, run_folder(output)
+    _refuse_another(run, case)
+    folder = part.folder(run)
+    store.create(folder)
+    with hold(folder):
+        _claim(folder, case, policy.fresh)
+        dealt = dealt_out(plan, part.of, run, lambda: _costs(Journal(run, plan)))
+        mine = [parts == part.number for parts in dealt]
+        journal = _loaded(Journal(folder, plan, [run], mine))
+        _sweep_leftovers(folder, folder)
+        scheduler = Scheduler(journal, policy, progress, _logger(folder))
+        with _reported(scheduler, folder, begun):
+            _run_all(scheduler)
+        return _summed_up(journal, folder, scheduler.ran, time.monotonic() - begun)
+
+
+def assemble_case(case: Case, output: Path) -> tuple[Summary, list[str]]:
+    """Write the dataset of what runs and parts have stored; the lines say what is missing.
+
+    Raises
+    ------
+    UsageError, StorageError, StoreMismatchError, LockedError
+        as of `run_case`.
+    """
+    begun = time.monotonic()
+    plan = make_plan(case)
+    check_output(output, fingerprint(case), False)
+    folder = run_folder(output)
+    store.create(folder)
+    with hold(folder):
+        _claim(folder, case, False)
+        journal = _loaded(Journal(folder, plan, part_folders(folder).values()))
+        if journal.shards():
+            write_dataset(journal, output)
+        summary = _summed_up(journal, output, 0, time.monotonic() - begun)
+        return summary, list(_missing(journal, output))
+
+
+def _missing(journal: Journal, output: Path) -> Iterator[str]:
+    """Of each part that has points to run, how many, and who runs them."""
+    run = run_folder(output)
+    for of in divisions(run):
+        left = np.zeros(of + 1, np.int64)
+        for parts, record in zip(dealt_out(journal.plan, of, run), journal.records, strict=True):
+            left += np.bincount(parts[record.wanted() & ~record.done()], minlength=of + 1)
+        for number in np.flatnonzero(left):
+            part = Part(int(number), of)
+            process = holder(part.folder(run))
+            what = f"process {process} is running it" if process else f"--shard {part} runs them"
+            yield f"part {part}: {counted(int(left[number]))} to run; {what}"
+
+
+def _loaded(journal: Journal) -> Journal:
+    journal.load()
+    return journal
+
+
+def _costs(journal: Journal) -> list[NDArray[np.float32]]:
+    """What the points of each analysis will take, as far as those that are stored tell."""
+    journal.load()
+    return [journal.costs(index) for index in range(len(journal.records))]
 
 
 def _run_all(scheduler: Scheduler) -> None:
@@ -235,6 +303,8 @@ def _left_behind(journal: Journal, output: Path) -> str:
     counts = count_statuses(journal)
     if not journal.shards():
         return "no point is done, and there is no dataset"
+    if output == journal.folder:
+        return f"{output} holds {_done(counts)} of its part"
     try:
         write_dataset(journal, output)
     except StorageError as error:
@@ -244,9 +314,30 @@ def _left_behind(journal: Journal, output: Path) -> str:
 
 def _claim(folder: Path, case: Case, fresh: bool) -> None:
     """Make the run directory this case's own, or refuse another's."""
+    if not fresh:
+        _refuse_another(folder, case)
+    else:
+        for part, own in part_folders(folder).items():
+            _refuse_live(part, own)
+        store.clear(folder)
+        store.create(folder)
+    store.write_identity(folder, document(case), _effective_text(case))
+
+
+def _refuse_live(part: Part, folder: Path) -> None:
+    process = holder(folder)
+    if process is not None:
+        raise LockedError(
+            f"{folder}: process {process} is running part {part} of this case\n"
+            "next: wait for it, or choose another output with -o FILE.nc"
+        )
+
+
+def _refuse_another(folder: Path, case: Case) -> None:
+    """Refuse a run directory that holds results of another case."""
     stored = store.stored_identity(folder)
     differing = [] if stored is None else differences(stored, case)
-    if differing and not fresh:
+    if differing:
         raise StoreMismatchError(
             "\n".join(
                 [
@@ -256,10 +347,6 @@ def _claim(folder: Path, case: Case, fresh: bool) -> None:
                 ]
             )
         )
-    if fresh:
-        store.clear(folder)
-        store.create(folder)
-    store.write_identity(folder, document(case), _effective_text(case))
 
 
 def _effective_text(case: Case) -> str:

@@ -156,7 +156,9 @@ def run_task(task: Task) -> Result:
                 states[number] = last
                 carries[len(outcomes) - 1] = last.plain()
     block = pack(outcomes, keys, task.variables, carries)
-    return Result(block, time.perf_counter() - begun, pulse.longest, states)
+    seconds = time.perf_counter() - begun
+    block.seconds[:] = seconds / len(block)
+    return Result(block, seconds, pulse.longest, states)
 
 
 def _is_run_in_blocks(task: Task) -> bool:

@@ -1,0 +1,41 @@
+"""``fiv assemble``: the dataset of what runs of parts have stored."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from fiv_cli.cli.common import set_option
+
+UNSOUND, STILL_TO_RUN = 4, 8
+
+
+@click.command("assemble")
+@click.argument("case")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="The dataset, as of the run.")
+@set_option
+def command(case: str, output: Path | None, overrides: tuple[str, ...]) -> int:
+    """Write the dataset of CASE from what `fiv run --shard` has stored, and say what is missing.
+
+    Joins all parts, and what was run of the case without --shard; the dataset is that of one run,
+    to the last bit. Exit code: 0 where all is there; 8 where points are still to run; 4 where some
+    have failed.
+
+    \b
+    Examples:
+      fiv run a.toml --shard 1/2; fiv run a.toml --shard 2/2; fiv assemble a.toml
+      fiv assemble a.toml --set grid.mu_k=[0.3] -o one.nc
+    """
+    from fiv_cli import api
+    from fiv_cli.case.identity import default_output
+    from fiv_cli.sweep.run import assemble_case
+
+    loaded = api.load(case, overrides)
+    summary, missing = assemble_case(loaded, output or default_output(loaded))
+    click.echo("\n".join([*summary.lines(), *(f"  {line}" for line in missing)]), err=True)
+    if summary.output.exists():
+        click.echo(summary.output)
+    if summary.complete:
+        return 0
+    return UNSOUND if not summary.sound else STILL_TO_RUN
