@@ -14,7 +14,6 @@ from fiv_cli.analyses.motion.history import EVENTS
 from fiv_cli.analyses.settings import Integer, Number
 from fiv_cli.analyses.variables import Role, Subject, Variable, axis, count, detail
 
-
 OF_RECORDED = (
     axis("time", "s", "time", symbol="t"),
     Variable("slip", "m", "slip", "time", symbol="s"),
