@@ -217,6 +217,46 @@ def test_the_energies_of_excited_models_balance(name: str) -> None:
     assert abs(found.other) > 1e-6
 
 
+def test_mean_powers_balance_and_are_those_of_each_force() -> None:
+    """On a cycle friction takes what is put in; a force, a base and a damper share the rest."""
+    settings = {"section": {"phase": 0.0}, "powers": "mean"}
+    given = {"c": 0.1, "A_x": 2.0, "omega_x": 0.8, "phase_x": 0.4, "F_x": 0.3}
+    found = api.analyse(
+        get_model("belt-1dof + force_x"), "coulomb", "response", {"x": 4.0}, settings, **given
+    ).values
+    assert found["attractor"] == "periodic" and found["stick_fraction"] > 0.1
+    damped = given["c"] * found["x_dot_rms"] ** 2
+    assert found["mean_other_power"] == pytest.approx(
+        found["mean_force_x_power"] - damped, abs=1e-10
+    )
+    assert found["mean_friction_power"] + found["mean_other_power"] == pytest.approx(0.0, abs=1e-9)
+    assert (
+        found["mean_wear_power"] == found["mean_drive_power"] - found["mean_friction_power"] > 0.0
+    )
+
+    shaken = api.analyse(
+        get_model("belt-1dof + base"), "coulomb", "response", {"x": 4.0}, settings,
+        A_base=1.5, omega_base=0.8,
+    ).values  # fmt: skip
+    assert shaken["attractor"] == "periodic"
+    assert shaken["mean_base_power"] == pytest.approx(shaken["mean_other_power"], abs=1e-10)
+    assert abs(shaken["mean_base_power"]) > 1e-2
+
+
+@pytest.mark.parametrize(
+    ("x", "c", "attractor"), [(6.0, 0.0, "periodic"), (2.31, 0.1, "equilibrium")]
+)
+def test_wear_of_stick_slip_and_of_sliding_in_closed_form(
+    x: float, c: float, attractor: str
+) -> None:
+    """The belt slips by v T a period, whatever the mass does: mu_k N v; so it does at rest."""
+    settings = {"powers": "mean"}
+    found = api.analyse("belt-1dof", "coulomb", "response", {"x": x}, settings, c=c).values
+    assert found["attractor"] == attractor
+    assert found["mean_wear_power"] == pytest.approx(2.3, abs=1e-8)
+    assert found["mean_friction_power"] == pytest.approx(0.0, abs=1e-8)
+
+
 # --- in a case ------------------------------------------------------------------------------------
 CASE = """\
 schema = 1

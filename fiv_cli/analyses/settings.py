@@ -155,6 +155,7 @@ class Setting:
     default : value when the key is left out; None: see `meaning`
     required : must be given
     partner : setting without which it cannot be given
+    later : came after results were stored: at its default it is no part of their identity
     form : what it may be, in words
     """
 
@@ -164,6 +165,7 @@ class Setting:
     default: Any = None
     required: bool = False
     partner: str = ""
+    later: bool = False
 
     form: ClassVar[str] = ""
 

@@ -39,7 +39,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         "analyses": ", ".join(f"{spec.name} ({spec.kind})" for spec in case.analyses),
         "analyses_json": {
             spec.name: {"kind": spec.kind, "title": get_analysis(spec.kind).title}
-            | {"settings": {name: _plain(value) for name, value in spec.settings.items()}}
+            | {"settings": {name: _plain(value) for name, value in spec.told.items()}}
             for spec in case.analyses
         },
         "parameters_json": case.parameters,

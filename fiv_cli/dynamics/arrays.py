@@ -131,6 +131,7 @@ def _not_asked_for(system: System) -> dict[str, Array]:
         "reference": np.zeros(len(system.coordinates)),
         **{name: np.zeros(n) for name in ("least", "greatest", "squares")},
         "shares": np.zeros((contacts, 3)),
+        "works": np.zeros(len(system.setup.model.powers)),
         "section_times": np.zeros(1),
         "section_states": np.zeros((1, n)),
         "sample_times": np.zeros(0),

@@ -87,6 +87,7 @@ class Measures(NamedTuple):
     largest_residual : of an event, relative
     least, greatest, squares : of each state, and the integral of its square; shape (n_states,)
     shares : time in slip, stick, separation; shape (n_contacts, 3)
+    works : of each excitation, J
     """
 
     measured_time: float
@@ -100,6 +101,7 @@ class Measures(NamedTuple):
     greatest: Vector
     squares: Vector
     shares: NDArray[np.float64]
+    works: Vector
 
     @property
     def extremes(self) -> NDArray[np.float64]:
@@ -219,6 +221,11 @@ class Motion:
         return self.frame.kinds
 
     @property
+    def is_held(self) -> bool:
+        """Whether a contact sticks or a stop is closed."""
+        return bool(kernel.holds(self.frame))
+
+    @property
     def slip_signs(self) -> Vector:
         """Sign of slip in each contact, where it slips; shape (n_contacts,)."""
         return self.frame.slip_signs
@@ -316,6 +323,7 @@ class Motion:
         self.frame.show("greatest", np.full(n, -np.inf))
         self.frame.show("squares", np.zeros(n))
         self.frame.show("shares", np.zeros((contacts, 3)))
+        self.frame.show("works", np.zeros(len(self.system.setup.model.powers)))
 
     def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
         """Carry tangent vectors (rows) along from here on."""

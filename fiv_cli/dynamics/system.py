@@ -109,7 +109,8 @@ class System:
     @cached_property
     def outputs_width(self) -> int:
         """Most numbers that a field function writes."""
-        return int(np.max(self.tables.energy_place)) + len(ENERGY_OUTPUTS)
+        written = len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
+        return int(np.max(self.tables.energy_place)) + written
 
     # --- generated functions, called from Python --------------------------------------------------
     def coefficients(self, parameters: Vector) -> Vector:

@@ -119,7 +119,7 @@ def excited(model: Model, name: str) -> Model:
         forcings=(*model.forcings, *forcings),
         requirements=(*model.requirements, *_requirements(model, terms, forcings)),
         varied=varied,
-        powers={term.of: _power_of(term) for term in terms if term.kind != "parameter"},
+        powers={term.text: _power_of(term) for term in terms if term.kind != "parameter"},
     )
 
 
@@ -158,7 +158,7 @@ def _meaning(term: Term) -> str:
 
 def _power_of(term: Term) -> str:
     """What its mean power is called, see `Model.powers`."""
-    return "the moving base" if term.kind == "base" else f"the external force on {term.of}"
+    return "the base that moves" if term.kind == "base" else f"the external force along {term.of}"
 
 
 def _follow(parameter: Parameter, leader: str | None) -> Parameter:
@@ -329,7 +329,7 @@ def _forced(found: Equations, symbols: Symbols, of: str) -> Equations:
     return replace(
         found,
         accelerations={q: a + force * gained[q] for q, a in found.accelerations.items()},
-        powers={**found.powers, of: force * symbols.velocity(of)},
+        powers={**found.powers, f"force_{of}": force * symbols.velocity(of)},
     )
 
 
