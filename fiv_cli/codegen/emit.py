@@ -592,6 +592,11 @@ class TangentStep(TaylorStep):
             return super()._known(node, k)
         return f"y[{self.motion.place(node, k)}]" if k <= self.motion.degrees[node.index] else ""
 
+    def _products(self, left: Node, right: Node, k: int, start: int, stop: int) -> list[str]:
+        """The terms with what is known last at the end: the others do not wait for it."""
+        terms = super()._products(left, right, k, start, stop)
+        return terms if left.index in self._own else terms[::-1]
+
     def _series_tangent(self, node: Node, k: int) -> str:
         return f"lanes[{node.value * (self.order + 1)}]"
 

@@ -90,6 +90,7 @@ GRAZING = 1e-5  # a switching function that falls slower than this share of its 
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 LAST_DIGITS = 1e-10  # a gap this small against what states make it up is none at a start
+HOP = 1e-7  # a flight of this share of a step rises by less than a gap's rounding can tell
 SAME_INSTANT = 1e-9  # two events within this share of a step may be one
 BISECTIONS = 80
 TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
@@ -1353,6 +1354,17 @@ def off_section(run: Run, index: int, step: float) -> tuple[float, int]:
 
 
 @native
+def is_hop(run: Run, index: int, hit: int, flight: float) -> bool:
+    """Whether a step is a flight off a stop, so short that where it turns lies in rounding.
+
+    A step that ended there would begin another flight, as long as the rounding of a gap makes it.
+    """
+    if hit < 0 or run.guard_kinds[index, hit] != GAP:
+        return False
+    return run.bounces[run.guard_contacts[index, hit]] == 1 and flight < HOP * run.last_step
+
+
+@native
 def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, float]:
     """What ends a step: NOTHING, a switching function, a border of the sector, the section.
 
@@ -1372,6 +1384,8 @@ def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, fl
         return hit, fraction, 0.0, 0.0
     sign, entry = 1.0 if value > 0.0 else -1.0, run.section_state
     root = fall(run, index, step, entry, entry, zeros, sign, 0.0)
+    if is_hop(run, index, hit, fraction * step):
+        return hit, fraction, sign, 0.0
     if 0.0 < root < fraction and not coincides(run, hit, step, root, fraction):
         return SECTION, root, sign, -sign
     return hit, fraction, sign, 0.0

@@ -221,6 +221,11 @@ class Motion:
         return self.frame.kinds
 
     @property
+    def is_held(self) -> bool:
+        """Whether a contact sticks or a stop is closed."""
+        return bool(kernel.holds(self.frame))
+
+    @property
     def slip_signs(self) -> Vector:
         """Sign of slip in each contact, where it slips; shape (n_contacts,)."""
         return self.frame.slip_signs

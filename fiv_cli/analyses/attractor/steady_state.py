@@ -393,11 +393,9 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
-        if self.excitation is not None or STICK not in self.motion.kinds.tolist():
+        motion, frame = self.motion, self.motion.frame
+        if self.excitation is not None or not motion.is_held or np.any(motion.rates() != 0.0):
             return None
-        if np.any(self.motion.rates() != 0.0):
-            return None
-        frame = self.motion.frame
         all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
         if not (all_stick or self._is_held()):
             return None
