@@ -69,6 +69,38 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
     ),
     "linear-regularisation": ({"mu_k": 0.23, "v_tol": 1.4}, 0.5 * 0.23 * 5, None),
     "jenkins": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
+    "reset-integrator": (
+        {"mu_k": 0.23, "sigma_0": 100.0, "a_stick": 0.4, "sigma_1": 3.0},
+        0.23 * 5,
+        None,
+    ),
+    "gms": (
+        {
+            "mu_s": 0.4,
+            "mu_k": 0.1,
+            "v_s": 0.5,
+            **{f"alpha_{i}": i / 10 for i in range(1, 5)},
+            **dict.fromkeys(("k_1", "k_2", "k_3", "k_4"), 250.0),
+            "C_lag": 10.0,
+            "sigma_2": 0.2,
+        },
+        (0.1 + 0.3 * exp(-1.96) + 0.14) * 5,
+        None,
+    ),
+    "elasto-plastic": (
+        {
+            "mu_s": 0.4,
+            "mu_k": 0.1,
+            "v_s": 0.5,
+            "sigma_0": 100.0,
+            "sigma_1": 3.0,
+            "sigma_2": 0.2,
+            "x_ba": 0.5,
+            "blend": 0.8,
+        },
+        (0.1 + 0.3 * exp(-1.96) + 0.14) * 5,
+        None,
+    ),
     "dahl": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
     "lugre": (
         {
