@@ -384,8 +384,9 @@ def analyse(
 
     Parameters
     ----------
-    model, law : names; or objects of one's own, written in a file that is imported and each
-        under a name of its own; law None: the model's first
+    model, law : names (``belt-1dof + force_x + v(t)`` of an excited model); or objects of one's
+        own, written in a file that is imported and each under a name of its own; law None: the
+        model's first
     analysis : kind
     start : states that are not zero, or a `Start`
     settings : of the analysis, where they differ from the defaults: as a case writes them, or the
@@ -441,10 +442,12 @@ def _setup(
     """A setup of names that exist."""
     from fiv_cli.codegen.setup import Setup
     from fiv_cli.friction import all_laws, why_unfit
-    from fiv_cli.models import all_models
+    from fiv_cli.models import all_models, get_model
+    from fiv_cli.models.excitation import BETWEEN
 
     if isinstance(model, str):
-        model = pick(model, all_models(), "model", "fiv models")
+        pick(model.partition(BETWEEN)[0], all_models(), "model", "fiv models")
+        model = get_model(model)
     if isinstance(law, str):
         law = pick(law, all_laws(), "friction law", "fiv models --laws")
     texts = {name: _option_text(model, name, value) for name, value in options.items()}

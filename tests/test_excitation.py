@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from fiv_cli import api
 from fiv_cli.case.load import parse_case
-from fiv_cli.errors import CaseError
+from fiv_cli.errors import CaseError, UsageError
 from fiv_cli.models import get_model
 
 
@@ -101,7 +101,7 @@ def test_stops_and_reversals_of_a_forced_coulomb_oscillator(
 @pytest.mark.parametrize(("f", "p", "b", "amplitude"), [(0.5, 1.0, 0.6, 1.4865816)])
 def test_the_amplitude_of_den_hartog(f: float, p: float, b: float, amplitude: float) -> None:
     found = api.analyse(
-        get_model("belt-1dof + force_x"), "coulomb", "response", {"x": 1.0},
+        "belt-1dof + force_x", "coulomb", "response", {"x": 1.0},
         {"section": {"phase": 0.0}}, v=0.0, N=1.0, mu_k=f, mu_s=f, A_x=p, omega_x=b,
     )  # fmt: skip
     assert found.values["attractor"] == "periodic"
@@ -159,7 +159,7 @@ def test_a_harmonic_speed_agrees_with_scipy_through_50_events() -> None:
 
 def test_rest_on_a_belt_that_slows_down_is_told_by_its_least_speed() -> None:
     """From 0.1 off rest the mass moves at 0.1; a belt that comes down to 0.05 takes it along."""
-    belt = get_model("belt-1dof + v(t)")
+    belt = "belt-1dof + v(t)"
     given = {"c": 0.1, "v": 1.0, "omega_v": 0.83, **MU}
     slides, sticks = (
         api.analyse(belt, "coulomb", "response", {"x": 2.4}, A_v=A, **given).values
@@ -180,6 +180,23 @@ def test_the_belts_acceleration_is_part_of_what_sticking_demands() -> None:
     rest.run(np.pi / omega)
     release = times(rest)[0]
     assert release == pytest.approx(np.arcsin(hold / demand) / omega, abs=1e-12)
+
+
+def test_a_disc_at_a_harmonic_speed_is_the_limit_of_a_schedule_of_points() -> None:
+    start, A, omega, until = {"phi": 1e-3}, 1.0, 8.0, 0.4
+    exact = motion(
+        "excited-disc + Omega(t)", "exponential", start, Omega=5.0, A_Omega=A, omega_Omega=omega
+    )
+    exact.run(until)
+    apart = []
+    for count in (200, 800):
+        instants = np.linspace(0.0, until, count + 1)
+        points = [(t, 5.0 + A * np.cos(omega * t)) for t in instants.tolist()]
+        near = motion("excited-disc", "exponential", start, curves={"Omega": points})
+        near.run(until)
+        apart.append(np.max(np.abs(near.y - exact.y)))
+    assert apart[1] < apart[0] / 10 < 1e-4 * np.max(np.abs(exact.y))
+    assert len(times(exact)) > 10
 
 
 def test_a_base_that_moves_is_a_force_and_a_belt_that_moves_seen_from_it() -> None:
@@ -222,7 +239,7 @@ def test_mean_powers_balance_and_are_those_of_each_force() -> None:
     settings = {"section": {"phase": 0.0}, "powers": "mean"}
     given = {"c": 0.1, "A_x": 2.0, "omega_x": 0.8, "phase_x": 0.4, "F_x": 0.3}
     found = api.analyse(
-        get_model("belt-1dof + force_x"), "coulomb", "response", {"x": 4.0}, settings, **given
+        "belt-1dof + force_x", "coulomb", "response", {"x": 4.0}, settings, **given
     ).values
     assert found["attractor"] == "periodic" and found["stick_fraction"] > 0.1
     damped = given["c"] * found["x_dot_rms"] ** 2
@@ -235,7 +252,7 @@ def test_mean_powers_balance_and_are_those_of_each_force() -> None:
     )
 
     shaken = api.analyse(
-        get_model("belt-1dof + base"), "coulomb", "response", {"x": 4.0}, settings,
+        "belt-1dof + base", "coulomb", "response", {"x": 4.0}, settings,
         A_base=1.5, omega_base=0.8,
     ).values  # fmt: skip
     assert shaken["attractor"] == "periodic"
@@ -328,6 +345,16 @@ def test_what_is_wrong_is_said_with_its_place(was: str, lines: str, path: str, w
     assert words in caught.value.problems[0].message
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["belt-1dof + force_y", "belt-1dof + mu_k(t)", "belt-1dof + u", "pin-on-disc + base",
+     "excited-disc + force_phi", "belt + force_x"],
+)  # fmt: skip
+def test_what_does_not_excite_a_model_is_refused_with_what_to_type(name: str) -> None:
+    with pytest.raises(UsageError, match="next: "):
+        api.analyse(name, None, "equilibrium")
+
+
 def test_discs_are_driven_by_a_harmonic_speed_and_take_no_other_force() -> None:
     disc = CASE.replace("belt-1dof", "excited-disc").replace("parameters = { c = 0.1 }", "")
     speed = disc.replace(f"[forcing]\n{X}\n", "").replace(V, "Omega = { amplitude = 0.5 }")
@@ -345,7 +372,7 @@ def test_a_fast_force_is_averaged_as_that_of_the_model_that_has_one() -> None:
     own = api.analyse("excited-2dof", "coulomb", "eigenvalues", none, settings,
                       A_b=8.0, R=20.0, **given)  # fmt: skip
     forced = api.analyse(
-        get_model("flutter-2dof + force_x"), "coulomb", "eigenvalues", none, settings,
+        "flutter-2dof + force_x", "coulomb", "eigenvalues", none, settings,
         A_x=8.0, omega_x=20.0, **given,
     )  # fmt: skip
     for part in ("eigenvalue_real", "eigenvalue_imag", "averaging_ratio"):
@@ -355,9 +382,7 @@ def test_a_fast_force_is_averaged_as_that_of_the_model_that_has_one() -> None:
 def test_cycles_of_a_harmonic_speed_have_the_multipliers_of_what_is_beside_them() -> None:
     """Sticking leaves one direction at each phase: one multiplier is zero, one is its decay."""
     given = {"v": 1.0, "A_v": 0.8, "omega_v": 0.83, **MU}
-    found = api.analyse(
-        get_model("belt-1dof + v(t)"), "coulomb", "cycle", {"x": 4.0}, **given
-    ).values
+    found = api.analyse("belt-1dof + v(t)", "coulomb", "cycle", {"x": 4.0}, **given).values
     assert found["cycle_period"] == pytest.approx(2 * np.pi / 0.83, rel=1e-9)
     beside = []
     pair = [motion("belt-1dof + v(t)", start={"x": x}, **given) for x in (4.0, 4.001)]

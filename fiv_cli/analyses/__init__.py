@@ -59,7 +59,7 @@ from __future__ import annotations
 from fiv_cli.analyses.attractor import boundary, response
 from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.cycles import cycle
-from fiv_cli.analyses.motion import history
+from fiv_cli.analyses.motion import characteristic, history
 from fiv_cli.analyses.rest import critical, eigenvalues, equilibrium, plate
 from fiv_cli.analyses.spectra import spectrogram, spectrum
 
@@ -74,6 +74,7 @@ _ANALYSES: tuple[Analysis, ...] = (
     boundary.ANALYSIS,
     cycle.ANALYSIS,
     plate.ANALYSIS,
+    characteristic.ANALYSIS,
 )
 
 

@@ -568,10 +568,11 @@ def _check_phase(section: Section, known: Known) -> Iterator[Refusal]:
     """A phase needs an excitation that is on somewhere."""
     amplitudes = [forcing.amplitude for forcing in known.model.forcings]
     if not amplitudes:
-        yield Refusal(f"{known.model.name} has no excitation to take the phase of")
+        message = f"{known.model.name} has no excitation to take the phase of"
+        yield Refusal(message, suggestion="give it one: fiv kinds force, fiv kinds harmonic")
     elif all(known.value(name) == 0.0 for name in amplitudes):
         message = f"the excitation is off ({listed(amplitudes)} = 0), so it has no phase"
-        on = f"give {amplitudes[0]} under [model.parameters] or as an axis"
+        on = f"give {amplitudes[0]} a value, or make it an axis"
         yield Refusal(message, suggestion=on)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from fiv_cli.cli.common import set_option
+from fiv_cli.cli.common import set_option, with_option
 
 UNSOUND, STILL_TO_RUN = 4, 8
 
@@ -15,6 +15,7 @@ UNSOUND, STILL_TO_RUN = 4, 8
 @click.argument("case")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="The dataset, as of the run.")
 @set_option
+@with_option
 def command(case: str, output: Path | None, overrides: tuple[str, ...]) -> int:
     """Write the dataset of CASE from what `fiv run --shard` has stored, and say what is missing.
 

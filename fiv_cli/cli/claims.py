@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fiv_cli.cli.common import json_option, print_json, with_option
+from fiv_cli.cli.reports import Verdict, report, report_options
 from fiv_cli.errors import CaseError, DifferenceError, UsageError, printable
 
 if TYPE_CHECKING:
@@ -35,8 +36,11 @@ class Entry:
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[DIR or CASE...]")
 @click.option("--strict", is_flag=True, help="Exit 5 on a contradiction without a note, or no run.")
 @json_option
+@report_options
 @with_option
-def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
+def command(
+    paths: tuple[Path, ...], strict: bool, as_json: bool, junit: Path | None, summary: Path | None
+) -> None:
     """Hold every [[claim]] of the cases against their datasets.
 
     DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
@@ -48,6 +52,7 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
     Examples:
       fiv claims configs/ch7
       fiv claims configs/ch7/fig_7_06_reached.toml --json
+      fiv claims --strict --junit claims.xml --summary summary.md
     """
     from fiv_cli.reading.undecided import Undecided
 
@@ -58,6 +63,7 @@ def command(paths: tuple[Path, ...], strict: bool, as_json: bool) -> None:
     else:
         counted = [undecided.line()] if undecided.points else []
         click.echo(printable("\n".join([*lines(ledger), *counted])))
+    report("fiv claims", [_verdict(entry) for entry in ledger], junit, summary)
     if strict:
         _demand(ledger)
 
@@ -158,14 +164,26 @@ def _lines_of(entry: Entry) -> list[str]:
     return [*found, f"{indent}note: {entry.note}"] if entry.note else found
 
 
-def _demand(ledger: Sequence[Entry]) -> None:
-    """DifferenceError when a claim is contradicted without a note, or was not tried."""
+def _is_held_against(entry: Entry) -> bool:
+    """Whether --strict minds: contradicted without a note, or not tried."""
     from fiv_cli.reading.claims import CONTRADICTED, NOT_RUN
 
-    contradicted = [e for e in ledger if e.verdict == CONTRADICTED and not e.note]
-    not_run = [e for e in ledger if e.verdict == NOT_RUN]
-    if contradicted or not_run:
+    return entry.verdict == NOT_RUN or (entry.verdict == CONTRADICTED and not entry.note)
+
+
+def _verdict(entry: Entry) -> Verdict:
+    name = f"{entry.source}: {entry.text}"
+    return Verdict(entry.case, name, f"{entry.verdict}: {entry.found}", not _is_held_against(entry))
+
+
+def _demand(ledger: Sequence[Entry]) -> None:
+    """DifferenceError when a claim is contradicted without a note, or was not tried."""
+    from fiv_cli.reading.claims import NOT_RUN
+
+    minded = [entry for entry in ledger if _is_held_against(entry)]
+    not_run = sum(entry.verdict == NOT_RUN for entry in minded)
+    if minded:
         raise DifferenceError(
-            f"{len(contradicted)} claims contradicted without a note, {len(not_run)} not run\n"
+            f"{len(minded) - not_run} claims contradicted without a note, {not_run} not run\n"
             "run the cases, and correct the claim or add a `note` that explains the difference"
         )

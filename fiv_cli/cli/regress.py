@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import tempfile
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,11 +15,13 @@ from typing import TYPE_CHECKING
 import click
 
 from fiv_cli import ending
-from fiv_cli.cli.common import provide_cache, with_option
+from fiv_cli.cli.common import PartType, provide_cache, with_option
+from fiv_cli.cli.reports import Verdict, report, report_options
 from fiv_cli.errors import UsageError
 
 if TYPE_CHECKING:
     from fiv_cli.reading.compare import Difference
+    from fiv_cli.sweep.parts import Part
 
 DIFFERENT = 5
 SHOWN = 10
@@ -51,12 +54,21 @@ class Sweep:
 @click.argument("folder", type=click.Path(path_type=Path), default=Path("sweeps"), metavar="[DIR]")
 @with_option
 @click.option("--workers", type=click.IntRange(min=1), default=2, show_default=True)
+@click.option("--shard", "part", type=PartType(), help="Run every N-th sweep only, from the I-th.")
+@report_options
 @click.option(
     "--regenerate",
     is_flag=True,
     help="Store new answers instead. Refused while the working tree has changes.",
 )
-def command(folder: Path, workers: int, regenerate: bool) -> int:
+def command(
+    folder: Path,
+    workers: int,
+    part: Part | None,
+    junit: Path | None,
+    summary: Path | None,
+    regenerate: bool,
+) -> int:
     """Run every sweep of DIR (default: sweeps) and compare it with its reference.
 
     Each sweep is a folder with case.toml, reference.nc and tolerances.toml. The exit code is 5
@@ -66,14 +78,18 @@ def command(folder: Path, workers: int, regenerate: bool) -> int:
     Examples:
       fiv regress
       fiv regress sweeps/belt-map
+      fiv regress --shard 2/4 --junit regress.xml --summary "$GITHUB_STEP_SUMMARY"
       fiv regress --regenerate
     """
     sweeps = find_sweeps(folder)
+    if part is not None:
+        sweeps = sweeps[part.number - 1 :: part.of]
     provide_cache()
     if regenerate:
         _refuse_dirty_tree(folder)
-    results = [_regress(sweep, workers, regenerate) for sweep in sweeps]
-    return 0 if all(results) else DIFFERENT
+    verdicts = [_regress(sweep, workers, regenerate) for sweep in sweeps]
+    report("fiv regress", verdicts, junit, summary)
+    return 0 if all(verdict.passed for verdict in verdicts) else DIFFERENT
 
 
 def find_sweeps(folder: Path) -> list[Sweep]:
@@ -95,8 +111,9 @@ def find_sweeps(folder: Path) -> list[Sweep]:
     return found
 
 
-def _regress(sweep: Sweep, workers: int, regenerate: bool) -> bool:
-    """Run one sweep; True when it agrees."""
+def _regress(sweep: Sweep, workers: int, regenerate: bool) -> Verdict:
+    """Run one sweep, and compare it or store it."""
+    begun = time.monotonic()
     with (
         tempfile.TemporaryDirectory(prefix="fiv-regress-") as scratch,
         ending.last_act(partial(shutil.rmtree, scratch, ignore_errors=True)),
@@ -105,11 +122,13 @@ def _regress(sweep: Sweep, workers: int, regenerate: bool) -> bool:
         _run(sweep, output, workers)
         if regenerate:
             _store(output, sweep.reference)
-            click.echo(f"{sweep.folder.name}: reference stored")
-            return True
-        differences = _differences(sweep, output)
-    _print(sweep, differences)
-    return not differences
+            lines = ["reference stored"]
+        else:
+            lines = _described(_differences(sweep, output))
+    name = sweep.folder.name
+    click.echo("\n  ".join([f"{name}: {lines[0]}", *lines[1:]]))
+    seconds = time.monotonic() - begun
+    return Verdict("sweeps", name, "\n".join(lines), len(lines) == 1, seconds)
 
 
 def _store(output: Path, reference: Path) -> None:
@@ -141,13 +160,17 @@ def _differences(sweep: Sweep, output: Path) -> list[Difference]:
     return compare(read_analyses(sweep.reference), read_analyses(output), tolerances)
 
 
-def _print(sweep: Sweep, differences: Sequence[Difference]) -> None:
+def _described(differences: Sequence[Difference]) -> list[str]:
+    """What is said of a sweep: in one line where it agrees, in several where it does not."""
     if not differences:
-        click.echo(f"{sweep.folder.name}: agrees")
-        return
-    click.echo(f"{sweep.folder.name}: {len(differences)} differences (reference against now)")
-    for one in differences[:SHOWN]:
-        click.echo(f"  {one.what}: {one.text}" + (f" ({one.count})" if one.count > 1 else ""))
+        return ["agrees"]
+    return [
+        f"{len(differences)} differences (reference against now)",
+        *(
+            f"{one.what}: {one.text}" + (f" ({one.count})" if one.count > 1 else "")
+            for one in differences[:SHOWN]
+        ),
+    ]
 
 
 def _refuse_dirty_tree(folder: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -16,6 +17,7 @@ from fiv_cli.cli.common import (
     provide_cache,
     with_option,
 )
+from fiv_cli.cli.reports import Verdict, report, report_options
 
 if TYPE_CHECKING:
     from fiv_cli.verify import Check
@@ -26,8 +28,9 @@ COLUMNS = ("what", "found", "expected", "error", "tolerance", "verdict")
 
 @click.command("verify")
 @json_option
+@report_options
 @with_option
-def command(as_json: bool) -> int:
+def command(as_json: bool, junit: Path | None, summary: Path | None) -> int:
     """Check this installation against answers that are known without it.
 
     Computes stick-slip cycles, forced responses, equilibria, eigenvalues and energy balances whose
@@ -41,6 +44,7 @@ def command(as_json: bool) -> int:
     Examples:
       fiv verify
       fiv verify --json
+      fiv verify --junit verify.xml
       fiv verify --with my_model.py
     """
     provide_cache()
@@ -50,6 +54,7 @@ def command(as_json: bool) -> int:
         print_json({"passed": not failed, "checks": [_document(check) for check in checks]})
     else:
         _print(checks)
+    report("fiv verify", [_verdict(check) for check in checks], junit, summary)
     click.echo(f"{len(checks) - len(failed)} of {len(checks)} checks passed", err=True)
     return DIFFERENCE if failed else 0
 
@@ -63,6 +68,11 @@ def _checks(announce: Callable[[str], None]) -> list[Check]:
     from fiv_cli.verify import verify
 
     return verify(announce)
+
+
+def _verdict(check: Check) -> Verdict:
+    found = f"{check.found:.12g}, expected {check.expected:.12g}, error {check.error:.1e}"
+    return Verdict(check.source, check.name, found, check.passed)
 
 
 def _document(check: Check) -> dict[str, object]:

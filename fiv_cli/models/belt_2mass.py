@@ -40,7 +40,6 @@ PARAMETERS = (
         "3.15",
         0.0,
         default_from="N",
-        role="preload",
     ),
     Parameter(
         "v2",
@@ -50,7 +49,6 @@ PARAMETERS = (
         "velocity of the belt under mass 2",
         "3.15",
         default_from="v",
-        role="speed",
     ),
 )
 

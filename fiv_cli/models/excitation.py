@@ -103,10 +103,11 @@ def excited(model: Model, name: str) -> Model:
     _, terms, leaders = terms_of(name)
     added: list[Parameter] = []
     for term in terms:
+        _refuse_nothing(model, term)
         added += _parameters(model, term, added)
     table = [_follow(p, leaders.get(p.name)) for p in (*model.parameters, *added)]
     varied = tuple(term.of for term in terms if term.kind == "parameter")
-    loads = {p.name for p in model.parameters if p.role == "preload"}
+    loads = _of_role(model, "preload")
     alone = len(terms) == 1 and not model.forcings
     forcings = [_forcing(model, term, alone) for term in terms]
     return replace(
@@ -121,6 +122,21 @@ def excited(model: Model, name: str) -> Model:
         varied=varied,
         powers={term.text: _power_of(term) for term in terms if term.kind != "parameter"},
     )
+
+
+def _refuse_nothing(model: Model, term: Term) -> None:
+    """UsageError where the model has nothing of the kind."""
+    known = {
+        "force": {s.name for s in model.states(model.default_options())},
+        "base": {BASE} if model.base else set(),
+        "parameter": {p.name for p in model.parameters} | {term.of if term.unit else ""},
+    }
+    lumped = term.kind == "parameter" or model.derived is None
+    if term.of not in known[term.kind] or not lumped:
+        raise UsageError(
+            f"{term.text!r} is no excitation of {model.name}\n"
+            f"next: fiv models {model.name}; of a parameter of the law, NAME(t) in UNIT"
+        )
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -167,13 +183,15 @@ def _follow(parameter: Parameter, leader: str | None) -> Parameter:
 
 def _forcing(model: Model, term: Term, alone: bool) -> Forcing:
     of, fast = term.of, None
-    if alone and model.contacts == 1 and (term.kind == "force" or of in _speeds(model)):
+    if alone and model.contacts == 1 and (term.kind == "force" or of in _of_role(model, "speed")):
         fast = _fast_velocity(model, term)
     return Forcing(f"A_{of}", lambda p: p[f"omega_{of}"], _meaning(term), fast)
 
 
-def _speeds(model: Model) -> set[str]:
-    return {p.name for p in model.parameters if p.role == "speed"}
+def _of_role(model: Model, role: str) -> set[str]:
+    """The parameters of a role, and what takes the value of one."""
+    names = {p.name for p in model.parameters if p.role == role}
+    return names | {p.name for p in model.parameters if p.default_from in names}
 
 
 # --- what parameters must be to one another -------------------------------------------------------
