@@ -98,6 +98,25 @@ def test_stops_and_reversals_of_a_forced_coulomb_oscillator(
     assert found == pytest.approx(expected, abs=1e-11)
 
 
+def test_a_mass_without_a_spring_is_exact() -> None:
+    """A belt takes it along; under a force it slides over the floor until both are even."""
+    N, mu, m = 10.0, 0.23, 2.0
+    taken = motion("belt-1dof", k=0.0, m=m, N=N, mu_k=mu, v=1.0)
+    taken.run(5.0)
+    caught = m / (mu * N)
+    assert times(taken) == pytest.approx([caught], abs=1e-14)
+    assert taken.y == pytest.approx([5.0 - caught / 2, 1.0], abs=1e-14)
+
+    A, omega = 5.0, 2.0
+    pushed = motion("belt-1dof + force_x", k=0.0, v=0.0, N=N, mu_k=mu, A_x=A, omega_x=omega)
+    stop = first_root(lambda t: A / omega * np.sin(omega * t) - mu * N * t, 0.0)
+    pushed.run(stop)
+    assert times(pushed)[-1] == pytest.approx(stop, abs=1e-14)
+    assert pushed.y[0] == pytest.approx(
+        A / omega**2 * (1 - np.cos(omega * stop)) - mu * N * stop**2 / 2, abs=1e-14
+    )
+
+
 @pytest.mark.parametrize(("f", "p", "b", "amplitude"), [(0.5, 1.0, 0.6, 1.4865816)])
 def test_the_amplitude_of_den_hartog(f: float, p: float, b: float, amplitude: float) -> None:
     found = api.analyse(
@@ -168,6 +187,15 @@ def test_rest_on_a_belt_that_slows_down_is_told_by_its_least_speed() -> None:
     assert slides["attractor"] == "equilibrium"
     assert slides["decay_margin"] == pytest.approx(1 - 0.1 / 0.5, abs=5e-3)
     assert sticks["attractor"] == "periodic" and sticks["stick_fraction"] > 0.4
+
+
+@pytest.mark.parametrize("A", [0.9, 1.1])
+def test_what_a_force_cannot_move_is_at_rest(A: float) -> None:
+    """It holds k x + A at the worst phase, 3 + A against 4, or slides at times."""
+    given = {"v": 0.0, "mu_s": 0.4, "mu_k": 0.4, "A_x": A, "omega_x": 0.7}
+    told = api.analyse("belt-1dof + force_x", "coulomb", "response", {"x": 3.0}, **given)
+    assert (told.values["attractor"] == "equilibrium") == (A < 1.0)
+    assert told.values["attractor"] != "equilibrium" or told.reason == "stuck"
 
 
 def test_the_belts_acceleration_is_part_of_what_sticking_demands() -> None:
