@@ -32,8 +32,8 @@ GROUPS = ("fiv.models", "fiv.laws")
 
 SEARCHED = 200  # files beside a case that are searched for a name
 MOST_BYTES = 2**20  # of a file of models
-_MADE = re.compile(r"^\w+ = (?:\w+\.)*(?:Model|Law|replace)\(", re.MULTILINE)
-_NAME = re.compile(r"[A-Za-z][\w.-]*", re.ASCII)
+_MADE = r"(?m)^\w+ = (?:\w+\.)*(?:Model|Law|replace)\("
+_NAME = r"(?a)[A-Za-z][\w.-]*"
 
 
 def read(paths: Iterable[Path]) -> tuple[Origin, ...]:
@@ -51,7 +51,7 @@ def read(paths: Iterable[Path]) -> tuple[Origin, ...]:
 def _files_of(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
-    files = [file for file in sorted(path.glob("*.py")) if _MADE.search(_text(file))]
+    files = [file for file in sorted(path.glob("*.py")) if re.search(_MADE, _text(file))]
     if not files:
         raise UsageError(f"--with {path}: no file in it makes a model\nnext: fiv new-model NAME")
     return files
@@ -74,7 +74,7 @@ def _text(path: Path) -> str:
 
 def is_name(name: object) -> bool:
     """Whether a model or a law can be called so: in a case, on a command line, in a file's name."""
-    return isinstance(name, str) and bool(_NAME.fullmatch(name))
+    return isinstance(name, str) and bool(re.fullmatch(_NAME, name))
 
 
 def use(origins: Iterable[Origin]) -> None:
