@@ -288,6 +288,17 @@ def test_mean_powers_balance_and_are_those_of_each_force() -> None:
     assert abs(shaken["mean_base_power"]) > 1e-2
 
 
+def test_a_history_books_the_work_of_each_force() -> None:
+    """A spring without friction: from rest, a constant force has done F x."""
+    found = api.analyse(
+        "belt-1dof + force_x + base", "coulomb", "history", {}, {"t_end": 2.0},
+        N=0.0, v=5.0, F_x=1.0,
+    ).values  # fmt: skip
+    assert found["x"][-1] == pytest.approx(1.0 - np.cos(2.0), abs=1e-9)
+    assert found["force_x_work"] == pytest.approx(found["x"][-1], abs=1e-9)
+    assert found["base_work"] == 0.0
+
+
 @pytest.mark.parametrize(
     ("x", "c", "attractor"), [(6.0, 0.0, "periodic"), (2.31, 0.1, "equilibrium")]
 )
