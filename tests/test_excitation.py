@@ -352,6 +352,9 @@ def test_what_takes_the_value_of_what_varies_varies_with_it() -> None:
     assert "v2(t)" in case.model
     at = case.parameters_at("stribeck", {"A_v": 0.2})
     assert (at["v2"], at["A_v2"], at["omega_v2"]) == (1.2, 0.2, 0.7)
+    both = CASE.replace("belt-1dof", "excited-2dof").replace("parameters = { c = 0.1 }", "")
+    both = both.replace(V, "mu_k = { amplitude = 0.1 }").replace("A_v = [0.1, 0.2]", "v = [0.3]")
+    assert "mu_s(t)" in parse_case(both, "both.toml", ()).model  # and they stay equal
     given = one_belt.replace('name = "belt-2mass"', 'name = "belt-2mass"\nparameters.v2 = 1.0')
     assert "v2(t)" not in parse_case(given.replace("amplitude = 0.2, ", ""), "two.toml", ()).model
 
