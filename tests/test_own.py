@@ -102,6 +102,31 @@ def test_workers_load_the_text_that_was_read_not_the_file():
     assert api.read("two.nc").identical(api.read("one.nc"))
 
 
+def test_a_copy_of_a_model_in_the_box_answers_as_it_does_and_passes_its_trial():
+    from fiv_cli.models import pin_on_disc
+
+    text = Path(pin_on_disc.__file__).read_text()
+    Path("pin.py").write_text(text.replace('name="pin-on-disc"', 'name="my-pin"'))
+    tables = {"schema": 1, "analysis": [{"kind": "response"}], "grid": {"Omega": [2.0, 8.0]}}
+    mine, theirs = (
+        api.run(api.load({**tables, "model": {"name": name}}, using="pin.py"), workers=1)
+        for name in ("my-pin", "pin-on-disc")
+    )
+    assert mine.drop_attrs().identical(theirs.drop_attrs())
+    assert run(["verify", "--with", "pin.py"]) == 0
+
+
+def test_what_excites_a_model_of_ones_own_is_known_with_it():
+    Path("case.toml").write_text(CASE + "[forcing]\nx = { amplitude = 0.5, omega = 1.0 }\n")
+    case = api.load("case.toml", using="my.py")
+    Path("my.py").write_text(MODEL.replace("displacement", "way"))
+    edited = api.load("case.toml", using="my.py")
+    assert "force_x" in case.model and set(case.own) == {case.model}
+    assert fingerprint(edited) != fingerprint(case)
+    found = api.run(case, workers=1)
+    assert (found["status"] == 0).all() and "period_ratio" in found
+
+
 # --- what was edited ------------------------------------------------------------------------------
 def test_an_edited_model_meets_neither_old_results_nor_old_code():
     case = api.load("case.toml", using="my.py")
@@ -159,11 +184,16 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([('default_law="coulomb"', 'default_law="culomb"')], "default_law", "coulomb"),
         ([("PARAMETERS = (", "import own_models\nPARAMETERS = (")], "import own_models",
          "does not follow"),
+        ([('p("N")),),', 'p("N")),) * 2,')], "Model(", "returns 2 contacts"),
+        ([('"x", p("N"))', '"x", p("N") + p("k") * x)')], "constant_load", "is not constant"),
+        ([('"mu_k": 0.2', '"mu_k": "zwei"')], "law_defaults", "the name of a parameter"),
+        ([('p("k") * x +', '9.81 * p("m") + p("k") * x +')], "accelerations", "the bare number"),
+        ([("states=lambda options: (State", "states=(State")], "states=", "one alone with a comma"),
         ([('"""A mass', 'raise SystemExit(0)\n"""A mass')], "SystemExit", "SystemExit"),
     ],
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
          "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
-         "companion", "exit"],
+         "companion", "contacts", "load", "default of a law", "number", "comma", "exit"],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_line(changes, part, said):
     error = mistaken(*changes)
