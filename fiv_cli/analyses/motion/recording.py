@@ -94,7 +94,7 @@ def _run_with_ledger(
         motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
         motion.frame.max_events = min(budget, motion.n_events + LEDGER_ROWS)
         stop = motion.run(t_end, samples=samples, measuring=True)
-        pages.append(motion.ledger)
+        pages.append(Ledger(*map(np.copy, motion.ledger)))  # the next page has the same room
         page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
         if not page_full:
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
