@@ -270,6 +270,7 @@ PIECES = (
     "elastic",
     "yields",
     "plastic",
+    "interval",
 )
 """What the elements of friction laws may be in."""
 CONTACT_EVENT = FlagTable(

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model, Parameter
 
+MEASURED = (
+    'measured friction, a file beside the case: law = "FILE.csv", whose rows are slip velocity '
+    "and coefficient under a heading\n"
+)
 KINDS = (
     "set-valued: it sticks, and an event lies where it begins or ends; regularised: smooth, it\n"
     "creeps; dynamic: internal states move with the slip"
@@ -78,7 +82,7 @@ def _show_laws(name: str | None, as_json: bool) -> None:
         rows = [(law.name, law.kind, law.title, _names(law.parameters)) for law in laws.values()]
         columns = ("name", "kind", "what", "parameters")
         print_table('Friction laws (law = "NAME")', columns, rows)
-        click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"\n' + KINDS)
+        click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"\n' + MEASURED + KINDS)
 
 
 def _model_document(model: Model) -> dict[str, object]:

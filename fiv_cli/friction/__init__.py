@@ -58,7 +58,7 @@ TANH_OF = "tanh of "
 def _with_regularised(laws: Iterable[Law]) -> dict[str, Law]:
     """Laws by name, and behind them the regularised forms of those that stick."""
     plain = tuple(laws)
-    smooth = (tanh.regularised(law) for law in plain if law.capacity is not None)
+    smooth = (tanh.regularised(law) for law in plain if law.capacity is not None and not law.pieces)
     return {law.name: law for law in (*plain, *smooth)}
 
 
