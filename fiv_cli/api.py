@@ -384,9 +384,9 @@ def analyse(
 
     Parameters
     ----------
-    model, law : names (``belt-1dof + force_x + v(t)`` of an excited model); or objects of one's
-        own, written in a file that is imported and each under a name of its own; law None: the
-        model's first
+    model, law : names (``belt-1dof + force_x + v(t)`` of an excited model), also of files that
+        `load` has been given; or objects of one's own, written in a file that is imported and each
+        under a name of its own; law None: the model's first
     analysis : kind
     start : states that are not zero, or a `Start`
     settings : of the analysis, where they differ from the defaults: as a case writes them, or the
@@ -444,7 +444,11 @@ def _setup(
     from fiv_cli.friction import all_laws, why_unfit
     from fiv_cli.models import all_models, get_model
     from fiv_cli.models.excitation import BETWEEN
+    from fiv_cli.own.load import seek
 
+    for name in (model, law):
+        if isinstance(name, str):
+            seek(name.partition(BETWEEN)[0])
     if isinstance(model, str):
         pick(model.partition(BETWEEN)[0], all_models(), "model", "fiv models")
         model = get_model(model)

@@ -98,6 +98,25 @@ def test_stops_and_reversals_of_a_forced_coulomb_oscillator(
     assert found == pytest.approx(expected, abs=1e-11)
 
 
+def test_a_mass_without_a_spring_is_exact() -> None:
+    """A belt takes it along; under a force it slides over the floor until both are even."""
+    N, mu, m = 10.0, 0.23, 2.0
+    taken = motion("belt-1dof", k=0.0, m=m, N=N, mu_k=mu, v=1.0)
+    taken.run(5.0)
+    caught = m / (mu * N)
+    assert times(taken) == pytest.approx([caught], abs=1e-14)
+    assert taken.y == pytest.approx([5.0 - caught / 2, 1.0], abs=1e-14)
+
+    A, omega = 5.0, 2.0
+    pushed = motion("belt-1dof + force_x", k=0.0, v=0.0, N=N, mu_k=mu, A_x=A, omega_x=omega)
+    stop = first_root(lambda t: A / omega * np.sin(omega * t) - mu * N * t, 0.0)
+    pushed.run(stop)
+    assert times(pushed)[-1] == pytest.approx(stop, abs=1e-14)
+    assert pushed.y[0] == pytest.approx(
+        A / omega**2 * (1 - np.cos(omega * stop)) - mu * N * stop**2 / 2, abs=1e-14
+    )
+
+
 @pytest.mark.parametrize(("f", "p", "b", "amplitude"), [(0.5, 1.0, 0.6, 1.4865816)])
 def test_the_amplitude_of_den_hartog(f: float, p: float, b: float, amplitude: float) -> None:
     found = api.analyse(

@@ -195,7 +195,22 @@ def test_what_does_not_end_is_stopped_on_its_line(hang):
     with pytest.raises(ModelFileError) as caught:
         examine([Origin("endless.py", text)], limit=1.0)
     (problem,) = caught.value.problems
-    assert "1 s" in problem.message and problem.line in (1, 2)
+    assert "(1 s to run" in problem.message and problem.line in (1, 2)
+
+
+def test_a_model_may_name_a_law_of_a_file_that_comes_after_it():
+    model, law = MODEL.index("MODEL = "), MODEL.index("LAW = ")
+    text = MODEL[:law].replace('default_law="coulomb"', 'default_law="my-law"')
+    Path("a.py").write_text(text.replace('{"mu_k": 0.2, "mu_s": 0.4}', "{}"))
+    Path("b.py").write_text(MODEL[:model] + MODEL[law:])
+    use_files([Path("a.py"), Path("b.py")])
+    assert all_models()["my-belt"].default_law in all_laws()
+
+
+def test_a_folder_may_hold_what_is_no_model():
+    Path("script.py").write_text("raise RuntimeError('a script of its own')\n")
+    use_files([Path(), Path("./my.py")])
+    assert "my-belt" in all_models()
 
 
 def test_two_files_may_not_hold_one_name():
@@ -242,10 +257,12 @@ def test_an_installed_package_is_known_when_it_is_named(monkeypatch, capsys):
     )
     asked = {"fiv.models": [entry], "fiv.laws": []}
     monkeypatch.setattr(load, "entry_points", lambda group: asked[group])
-    case = api.load("case.toml")
-    found = api.run(case, workers=1)
-    assert "s 1 (somebodys:MODEL)" in json.loads(found.attrs["own_json"])
+    assert run(["new", "my-belt"]) == 0
+    use_files(())
     assert run(["models", "my-belt"]) == 0
+    use_files(())
+    found = api.run(api.load("case.toml"), workers=1)
+    assert "s 1 (somebodys:MODEL)" in json.loads(found.attrs["own_json"])
 
 
 # --- what it costs --------------------------------------------------------------------------------
@@ -258,4 +275,4 @@ def test_models_of_the_box_load_nothing_that_checks():
         "print(sorted(name[1] for name in names if len(name) > 1))"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.stdout.strip() == "['lines', 'load']"
+    assert done.stdout.strip() == "['load']"

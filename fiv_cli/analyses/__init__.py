@@ -78,11 +78,14 @@ _ANALYSES: tuple[Analysis, ...] = (
 )
 
 
+_BY_KIND = {analysis.kind: analysis for analysis in _ANALYSES}
+
+
 def all_analyses() -> dict[str, Analysis]:
     """Every analysis, by kind (a copy)."""
-    return {analysis.kind: analysis for analysis in _ANALYSES}
+    return _BY_KIND.copy()
 
 
 def get_analysis(kind: str) -> Analysis:
     """The analysis of this kind; KeyError when there is none."""
-    return all_analyses()[kind]
+    return _BY_KIND[kind]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION, index_of
 from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
+from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.rows import call_rows
 from fiv_cli.schedule import rate_of
@@ -125,7 +126,10 @@ class System:
         """What a contact state makes of a state, or of each of some, (..., n_states)."""
         tables, n = self.tables, y.shape[-1]
         out = np.zeros((*y.shape[:-1], self.outputs_width))
-        call_rows(tables.field[index], coefficients, time, y, out)
+        if y.ndim == 1:
+            call_generated(tables.field[index], coefficients, time, y, out)
+        else:
+            call_rows(tables.field[index], coefficients, time, y, out)
         contacts, energies = tables.contact_place[index], tables.energy_place[index]
         forces = out[..., contacts:energies]
         return FieldOutput(

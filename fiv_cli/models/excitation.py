@@ -49,7 +49,7 @@ NAMES = {
 }
 """Key of a table of a case -> the parameter that it gives."""
 
-_TERM = re.compile(r"(?P<force>force_\w+)|base|(?P<varied>\w+)\(t\)(?: in (?P<unit>.+))?")
+_TERM = r"(?P<force>force_\w+)|base|(?P<varied>\w+)\(t\)(?: in (?P<unit>.+))?"
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def terms_of(model: str) -> tuple[str, list[Term], dict[str, str]]:
 
 
 def _term(text: str) -> Term:
-    found = _TERM.fullmatch(text)
+    found = re.fullmatch(_TERM, text)
     if found is None:
         raise UsageError(
             f"{text!r} is no excitation of a model\n"

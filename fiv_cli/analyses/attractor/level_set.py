@@ -140,7 +140,10 @@ class LevelSet:
 
     def __getitem__(self, rows: Any) -> LevelSet:
         """About some of the equilibria."""
-        return LevelSet(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return LevelSet(*(getattr(self, name)[rows] for name in FIELDS))
+
+
+FIELDS = tuple(field.name for field in fields(LevelSet))
 
 
 def _times(matrix: NDArray[Any], vector: NDArray[Any]) -> NDArray[Any]:

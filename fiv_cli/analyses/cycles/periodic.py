@@ -77,8 +77,13 @@ class Problem:
 
 def problem_of(system: System, request: Request) -> Problem:
     """What is asked, with steps so accurate that differences of motions are smooth."""
-    solver = replace(request.solver, rtol=min(request.solver.rtol, TIGHT))
-    return Problem(system, request.parameters, solver, request.settings["section"])
+    return Problem(system, request.parameters, _tight(request.solver), request.settings["section"])
+
+
+@cache
+def _tight(solver: SolverSettings) -> SolverSettings:
+    """The same at the tolerance that Newton's method needs."""
+    return replace(solver, rtol=min(solver.rtol, TIGHT))
 
 
 @dataclass(frozen=True)

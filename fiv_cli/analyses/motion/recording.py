@@ -101,17 +101,15 @@ def _run_with_ledger(
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
 
 
-def _curves(system: System, samples: Samples) -> dict[str, object]:
+def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
     """Everything over time; NaN after the end of a motion that stopped early."""
-    taken = np.arange(len(samples.times)) < samples.count
-    curves = dict(zip(system.motions, samples.states.T, strict=False))
+    samples.states[samples.count :] = samples.outputs[samples.count :] = np.nan
+    samples.codes[samples.count :] = -1
+    curves: dict[str, NDArray[Any]] = dict(zip(system.motions, samples.states.T, strict=False))
     curves |= _internal(system, samples)
     curves["F_N"] = _contact_rows(samples.forces[:, :, 0])
     curves["F_T"] = _contact_rows(samples.forces[:, :, 1])
-    curves |= samples.energies
-    blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
-    codes = np.where(taken[:, None], samples.codes, -1)
-    return {**blanked, "contact_state": _contact_rows(codes)}
+    return {**curves, **samples.energies, "contact_state": _contact_rows(samples.codes)}
 
 
 def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
