@@ -189,6 +189,15 @@ def test_rest_on_a_belt_that_slows_down_is_told_by_its_least_speed() -> None:
     assert sticks["attractor"] == "periodic" and sticks["stick_fraction"] > 0.4
 
 
+@pytest.mark.parametrize("A", [0.9, 1.1])
+def test_what_a_force_cannot_move_is_at_rest(A: float) -> None:
+    """It holds k x + A at the worst phase, 3 + A against 4, or slides at times."""
+    given = {"v": 0.0, "mu_s": 0.4, "mu_k": 0.4, "A_x": A, "omega_x": 0.7}
+    told = api.analyse("belt-1dof + force_x", "coulomb", "response", {"x": 3.0}, **given)
+    assert (told.values["attractor"] == "equilibrium") == (A < 1.0)
+    assert told.values["attractor"] != "equilibrium" or told.reason == "stuck"
+
+
 def test_the_belts_acceleration_is_part_of_what_sticking_demands() -> None:
     """A mass that the belt shakes from its middle demands (k / omega - m omega) A sin(omega t)."""
     m, k, A, omega, hold = 2.0, 3.0, 1.5, 2.0, 1.2

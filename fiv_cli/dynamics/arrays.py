@@ -112,7 +112,7 @@ def _scratch(system: System) -> dict[str, Array]:
         "work": np.zeros(max(rows * (order + 1), system.generated.n_followed)),
         "lanes": np.zeros(n * (system.generated.tangent_order + 1) * LANES),
         **{name: np.zeros(max(width, 2 * n)) for name in vectors},
-        "nodes": np.zeros((2, width)),
+        "nodes": np.zeros((2, width * LANES)),
         **roots.scratch(order),
         "slip_velocities": np.zeros(contacts),
         **{

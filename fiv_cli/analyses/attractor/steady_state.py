@@ -36,7 +36,12 @@ from fiv_cli.analyses.attractor.grounds import (
     RESTING,
     SIGNIFICANT,
 )
-from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, under_excitation
+from fiv_cli.analyses.attractor.level_set import (
+    LevelSet,
+    holds_through,
+    level_sets,
+    under_excitation,
+)
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
@@ -394,7 +399,9 @@ class _Response:
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
         motion, frame = self.motion, self.motion.frame
-        if self.excitation is not None or not motion.is_held or np.any(motion.rates() != 0.0):
+        if not motion.is_held or np.any(motion.rates() != 0.0):
+            return None
+        if self.excitation is not None and not holds_through(motion, self.problem.parameters):
             return None
         all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
         if not (all_stick or self._is_held()):
