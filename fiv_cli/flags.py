@@ -271,6 +271,7 @@ PIECES = (
     "yields",
     "plastic",
     "interval",
+    "bonded",
 )
 """What the elements of friction laws may be in."""
 CONTACT_EVENT = FlagTable(

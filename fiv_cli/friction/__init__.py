@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from fiv_cli.friction import (
+    bristle,
     coulomb,
     cubic,
     dahl,
@@ -47,6 +48,7 @@ _LAWS: tuple[Law, ...] = (
     jenkins.LAW,
     reset_integrator.LAW,
     gms.LAW,
+    bristle.LAW,
     lugre.LAW,
     elasto_plastic.LAW,
     rate_and_state.LAW,
