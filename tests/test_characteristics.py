@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fiv_cli import api
+from fiv_cli.errors import CaseError
 from fiv_cli.friction import TANH_OF, all_laws, why_unfit
 from fiv_cli.models import get_model
 
@@ -132,3 +133,38 @@ def test_rate_and_state_has_the_logarithmic_slope_in_steady_slip() -> None:
     found = loop("rate-and-state", 0.1, drift=0.2, load=1.0, samples=64, **given)
     steady = 0.6 - 0.005 * np.log(found["slip_dot"] / 1e-2)
     np.testing.assert_allclose(found["F_T"][64:], steady[64:], rtol=1e-4)
+
+
+def test_stefanski_tends_to_the_printed_law_as_the_contact_is_late_by_less() -> None:
+    """Thesis 2.6 with the sign of the acceleration, at first order but for where slip turns."""
+    given = {"mu_s": 0.4, "mu_k": MU, "v_s": 0.5, "a_0": 1e-4, "omega": 2.0, "samples": 8000}
+    missing = []
+    for tau in (0.04, 0.02, 0.01):
+        found = loop("stefanski", 0.5, tau=tau, load=1.0, **given)
+        time, velocity = found["time"], found["slip_dot"]
+        sense = np.sign(velocity * np.cos(2.0 * time))
+        rise = 0.1 * np.exp(-np.abs(velocity) / 0.5) * sense
+        wrong = np.abs(np.sign(velocity) * (MU + rise) - found["F_T"]) > 1e-3
+        missing.append(np.mean(wrong[8000:]))
+    assert np.log2(np.array(missing[:-1]) / missing[1:]) == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("law", ["jenkins", "linear-regularisation", "stribeck", "stefanski"])
+def test_loops_are_drawn(law: str) -> None:
+    """By the sense of slip; the pieces of a law, which its ledger holds, are no contact states."""
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-1dof"},
+        "friction": {"law": law},
+        "analysis": [{"kind": "characteristic", "amplitude": 0.1}],
+        "figure": [{"kind": "phase", "x": "slip_dot", "y": "F_T"}],
+    }
+    (ax,) = api.figure(api.run(api.load(case))).axes
+    held = [line for line in ax.lines if line.get_linestyle() == "--"]
+    sticks = law in ("stribeck", "stefanski")
+    assert len(held) == sticks
+    colours = {tuple(c.get_colors()[0]) for c in ax.collections}
+    assert len(colours) == 1 + sticks  # the others have no border at zero slip
+    case["figure"][0]["y"] = "F_X"
+    with pytest.raises(CaseError, match="did you mean 'F_T'"):
+        api.load(case)

@@ -288,6 +288,17 @@ def test_mean_powers_balance_and_are_those_of_each_force() -> None:
     assert abs(shaken["mean_base_power"]) > 1e-2
 
 
+def test_a_history_books_the_work_of_each_force() -> None:
+    """A spring without friction: from rest, a constant force has done F x."""
+    found = api.analyse(
+        "belt-1dof + force_x + base", "coulomb", "history", {}, {"t_end": 2.0},
+        N=0.0, v=5.0, F_x=1.0,
+    ).values  # fmt: skip
+    assert found["x"][-1] == pytest.approx(1.0 - np.cos(2.0), abs=1e-9)
+    assert found["force_x_work"] == pytest.approx(found["x"][-1], abs=1e-9)
+    assert found["base_work"] == 0.0
+
+
 @pytest.mark.parametrize(
     ("x", "c", "attractor"), [(6.0, 0.0, "periodic"), (2.31, 0.1, "equilibrium")]
 )
@@ -341,6 +352,9 @@ def test_what_takes_the_value_of_what_varies_varies_with_it() -> None:
     assert "v2(t)" in case.model
     at = case.parameters_at("stribeck", {"A_v": 0.2})
     assert (at["v2"], at["A_v2"], at["omega_v2"]) == (1.2, 0.2, 0.7)
+    both = CASE.replace("belt-1dof", "excited-2dof").replace("parameters = { c = 0.1 }", "")
+    both = both.replace(V, "mu_k = { amplitude = 0.1 }").replace("A_v = [0.1, 0.2]", "v = [0.3]")
+    assert "mu_s(t)" in parse_case(both, "both.toml", ()).model  # and they stay equal
     given = one_belt.replace('name = "belt-2mass"', 'name = "belt-2mass"\nparameters.v2 = 1.0')
     assert "v2(t)" not in parse_case(given.replace("amplitude = 0.2, ", ""), "two.toml", ()).model
 

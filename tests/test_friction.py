@@ -57,6 +57,11 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         (sqrt(exp(1)) * 0.3 * exp(-0.245) * 0.7 + 0.1 * tanh(7.0)) * 5 + 0.14,
         None,
     ),
+    "stefanski": (
+        {"mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "a_0": 0.1, "tau": 0.01},
+        0.23 * 5,
+        0.4 * 5,
+    ),
     "rate-and-state": (
         {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1},
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,

@@ -102,6 +102,31 @@ def test_workers_load_the_text_that_was_read_not_the_file():
     assert api.read("two.nc").identical(api.read("one.nc"))
 
 
+def test_a_copy_of_a_model_in_the_box_answers_as_it_does_and_passes_its_trial():
+    from fiv_cli.models import pin_on_disc
+
+    text = Path(pin_on_disc.__file__).read_text()
+    Path("pin.py").write_text(text.replace('name="pin-on-disc"', 'name="my-pin"'))
+    tables = {"schema": 1, "analysis": [{"kind": "response"}], "grid": {"Omega": [2.0, 8.0]}}
+    mine, theirs = (
+        api.run(api.load({**tables, "model": {"name": name}}, using="pin.py"), workers=1)
+        for name in ("my-pin", "pin-on-disc")
+    )
+    assert mine.drop_attrs().identical(theirs.drop_attrs())
+    assert run(["verify", "--with", "pin.py"]) == 0
+
+
+def test_what_excites_a_model_of_ones_own_is_known_with_it():
+    Path("case.toml").write_text(CASE + "[forcing]\nx = { amplitude = 0.5, omega = 1.0 }\n")
+    case = api.load("case.toml", using="my.py")
+    Path("my.py").write_text(MODEL.replace("displacement", "way"))
+    edited = api.load("case.toml", using="my.py")
+    assert "force_x" in case.model and set(case.own) == {case.model}
+    assert fingerprint(edited) != fingerprint(case)
+    found = api.run(case, workers=1)
+    assert (found["status"] == 0).all() and "period_ratio" in found
+
+
 # --- what was edited ------------------------------------------------------------------------------
 def test_an_edited_model_meets_neither_old_results_nor_old_code():
     case = api.load("case.toml", using="my.py")

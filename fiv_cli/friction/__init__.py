@@ -23,6 +23,7 @@ from fiv_cli.friction import (
     rational,
     reset_integrator,
     simscape,
+    stefanski,
     stribeck,
     stribeck_viscous,
     tanh,
@@ -52,15 +53,17 @@ _LAWS: tuple[Law, ...] = (
     lugre.LAW,
     elasto_plastic.LAW,
     rate_and_state.LAW,
+    stefanski.LAW,
 )
 
 TANH_OF = "tanh of "
 
 
 def _with_regularised(laws: Iterable[Law]) -> dict[str, Law]:
-    """Laws by name, and behind them the regularised forms of those that stick."""
+    """Laws by name, and behind them the regularised forms of those that are set-valued."""
     plain = tuple(laws)
-    smooth = (tanh.regularised(law) for law in plain if law.capacity is not None and not law.pieces)
+    whole = (law for law in plain if law.kind == "set-valued" and not law.pieces)
+    smooth = map(tanh.regularised, whole)
     return {law.name: law for law in (*plain, *smooth)}
 
 

@@ -13,10 +13,11 @@ takes the value of another. Forces divide by the mass matrix, that of the kineti
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, wraps
 from itertools import product
+from math import cos, pi
 from typing import TYPE_CHECKING
 
 from fiv_cli.errors import UsageError
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 BETWEEN = " + "
 BASE = "base"
+LOOKS = 32  # at a turn of what varies, whether requirements hold
 UNITS_OF_FORCES = {"m": "N", "rad": "N m"}
 
 NAMES = {
@@ -255,9 +257,9 @@ class _Asked(dict[str, float]):
 def at_every_phase(
     requirements: Sequence[Requirement], varied: Sequence[str], table: Mapping[str, Parameter]
 ) -> list[Requirement]:
-    """The requirements at both ends of what varies harmonically, which stays in its range."""
+    """The requirements while parameters vary harmonically; these stay in their range."""
     bounds = [_in_range(table[name]) for name in varied if name in table]
-    return bounds + [_at_both_ends(one, varied) for one in requirements]
+    return bounds + [_throughout(one, varied) for one in requirements]
 
 
 def _in_range(parameter: Parameter) -> Requirement:
@@ -274,16 +276,29 @@ def _in_range(parameter: Parameter) -> Requirement:
     )  # fmt: skip
 
 
-def _at_both_ends(requirement: Requirement, varied: Sequence[str]) -> Requirement:
+def _throughout(requirement: Requirement, varied: Sequence[str]) -> Requirement:
     names = [name for name in varied if name in requirement.reads]
 
     def holds(p: Mapping[str, float]) -> bool:
-        ends = ({n: p[n] + s * p[f"A_{n}"] for n, s in zip(names, signs, strict=True)}
-                for signs in product((-1.0, 1.0), repeat=len(names)))  # fmt: skip
+        ends = (
+            {name: p[name] + turn * p[f"A_{name}"] for name, turn in zip(names, turns, strict=True)}
+            for turns in _turns(names, p)
+        )
         return all(requirement.holds({**p, **end}) for end in ends)
 
-    reads = (*requirement.reads, *(f"A_{name}" for name in names))
+    read = [NAMES[key].format(name) for name in names for key in ("amplitude", "omega", "phase")]
+    reads = (*requirement.reads, *read)
     return replace(requirement, reads=reads, holds=holds) if names else requirement
+
+
+def _turns(names: Sequence[str], p: Mapping[str, float]) -> Iterable[tuple[float, ...]]:
+    """What the cosines of some parameters may be at once; of one frequency they go together."""
+    phases = [p[f"phase_{name}"] for name in names]
+    if len({p[f"omega_{name}"] for name in names}) > 1:
+        return product((-1.0, 1.0), repeat=len(names))
+    ends = [end - phase for phase in phases for end in (0.0, pi)]
+    angles = [*ends, *(2 * pi * turn / LOOKS for turn in range(LOOKS))]
+    return (tuple(cos(angle + phase) for phase in phases) for angle in angles)
 
 
 # --- equations ------------------------------------------------------------------------------------

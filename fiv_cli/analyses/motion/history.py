@@ -53,6 +53,7 @@ def variables(subject: Subject) -> list[Variable]:
         Variable("friction_work", "J", "work of friction on the model"),
         Variable("drive_work", "J", "work of the drive"),
         Variable("other_work", "J", "work of all other forces"),
+        *(Variable(f"{n}_work", "J", f"work of {words}") for n, words in subject.powers.items()),
         Variable("impact_loss", "J", "energy lost in impacts"),
         *EVENTS,
         INITIAL_STATE,

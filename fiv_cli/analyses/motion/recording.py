@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
-    Balance,
     balance,
     initial_state,
     rest_of,
@@ -48,7 +47,7 @@ def record(system: System, request: Request) -> Outcome:
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
     codes = _codes_of_events(system.setup.law)
-    outcome.values |= initial | trust(motion) | _works(balance(motion, energy_before))
+    outcome.values |= initial | trust(motion) | _works(motion, energy_before)
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": codes[ledger.before],
@@ -146,8 +145,10 @@ def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:
     return values[:, 0] if values.shape[1] == 1 else values.T
 
 
-def _works(found: Balance) -> dict[str, float]:
-    return {
+def _works(motion: Motion, energy_before: float) -> dict[str, float]:
+    found, excited = balance(motion, energy_before), motion.measures.works.tolist()
+    named = (f"{name}_work" for name in motion.system.setup.model.powers)
+    return dict(zip(named, excited, strict=True)) | {
         "energy_residual": found.residual,
         "friction_work": found.friction,
         "drive_work": found.drive,
