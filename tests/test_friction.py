@@ -14,7 +14,6 @@ from motions import defaults
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.system import build_system
-from fiv_cli.flags import PIECES
 from fiv_cli.friction import TANH_OF, all_laws, get_law, why_unfit
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models import all_models, get_model
@@ -233,19 +232,6 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
     """With the sign of slip given, nothing like |v| or sign(v) is left to differentiate."""
     for expression in every_part(law):
         assert not expression.atoms(sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Piecewise)
-
-
-@pytest.mark.parametrize("law", [law for law in LAWS if law.pieces], ids=lambda law: law.name)
-def test_pieces_lead_to_one_another(law: Law) -> None:
-    """As many numbers, guards and known zeros each; every piece can be left, and be come to."""
-    width, ways = law.shape[1], len(law.pieces[0].exits)
-    leading = [[out for out in piece.exits if out is not None] for piece in law.pieces]
-    assert all(leading) and len(law.places) == len(law.pieces)
-    assert {out.to for outs in leading for out in outs} == set(law.places)
-    assert {len(out.zeros) for outs in leading for out in outs} == {ways}
-    assert {(len(piece.row), len(piece.exits)) for piece in law.pieces} == {(width, ways)}
-    assert set(law.events) <= set(PIECES)
-    assert len(every_part(law)) == 1 + len(law.states) + law.elements * ways
 
 
 @pytest.mark.parametrize(
