@@ -143,7 +143,7 @@ def test_laws_of_pieces_tend_to_coulomb(
 
 
 # --- every law of pieces --------------------------------------------------------------------------
-STORING = ("dahl", "jenkins")
+STORING = tuple(name for name, law in all_laws().items() if law.stored is not None)
 LAWS = tuple(name for name, law in all_laws().items() if law.pieces)
 RESTING = tuple(name for name in LAWS if get_law(name).rests)
 # Where an event of a law's pieces lies in each: model, start, options, changes, until.
@@ -214,7 +214,8 @@ def test_tangents_follow_neighbours_through_events_of_pieces(law: str, site: str
 
 def stored_in(begun: Motion) -> float:
     """What the law of a mass on a belt has stored, J."""
-    law, values = begun.system.setup.law, SMALL | get_law(begun.system.setup.law.name).defaults
+    law = begun.system.setup.law
+    values = defaults("belt-1dof", law.name, **SMALL)
     assert law.stored is not None
     states = {state.name: begun.y[begun.system.places[state.name]] for state in law.states}
     return float(law.stored(Slip(0, 1, 0, values["N"], states, ()), values))

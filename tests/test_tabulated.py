@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import build_system
 from fiv_cli.errors import CaseError
-from fiv_cli.friction import get_law
+from fiv_cli.friction import know_laws
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.friction.tabulated import read_table
 from fiv_cli.models import get_model
@@ -125,11 +125,12 @@ def test_runge_kutta_and_tangents_pass_the_same_rows() -> None:
 
 # --- in a case ------------------------------------------------------------------------------------
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.chdir(tmp_path)
     Path("case.toml").write_text(CASE)
     Path("pad.csv").write_text("speed (mm/s), mu\n0, 0.4\n500, 0.3\n1000, 0.25\n")
-    return tmp_path
+    yield tmp_path
+    know_laws((), alone=True)
 
 
 def test_a_case_names_the_file_and_its_content_is_the_case(folder: Path) -> None:
@@ -172,4 +173,3 @@ def test_a_table_that_is_not_there_is_told(folder: Path) -> None:
     Path("pad.csv").unlink()
     with pytest.raises(CaseError, match=r"pad\.csv' cannot be read"):
         api.load("case.toml")
-    assert "coulomb" in get_law("coulomb").name

@@ -41,6 +41,13 @@ def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     return sum(bent) * p["mu_k"] / 2 * slip.N
 
 
+def stored(slip: Slip, p: Mapping[str, Expr]) -> Expr:
+    """J; a bond that snaps loses all of its."""
+    limits = _thresholds(p)
+    bent = [slip.states[name] ** 2 / limit for name, limit in zip(NAMES, limits, strict=True)]
+    return sum(bent) * p["mu_k"] / 4 * slip.N
+
+
 def guards(slip: Slip, p: Mapping[str, Expr]) -> Sequence[Sequence[Expr]]:
     """What is left to each bristle until it snaps, one way and the other."""
     bent = [slip.states[name] / limit for name, limit in zip(NAMES, _thresholds(p), strict=True)]
@@ -67,6 +74,7 @@ LAW = Law(
     ),
     rates=lambda slip, p: dict.fromkeys(NAMES, slip.v),
     steady=lambda slip, p: slip.sign * p["mu_k"] * slip.N,
+    stored=stored,
     pieces=(BONDED,),
     elements=len(NAMES),
     guards=guards,
