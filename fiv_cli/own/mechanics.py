@@ -15,7 +15,7 @@ ROUNDING = 1e-9
 
 
 def mechanics(written: Written) -> Iterator[Fault]:
-    """Inertia that is missing, forces that are not affine, friction that drives, loads that vary."""
+    """Missing inertia, forces that are not affine, friction that drives, loads that vary."""
     yield from _inertia(written)
     yield from _affine(written)
     yield from _friction_opposes_slip(written)

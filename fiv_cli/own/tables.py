@@ -98,7 +98,7 @@ def _header(thing: Model | Law) -> Iterator[Fault]:
 
 def _states(states: Iterable[State]) -> Iterator[Fault]:
     each = list(states)
-    yield from _twice("State", [state.name for state in each])
+    yield from twice("State", [state.name for state in each])
     for state in each:
         if not state.name.isidentifier() or state.name.endswith("_dot"):
             yield Fault(("State", state.name, ""), f"{state.name!r} is no name of a state")
@@ -108,7 +108,7 @@ def _states(states: Iterable[State]) -> Iterator[Fault]:
 def _parameters(table: Iterable[Parameter]) -> Iterator[Fault]:
     parameters = list(table)
     names = [p.name for p in parameters]
-    yield from _twice("Parameter", names)
+    yield from twice("Parameter", names)
     for p in parameters:
         if ascii_name(p.name) != p.name or not p.name.isidentifier():
             yield Fault(("Parameter", p.name, ""), f"{p.name!r} is no name", "letters of ASCII")
@@ -144,7 +144,8 @@ def _unit(call: str, name: str, unit: str, of: str = "") -> Iterator[Fault]:
         yield Fault((call, name, "unit"), message, "products of kg, m, s, rad, N, Pa, J, W")
 
 
-def _twice(call: str, names: list[str]) -> Iterator[Fault]:
+def twice(call: str, names: list[str]) -> Iterator[Fault]:
+    """Names that stand twice."""
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
             yield Fault((call, name, ""), f"{name!r} stands there twice")
