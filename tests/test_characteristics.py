@@ -135,17 +135,28 @@ def test_rate_and_state_has_the_logarithmic_slope_in_steady_slip() -> None:
     np.testing.assert_allclose(found["F_T"][64:], steady[64:], rtol=1e-4)
 
 
-def test_stefanski_tends_to_the_printed_law_as_the_contact_is_late_by_less() -> None:
-    """Thesis 2.6 with the sign of the acceleration, at first order but for where slip turns."""
+def printed(velocity: Any, rising: Any, more: float) -> Any:
+    """Thesis 2.9 and 2.10, g = exp(-|v|/0.5), over the normal force; 2.6 where `more` is zero."""
+    speed = np.abs(velocity)
+    fall = np.exp(-speed / 0.5)
+    upper = MU + (0.4 + more / (1.0 + speed / 0.5) - MU) * fall
+    return np.sign(velocity) * np.where(rising, upper, MU - (0.4 - MU) * fall)
+
+
+@pytest.mark.parametrize(("law", "rise"), [("stefanski", {}), ("hysteretic", {"Delta_mu_s": 0.2})])
+def test_laws_of_the_acceleration_tend_to_the_printed_ones_as_the_contact_is_late_by_less(
+    law: str, rise: dict[str, float]
+) -> None:
+    """With the sign of the acceleration, at first order but for where slip turns."""
     given = {"mu_s": 0.4, "mu_k": MU, "v_s": 0.5, "a_0": 1e-4, "omega": 2.0, "samples": 8000}
     missing = []
     for tau in (0.04, 0.02, 0.01):
-        found = loop("stefanski", 0.5, tau=tau, load=1.0, **given)
-        time, velocity = found["time"], found["slip_dot"]
-        sense = np.sign(velocity * np.cos(2.0 * time))
-        rise = 0.1 * np.exp(-np.abs(velocity) / 0.5) * sense
-        wrong = np.abs(np.sign(velocity) * (MU + rise) - found["F_T"]) > 1e-3
+        found = loop(law, 0.5, tau=tau, load=1.0, **given, **rise)
+        velocity = found["slip_dot"]
+        rising = velocity * np.cos(2.0 * found["time"]) > 0.0
+        wrong = np.abs(printed(velocity, rising, rise.get("Delta_mu_s", 0.0)) - found["F_T"]) > 1e-3
         missing.append(np.mean(wrong[8000:]))
+        assert found["loop_work"] > 0.0
     assert np.log2(np.array(missing[:-1]) / missing[1:]) == pytest.approx(1.0, abs=0.1)
 
 

@@ -61,6 +61,11 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         0.23 * 5,
         0.4 * 5,
     ),
+    "hysteretic": (
+        {"mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "a_0": 0.1, "tau": 0.01, "Delta_mu_s": 0.1},
+        (0.23 + 0.05 / 2.4 * exp(-1.4)) * 5,
+        0.5 * 5,
+    ),
     "rate-and-state": (
         {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1},
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
@@ -245,6 +250,7 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
         ("four-parameter", {"d": 1.0, "e": 0.0}, "coulomb", {"mu_k": 0.4}),
         ("lugre", {"mu_s": 0.1, "sigma_2": 0.0}, "dahl", {"mu_k": 0.1}),
         ("linear-regularisation", {"v_tol": 0.1}, "coulomb", {}),
+        ("hysteretic", {"Delta_mu_s": 0.0}, "stefanski", {}),
     ],
 )
 def test_laws_contain_one_another(

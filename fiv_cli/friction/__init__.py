@@ -14,6 +14,7 @@ from fiv_cli.friction import (
     four_parameter,
     gms,
     hyperbolic,
+    hysteretic,
     jenkins,
     linear_regularisation,
     linear_slope,
@@ -54,6 +55,7 @@ _LAWS: tuple[Law, ...] = (
     elasto_plastic.LAW,
     rate_and_state.LAW,
     stefanski.LAW,
+    hysteretic.LAW,
 )
 
 TANH_OF = "tanh of "

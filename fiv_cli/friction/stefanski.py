@@ -34,12 +34,18 @@ def _acceleration(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     return (slip.v - slip.states["late_velocity"]) / p["tau"]
 
 
+def sense(slip: Slip, p: Mapping[str, Expr]) -> Expr:
+    """1 while slip speeds up, -1 while it slows down, 0 in steady sliding."""
+    import sympy
+
+    return sympy.tanh(slip.sign * _acceleration(slip, p) / p["a_0"])
+
+
 def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     """F_T in N."""
     import sympy
 
-    sense = sympy.tanh(slip.sign * _acceleration(slip, p) / p["a_0"])
-    rise = (p["mu_s"] - p["mu_k"]) * sympy.exp(-slip.speed / p["v_s"]) * sense
+    rise = (p["mu_s"] - p["mu_k"]) * sympy.exp(-slip.speed / p["v_s"]) * sense(slip, p)
     return slip.sign * (p["mu_k"] + rise) * slip.N
 
 
