@@ -134,10 +134,11 @@ class WorkerPool:
 
 
 def _is_lost(future: Future[Result]) -> bool:
-    """Whether the worker of a task died."""
+    """Whether the worker of a task died, or was ended."""
     if future.cancelled():
         return True
-    return future.done() and isinstance(future.exception(), BrokenExecutor)
+    ended = (BrokenExecutor, process_executor.ShutdownExecutorError)
+    return future.done() and isinstance(future.exception(), ended)
 
 
 def _remove(flights: Iterable[_Flight]) -> None:
