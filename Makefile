@@ -5,6 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 DEMO := configs/ch7/fig_7_06_reached.toml
+CASES = $(wildcard configs/ch*/*.toml configs/own/*.toml)
 WORKERS ?= 2
 
 export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/matplotlib
@@ -49,8 +50,8 @@ bench: $(INSTALLED)  ## timings, side by side with SciPy (not a test)
 	$(BIN)/python -m tests.benchmarks
 
 figures: $(INSTALLED)  ## every case of configs/ and its figures, into runs/
-	$(BIN)/fiv run --workers $(WORKERS) $(wildcard configs/ch*/*.toml)
-	@for case in $(wildcard configs/ch*/*.toml); do \
+	$(BIN)/fiv run --workers $(WORKERS) --with configs/own $(CASES)
+	@for case in $(CASES); do \
 		$(BIN)/fiv plot runs/$$(basename $$case .toml).nc || exit $$?; \
 	done
 

@@ -384,7 +384,8 @@ def analyse(
 
     Parameters
     ----------
-    model, law : names; or objects of one's own, written in a file that is imported and each
+    model, law : names (``belt-1dof + force_x + v(t)`` of an excited model), also of files that
+        `load` has been given; or objects of one's own, written in a file that is imported and each
         under a name of its own; law None: the model's first
     analysis : kind
     start : states that are not zero, or a `Start`
@@ -441,10 +442,16 @@ def _setup(
     """A setup of names that exist."""
     from fiv_cli.codegen.setup import Setup
     from fiv_cli.friction import all_laws, why_unfit
-    from fiv_cli.models import all_models
+    from fiv_cli.models import all_models, get_model
+    from fiv_cli.models.excitation import BETWEEN
+    from fiv_cli.own.load import seek
 
+    for name in (model, law):
+        if isinstance(name, str):
+            seek(name.partition(BETWEEN)[0])
     if isinstance(model, str):
-        model = pick(model, all_models(), "model", "fiv models")
+        pick(model.partition(BETWEEN)[0], all_models(), "model", "fiv models")
+        model = get_model(model)
     if isinstance(law, str):
         law = pick(law, all_laws(), "friction law", "fiv models --laws")
     texts = {name: _option_text(model, name, value) for name, value in options.items()}

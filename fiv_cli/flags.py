@@ -260,7 +260,17 @@ ATTRACTOR = FlagTable(
 CONTACT_STATE = FlagTable(
     {NOT_COMPUTED: -1, "slip+": 0, "slip-": 1, "stick": 2, "separation": 3}, fill=NOT_COMPUTED
 )
-PIECES = ("holds", "slides+", "slides-", "creeping", "forward", "backward")
+PIECES = (
+    "holds",
+    "slides+",
+    "slides-",
+    "creeping",
+    "forward",
+    "backward",
+    "elastic",
+    "yields",
+    "plastic",
+)
 """What the elements of friction laws may be in."""
 CONTACT_EVENT = FlagTable(
     {**CONTACT_STATE.codes, **{name: code for code, name in enumerate(PIECES, 4)}},

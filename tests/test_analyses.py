@@ -395,7 +395,7 @@ def test_conjugate_pairs_are_conjugate_to_the_last_bit() -> None:
 
 def test_merged_modes_know_each_other() -> None:
     values = np.array([0.1 + 2j, 0.1 - 2j, -0.1 + 2j, -0.1 - 2j, -0.3 + 7j, -0.3 - 7j])
-    partner = coupled_modes(values)
+    (partner,) = coupled_modes(values[None])
     assert set(partner[:2]) <= {2, 3}
     assert set(partner[2:4]) <= {0, 1}
     assert list(partner[4:]) == [-1, -1]

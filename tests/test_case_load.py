@@ -111,6 +111,7 @@ class TestGoodCase:
             "t_max": 120.0,
             "transient": 0.0,
             "lyapunov": "auto",
+            "powers": "none",
         }
 
     def test_start_names_a_parameter(self) -> None:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from small_models import BOUNCER, TWO_MASSES
 
 from fiv_cli.codegen import assembly, lower
-from fiv_cli.codegen.codes import LANES
+from fiv_cli.codegen.codes import LANES, OTHER_POWER
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT, StateTable
 from fiv_cli.codegen.graph import MERGED_TERMS, UNARY, Graph, Node
@@ -175,6 +175,25 @@ def test_every_lane_of_tangents_is_what_the_text_says(model: Any, law: str, chan
             assert by_python.tobytes() == by_machine[:, :, lane].tobytes()
             text["moved"](c, time, series, by_python)
             assert by_python.tobytes() == summed[:, :, lane].tobytes()
+
+
+@every_system
+def test_what_is_measured_along_a_step_is_what_the_field_is(
+    model: Any, law: str, changes: Any
+) -> None:
+    built, c = generated(model, law, changes)
+    address, n, times = built.generated.address, len(built.state_names), [0.0, 0.01, 0.02, 0.05]
+    for index, table in built.generated.states.items():
+        series, lanes = np.zeros(sizes(built)), np.zeros((sizes(built), LANES))
+        compiled_call(address(f"{table.name}_taylor"), c, 0.7, states(n), series)
+        lanes[0] = times
+        compiled_call(address(f"{table.name}_measured"), c, 0.7, series, lanes)
+        for lane, time in enumerate(times):
+            state = np.zeros(n)
+            compiled_call(address("state"), c, time, series, state)
+            field = built.field(index, c, 0.7 + time, state)
+            expected = [*field.state, *field.rates, *field.energies[OTHER_POWER:]]
+            assert np.array(expected).tobytes() == lanes[: len(expected), lane].tobytes()
 
 
 @every_system

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from fiv_cli.case.load import load_case
+from fiv_cli.own.probe import use_files
 from fiv_cli.plots import can_draw, draw, figures_of
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, evaluate
 from fiv_cli.reading.datasets import read_analyses
@@ -20,6 +21,14 @@ ROOT = Path(__file__).parents[1]
 CASES = sorted((ROOT / "configs").rglob("*.toml"))
 INDEX = (ROOT / "configs" / "INDEX.md").read_text(encoding="utf-8")
 IN_PROCESS = Policy(workers=1)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _the_models_beside_cases_are_named():
+    use_files([ROOT / "configs" / "own"])
+    yield
+    use_files(())
+
 
 every_case = pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 
@@ -45,7 +54,8 @@ def test_a_shipped_case_is_right_and_its_header_tells_the_truth(path):
     assert case.reference
     assert case.claims
     assert case.figures
-    assert f"fiv run {path.relative_to(ROOT)} &&" in header(path)
+    own = "".join(f" --with {Path(o.path).relative_to(ROOT)}" for o in case.own.values())
+    assert f"fiv run {path.relative_to(ROOT)}{own} &&" in header(path)
     assert re.search(rf"^# {size} runs\b.* s\b", header(path), re.MULTILINE)
 
 
@@ -65,7 +75,7 @@ def test_the_index_lists_the_case(path):
 
 
 def test_the_index_lists_nothing_else():
-    listed = set(re.findall(r"\((ch\d+/\w+\.toml)\)", INDEX))
+    listed = set(re.findall(r"\(((?:ch\d+|own)/\w+\.toml)\)", INDEX))
     assert sorted(listed) == [str(path.relative_to(ROOT / "configs")) for path in CASES]
 
 
@@ -75,6 +85,9 @@ def test_names_are_unique_for_they_name_datasets():
 
 # Small cases, whole: which of their claims the program contradicts.
 QUICK = {
+    "ch2/fig_2_01": (),
+    "ch2/fig_2_02": (),
+    "ch2/fig_2_03": (),
     "ch3/fig_3_03": (),
     "ch3/fig_3_13": (3,),
     "ch4/plate": (),
@@ -87,6 +100,9 @@ QUICK = {
     "ch7/fig_7_05": (),
     "ch7/fig_7_12": (3,),
     "ch7/fig_7_14": (),
+    "own/rollers_thrown": (),
+    "own/stop_cycle": (),
+    "own/stop_flights": (),
     "ch7/equilibrium": (),
 }
 
@@ -110,6 +126,13 @@ COARSE_DAMPING = ("grid.c1=[0.0, 0.1, 0.2]", "grid.c2=[0.0, 0.1, 0.2]")
 # Cases of many points on a few of them: those that the numbered claims, confirmed and
 # contradicted, speak of.
 REDUCED = [
+    ("own/rollers", ("grid.mu_k=[0.3, 0.4]",), range(4), ()),
+    (
+        "own/pumped",
+        ('grid."initial.x"=[0.8, 1.0]', 'grid."initial.x_dot"=[0.8, 1.0]'),
+        range(3),
+        (),
+    ),
     ("ch7/fig_7_06_reached", ("grid.Omega=[2.0, 8.0]", "grid.N0=[8.0, 30.0]"), range(3), ()),
     (
         "ch7/fig_7_06_exists",
@@ -123,6 +146,7 @@ REDUCED = [
         (0, 1),
         (2, 3),
     ),
+    ("ch7/basin_shares", ("grid.Omega=[2.0]", "grid.N0=[30.0]"), (0, 1), ()),
     ("ch7/fig_7_07", ("grid.Omega=[1.0, 2.5, 8.0]",), (0, 1), ()),
     ("ch7/pin_laws", ("grid.Omega=[1.0, 8.0]",), (), (0, 1)),
     ("ch6/slider_laws", ("grid.mu_k=[0.2, 2.5]",), (0, 1), (2,)),

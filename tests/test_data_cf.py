@@ -38,6 +38,8 @@ KINDS: dict[str, dict[str, Any]] = {
     "boundary": BELT | {"analysis": [{"kind": "boundary", "scan": 3, "of": PERIODIC, **VARIED}]},
     "cycle": BELT | {"analysis": [{"kind": "cycle", **VARIED}]},
     "plate": {"schema": 1, "model": {"name": "annular-plate"}, "analysis": [{"kind": "plate"}]},
+    "characteristic": BELT
+    | {"friction": {"law": "lugre"}, "analysis": [{"kind": "characteristic", "amplitude": 1e-3}]},
     "laws": BELT
     | {"grid": {"friction": ["coulomb", "stribeck"], "initial.x": [9.0, 10.0]}}
     | {"analysis": [{"kind": "response"}]},

@@ -107,7 +107,8 @@ def test_matching_gives_each_mode_one_successor(seed: int) -> None:
     pairs = [np.linalg.eig(matrix) for matrix in matrices]
     (old, old_vectors), (new, new_vectors) = [(v.astype(complex), w.T) for v, w in pairs]
     vectors = np.array([old_vectors, new_vectors], complex)
-    (order,) = matched([tuple(modes_of(np.array([old, new]), vectors))])
+    modes = modes_of(np.array([old, new]), vectors)
+    (order,) = matched([(modes[0], modes[1])])
     assert sorted(order) == list(range(6))
     for mode in np.flatnonzero(old.imag > 0.0):
         if new[order[mode]].imag > 0.0:

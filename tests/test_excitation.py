@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from fiv_cli import api
 from fiv_cli.case.load import parse_case
-from fiv_cli.errors import CaseError
+from fiv_cli.errors import CaseError, UsageError
 from fiv_cli.models import get_model
 
 
@@ -98,10 +98,29 @@ def test_stops_and_reversals_of_a_forced_coulomb_oscillator(
     assert found == pytest.approx(expected, abs=1e-11)
 
 
+def test_a_mass_without_a_spring_is_exact() -> None:
+    """A belt takes it along; under a force it slides over the floor until both are even."""
+    N, mu, m = 10.0, 0.23, 2.0
+    taken = motion("belt-1dof", k=0.0, m=m, N=N, mu_k=mu, v=1.0)
+    taken.run(5.0)
+    caught = m / (mu * N)
+    assert times(taken) == pytest.approx([caught], abs=1e-14)
+    assert taken.y == pytest.approx([5.0 - caught / 2, 1.0], abs=1e-14)
+
+    A, omega = 5.0, 2.0
+    pushed = motion("belt-1dof + force_x", k=0.0, v=0.0, N=N, mu_k=mu, A_x=A, omega_x=omega)
+    stop = first_root(lambda t: A / omega * np.sin(omega * t) - mu * N * t, 0.0)
+    pushed.run(stop)
+    assert times(pushed)[-1] == pytest.approx(stop, abs=1e-14)
+    assert pushed.y[0] == pytest.approx(
+        A / omega**2 * (1 - np.cos(omega * stop)) - mu * N * stop**2 / 2, abs=1e-14
+    )
+
+
 @pytest.mark.parametrize(("f", "p", "b", "amplitude"), [(0.5, 1.0, 0.6, 1.4865816)])
 def test_the_amplitude_of_den_hartog(f: float, p: float, b: float, amplitude: float) -> None:
     found = api.analyse(
-        get_model("belt-1dof + force_x"), "coulomb", "response", {"x": 1.0},
+        "belt-1dof + force_x", "coulomb", "response", {"x": 1.0},
         {"section": {"phase": 0.0}}, v=0.0, N=1.0, mu_k=f, mu_s=f, A_x=p, omega_x=b,
     )  # fmt: skip
     assert found.values["attractor"] == "periodic"
@@ -159,7 +178,7 @@ def test_a_harmonic_speed_agrees_with_scipy_through_50_events() -> None:
 
 def test_rest_on_a_belt_that_slows_down_is_told_by_its_least_speed() -> None:
     """From 0.1 off rest the mass moves at 0.1; a belt that comes down to 0.05 takes it along."""
-    belt = get_model("belt-1dof + v(t)")
+    belt = "belt-1dof + v(t)"
     given = {"c": 0.1, "v": 1.0, "omega_v": 0.83, **MU}
     slides, sticks = (
         api.analyse(belt, "coulomb", "response", {"x": 2.4}, A_v=A, **given).values
@@ -168,6 +187,15 @@ def test_rest_on_a_belt_that_slows_down_is_told_by_its_least_speed() -> None:
     assert slides["attractor"] == "equilibrium"
     assert slides["decay_margin"] == pytest.approx(1 - 0.1 / 0.5, abs=5e-3)
     assert sticks["attractor"] == "periodic" and sticks["stick_fraction"] > 0.4
+
+
+@pytest.mark.parametrize("A", [0.9, 1.1])
+def test_what_a_force_cannot_move_is_at_rest(A: float) -> None:
+    """It holds k x + A at the worst phase, 3 + A against 4, or slides at times."""
+    given = {"v": 0.0, "mu_s": 0.4, "mu_k": 0.4, "A_x": A, "omega_x": 0.7}
+    told = api.analyse("belt-1dof + force_x", "coulomb", "response", {"x": 3.0}, **given)
+    assert (told.values["attractor"] == "equilibrium") == (A < 1.0)
+    assert told.values["attractor"] != "equilibrium" or told.reason == "stuck"
 
 
 def test_the_belts_acceleration_is_part_of_what_sticking_demands() -> None:
@@ -180,6 +208,23 @@ def test_the_belts_acceleration_is_part_of_what_sticking_demands() -> None:
     rest.run(np.pi / omega)
     release = times(rest)[0]
     assert release == pytest.approx(np.arcsin(hold / demand) / omega, abs=1e-12)
+
+
+def test_a_disc_at_a_harmonic_speed_is_the_limit_of_a_schedule_of_points() -> None:
+    start, A, omega, until = {"phi": 1e-3}, 1.0, 8.0, 0.4
+    exact = motion(
+        "excited-disc + Omega(t)", "exponential", start, Omega=5.0, A_Omega=A, omega_Omega=omega
+    )
+    exact.run(until)
+    apart = []
+    for count in (200, 800):
+        instants = np.linspace(0.0, until, count + 1)
+        points = [(t, 5.0 + A * np.cos(omega * t)) for t in instants.tolist()]
+        near = motion("excited-disc", "exponential", start, curves={"Omega": points})
+        near.run(until)
+        apart.append(np.max(np.abs(near.y - exact.y)))
+    assert apart[1] < apart[0] / 10 < 1e-4 * np.max(np.abs(exact.y))
+    assert len(times(exact)) > 10
 
 
 def test_a_base_that_moves_is_a_force_and_a_belt_that_moves_seen_from_it() -> None:
@@ -215,6 +260,57 @@ def test_the_energies_of_excited_models_balance(name: str) -> None:
     found = booked(motion(name, law, start, **changes), 3.0)
     assert found.residual < 1e-11
     assert abs(found.other) > 1e-6
+
+
+def test_mean_powers_balance_and_are_those_of_each_force() -> None:
+    """On a cycle friction takes what is put in; a force, a base and a damper share the rest."""
+    settings = {"section": {"phase": 0.0}, "powers": "mean"}
+    given = {"c": 0.1, "A_x": 2.0, "omega_x": 0.8, "phase_x": 0.4, "F_x": 0.3}
+    found = api.analyse(
+        "belt-1dof + force_x", "coulomb", "response", {"x": 4.0}, settings, **given
+    ).values
+    assert found["attractor"] == "periodic" and found["stick_fraction"] > 0.1
+    damped = given["c"] * found["x_dot_rms"] ** 2
+    assert found["mean_other_power"] == pytest.approx(
+        found["mean_force_x_power"] - damped, abs=1e-10
+    )
+    assert found["mean_friction_power"] + found["mean_other_power"] == pytest.approx(0.0, abs=1e-9)
+    assert (
+        found["mean_wear_power"] == found["mean_drive_power"] - found["mean_friction_power"] > 0.0
+    )
+
+    shaken = api.analyse(
+        "belt-1dof + base", "coulomb", "response", {"x": 4.0}, settings,
+        A_base=1.5, omega_base=0.8,
+    ).values  # fmt: skip
+    assert shaken["attractor"] == "periodic"
+    assert shaken["mean_base_power"] == pytest.approx(shaken["mean_other_power"], abs=1e-10)
+    assert abs(shaken["mean_base_power"]) > 1e-2
+
+
+def test_a_history_books_the_work_of_each_force() -> None:
+    """A spring without friction: from rest, a constant force has done F x."""
+    found = api.analyse(
+        "belt-1dof + force_x + base", "coulomb", "history", {}, {"t_end": 2.0},
+        N=0.0, v=5.0, F_x=1.0,
+    ).values  # fmt: skip
+    assert found["x"][-1] == pytest.approx(1.0 - np.cos(2.0), abs=1e-9)
+    assert found["force_x_work"] == pytest.approx(found["x"][-1], abs=1e-9)
+    assert found["base_work"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("x", "c", "attractor"), [(6.0, 0.0, "periodic"), (2.31, 0.1, "equilibrium")]
+)
+def test_wear_of_stick_slip_and_of_sliding_in_closed_form(
+    x: float, c: float, attractor: str
+) -> None:
+    """The belt slips by v T a period, whatever the mass does: mu_k N v; so it does at rest."""
+    settings = {"powers": "mean"}
+    found = api.analyse("belt-1dof", "coulomb", "response", {"x": x}, settings, c=c).values
+    assert found["attractor"] == attractor
+    assert found["mean_wear_power"] == pytest.approx(2.3, abs=1e-8)
+    assert found["mean_friction_power"] == pytest.approx(0.0, abs=1e-8)
 
 
 # --- in a case ------------------------------------------------------------------------------------
@@ -256,6 +352,9 @@ def test_what_takes_the_value_of_what_varies_varies_with_it() -> None:
     assert "v2(t)" in case.model
     at = case.parameters_at("stribeck", {"A_v": 0.2})
     assert (at["v2"], at["A_v2"], at["omega_v2"]) == (1.2, 0.2, 0.7)
+    both = CASE.replace("belt-1dof", "excited-2dof").replace("parameters = { c = 0.1 }", "")
+    both = both.replace(V, "mu_k = { amplitude = 0.1 }").replace("A_v = [0.1, 0.2]", "v = [0.3]")
+    assert "mu_s(t)" in parse_case(both, "both.toml", ()).model  # and they stay equal
     given = one_belt.replace('name = "belt-2mass"', 'name = "belt-2mass"\nparameters.v2 = 1.0')
     assert "v2(t)" not in parse_case(given.replace("amplitude = 0.2, ", ""), "two.toml", ()).model
 
@@ -288,6 +387,16 @@ def test_what_is_wrong_is_said_with_its_place(was: str, lines: str, path: str, w
     assert words in caught.value.problems[0].message
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["belt-1dof + force_y", "belt-1dof + mu_k(t)", "belt-1dof + u", "pin-on-disc + base",
+     "excited-disc + force_phi", "belt + force_x"],
+)  # fmt: skip
+def test_what_does_not_excite_a_model_is_refused_with_what_to_type(name: str) -> None:
+    with pytest.raises(UsageError, match="next: "):
+        api.analyse(name, None, "equilibrium")
+
+
 def test_discs_are_driven_by_a_harmonic_speed_and_take_no_other_force() -> None:
     disc = CASE.replace("belt-1dof", "excited-disc").replace("parameters = { c = 0.1 }", "")
     speed = disc.replace(f"[forcing]\n{X}\n", "").replace(V, "Omega = { amplitude = 0.5 }")
@@ -305,7 +414,7 @@ def test_a_fast_force_is_averaged_as_that_of_the_model_that_has_one() -> None:
     own = api.analyse("excited-2dof", "coulomb", "eigenvalues", none, settings,
                       A_b=8.0, R=20.0, **given)  # fmt: skip
     forced = api.analyse(
-        get_model("flutter-2dof + force_x"), "coulomb", "eigenvalues", none, settings,
+        "flutter-2dof + force_x", "coulomb", "eigenvalues", none, settings,
         A_x=8.0, omega_x=20.0, **given,
     )  # fmt: skip
     for part in ("eigenvalue_real", "eigenvalue_imag", "averaging_ratio"):
@@ -315,9 +424,7 @@ def test_a_fast_force_is_averaged_as_that_of_the_model_that_has_one() -> None:
 def test_cycles_of_a_harmonic_speed_have_the_multipliers_of_what_is_beside_them() -> None:
     """Sticking leaves one direction at each phase: one multiplier is zero, one is its decay."""
     given = {"v": 1.0, "A_v": 0.8, "omega_v": 0.83, **MU}
-    found = api.analyse(
-        get_model("belt-1dof + v(t)"), "coulomb", "cycle", {"x": 4.0}, **given
-    ).values
+    found = api.analyse("belt-1dof + v(t)", "coulomb", "cycle", {"x": 4.0}, **given).values
     assert found["cycle_period"] == pytest.approx(2 * np.pi / 0.83, rel=1e-9)
     beside = []
     pair = [motion("belt-1dof + v(t)", start={"x": x}, **given) for x in (4.0, 4.001)]

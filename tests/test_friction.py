@@ -6,13 +6,18 @@ from dataclasses import replace
 from math import asinh, exp, log, sqrt, tanh
 from typing import Any
 
+import numpy as np
 import pytest
 import sympy
+from motions import defaults
 
+from fiv_cli.analyses.rest.equilibria import equilibria, sliding
+from fiv_cli.codegen.setup import Setup
+from fiv_cli.dynamics.system import build_system
 from fiv_cli.flags import PIECES
 from fiv_cli.friction import TANH_OF, all_laws, get_law, why_unfit
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models import all_models
+from fiv_cli.models import all_models, get_model
 
 # Values of every parameter, then |F_T| at a slip speed of 0.7 m/s and the static capacity, for
 # F_N = 5 N, by hand.
@@ -52,6 +57,11 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         (sqrt(exp(1)) * 0.3 * exp(-0.245) * 0.7 + 0.1 * tanh(7.0)) * 5 + 0.14,
         None,
     ),
+    "stefanski": (
+        {"mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "a_0": 0.1, "tau": 0.01},
+        0.23 * 5,
+        0.4 * 5,
+    ),
     "rate-and-state": (
         {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1},
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
@@ -59,6 +69,38 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
     ),
     "linear-regularisation": ({"mu_k": 0.23, "v_tol": 1.4}, 0.5 * 0.23 * 5, None),
     "jenkins": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
+    "reset-integrator": (
+        {"mu_k": 0.23, "sigma_0": 100.0, "a_stick": 0.4, "sigma_1": 3.0},
+        0.23 * 5,
+        None,
+    ),
+    "gms": (
+        {
+            "mu_s": 0.4,
+            "mu_k": 0.1,
+            "v_s": 0.5,
+            **{f"alpha_{i}": i / 10 for i in range(1, 5)},
+            **dict.fromkeys(("k_1", "k_2", "k_3", "k_4"), 250.0),
+            "C_lag": 10.0,
+            "sigma_2": 0.2,
+        },
+        (0.1 + 0.3 * exp(-1.96) + 0.14) * 5,
+        None,
+    ),
+    "elasto-plastic": (
+        {
+            "mu_s": 0.4,
+            "mu_k": 0.1,
+            "v_s": 0.5,
+            "sigma_0": 100.0,
+            "sigma_1": 3.0,
+            "sigma_2": 0.2,
+            "x_ba": 0.5,
+            "blend": 0.8,
+        },
+        (0.1 + 0.3 * exp(-1.96) + 0.14) * 5,
+        None,
+    ),
     "dahl": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
     "lugre": (
         {
@@ -231,3 +273,23 @@ def test_a_law_with_a_name_of_the_model_is_not_taken() -> None:
     disc = all_models()["disc-rigid-contact"]
     mine = replace(get_law("hyperbolic"), name="mine", parameters=disc.parameters[:1])
     assert why_unfit(disc, mine) == "'mine' and disc-rigid-contact have parameters of one name: a"
+
+
+LARGER = [pytest.param(name, marks=pytest.mark.campaign) for name in ("flutter-2dof", "belt-5dof")]
+
+
+@pytest.mark.parametrize("model", ["belt-1dof", *LARGER])
+def test_every_law_is_linearised_with_its_states(model: str) -> None:
+    """By differentiated code, at the slide, against central differences of the rates."""
+    table = get_model(model)
+    for law in (law for law in PLAIN if not why_unfit(table, law)):
+        own = {name: value for name, value in row_of(law)[0].items() if name != "F0"}
+        parameters = defaults(model, law.name, **own)
+        state = sliding(build_system(Setup.of(model, law, parameters=parameters)), parameters)
+        (at,) = equilibria(state)[:1]
+        n = len(at)
+        assert n == 2 * len(state.system.coordinates) + len(law.states)
+        steps = 1e-6 * np.maximum(np.abs(at), 1e-2) * np.eye(n)
+        central = [(state.rates(at + h) - state.rates(at - h)) / (2.0 * h.sum()) for h in steps]
+        jacobian, scale = state.jacobian(at), np.abs(state.jacobian(at)).max()
+        np.testing.assert_allclose(jacobian, np.array(central).T, rtol=1e-5, atol=1e-7 * scale)

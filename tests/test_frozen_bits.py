@@ -21,9 +21,9 @@ FROZEN = {
     "belt, rk4": "96b94126684b9b98",
     "impacts": "25dfc74fdde0ecc5",
     "separation": "817e630cbbab3f04",
-    "sector": "2d460d3db2d04f44",
-    "slider with impacts": "19b2199a90169915",
-    "disc": "4550f4787532d0c0",
+    "sector": "385369ec9cf942d2",
+    "slider with impacts": "fac5c0444e38ab7a",
+    "disc": "d35fe578b330a289",
 }
 
 

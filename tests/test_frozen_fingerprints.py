@@ -11,6 +11,7 @@ from pathlib import Path
 
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.load import load_case
+from fiv_cli.own.probe import use_files
 
 ROOT = Path(__file__).parents[1]
 FROZEN = Path(__file__).with_suffix(".json")
@@ -18,8 +19,11 @@ FROZEN = Path(__file__).with_suffix(".json")
 
 def fingerprints() -> dict[str, str]:
     """Case file -> fingerprint, of all cases in configs/ and sweeps/."""
+    use_files([ROOT / "configs" / "own"])
     paths = sorted([*ROOT.glob("configs/**/*.toml"), *ROOT.glob("sweeps/*/case.toml")])
-    return {str(path.relative_to(ROOT)): fingerprint(load_case(path)) for path in paths}
+    found = {str(path.relative_to(ROOT)): fingerprint(load_case(path)) for path in paths}
+    use_files(())
+    return found
 
 
 def test_shipped_cases_have_the_fingerprints_that_they_had() -> None:

@@ -102,6 +102,31 @@ def test_workers_load_the_text_that_was_read_not_the_file():
     assert api.read("two.nc").identical(api.read("one.nc"))
 
 
+def test_a_copy_of_a_model_in_the_box_answers_as_it_does_and_passes_its_trial():
+    from fiv_cli.models import pin_on_disc
+
+    text = Path(pin_on_disc.__file__).read_text()
+    Path("pin.py").write_text(text.replace('name="pin-on-disc"', 'name="my-pin"'))
+    tables = {"schema": 1, "analysis": [{"kind": "response"}], "grid": {"Omega": [2.0, 8.0]}}
+    mine, theirs = (
+        api.run(api.load({**tables, "model": {"name": name}}, using="pin.py"), workers=1)
+        for name in ("my-pin", "pin-on-disc")
+    )
+    assert mine.drop_attrs().identical(theirs.drop_attrs())
+    assert run(["verify", "--with", "pin.py"]) == 0
+
+
+def test_what_excites_a_model_of_ones_own_is_known_with_it():
+    Path("case.toml").write_text(CASE + "[forcing]\nx = { amplitude = 0.5, omega = 1.0 }\n")
+    case = api.load("case.toml", using="my.py")
+    Path("my.py").write_text(MODEL.replace("displacement", "way"))
+    edited = api.load("case.toml", using="my.py")
+    assert "force_x" in case.model and set(case.own) == {case.model}
+    assert fingerprint(edited) != fingerprint(case)
+    found = api.run(case, workers=1)
+    assert (found["status"] == 0).all() and "period_ratio" in found
+
+
 # --- what was edited ------------------------------------------------------------------------------
 def test_an_edited_model_meets_neither_old_results_nor_old_code():
     case = api.load("case.toml", using="my.py")
@@ -195,7 +220,22 @@ def test_what_does_not_end_is_stopped_on_its_line(hang):
     with pytest.raises(ModelFileError) as caught:
         examine([Origin("endless.py", text)], limit=1.0)
     (problem,) = caught.value.problems
-    assert "1 s" in problem.message and problem.line in (1, 2)
+    assert "(1 s to run" in problem.message and problem.line in (1, 2)
+
+
+def test_a_model_may_name_a_law_of_a_file_that_comes_after_it():
+    model, law = MODEL.index("MODEL = "), MODEL.index("LAW = ")
+    text = MODEL[:law].replace('default_law="coulomb"', 'default_law="my-law"')
+    Path("a.py").write_text(text.replace('{"mu_k": 0.2, "mu_s": 0.4}', "{}"))
+    Path("b.py").write_text(MODEL[:model] + MODEL[law:])
+    use_files([Path("a.py"), Path("b.py")])
+    assert all_models()["my-belt"].default_law in all_laws()
+
+
+def test_a_folder_may_hold_what_is_no_model():
+    Path("script.py").write_text("raise RuntimeError('a script of its own')\n")
+    use_files([Path(), Path("./my.py")])
+    assert "my-belt" in all_models()
 
 
 def test_two_files_may_not_hold_one_name():
@@ -242,10 +282,12 @@ def test_an_installed_package_is_known_when_it_is_named(monkeypatch, capsys):
     )
     asked = {"fiv.models": [entry], "fiv.laws": []}
     monkeypatch.setattr(load, "entry_points", lambda group: asked[group])
-    case = api.load("case.toml")
-    found = api.run(case, workers=1)
-    assert "s 1 (somebodys:MODEL)" in json.loads(found.attrs["own_json"])
+    assert run(["new", "my-belt"]) == 0
+    use_files(())
     assert run(["models", "my-belt"]) == 0
+    use_files(())
+    found = api.run(api.load("case.toml"), workers=1)
+    assert "s 1 (somebodys:MODEL)" in json.loads(found.attrs["own_json"])
 
 
 # --- what it costs --------------------------------------------------------------------------------
@@ -258,4 +300,4 @@ def test_models_of_the_box_load_nothing_that_checks():
         "print(sorted(name[1] for name in names if len(name) > 1))"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.stdout.strip() == "['lines', 'load']"
+    assert done.stdout.strip() == "['load']"

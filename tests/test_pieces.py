@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import TIGHT, by_both, defaults, motion, system, transitions
+from motions import TIGHT, by_both, defaults, motion, system, times, transitions
 from numpy.typing import NDArray
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.rest.linearisation import free_states
-from fiv_cli.dynamics.motion import Motion, Stop
-from fiv_cli.friction import get_law
+from fiv_cli.dynamics.motion import Motion, Stop, samples_at
+from fiv_cli.friction import all_laws, get_law
 from fiv_cli.friction.base import Slip
 
 STILL = {"m": 1e12, "k": 1e12}  # what a belt under this mass does not move
@@ -34,13 +34,60 @@ def cycled(law: str, **changes: float) -> Motion:
 
 
 # --- one slider, one band -------------------------------------------------------------------------
-def test_the_cycle_of_a_jenkins_element_is_a_parallelogram() -> None:
+@pytest.mark.parametrize("law", ["jenkins", "reset-integrator"])
+def test_the_cycle_of_a_slider_is_a_parallelogram(law: str) -> None:
     """Of area 4 mu_k N (A - mu_k/sigma_0) under a slip of amplitude A, as its docstring says."""
-    begun = cycled("jenkins", mu_k=0.3, sigma_0=10.0, N=5.0)
+    undamped = {"sigma_1": 0.0, "a_stick": 0.4} if law == "reset-integrator" else {}
+    begun = cycled(law, mu_k=0.3, sigma_0=10.0, N=5.0, **undamped)
     assert begun.measures.drive_work == pytest.approx(4 * 0.3 * 5.0 * (0.25 - 0.03), rel=1e-11)
     names = ["holds->slides-", "slides-->holds", "holds->slides+", "slides+->holds"]
     assert transitions(begun) == names
     assert begun.y[2] == pytest.approx(0.03, rel=1e-12)
+
+
+def test_the_force_of_a_reset_integrator_jumps_at_break_away_and_as_slip_turns() -> None:
+    given = {"mu_k": 0.3, "sigma_0": 10.0, "N": 5.0, "sigma_1": 0.0, "a_stick": 0.4}
+    begun = motion("belt-1dof", "reset-integrator", {}, curves=SHAKEN, **STILL, **given)
+    begun.run(0.5)
+    broken, turned = times(begun)
+    samples = samples_at(begun.system, np.array([0.5 * broken, broken + 1e-9, 0.5 + 1e-9]))
+    begun = motion("belt-1dof", "reset-integrator", {}, curves=SHAKEN, **STILL, **given)
+    begun.run(0.6, samples=samples)
+    assert turned == pytest.approx(0.5) and broken == pytest.approx(0.5 - 0.22**0.5, rel=1e-9)
+    forces = samples.forces[:, 0, 1]
+    bent = 0.5 * broken - (0.5 * broken) ** 2
+    np.testing.assert_allclose(forces, [1.4 * 50.0 * bent, 1.5, 1.4 * 1.5], rtol=1e-6)
+
+
+def test_the_cycle_of_elements_in_parallel_is_the_sum_of_theirs() -> None:
+    shares, stiffness = (0.1, 0.2, 0.3, 0.4), (20.0, 10.0, 5.0, 0.4)  # the last never slides
+    elements = dict(zip(("alpha_1", "alpha_2", "alpha_3", "alpha_4"), shares, strict=True))
+    elements |= dict(zip(("k_1", "k_2", "k_3", "k_4"), stiffness, strict=True))
+    begun = cycled("gms", mu_s=0.3, mu_k=0.3, N=5.0, **elements)
+    limits = 0.3 * np.array(shares)
+    slid = np.maximum(0.25 - limits / stiffness, 0.0)
+    assert begun.measures.drive_work == pytest.approx(float(4 * 5.0 * limits @ slid), rel=1e-11)
+
+
+def test_four_equal_elements_are_one_slider() -> None:
+    equal = {f"alpha_{i}": 0.25 for i in range(1, 5)} | {f"k_{i}": 50.0 for i in range(1, 5)}
+    several = motion("belt-1dof", "gms", {"x": 0.4}, mu_s=0.3, mu_k=0.3, **equal, **SMALL)
+    one = motion("belt-1dof", "jenkins", {"x": 0.4}, mu_k=0.3, sigma_0=200.0, **SMALL)
+    assert several.run(6.0) == one.run(6.0) == Stop.REACHED
+    np.testing.assert_allclose(several.y[:2], one.y[:2], atol=1e-11)
+    assert sum(several.y[2:]) == pytest.approx(200.0 * one.y[2], abs=1e-9)
+
+
+def test_bristles_that_bend_before_they_yield_do_not_drift() -> None:
+    """Under a load that pulsates below break-away; those of LuGre creep on and on."""
+    given = {"v": 0.0, "N": 5.0, "mu_s": 0.4, "mu_k": 0.4, "sigma_0": 100.0, "sigma_1": 10.0}
+    pulse = {"c": 1.0, "u0": 0.2, "omega": 5.0}
+    drifts = {}
+    for law in ("elasto-plastic", "lugre"):
+        begun = motion("belt-1dof", law, {"x": -0.7}, **given, **pulse)
+        ends = [begun.y[0] for cycles in (20, 40) if begun.run(cycles * 0.4 * np.pi) is not None]
+        drifts[law] = abs(ends[1] - ends[0])
+    assert drifts["elasto-plastic"] < 1e-9 and drifts["lugre"] > 1e-4
 
 
 def test_a_slider_that_holds_throughout_takes_nothing() -> None:
@@ -78,8 +125,8 @@ def test_laws_of_pieces_tend_to_coulomb(
 
 
 # --- every law of pieces --------------------------------------------------------------------------
-DYNAMIC = ("jenkins",)
-LAWS = ("linear-regularisation", *DYNAMIC)
+STORING = ("dahl", "jenkins")
+LAWS = tuple(name for name, law in all_laws().items() if law.pieces)
 # Where an event of a law's pieces lies in each: model, start, options, changes, until.
 SITES: dict[str, tuple[str, dict[str, float], dict[str, str], dict[str, float], float]] = {
     "belt": ("belt-1dof", {"x": 0.4}, {}, SMALL, 3.0),
@@ -93,8 +140,9 @@ SITES: dict[str, tuple[str, dict[str, float], dict[str, str], dict[str, float], 
     ),
     "separation": ("belt-5dof", {"x1_dot": 4.0, "y1": 1e-3}, {}, {}, 0.4),
 }
-by_law = pytest.mark.parametrize("law", LAWS)
-by_site = pytest.mark.parametrize("site", SITES)
+# Compiling takes longer than moving: every law on the belt, one law everywhere.
+PAIRS = (*((law, "belt") for law in LAWS), *(("jenkins", site) for site in SITES if site != "belt"))
+by_pair = pytest.mark.parametrize(("law", "site"), PAIRS)
 
 
 def begun_at(law: str, site: str, state: Any = None, solver: SolverSettings = TIGHT) -> Motion:
@@ -110,18 +158,16 @@ def names_at(law: str, site: str) -> tuple[str, ...]:
     return system(model, law, options, parameters=defaults(model, law, **changes)).state_names
 
 
-@by_law
-@by_site
+@by_pair
 def test_the_series_and_runge_kutta_meet_the_same_pieces(law: str, site: str) -> None:
     model, start, options, changes, until = SITES[site]
-    step = until / 30_000
+    step = until / 100_000
     exact, rough = by_both(until, step, model, law, start, options=options, **changes)
     assert exact.n_events > 0
     np.testing.assert_allclose(rough.y, exact.y, rtol=1e-6, atol=1e-9)
 
 
-@by_law
-@by_site
+@by_pair
 def test_tangents_follow_neighbours_through_events_of_pieces(law: str, site: str) -> None:
     """A spring at its limit bends the flow by its own entry: that one alone is left out."""
     begun, until = begun_at(law, site), SITES[site][-1]
@@ -155,7 +201,7 @@ def stored_in(begun: Motion) -> float:
     return float(law.stored(Slip(0, 1, 0, values["N"], states, ()), values))
 
 
-@pytest.mark.parametrize("law", ["dahl", *DYNAMIC])
+@pytest.mark.parametrize("law", STORING)
 def test_friction_gives_back_no_more_than_it_has_stored(law: str) -> None:
     """int F_T v_rel dt less what is stored never falls."""
     begun = begun_at(law, "belt")
@@ -172,10 +218,11 @@ def test_friction_gives_back_no_more_than_it_has_stored(law: str) -> None:
 @pytest.mark.parametrize("law", LAWS)
 def test_steady_sliding_is_that_of_coulomb(law: str) -> None:
     """Its eigenvalues too, beside one of each spring at its limit, which decays."""
+    even = {"mu_s": 0.2} if "mu_s" in get_law(law).defaults else {}
     given = {"v": 0.4, "c": 0.1, "mu_k": 0.2}
     slides = {
-        name: {kind: api.analyse("belt-1dof", name, kind, **given) for kind in AT_REST}
-        for name in (law, "coulomb")
+        name: {kind: api.analyse("belt-1dof", name, kind, **given, **more) for kind in AT_REST}
+        for name, more in ((law, even), ("coulomb", {"mu_s": 0.2}))
     }
     own, coulomb = slides[law], slides["coulomb"]
     assert own["equilibrium"].values["complete"] == "certified"

@@ -59,7 +59,7 @@ from __future__ import annotations
 from fiv_cli.analyses.attractor import boundary, response
 from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.cycles import cycle
-from fiv_cli.analyses.motion import history
+from fiv_cli.analyses.motion import characteristic, history
 from fiv_cli.analyses.rest import critical, eigenvalues, equilibrium, plate
 from fiv_cli.analyses.spectra import spectrogram, spectrum
 
@@ -74,14 +74,18 @@ _ANALYSES: tuple[Analysis, ...] = (
     boundary.ANALYSIS,
     cycle.ANALYSIS,
     plate.ANALYSIS,
+    characteristic.ANALYSIS,
 )
+
+
+_BY_KIND = {analysis.kind: analysis for analysis in _ANALYSES}
 
 
 def all_analyses() -> dict[str, Analysis]:
     """Every analysis, by kind (a copy)."""
-    return {analysis.kind: analysis for analysis in _ANALYSES}
+    return _BY_KIND.copy()
 
 
 def get_analysis(kind: str) -> Analysis:
     """The analysis of this kind; KeyError when there is none."""
-    return all_analyses()[kind]
+    return _BY_KIND[kind]

@@ -31,7 +31,7 @@ def variables_of(
     """
     contact = "contact" if model.contacts > 1 else ""
     surface = model.surface is not None
-    subject = Subject(model.states(options), contact, surface, settings, internal)
+    subject = Subject(model.states(options), contact, surface, settings, internal, model.powers)
     own = get_analysis(kind).variables(subject)
     over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
     return (STATUS, REASON, *own, *over_time)
@@ -39,7 +39,7 @@ def variables_of(
 
 ALL_ASKED: Settings = {
     "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
-    "system": "averaged", "section": Section("own"),
+    "system": "averaged", "section": Section("own"), "powers": "mean",
 }  # fmt: skip
 """Settings under which every analysis has all the variables that it can have."""
 

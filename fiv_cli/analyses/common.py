@@ -167,7 +167,7 @@ def balance(motion: Motion, energy_before: float) -> Balance:
 def trust(motion: Motion) -> dict[str, float]:
     """The variables that say how far a run can be trusted, without the energy balance."""
     return {
-        "event_residual": motion.measures.largest_residual,
+        "event_residual": motion.frame.largest_residual,
         "n_steps": motion.n_steps,
         "n_events": motion.n_events,
     }

@@ -155,6 +155,7 @@ class Setting:
     default : value when the key is left out; None: see `meaning`
     required : must be given
     partner : setting without which it cannot be given
+    later : came after results were stored: at its default it is no part of their identity
     form : what it may be, in words
     """
 
@@ -164,6 +165,7 @@ class Setting:
     default: Any = None
     required: bool = False
     partner: str = ""
+    later: bool = False
 
     form: ClassVar[str] = ""
 
@@ -566,10 +568,11 @@ def _check_phase(section: Section, known: Known) -> Iterator[Refusal]:
     """A phase needs an excitation that is on somewhere."""
     amplitudes = [forcing.amplitude for forcing in known.model.forcings]
     if not amplitudes:
-        yield Refusal(f"{known.model.name} has no excitation to take the phase of")
+        message = f"{known.model.name} has no excitation to take the phase of"
+        yield Refusal(message, suggestion="give it one: fiv kinds force, fiv kinds harmonic")
     elif all(known.value(name) == 0.0 for name in amplitudes):
         message = f"the excitation is off ({listed(amplitudes)} = 0), so it has no phase"
-        on = f"give {amplitudes[0]} under [model.parameters] or as an axis"
+        on = f"give {amplitudes[0]} a value, or make it an axis"
         yield Refusal(message, suggestion=on)
 
 

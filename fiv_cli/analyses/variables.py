@@ -6,7 +6,8 @@ comparison, summaries, figures and what a case may ask for read them through ``c
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum, auto
 from typing import TypedDict, Unpack
 
@@ -175,6 +176,7 @@ class Subject:
     surface : whether it has an elastic disc to look at
     settings : settings of the analysis
     internal : states of the friction laws in use
+    powers : excitation that does work -> what it is, in words
     """
 
     states: tuple[State, ...]
@@ -182,6 +184,7 @@ class Subject:
     surface: bool
     settings: Settings
     internal: tuple[State, ...] = ()
+    powers: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def varied(self) -> Varied:

@@ -48,7 +48,7 @@ class Surroundings(Physics):
 
     def numbers(self) -> list[str]:
         """The variables of a `response` that are one number at each point."""
-        held = variables_of("response", self.model, self.options, {})
+        held = variables_of("response", self.model, self.options, {"powers": "mean"})
         return [variable.name for variable in held if variable.askable]
 
 

@@ -64,10 +64,26 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         message = f"no analysis of this case gives what a figure of kind {figure.kind!r} shows"
         report.add((*place, "kind"), message, _kinds(known))
         return
+    if figure.kind == "phase" and known:
+        _check_phase(figure, known, place, report)
     for name in _named(figure) if known else ():
         if _check(name, known, (*place, "variable"), report):
             places = _places(case, held, analysis, name)
             _check_drawn(figure, name, known, places, place, report)
+
+
+def _check_phase(
+    figure: FigureSpec, known: Mapping[str, Variable | None], place: Path, report: Report
+) -> None:
+    """Note an axis of a phase portrait that does not vary along a motion."""
+    moving = {name: variable for name, variable in known.items() if _moves(variable)}
+    for key in ("x", "y"):
+        if key in figure.settings:
+            _check(figure.settings[key], moving, (*place, key), report)
+
+
+def _moves(variable: Variable | None) -> bool:
+    return variable is not None and "time" in variable.dims and variable.kind == "float"
 
 
 def _check_claim(claim: ClaimSpec, case: Case, held: Held, place: Path, report: Report) -> None:

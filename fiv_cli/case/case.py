@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.grammar import Expected
 from fiv_cli.friction import get_law
@@ -97,6 +98,12 @@ class AnalysisSpec:
     name: str
     kind: str
     settings: Mapping[str, Any]
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """The settings without those that came later and are at their default."""
+        own = {one.name: one.default for one in get_analysis(self.kind).settings if one.later}
+        return {key: v for key, v in self.settings.items() if key not in own or v != own[key]}
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, is_dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,7 @@ def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]
         "axes": [[axis.name, axis.kind] for axis in case.axes],
         "zip": case.zips,
         "starts": {start.label: _start(start) for start in case.starts} if with_starts else {},
-        "analyses": {spec.name: spec for spec in analyses},
+        "analyses": {spec.name: replace(spec, settings=spec.told) for spec in analyses},
         "solver": case.solver,
         "numerics": _numerics(case),
     }

@@ -99,6 +99,41 @@ EXPECTS = {
 """Forms of ``expect`` -> when they hold."""
 
 
+CLAIMS = """\
+A [[figure]] draws and a [[claim]] checks one variable of a dataset. Its points are selected (`at`;
+a figure says `select`), one number may be taken of many (`take`), and `expect` says what must hold.
+
+    [[claim]]
+    source = "Figure 7.13"                       # where it is said
+    text = "a sector of 15 degrees leaves less than 0.6 of the speeds and phases with stick-slip"
+    variable = "stick_fraction"                  # `analysis = NAME` where several hold it
+    at = { beta = "15 deg", Omega = ". <= 6" }
+    take = { what = "share", of = ". > 0", over = ["Omega", "psi_a"], relative_to = { beta = 0 } }
+    expect = { less_than = 0.6 }
+    holds = "all"                                # of the points: all, any, or a share such as 0.9
+    note = "what is known about a difference"
+
+Which points: axis -> a number in SI, a quantity ("15 deg"), a label (initial = "far" stands for
+far-000, far-001, ... too), a list of these, or a condition on the value, which is called `.`:
+"0.9 <= . < 1.8", ". > 5", ". == 0.3". An axis is one of the grid, `initial`, or one that the
+variable has of its own (time, frequency, mode, crossing, ...). What `at` says of an axis of `over`
+says what is taken; the rest says of which results the claim speaks. Section points have no axis: a
+claim on section_value speaks of each of them.
+
+What is taken of them, along one axis or several (`over`), grid or own: `fiv kinds take` lists it.
+`of` is a condition on a number (". > 0"), and "CLASS" or "not CLASS" of a class; `relative_to`
+gives a share over that at another point, a ratio of areas.
+
+A point that was not computed, or whose class is undecided, may hold anything: what is taken over
+such points is an interval (share_low, share_high), and a claim about it is decided where both ends
+say the same. A map draws the line at which its numbers have a `level` (one or several), of an
+interval that of each end; with overlay = true the lines alone, all in one panel.
+
+Examples: configs/ch7/fig_7_13.toml, fig_7_15.toml (overlaid lines), configs/ch4/fig_4_15.toml
+(claims about motions and spectra).
+"""
+
+
 @dataclass(frozen=True)
 class Key:
     """A key of a table: its name, its default as TOML ("" where there is none), its meaning."""

@@ -97,9 +97,7 @@ def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report
     for key, known in _known_of_axes(table.kind, answers).items():
         name = axis_name(getattr(table, key) or "")
         message = f"a figure of kind {table.kind!r} has no {key} {name!r}"
-        if name and name not in known and table.kind == "phase":
-            report.unknown((*place, key), message, name, known)
-        elif name and name not in known:
+        if name and name not in known:
             note_no_axis(name, message, (*place, key), known, answers.physics, report)
     if table.kind == "map" and len(answers.axes) < 2:
         report.add(place, "a map needs a grid of two axes")
@@ -110,10 +108,7 @@ def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report
 
 def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:
     """For each of x and y that names an axis in a figure of this kind: what it may be."""
-    states = list(answers.physics.units_of_states())
     axes = [axis.name for axis in answers.axes]
-    if kind == "phase":
-        return {"x": states, "y": states}
     if kind == "map":
         return {"x": axes, "y": axes}
     if kind in ("curve", "bifurcation", "eigenvalues", "spectrum"):

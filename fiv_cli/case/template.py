@@ -142,6 +142,8 @@ class _Template:
         elsewhere = [p.name for p in (self.axis, self.drive) if p is not None]
         values = {p.name: p.default for p in self.model.parameters_under(self.law.parameters)}
         values[self.example.axis] = self.example.high
+        if self.drive is not None:
+            values[self.drive.name] = self.beginning(self.drive)
         lines = []
         for p in table:
             leader = p.default_from or ""
@@ -157,8 +159,7 @@ class _Template:
 
     def schedule(self, drive: Parameter) -> list[str]:
         """The drive slowing down; of an analysis that needs no such thing, in comments."""
-        stop, highest = self.range_of(drive)
-        start = self.example.middle if drive.name == self.example.axis else highest
+        stop, start = self.range_of(drive)[0], self.beginning(drive)
         over = _WINDOWS / self.example.settings.get("resolution", 0.01)
         line = f"{drive.name} = {{ start = {start!r}, stop = {stop!r}, over = {over!r} }}"
         head = _with_comment("[schedule]", "what varies in time; or points = [[t, value], ...]")
@@ -173,6 +174,11 @@ class _Template:
         others = [other for other in forced(self.model) if other != name]
         head = _with_comment("[forcing]", f"external forces; also on {listed(others)}")
         return _commented([head, _with_comment(f"{name} = {ForceTable.example}", meaning)])
+
+    def beginning(self, drive: Parameter) -> float:
+        """Where the drive begins to slow down."""
+        own = drive.name == self.example.axis
+        return self.example.middle if own else self.range_of(drive)[1]
 
     def grid(self, axis: Parameter) -> list[str]:
         """An axis; one more behind ##, along which it may be zipped; and what may be refined."""

@@ -11,7 +11,7 @@ import click
 
 from fiv_cli.cli.common import json_option, print_json, with_option
 from fiv_cli.cli.reports import Verdict, report, report_options
-from fiv_cli.errors import DifferenceError, UsageError, printable
+from fiv_cli.errors import CaseError, DifferenceError, UsageError, printable
 
 if TYPE_CHECKING:
     from fiv_cli.reading.undecided import Undecided
@@ -109,7 +109,13 @@ def judge(path: Path, undecided: Undecided) -> list[Entry]:
     from fiv_cli import api
     from fiv_cli.reading.claims import dataset_of, held_against
 
-    case = api.load(path)
+    try:
+        case = api.load(path)
+    except CaseError:
+        entry = _without_its_model(path)
+        if entry is None:
+            raise
+        return [entry]
     analyses, missing = dataset_of(case)
     undecided.add((analyses or {}).values())
     verdicts = zip(case.claims, held_against(case, analyses, missing), strict=True)
@@ -117,6 +123,25 @@ def judge(path: Path, undecided: Undecided) -> list[Entry]:
         Entry(str(path), c.source, c.text, v.verdict, v.found, c.note, v.standard_error)
         for c, v in verdicts
     ]
+
+
+def _without_its_model(path: Path) -> Entry | None:
+    """What stands for a case whose model is in a file that was not named; None: it is another."""
+    from fiv_cli.case.toml import parse_toml
+    from fiv_cli.models import all_models
+    from fiv_cli.own.load import file_with
+    from fiv_cli.reading.claims import NOT_RUN
+
+    model = parse_toml(path.read_text(encoding="utf-8")).get("model")
+    name = model.get("name") if isinstance(model, dict) else None
+    if (
+        not isinstance(name, str)
+        or name in all_models()
+        or not (file := file_with(name, str(path)))
+    ):
+        return None
+    said = f"its model stands in {file}: fiv claims {path} --with {file}"
+    return Entry(str(path), f"model {name!r}", "not known here", NOT_RUN, said, "")
 
 
 def lines(ledger: Sequence[Entry]) -> list[str]:

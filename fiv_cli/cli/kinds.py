@@ -38,7 +38,8 @@ def command(name: str | None, as_json: bool) -> None:
     """List the kinds of analyses, starts, figures and claims, or all settings of the kind NAME.
 
     NAME may also be a table of the case, initial, figure, claim or take: then all of its keys are
-    listed. What an analysis gives, and figures and claims speak of, lists `fiv variables`.
+    listed; of claim also how claims and figures say which points, what is taken and expected.
+    What an analysis gives, and figures and claims speak of, lists `fiv variables`.
 
     \b
     Examples:
@@ -47,14 +48,19 @@ def command(name: str | None, as_json: bool) -> None:
       fiv kinds continue
       fiv kinds claim
     """
-    from fiv_cli.case.kinds import all_kinds
+    from fiv_cli.case.kinds import CLAIMS, all_kinds
 
     kinds, tables = all_kinds(), _tables()
     if name is not None:
         known = [kind.name for kind in kinds if kind.keys]
         pick(name, dict.fromkeys([*tables, *known]), "kind", ELSEWHERE)
         found, keys = [kind for kind in kinds if kind.name == name], tables.get(name, ())
-        print_json({"kinds": found, "keys": keys}) if as_json else _print_one(found, keys)
+        if as_json:
+            print_json({"kinds": found, "keys": keys})
+        else:
+            click.echo(CLAIMS if name == "claim" else "", nl=name == "claim")
+            _print_one(found, keys)
+            _print_table(kinds, {"take": "claim.take", "claim": "claim.expect"}.get(name))
     elif as_json:
         print_json({"kinds": kinds})
     else:
@@ -75,11 +81,17 @@ def _tables() -> dict[str, Sequence[Key]]:
 
 
 def _print_all(kinds: Sequence[Kind]) -> None:
-    for table, title in TITLES.items():
-        rows = [(kind.name, kind.meaning) for kind in kinds if kind.table == table]
-        print_table(title, ("name", "what it is"), rows)
+    for table in TITLES:
+        _print_table(kinds, table)
+    click.echo("fiv kinds NAME: its settings; fiv kinds claim: how claims and figures say it")
+
+
+def _print_table(kinds: Sequence[Kind], table: str | None) -> None:
+    """What may stand in a table of a case."""
+    rows = [(kind.name, kind.meaning) for kind in kinds if kind.table == table]
+    if table is not None:
+        print_table(TITLES[table], ("name", "what it is"), rows)
         click.echo()
-    click.echo("fiv kinds NAME: its settings; fiv kinds claim: the keys of a claim")
 
 
 def _print_one(kinds: Sequence[Kind], keys: Sequence[Key]) -> None:

@@ -41,7 +41,9 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
     """
     from fiv_cli.friction import all_laws
     from fiv_cli.models import all_models
+    from fiv_cli.own.load import know_installed
 
+    know_installed()
     laws = all_laws()
     if name is not None and not want_laws:
         known = dict.fromkeys([*all_models(), *laws])

@@ -34,7 +34,9 @@ def command(model: str, kind: str) -> None:
     from fiv_cli.case.template import case_template
     from fiv_cli.models import all_models
     from fiv_cli.notation.names import pick
+    from fiv_cli.own.load import seek
 
+    seek(model)
     analyses = all_analyses()
     chosen = pick(model, all_models(), "model", "fiv models")
     analysis = pick(kind, analyses, "analysis", "fiv kinds")

@@ -89,8 +89,11 @@ def command(
 
 def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple[Path, Figure]]:
     """(default path, figure) of the laws in one figure."""
+    from fiv_cli.own.load import seek
     from fiv_cli.plots import draw_laws
 
+    for law in laws:
+        seek(law.partition(":")[0])
     names = dict.fromkeys(law.partition(":")[0].replace(" ", "-") for law in laws)
     figure = draw_laws(laws, look) if speed is None else draw_laws(laws, look, speed)
     return [(Path("runs") / f"law-{'-'.join(names)}.png", figure)]

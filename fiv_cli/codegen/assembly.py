@@ -38,9 +38,9 @@ TOKEN = re.compile(r"[^\W\d]\w*(?:\[\d+\])?|[\d.]+(?:e[+-]?\d+)?|[-+*/(),]")
 def assembly(text: str, fused: bool) -> str:
     """LLVM assembly of every function in `text`; `fused`: multiply and add in one operation."""
     parts = [_declaration(name) for name in LIBRARY]
-    parts.append("declare double @llvm.sqrt.f64(double)")
     for kind in (REAL, VECTOR):
-        parts.append(f"declare {kind} @{_fma(kind)}({kind}, {kind}, {kind})")
+        parts.append(f"declare {kind} @{_builtin('sqrt', kind)}({kind})")
+        parts.append(f"declare {kind} @{_builtin('fma', kind)}({kind}, {kind}, {kind})")
     for name, target, statements in _functions(text):
         parts += _Function(name, target, statements, fused).written()
     return "\n".join(parts) + "\n"
@@ -57,9 +57,9 @@ def _declaration(name: str) -> str:
     return f"declare double @{name}({arguments}) nounwind readnone"
 
 
-def _fma(kind: ir.Type) -> str:
-    """What multiplies and adds in one operation."""
-    return "llvm.fma.f64" if kind is REAL else f"llvm.fma.v{LANES}f64"
+def _builtin(name: str, kind: ir.Type) -> str:
+    """What LLVM itself makes of this function."""
+    return f"llvm.{name}.f64" if kind is REAL else f"llvm.{name}.v{LANES}f64"
 
 
 def _functions(text: str) -> Iterator[tuple[str, str, list[str]]]:
@@ -236,7 +236,7 @@ class _Piece:
 
     def _fused(self, *operands: str) -> str:
         given = ", ".join(f"{self.kind} {operand}" for operand in operands)
-        return self._new(f"call {self.kind} @{_fma(self.kind)}({given})")
+        return self._new(f"call {self.kind} @{_builtin('fma', self.kind)}({given})")
 
     def _done(self, product: _Product) -> str:
         if not product.factor:
@@ -291,10 +291,24 @@ class _Piece:
         arguments = []
         while self._tokens[self._at] != ")":
             self._at += 1  # the parenthesis or a comma
-            arguments.append(f"double {self._sum()}")
+            arguments.append(self._sum())
         self._at += 1
-        called = "llvm.sqrt.f64" if name == "sqrt" else name
-        return self._new(f"call double @{called}({', '.join(arguments)})")
+        if name == "sqrt":
+            called = _builtin(name, self.kind)
+            return self._new(f"call {self.kind} @{called}({self.kind} {arguments[0]})")
+        if self.kind is REAL:
+            return self._called(name, arguments)
+        value = "undef"
+        for lane in range(LANES):
+            taken = [self._new(f"extractelement {VECTOR} {a}, i32 {lane}") for a in arguments]
+            found = self._called(name, taken)
+            value = self._new(f"insertelement {VECTOR} {value}, double {found}, i32 {lane}")
+        return value
+
+    def _called(self, name: str, arguments: list[str]) -> str:
+        """What a function of the C library makes of numbers."""
+        given = ", ".join(f"double {argument}" for argument in arguments)
+        return self._new(f"call double @{name}({given})")
 
     def _leaf(self, token: str) -> str:
         """A literal, the time, an entry of an array, or a value of an earlier piece."""

@@ -36,6 +36,7 @@ PER_CONTACT = len(CONTACT_OUTPUTS)
 SLIP_VELOCITY = CONTACT_OUTPUTS.index("slip_velocity")
 KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_OUTPUTS))
 
+OWN_POWERS = DRIVE_POWER + 1 - OTHER_POWER  # of every model
 LANES = 4  # tangent vectors that generated code moves at once
 
 

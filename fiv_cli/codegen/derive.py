@@ -62,7 +62,7 @@ class ContactState:
     guards : switching functions
     angle : angle of the sector, None where it does not move or does not exist
     contacts : nodes of `CONTACT_OUTPUTS`, per contact
-    energies : nodes of `ENERGY_OUTPUTS`
+    energies : nodes of `ENERGY_OUTPUTS`, then the power of each excitation
     impacts : contact -> velocity entries after an impact on it (position -> node)
     """
 
@@ -128,7 +128,7 @@ def derive(setup: Setup) -> Derivation:
 
 class _Deriver:
     def __init__(self, setup: Setup) -> None:
-        scheduled = setup.schedule.names
+        scheduled, self.powers = setup.schedule.names, setup.model.powers
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
@@ -572,7 +572,8 @@ class _Deriver:
             friction = graph.add(friction, graph.mul(names[force], build(on_system, names)))
             velocity = build(on_system + contact.slip_velocity, names)
             drive = graph.add(drive, graph.mul(names[force], velocity))
-        return [build(kinetic, names), build(potential, names), other, friction, drive]
+        excited = [build(self.equations.powers.get(of, sympy.S.Zero), names) for of in self.powers]
+        return [build(kinetic, names), build(potential, names), other, friction, drive, *excited]
 
     # --- impacts ----------------------------------------------------------------------------------
     def _impacts(

@@ -64,39 +64,70 @@ def pointwise(
     for node in reachable(outputs):
         names[node.index] = graph.name(node)
         lines.append(f"    {graph.name(node)} = {_value(node, names, coefficients)}")
-    for row, node in enumerate(outputs):
-        text = coefficients.text(node) if node.constant else names[node.index]
-        lines.append(f"    out[{row}] = {text}")
-    return lines
+    return lines + _output_lines("out", outputs, names, coefficients)
+
+
+def along_series(
+    graph: Graph,
+    name: str,
+    comment: str,
+    outputs: Sequence[Node],
+    order: int,
+    coefficients: Coefficients,
+) -> list[str]:
+    """Text of a function that writes `outputs` at times into a step that begins at ``t``.
+
+    ``y`` are the series of the state there, the first of ``lanes`` the times.
+    """
+    lines = [f"def {name}(c, t, y, lanes):", f"    # {comment}", "    x = lanes[0]"]
+    lines.append("    square = x * x")
+    names: dict[int, str] = {}
+    for node in reachable(outputs):
+        names[node.index] = own = f"{graph.name(node)}_0"  # a state may be called x
+        if node.op == "state":
+            lines += _sum_lines(own, "y", node.value * (order + 1), order, "x")
+        else:
+            text = "t + x" if node.op == "time" else _value(node, names, coefficients)
+            lines.append(f"    {own} = {text}")
+    return lines + _output_lines("lanes", outputs, names, coefficients)
+
+
+def _output_lines(
+    array: str, outputs: Sequence[Node], names: dict[int, str], coefficients: Coefficients
+) -> list[str]:
+    texts = [coefficients.text(node) if node.constant else names[node.index] for node in outputs]
+    return [f"    {array}[{row}] = {text}" for row, text in enumerate(texts)]
 
 
 def sums(name: str, count: int, order: int) -> list[str]:
     """Text of the function that sums the first `count` series (its ``y``) at the time ``t``."""
     lines = [f"def {name}(c, t, y, out):", "    # value of each entry of the state"]
-    return lines + _sum_lines([(f"out[{row}]", "y", row) for row in range(count)], order)
+    lines.append("    square = t * t")
+    for row in range(count):
+        lines += _sum_lines(f"out[{row}]", "y", row * (order + 1), order, "t")
+    return lines
 
 
 def sums_in_place(name: str, count: int, order: int) -> list[str]:
     """The same of series of tangent vectors: each sum takes the place of the value at 0."""
     lines = [f"def {name}(c, t, y, lanes):", "    # value of each entry of tangent vectors"]
-    places = [f"lanes[{row * (order + 1)}]" for row in range(count)]
-    return lines + _sum_lines([(place, "lanes", row) for row, place in enumerate(places)], order)
+    lines.append("    square = t * t")
+    for first in range(0, count * (order + 1), order + 1):
+        lines += _sum_lines(f"lanes[{first}]", "lanes", first, order, "t")
+    return lines
 
 
-def _sum_lines(rows: Iterable[tuple[str, str, int]], order: int) -> list[str]:
-    """Sums at ``t`` of series: of each where it goes, the array it is in, its row there.
+def _sum_lines(target: str, array: str, first: int, order: int, time: str) -> list[str]:
+    """Sum of the series that begins at `first`, at a time whose square is at hand.
 
     Even and odd powers are summed apart: two short chains of operations instead of a long one.
     """
-    lines = ["    square = t * t"]
-    for target, array, row in rows:
-        first = row * (order + 1)
-        for name, top in (("even", order - order % 2), ("odd", order - 1 + order % 2)):
-            lines.append(f"    {name} = {array}[{first + top}]")
-            for k in range(top - 2, -1, -2):
-                lines.append(f"    {name} = {name} * square + {array}[{first + k}]")
-        lines.append(f"    {target} = even + t * odd")
-    return lines
+    lines = []
+    for name, top in (("even", order - order % 2), ("odd", order - 1 + order % 2)):
+        lines.append(f"    {name} = {array}[{first + top}]")
+        for k in range(top - 2, -1, -2):
+            lines.append(f"    {name} = {name} * square + {array}[{first + k}]")
+    return [*lines, f"    {target} = even + {time} * odd"]
 
 
 def value_and_slope(name: str, degree: int) -> list[str]:
@@ -591,6 +622,11 @@ class TangentStep(TaylorStep):
         if node.constant or node.index in self._own:
             return super()._known(node, k)
         return f"y[{self.motion.place(node, k)}]" if k <= self.motion.degrees[node.index] else ""
+
+    def _products(self, left: Node, right: Node, k: int, start: int, stop: int) -> list[str]:
+        """The terms with what is known last at the end: the others do not wait for it."""
+        terms = super()._products(left, right, k, start, stop)
+        return terms if left.index in self._own else terms[::-1]
 
     def _series_tangent(self, node: Node, k: int) -> str:
         return f"lanes[{node.value * (self.order + 1)}]"

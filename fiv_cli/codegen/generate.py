@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.codegen import NUMERICS_VERSION, cache
+from fiv_cli.codegen.codes import OTHER_POWER
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 
@@ -255,7 +256,7 @@ def _saturating(state: ContactState) -> list[tuple[str, Node]]:
 def _flow_text(
     derivation: Derivation, state: ContactState, order: int, coefficients: Coefficients
 ) -> list[str]:
-    from fiv_cli.codegen.emit import TaylorStep, pointwise
+    from fiv_cli.codegen.emit import TaylorStep, along_series, pointwise
 
     graph, switching = derivation.graph, _switching(state)
     watched = _watched(graph, state)
@@ -265,6 +266,9 @@ def _flow_text(
     outputs = [*state.values, *state.rates, *switching, *contacts, *state.energies]
     name = f"{state.name}_field"
     lines += pointwise(graph, name, f"{state.name}: rates and forces", outputs, coefficients)
+    outputs = [*state.values, *state.rates, *state.energies[OTHER_POWER:]]
+    name = f"{state.name}_measured"
+    lines += along_series(graph, name, "what is measured", outputs, order, coefficients)
     for contact in state.impacts:
         values = _after_impact(state, contact)
         name = f"{state.name}_impact_{contact}"

@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.rest.modes import Complex, Modes, Order, followed, modes_of
+from fiv_cli.analyses.rest.modes import Complex, Modes, Order, continued, followed, modes_of
 
 # Two modes merge where they come to differ more in growth than in frequency, if they then differ
 # in both by less than this share of the frequency: with much damping they pass at a distance.
@@ -107,13 +107,9 @@ class _Row:
         return np.asarray(np.isfinite(self.values).all(axis=1))
 
     @cached_property
-    def modes(self) -> list[Modes]:
-        """The modes of each point as they are stored."""
+    def modes(self) -> Modes:
+        """The modes of the points as they are stored."""
         return modes_of(self.values, self.vectors)
-
-    def ordered(self, point: int) -> Modes:
-        """The modes of a point in their order."""
-        return self.modes[point].taken(self.orders[point])
 
     def joined_to(self, rows: list[_Row]) -> int:
         """Number one point as its neighbour in the first of `rows` that has one; its place."""
@@ -121,7 +117,8 @@ class _Row:
             both = np.flatnonzero(self.known() & row.known())
             if both.size:
                 place = int(both[0])
-                self.orders[place] = followed([(row.ordered(place), self.modes[place])])[0]
+                before = row.modes[place].taken(row.orders[place])
+                (self.orders[place],) = followed([(before, self.modes[place])])
                 return place
         found = np.flatnonzero(self.known())
         return int(found[0]) if found.size else 0
@@ -129,12 +126,23 @@ class _Row:
     def follow(self, first: int) -> None:
         """Number all other points from the one at `first`, upwards and downwards."""
         known = np.flatnonzero(self.known())
-        upwards, downwards = known[known > first], known[known < first][::-1]
-        for points in (upwards, downwards):
-            last = self.ordered(first)
-            for point in points.tolist():
-                (self.orders[point],) = followed([(last, self.modes[point])])
-                last = self.ordered(point)
+        self._follow(known[known >= first])
+        self._follow(known[known <= first][::-1])
+
+    def _follow(self, points: Order) -> None:
+        """Number the points after the first, each as the one before it.
+
+        Mostly a point is numbered as the one before it, so many are matched at once as if all
+        were: so far as that is true it is what they are matched to.
+        """
+        ahead = 1
+        while len(points) > 1:
+            order, some = self.orders[points[0]].copy(), points[: ahead + 1]
+            found = continued(self.modes[some[:-1]].taken(order), self.modes[some[1:]])
+            changed = np.flatnonzero((found != order).any(axis=1))
+            told = int(changed[0]) + 1 if changed.size else len(found)
+            self.orders[some[1 : told + 1]] = found[:told]
+            points, ahead = points[told:], 1 if changed.size else 2 * ahead
 
 
 # --- the dataset's axes ---------------------------------------------------------------------------

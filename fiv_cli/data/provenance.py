@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+from collections.abc import Iterator
 from dataclasses import asdict, is_dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -29,7 +30,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         "title": case.title or case.source,
         "reference": case.reference,
         "source": f"fiv {fiv_cli.__version__}",
-        "history": " ".join(["fiv run", case.source, *(f"--set {o!r}" for o in case.overrides)]),
+        "history": " ".join(_command(case)),
         "model": case.model,
         "model_reference": model.reference,
         "model_numerics_version": model.numerics_version,
@@ -39,7 +40,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         "analyses": ", ".join(f"{spec.name} ({spec.kind})" for spec in case.analyses),
         "analyses_json": {
             spec.name: {"kind": spec.kind, "title": get_analysis(spec.kind).title}
-            | {"settings": {name: _plain(value) for name, value in spec.settings.items()}}
+            | {"settings": {name: _plain(value) for name, value in spec.told.items()}}
             for spec in case.analyses
         },
         "parameters_json": case.parameters,
@@ -73,6 +74,13 @@ def surroundings() -> dict[str, str]:
         "processor": machine_description(),
         **{name: _version(name) for name in ("numba", *PACKAGES)},
     }
+
+
+def _command(case: Case) -> Iterator[str]:
+    """What was typed to run the case."""
+    yield from ("fiv run", case.source)
+    yield from dict.fromkeys(f"--with {o.path}" for o in case.own.values() if not o.entry)
+    yield from (f"--set {override!r}" for override in case.overrides)
 
 
 def _texts(case: Case) -> dict[str, object]:

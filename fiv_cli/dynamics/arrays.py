@@ -112,7 +112,7 @@ def _scratch(system: System) -> dict[str, Array]:
         "work": np.zeros(max(rows * (order + 1), system.generated.n_followed)),
         "lanes": np.zeros(n * (system.generated.tangent_order + 1) * LANES),
         **{name: np.zeros(max(width, 2 * n)) for name in vectors},
-        "nodes": np.zeros((2, width)),
+        "nodes": np.zeros((2, width * LANES)),
         **roots.scratch(order),
         "slip_velocities": np.zeros(contacts),
         **{
@@ -131,6 +131,7 @@ def _not_asked_for(system: System) -> dict[str, Array]:
         "reference": np.zeros(len(system.coordinates)),
         **{name: np.zeros(n) for name in ("least", "greatest", "squares")},
         "shares": np.zeros((contacts, 3)),
+        "works": np.zeros(len(system.setup.model.powers)),
         "section_times": np.zeros(1),
         "section_states": np.zeros((1, n)),
         "sample_times": np.zeros(0),

@@ -29,14 +29,13 @@ from fiv_cli.codegen.codes import (
     CODE_SLIP_MINUS,
     CODE_SLIP_PLUS,
     CODE_STICK,
-    DRIVE_POWER,
-    FRICTION_POWER,
     GAP,
     JAMMING,
     KINETIC,
     LANES,
     NORMAL,
     OTHER_POWER,
+    OWN_POWERS,
     PER_CONTACT,
     PIECE,
     SEPARATION,
@@ -90,6 +89,7 @@ GRAZING = 1e-5  # a switching function that falls slower than this share of its 
 ZERO = 1e-12  # a switching function this small against its scale over a step is at zero
 VANISHING = 1e-10  # ... and so is a derivative
 LAST_DIGITS = 1e-10  # a gap this small against what states make it up is none at a start
+HOP = 1e-7  # a flight of this share of a step rises by less than a gap's rounding can tell
 SAME_INSTANT = 1e-9  # two events within this share of a step may be one
 BISECTIONS = 80
 TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
@@ -122,6 +122,7 @@ class Run(Search):
     sum_tangent: FixedInt
     taylor: Ints
     field: Ints
+    measured: Ints  # states, rates and powers at several times of a step
     followed: Ints  # the same series as `taylor`, and what tangents need of the motion's
     tangent: Ints
     switching_with_tangent: Ints
@@ -233,6 +234,7 @@ class Run(Search):
     greatest: Floats
     squares: Floats  # integrals
     shares: Floats2  # time of each contact in slip, stick, separation
+    works: Floats  # of each excitation
     quadrature: Floats2
 
     # --- scratch, written before it is read ---
@@ -900,44 +902,65 @@ def take_samples(run: Run, index: int, tau: float) -> None:
 
 
 @native
-def take_measures(run: Run, index: int, tau: float, end: Floats) -> None:
-    """Integrate the measures along the step of length tau, which ends at the state `end`."""
-    t, field = run.time, run.field[index]
+def take_measures(run: Run, index: int, tau: float) -> None:
+    """Integrate the measures along the step of length tau."""
     run.measured_time += tau
     for i in range(run.n_contacts):
         run.shares[i, run.kinds[i]] += tau
     count = nodes_needed(run, tau)
     first, x = count * (count - 1) // 2, 0.0
     for node in range(count):
+        here = run.nodes[node // LANES % 2]
+        if node % LANES == 0:
+            look_at_nodes(run, index, tau, here, first + node, first + count - 1)
         last_x, x = x, run.quadrature[first + node, 0] * tau
-        here = run.nodes[node % 2]
-        if node == 0:
-            call_generated(field, run.coefficients, t, run.y, here)
-        elif node == count - 1:
-            call_generated(field, run.coefficients, t + x, end, here)
-        else:
-            state_after(run, index, t, x, run.between)
-            call_generated(field, run.coefficients, t + x, run.between, here)
-        add_up(run, here, run.quadrature[first + node, 1] * tau, run.energy_place[index])
+        add_up(run, here[node % LANES :], run.quadrature[first + node, 1] * tau)
         if node > 0 and run.is_taylor == 1:
-            look_for_turns(run, run.nodes[1 - node % 2], here, last_x, x)
+            before = run.nodes[(node - 1) // LANES % 2][(node - 1) % LANES :]
+            look_for_turns(run, before, here[node % LANES :], last_x, x)
 
 
 @native
-def add_up(run: Run, here: Floats, weight: float, energies: int) -> None:
-    """Add a node of the quadrature, where the field output is `here`."""
+def look_at_nodes(run: Run, index: int, tau: float, here: Floats, row: int, last: int) -> None:
+    """What is measured at nodes, several at once: states, their rates, powers.
+
+    `row` is that of the first of them in the rule, which ends with the row `last`.
+    """
+    n, t, outputs = run.n_states, run.time, run.outputs
+    if run.is_taylor == 1:
+        for lane in range(LANES):
+            here[lane] = run.quadrature[min(row + lane, last), 0] * tau
+        call_generated(run.measured[index], run.coefficients, t, run.series, here)
+        return
+    powers = run.energy_place[index] + OTHER_POWER
+    for lane in range(min(LANES, last - row + 1)):
+        x = run.quadrature[row + lane, 0] * tau
+        state_after(run, index, t, x, run.between)
+        call_generated(run.field[index], run.coefficients, t + x, run.between, outputs)
+        for i in range(2 * n):
+            here[i * LANES + lane] = outputs[i]
+        for i in range(OWN_POWERS + len(run.works)):
+            here[(2 * n + i) * LANES + lane] = outputs[powers + i]
+
+
+@native
+def add_up(run: Run, here: Floats, weight: float) -> None:
+    """Add a node of the quadrature, at which this is measured."""
     for i in range(run.n_states):
-        value = here[i]
+        value = here[i * LANES]
         run.least[i] = min(run.least[i], value)
         run.greatest[i] = max(run.greatest[i], value)
         run.squares[i] += weight * value * value
     for i in range(run.n_coordinates):
         if run.reference[i] == run.reference[i]:
-            off = here[i] - run.reference[i]
+            off = here[i * LANES] - run.reference[i]
             run.spread += weight * (off * off)
-    run.other_work += weight * here[energies + OTHER_POWER]
-    run.friction_work += weight * here[energies + FRICTION_POWER]
-    run.drive_work += weight * here[energies + DRIVE_POWER]
+    powers = here[2 * run.n_states * LANES :]
+    run.other_work += weight * powers[0]
+    run.friction_work += weight * powers[LANES]
+    run.drive_work += weight * powers[2 * LANES]
+    for i in range(len(run.works)):
+        run.works[i] += weight * powers[(OWN_POWERS + i) * LANES]
 
 
 @native
@@ -952,20 +975,21 @@ def nodes_needed(run: Run, tau: float) -> int:
 
 @native
 def look_for_turns(run: Run, before: Floats, after: Floats, low: float, high: float) -> None:
-    """Extremes that lie between two nodes, whose field outputs are given.
+    """Extremes that lie between two nodes, at which these are measured.
 
     Only a turn that can pass the extreme known so far is located.
     """
     n, order = run.n_states, run.order
     for i in range(n):
-        rise, fall = before[n + i], after[n + i]
+        begun, ended = before[i * LANES], after[i * LANES]
+        rise, fall = before[(n + i) * LANES], after[(n + i) * LANES]
         if rise * fall < 0.0:
             reach = (abs(rise) + abs(fall)) * (high - low)
             if rise > 0.0:
-                if max(before[i], after[i]) + reach > run.greatest[i]:
+                if max(begun, ended) + reach > run.greatest[i]:
                     value = turning_value(run, i * (order + 1), low, high, rise, fall)
                     run.greatest[i] = max(run.greatest[i], value)
-            elif min(before[i], after[i]) - reach < run.least[i]:
+            elif min(begun, ended) - reach < run.least[i]:
                 value = turning_value(run, i * (order + 1), low, high, rise, fall)
                 run.least[i] = min(run.least[i], value)
 
@@ -1350,6 +1374,17 @@ def off_section(run: Run, index: int, step: float) -> tuple[float, int]:
 
 
 @native
+def is_hop(run: Run, index: int, hit: int, flight: float) -> bool:
+    """Whether a step is a flight off a stop, so short that where it turns lies in rounding.
+
+    A step that ended there would begin another flight, as long as the rounding of a gap makes it.
+    """
+    if hit < 0 or run.guard_kinds[index, hit] != GAP:
+        return False
+    return run.bounces[run.guard_contacts[index, hit]] == 1 and flight < HOP * run.last_step
+
+
+@native
 def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, float]:
     """What ends a step: NOTHING, a switching function, a border of the sector, the section.
 
@@ -1369,6 +1404,8 @@ def first_fall(run: Run, index: int, step: float) -> tuple[int, float, float, fl
         return hit, fraction, 0.0, 0.0
     sign, entry = 1.0 if value > 0.0 else -1.0, run.section_state
     root = fall(run, index, step, entry, entry, zeros, sign, 0.0)
+    if is_hop(run, index, hit, fraction * step):
+        return hit, fraction, sign, 0.0
     if 0.0 < root < fraction and not coincides(run, hit, step, root, fraction):
         return SECTION, root, sign, -sign
     return hit, fraction, sign, 0.0
@@ -1652,7 +1689,7 @@ def watch(run: Run, index: int, tau: float, measuring: bool) -> None:
     if run.n_sampled < len(run.sample_times):
         take_samples(run, index, tau)
     if measuring:
-        take_measures(run, index, tau, run.reached)
+        take_measures(run, index, tau)
     if len(run.tangents) > 0:
         move_tangents(run, index, tau)
 

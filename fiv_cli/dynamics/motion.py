@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache
+from functools import cache, partial
 from operator import attrgetter
 from time import perf_counter
 from typing import NamedTuple
@@ -25,6 +25,7 @@ from fiv_cli.codegen.codes import (
     SLIP,
     STICK,
 )
+from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of
 from fiv_cli.dynamics.compiled import DRIVER
@@ -87,6 +88,7 @@ class Measures(NamedTuple):
     largest_residual : of an event, relative
     least, greatest, squares : of each state, and the integral of its square; shape (n_states,)
     shares : time in slip, stick, separation; shape (n_contacts, 3)
+    works : of each excitation, J
     """
 
     measured_time: float
@@ -100,6 +102,7 @@ class Measures(NamedTuple):
     greatest: Vector
     squares: Vector
     shares: NDArray[np.float64]
+    works: Vector
 
     @property
     def extremes(self) -> NDArray[np.float64]:
@@ -219,6 +222,11 @@ class Motion:
         return self.frame.kinds
 
     @property
+    def is_held(self) -> bool:
+        """Whether a contact sticks or a stop is closed."""
+        return bool(kernel.holds(self.frame))
+
+    @property
     def slip_signs(self) -> Vector:
         """Sign of slip in each contact, where it slips; shape (n_contacts,)."""
         return self.frame.slip_signs
@@ -302,8 +310,9 @@ class Motion:
 
     def keep_ledger(self, rows: int) -> None:
         """Record up to `rows` further events."""
-        for name, array in ledger_of(rows).items():
-            self.frame.show(name, array)
+        if len(self.frame.ledger_times) != rows:
+            for name, array in ledger_of(rows).items():
+                self.frame.show(name, array)
         self.frame.n_ledger = 0
 
     def start_measuring(self, reference: Vector) -> None:
@@ -316,6 +325,7 @@ class Motion:
         self.frame.show("greatest", np.full(n, -np.inf))
         self.frame.show("squares", np.zeros(n))
         self.frame.show("shares", np.zeros((contacts, 3)))
+        self.frame.show("works", np.zeros(len(self.system.setup.model.powers)))
 
     def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
         """Carry tangent vectors (rows) along from here on."""
@@ -356,7 +366,8 @@ class Motion:
         frame.n_sections = 0
         if section is not None and section.kind == "phase":
             frame.next_phase = self._next_phase(section.phase, phase_interval)
-        self.show_section(section, *sections or self._no_sections())
+        if sections is not None or frame.section_kind != kernel.SECTION_NONE:
+            self.show_section(section, *sections or self._no_sections())
         self._fill_samples(samples or no_samples(self.system))
 
         while self.kink < t_stop:
@@ -432,8 +443,8 @@ class Motion:
 
     def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
-        driver = DRIVER.function
-        stop = self.drive(lambda: driver(self.frame.address, t_stop, phase_interval, measuring))
+        asked = self.frame.address, t_stop, phase_interval, measuring
+        stop = self.drive(partial(DRIVER.function, *asked))
         self.samples.count = self.frame.n_sampled
         return stop
 
@@ -463,18 +474,17 @@ class Motion:
 
     def rates(self) -> Vector:
         """Time derivative of the state; shape (n_states,). NaN where no contact state holds."""
-        if not self._has_equations():
-            return np.full(len(self.y), np.nan)
-        return self._field(self.state_index).rates
-
-    def _has_equations(self) -> bool:
-        """Whether the contact state is one of the model's: one that was never found is not."""
-        return bool(self.system.tables.field[self.state_index] != 0)
+        y, outputs = self.y, self.frame.outputs
+        field = self.system.tables.field.item(self.state_index)
+        if field == 0:
+            return np.full(len(y), np.nan)
+        call_generated(field, self.coefficients, self.time, y, outputs)
+        return outputs[len(y) : 2 * len(y)].copy()
 
     # --- energy ---------------------------------------------------------------------------------
     def energy(self) -> float:
         """Kinetic and potential energy, J; NaN where no contact state holds."""
-        if not self._has_equations():
+        if self.system.tables.field[self.state_index] == 0:
             return float("nan")
         energies = self._field(self.state_index).energies
         return float(energies[KINETIC] + energies[POTENTIAL])

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.codes import ENERGY_OUTPUTS, PER_CONTACT, SEPARATION, index_of
 from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateTable, generate
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
+from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.rows import call_rows
 from fiv_cli.schedule import rate_of
@@ -109,7 +110,8 @@ class System:
     @cached_property
     def outputs_width(self) -> int:
         """Most numbers that a field function writes."""
-        return int(np.max(self.tables.energy_place)) + len(ENERGY_OUTPUTS)
+        written = len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
+        return int(np.max(self.tables.energy_place)) + written
 
     # --- generated functions, called from Python --------------------------------------------------
     def coefficients(self, parameters: Vector) -> Vector:
@@ -124,7 +126,10 @@ class System:
         """What a contact state makes of a state, or of each of some, (..., n_states)."""
         tables, n = self.tables, y.shape[-1]
         out = np.zeros((*y.shape[:-1], self.outputs_width))
-        call_rows(tables.field[index], coefficients, time, y, out)
+        if y.ndim == 1:
+            call_generated(tables.field[index], coefficients, time, y, out)
+        else:
+            call_rows(tables.field[index], coefficients, time, y, out)
         contacts, energies = tables.contact_place[index], tables.energy_place[index]
         forces = out[..., contacts:energies]
         return FieldOutput(
@@ -241,6 +246,7 @@ class Tables:
 
     taylor: NDArray[np.int64]
     field: NDArray[np.int64]
+    measured: NDArray[np.int64]
     impact: NDArray[np.int64]
     n_guards: NDArray[np.int64]
     guard_kinds: NDArray[np.int64]
@@ -268,7 +274,7 @@ def _tables(generated: Generated) -> Tables:
     widths = {"impact": (contacts,), **of_guards}
     per_state = {
         name: np.zeros((3**contacts, *widths.get(name, ())), np.int64)
-        for name in (*widths, "taylor", "field", "n_guards", "has_angle", "n_arguments",
+        for name in (*widths, "taylor", "field", "measured", "n_guards", "has_angle", "n_arguments",
                      "contact_place", "energy_place")
     }  # fmt: skip
     per_contact = {
@@ -288,6 +294,7 @@ def _enter_state(tables: Tables, generated: Generated, index: int, state: StateT
     contacts = len(generated.smooth)
     tables.taylor[index] = generated.address(f"{state.name}_taylor")
     tables.field[index] = generated.address(f"{state.name}_field")
+    tables.measured[index] = generated.address(f"{state.name}_measured")
     for contact in state.impacts:
         tables.impact[index, contact] = generated.address(f"{state.name}_impact_{contact}")
     tables.n_guards[index] = len(state.guards)

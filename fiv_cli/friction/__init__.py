@@ -8,8 +8,10 @@ from fiv_cli.friction import (
     coulomb,
     cubic,
     dahl,
+    elasto_plastic,
     exponential,
     four_parameter,
+    gms,
     hyperbolic,
     jenkins,
     linear_regularisation,
@@ -18,7 +20,9 @@ from fiv_cli.friction import (
     none,
     rate_and_state,
     rational,
+    reset_integrator,
     simscape,
+    stefanski,
     stribeck,
     stribeck_viscous,
     tanh,
@@ -42,17 +46,21 @@ _LAWS: tuple[Law, ...] = (
     linear_regularisation.LAW,
     dahl.LAW,
     jenkins.LAW,
+    reset_integrator.LAW,
+    gms.LAW,
     lugre.LAW,
+    elasto_plastic.LAW,
     rate_and_state.LAW,
+    stefanski.LAW,
 )
 
 TANH_OF = "tanh of "
 
 
 def _with_regularised(laws: Iterable[Law]) -> dict[str, Law]:
-    """Laws by name, and behind them the regularised forms of those that stick."""
+    """Laws by name, and behind them the regularised forms of those that are set-valued."""
     plain = tuple(laws)
-    smooth = (tanh.regularised(law) for law in plain if law.capacity is not None)
+    smooth = (tanh.regularised(law) for law in plain if law.kind == "set-valued")
     return {law.name: law for law in (*plain, *smooth)}
 
 

@@ -97,6 +97,8 @@ class Law:
     requirements : what its parameters must be to one another
     constant_load : it gives a force that does not depend on the normal force
     only_in_stick : parameters that sliding does not read
+    steady : ``(Slip, parameters) -> F_T`` in N of steady sliding, where the states are at rest;
+        None: what `rates` say
     stored : ``(Slip, parameters) -> energy`` in J that friction may give back, under a constant
         normal force; None: none
     pieces : those that an element may be in, the one that it begins in first
@@ -120,6 +122,7 @@ class Law:
     requirements: tuple[Requirement, ...] = ()
     constant_load: bool = False
     only_in_stick: tuple[str, ...] = ()
+    steady: Callable[[Slip, Mapping[str, Expr]], Expr] | None = None
     stored: Callable[[Slip, Mapping[str, Expr]], Expr] | None = None
     pieces: tuple[Piece, ...] = ()
     elements: int = 1
@@ -174,8 +177,8 @@ class Law:
         """F_T in N of steady sliding, where the internal states rest."""
         import sympy
 
-        if self.rates is None:
-            return self.force(slip, parameters)
+        if self.rates is None or self.steady is not None:
+            return (self.steady or self.force)(slip, parameters)
         states = {state.name: sympy.Symbol(state.name, real=True) for state in self.states}
         moving = replace(slip, states=states)
         rates = self.rates(moving, parameters)

@@ -28,6 +28,9 @@ from fiv_cli.models.base import Parameter
 if TYPE_CHECKING:
     from sympy import Expr
 
+SIGMA_1 = Parameter("sigma_1", r"\sigma_1", "s m-1", 0.1, "damping of the bristles", "2.13", 0.0)
+SIGMA_2 = Parameter("sigma_2", r"\sigma_2", "s m-1", 0.0, "viscous friction", "2.13", 0.0)
+
 
 def _bending(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     """dz/dt in m/s."""
@@ -55,8 +58,8 @@ LAW = Law(
         V_S,
         exponent(2.0),
         SIGMA_0,
-        Parameter("sigma_1", r"\sigma_1", "s m-1", 0.1, "damping of the bristles", "2.13", 0.0),
-        Parameter("sigma_2", r"\sigma_2", "s m-1", 0.0, "viscous friction", "2.13", 0.0),
+        SIGMA_1,
+        SIGMA_2,
     ),
     force=force,
     capacity=None,

@@ -19,7 +19,7 @@ from fiv_cli.models import (
 from fiv_cli.models.base import Model
 from fiv_cli.models.excitation import BETWEEN, excited
 
-_MODELS: tuple[Model, ...] = (
+_BOX: tuple[Model, ...] = (
     belt_1dof.MODEL,
     belt_2mass.MODEL,
     flutter_2dof.MODEL,
@@ -31,25 +31,23 @@ _MODELS: tuple[Model, ...] = (
     disc_nonlinear_contact.MODEL,
     pin_on_disc.MODEL,
 )
-
-
-_FROM_OUTSIDE: dict[str, Model] = {}
-"""What `fiv_cli/own` has loaded."""
+_BY_NAME = {model.name: model for model in _BOX}
 
 
 def all_models() -> dict[str, Model]:
     """Every model, by name (a copy)."""
-    return {model.name: model for model in _MODELS} | _FROM_OUTSIDE
+    return dict(_BY_NAME)
 
 
 def know_models(models: Iterable[Model], alone: bool = False) -> None:
     """List models that are not in the box; `alone`: no others from outside."""
     if alone:
-        _FROM_OUTSIDE.clear()
-    _FROM_OUTSIDE.update({model.name: model for model in models})
+        _BY_NAME.clear()
+        _BY_NAME.update({model.name: model for model in _BOX})
+    _BY_NAME.update({model.name: model for model in models})
 
 
 def get_model(name: str) -> Model:
     """The model called `name`, perhaps an excited one; KeyError when there is none."""
     plain, plus, _ = name.partition(BETWEEN)
-    return excited(all_models()[plain], name) if plus else all_models()[name]
+    return excited(_BY_NAME[plain], name) if plus else _BY_NAME[name]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", "3.1", 0.0, exclusive=True),
-    Parameter("k", "k", "N m-1", 1.0, "stiffness of the spring", "3.1", 0.0, exclusive=True),
+    Parameter("k", "k", "N m-1", 1.0, "stiffness of the spring", "3.1", 0.0),
     Parameter("c", "c", "N s m-1", 0.0, "damping coefficient", "3.1", 0.0),
     Parameter("N", "N", "N", 10.0, "normal force", "3.5", 0.0, role="preload"),
     Parameter("v", "v", "m s-1", 1.0, "belt velocity", "3.6", role="speed"),

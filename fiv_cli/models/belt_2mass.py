@@ -24,7 +24,7 @@ PARAMETERS = (
     Parameter("m1", "m_1", "kg", 2.5, "mass at the wall", "3.13", 0.0, exclusive=True),
     Parameter("m2", "m_2", "kg", 1.0, "mass at the end", "3.14", 0.0, exclusive=True),
     Parameter("k1", "k_1", "N m-1", 2.0, "stiffness wall to mass 1", "3.13", 0.0),
-    Parameter("k2", "k_2", "N m-1", 1.0, "stiffness mass 1 to mass 2", "3.13", 0.0, exclusive=True),
+    Parameter("k2", "k_2", "N m-1", 1.0, "stiffness mass 1 to mass 2", "3.13", 0.0),
     Parameter("N", "N", "N", 20.0, "normal force on mass 1", "3.15", 0.0, role="preload"),
     Parameter("v", "v", "m s-1", 1.0, "velocity of the belt under mass 1", "3.15", role="speed"),
     Parameter(
@@ -40,7 +40,6 @@ PARAMETERS = (
         "3.15",
         0.0,
         default_from="N",
-        role="preload",
     ),
     Parameter(
         "v2",
@@ -50,7 +49,6 @@ PARAMETERS = (
         "velocity of the belt under mass 2",
         "3.15",
         default_from="v",
-        role="speed",
     ),
 )
 

@@ -13,10 +13,11 @@ takes the value of another. Forces divide by the mass matrix, that of the kineti
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, wraps
 from itertools import product
+from math import cos, pi
 from typing import TYPE_CHECKING
 
 from fiv_cli.errors import UsageError
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 BETWEEN = " + "
 BASE = "base"
+LOOKS = 32  # at a turn of what varies, whether requirements hold
 UNITS_OF_FORCES = {"m": "N", "rad": "N m"}
 
 NAMES = {
@@ -49,7 +51,7 @@ NAMES = {
 }
 """Key of a table of a case -> the parameter that it gives."""
 
-_TERM = re.compile(r"(?P<force>force_\w+)|base|(?P<varied>\w+)\(t\)(?: in (?P<unit>.+))?")
+_TERM = r"(?P<force>force_\w+)|base|(?P<varied>\w+)\(t\)(?: in (?P<unit>.+))?"
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def terms_of(model: str) -> tuple[str, list[Term], dict[str, str]]:
 
 
 def _term(text: str) -> Term:
-    found = _TERM.fullmatch(text)
+    found = re.fullmatch(_TERM, text)
     if found is None:
         raise UsageError(
             f"{text!r} is no excitation of a model\n"
@@ -103,10 +105,11 @@ def excited(model: Model, name: str) -> Model:
     _, terms, leaders = terms_of(name)
     added: list[Parameter] = []
     for term in terms:
+        _refuse_nothing(model, term)
         added += _parameters(model, term, added)
     table = [_follow(p, leaders.get(p.name)) for p in (*model.parameters, *added)]
     varied = tuple(term.of for term in terms if term.kind == "parameter")
-    loads = {p.name for p in model.parameters if p.role == "preload"}
+    loads = _of_role(model, "preload")
     alone = len(terms) == 1 and not model.forcings
     forcings = [_forcing(model, term, alone) for term in terms]
     return replace(
@@ -119,8 +122,23 @@ def excited(model: Model, name: str) -> Model:
         forcings=(*model.forcings, *forcings),
         requirements=(*model.requirements, *_requirements(model, terms, forcings)),
         varied=varied,
-        powers={term.of: _power_of(term) for term in terms if term.kind != "parameter"},
+        powers={term.text: _power_of(term) for term in terms if term.kind != "parameter"},
     )
+
+
+def _refuse_nothing(model: Model, term: Term) -> None:
+    """UsageError where the model has nothing of the kind."""
+    known = {
+        "force": {s.name for s in model.states(model.default_options())},
+        "base": {BASE} if model.base else set(),
+        "parameter": {p.name for p in model.parameters} | {term.of if term.unit else ""},
+    }
+    lumped = term.kind == "parameter" or model.derived is None
+    if term.of not in known[term.kind] or not lumped:
+        raise UsageError(
+            f"{term.text!r} is no excitation of {model.name}\n"
+            f"next: fiv models {model.name}; of a parameter of the law, NAME(t) in UNIT"
+        )
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -158,7 +176,7 @@ def _meaning(term: Term) -> str:
 
 def _power_of(term: Term) -> str:
     """What its mean power is called, see `Model.powers`."""
-    return "the moving base" if term.kind == "base" else f"the external force on {term.of}"
+    return "the base that moves" if term.kind == "base" else f"the external force along {term.of}"
 
 
 def _follow(parameter: Parameter, leader: str | None) -> Parameter:
@@ -167,13 +185,15 @@ def _follow(parameter: Parameter, leader: str | None) -> Parameter:
 
 def _forcing(model: Model, term: Term, alone: bool) -> Forcing:
     of, fast = term.of, None
-    if alone and model.contacts == 1 and (term.kind == "force" or of in _speeds(model)):
+    if alone and model.contacts == 1 and (term.kind == "force" or of in _of_role(model, "speed")):
         fast = _fast_velocity(model, term)
     return Forcing(f"A_{of}", lambda p: p[f"omega_{of}"], _meaning(term), fast)
 
 
-def _speeds(model: Model) -> set[str]:
-    return {p.name for p in model.parameters if p.role == "speed"}
+def _of_role(model: Model, role: str) -> set[str]:
+    """The parameters of a role, and what takes the value of one."""
+    names = {p.name for p in model.parameters if p.role == role}
+    return names | {p.name for p in model.parameters if p.default_from in names}
 
 
 # --- what parameters must be to one another -------------------------------------------------------
@@ -237,9 +257,9 @@ class _Asked(dict[str, float]):
 def at_every_phase(
     requirements: Sequence[Requirement], varied: Sequence[str], table: Mapping[str, Parameter]
 ) -> list[Requirement]:
-    """The requirements at both ends of what varies harmonically, which stays in its range."""
+    """The requirements while parameters vary harmonically; these stay in their range."""
     bounds = [_in_range(table[name]) for name in varied if name in table]
-    return bounds + [_at_both_ends(one, varied) for one in requirements]
+    return bounds + [_throughout(one, varied) for one in requirements]
 
 
 def _in_range(parameter: Parameter) -> Requirement:
@@ -256,16 +276,29 @@ def _in_range(parameter: Parameter) -> Requirement:
     )  # fmt: skip
 
 
-def _at_both_ends(requirement: Requirement, varied: Sequence[str]) -> Requirement:
+def _throughout(requirement: Requirement, varied: Sequence[str]) -> Requirement:
     names = [name for name in varied if name in requirement.reads]
 
     def holds(p: Mapping[str, float]) -> bool:
-        ends = ({n: p[n] + s * p[f"A_{n}"] for n, s in zip(names, signs, strict=True)}
-                for signs in product((-1.0, 1.0), repeat=len(names)))  # fmt: skip
+        ends = (
+            {name: p[name] + turn * p[f"A_{name}"] for name, turn in zip(names, turns, strict=True)}
+            for turns in _turns(names, p)
+        )
         return all(requirement.holds({**p, **end}) for end in ends)
 
-    reads = (*requirement.reads, *(f"A_{name}" for name in names))
+    read = [NAMES[key].format(name) for name in names for key in ("amplitude", "omega", "phase")]
+    reads = (*requirement.reads, *read)
     return replace(requirement, reads=reads, holds=holds) if names else requirement
+
+
+def _turns(names: Sequence[str], p: Mapping[str, float]) -> Iterable[tuple[float, ...]]:
+    """What the cosines of some parameters may be at once; of one frequency they go together."""
+    phases = [p[f"phase_{name}"] for name in names]
+    if len({p[f"omega_{name}"] for name in names}) > 1:
+        return product((-1.0, 1.0), repeat=len(names))
+    ends = [end - phase for phase in phases for end in (0.0, pi)]
+    angles = [*ends, *(2 * pi * turn / LOOKS for turn in range(LOOKS))]
+    return (tuple(cos(angle + phase) for phase in phases) for angle in angles)
 
 
 # --- equations ------------------------------------------------------------------------------------
@@ -329,7 +362,7 @@ def _forced(found: Equations, symbols: Symbols, of: str) -> Equations:
     return replace(
         found,
         accelerations={q: a + force * gained[q] for q, a in found.accelerations.items()},
-        powers={**found.powers, of: force * symbols.velocity(of)},
+        powers={**found.powers, f"force_{of}": force * symbols.velocity(of)},
     )
 
 

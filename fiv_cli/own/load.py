@@ -26,34 +26,34 @@ from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models, know_models
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
-from fiv_cli.own.lines import Lines
 
 GROUPS = ("fiv.models", "fiv.laws")
 """Entry points of installed packages."""
 
 SEARCHED = 200  # files beside a case that are searched for a name
 MOST_BYTES = 2**20  # of a file of models
-_NAME = re.compile(r"[A-Za-z][\w.-]*", re.ASCII)
+_MADE = r"(?m)^\w+ = (?:\w+\.)*(?:Model|Law|replace)\("
+_NAME = r"(?a)[A-Za-z][\w.-]*"
 
 
 def read(paths: Iterable[Path]) -> tuple[Origin, ...]:
-    """What stands in files; a folder stands for all Python files in it.
+    """What stands in files; a folder stands for those in it that make a model or a law.
 
     Raises
     ------
     UsageError
         one cannot be read.
     """
-    files = [file for path in paths for file in _files_of(path)]
-    return tuple(Origin(str(file), _text(file)) for file in dict.fromkeys(files))
+    files = {file.resolve(): file for path in paths for file in _files_of(path)}
+    return tuple(Origin(str(file), _text(file)) for file in files.values())
 
 
 def _files_of(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
-    files = sorted(path.glob("*.py"))
+    files = [file for file in sorted(path.glob("*.py")) if re.search(_MADE, _text(file))]
     if not files:
-        raise UsageError(f"--with {path}: no Python files in it\nnext: fiv new-model NAME")
+        raise UsageError(f"--with {path}: no file in it makes a model\nnext: fiv new-model NAME")
     return files
 
 
@@ -74,7 +74,7 @@ def _text(path: Path) -> str:
 
 def is_name(name: object) -> bool:
     """Whether a model or a law can be called so: in a case, on a command line, in a file's name."""
-    return isinstance(name, str) and bool(_NAME.fullmatch(name))
+    return isinstance(name, str) and bool(re.fullmatch(_NAME, name))
 
 
 def use(origins: Iterable[Origin]) -> None:
@@ -100,6 +100,8 @@ def know(origins: Iterable[Origin]) -> None:
 
 
 def _refuse_taken_names(origin: Origin) -> None:
+    from fiv_cli.own.lines import Lines
+
     lines, problems = Lines(origin.text), []
     known: dict[str, Model | Law] = {**all_models(), **all_laws()}
     for thing in declared(origin):
@@ -166,10 +168,12 @@ def module_of(origin: Origin) -> ModuleType:
     """The module that the text of a file makes; what it prints goes to stderr."""
     if origin.entry:
         return importlib.import_module(origin.entry.partition(":")[0])
+    from fiv_cli.own.lines import Lines
+
     lines = Lines(origin.text)
     name = f"fiv_own_{origin.digest}"
     try:
-        _refuse_companions(origin, lines)
+        _refuse_companions(origin, lines.imports())
         loader = _Text(origin)
         spec = importlib.util.spec_from_loader(name, loader)
         assert spec is not None
@@ -184,7 +188,7 @@ def module_of(origin: Origin) -> ModuleType:
     return module
 
 
-def _refuse_companions(origin: Origin, lines: Lines) -> None:
+def _refuse_companions(origin: Origin, imports: Iterable[tuple[str, int]]) -> None:
     """Refuse modules that are neither Python's nor installed: nothing would follow their text."""
     problems = [
         Problem(
@@ -194,7 +198,7 @@ def _refuse_companions(origin: Origin, lines: Lines) -> None:
             "write what is needed of it into this file, or install it as a package",
             line,
         )
-        for name, line in lines.imports()
+        for name, line in imports
         if (found := _companion(name))
     ]
     if problems:
@@ -211,6 +215,12 @@ def _companion(name: str) -> str:
 
 
 # --- installed packages ---------------------------------------------------------------------------
+def seek(name: str) -> None:
+    """Have a model or a law at hand that an installed package may offer."""
+    if name not in {**all_models(), **all_laws()}:
+        know_installed()
+
+
 def know_installed() -> None:
     """Know what installed packages offer, where the name is not taken.
 

@@ -13,10 +13,10 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from fiv_cli import ending
 from fiv_cli.codegen import NUMERICS_VERSION, cache
@@ -27,7 +27,7 @@ from fiv_cli.own.load import declared, know, read, use
 LIMIT = 20.0
 """Seconds in which a file must have run."""
 
-CHECKING = 15
+CHECKING = 6
 """So many times as long may the derivatives of its equations take."""
 
 _PROGRAM = "from fiv_cli.own.probe import main; main()"
@@ -57,9 +57,9 @@ def examine(origins: Sequence[Origin], limit: float = LIMIT) -> None:
     stamp = f"{_key(origins)}.sound"
     if not origins or cache.read(stamp) is not None:
         return
-    for origin, problems in zip(origins, _answers(origins, limit), strict=False):
+    for number, problems in _answers(origins, limit).items():
         if problems:
-            raise ModelFileError(origin.path, problems)
+            raise ModelFileError(origins[number].path, problems)
     cache.write(stamp, b"")
 
 
@@ -71,8 +71,8 @@ def _key(origins: Sequence[Origin]) -> str:
     return cache.content_key([cache.source_of(*files), *texts, str(NUMERICS_VERSION), sys.version])
 
 
-def _answers(origins: Sequence[Origin], limit: float) -> Iterator[list[Problem]]:
-    """What is wrong in each file, up to the first that did not end."""
+def _answers(origins: Sequence[Origin], limit: float) -> dict[int, list[Problem]]:
+    """Number of a file -> what is wrong in it."""
     asked = json.dumps([asdict(origin) for origin in origins])
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     with (
@@ -84,11 +84,13 @@ def _answers(origins: Sequence[Origin], limit: float) -> Iterator[list[Problem]]
         ending.last_act(child.kill),
     ):  # fmt: skip
         answer, said = child.communicate(asked)
-    lines = answer.splitlines()
-    for line in lines:
-        yield [Problem(**fields) for fields in json.loads(line)]
-    if len(lines) < len(origins):
-        yield [_stopped(origins[len(lines)], said, limit)]
+    found: dict[int, list[Problem]] = {}
+    begun: int | None = 0
+    for line in answer.splitlines():
+        number, problems = json.loads(line)
+        found[number] = [Problem(**fields) for fields in problems or ()]
+        begun = number if problems is None else None
+    return found if begun is None else {begun: [_stopped(origins[begun], said, limit)]}
 
 
 def _stopped(origin: Origin, said: str, limit: float) -> Problem:
@@ -98,31 +100,47 @@ def _stopped(origin: Origin, said: str, limit: float) -> Problem:
         return Problem("file", f"it ended the process that ran it: {last}")
     places = re.findall(rf'File "{re.escape(origin.path)}", line (\d+)', said)
     line = int(places[0]) if places else None
-    message = f"has not come to an end within {limit:g} s"
+    message = (
+        f"does not come to an end ({limit:g} s to run, {limit * CHECKING:g} for its equations)"
+    )
     hint = "it was stopped on this line; declare only, and let fiv compute"
     return Problem("file", message, "", hint, line)
 
 
 # --- in the process of its own --------------------------------------------------------------------
 def main() -> None:
-    """Answer for the files that stand on stdin, a line of problems for each."""
+    """Answer for the files that stand on stdin: a line when one is begun, one with its problems.
+
+    All are run before the first is checked: a model may name a law of another file.
+    """
     limit, answers = float(sys.argv[1]), os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what a file prints is no answer
-    for fields in json.load(sys.stdin):
-        found = _problems(Origin(**fields), limit)
-        print(json.dumps([asdict(problem) for problem in found]), file=answers, flush=True)
+    origins = [Origin(**fields) for fields in json.load(sys.stdin)]
+    wrong = False
+    for step, patience in ((_run, limit), (_check, limit * CHECKING)):
+        for number, origin in enumerate(() if wrong else origins):
+            _say(answers, number, None)
+            faulthandler.dump_traceback_later(patience, exit=True)
+            found = step(origin)
+            wrong = wrong or bool(found)
+            _say(answers, number, [asdict(problem) for problem in found])
 
 
-def _problems(origin: Origin, limit: float) -> Sequence[Any]:
-    faulthandler.dump_traceback_later(limit, exit=True)
+def _say(answers: TextIO, number: int, problems: list[dict[str, Any]] | None) -> None:
+    print(json.dumps([number, problems]), file=answers, flush=True)
+
+
+def _run(origin: Origin) -> Sequence[Problem]:
     try:
-        things = declared(origin)
         know([origin])
     except ModelFileError as error:
         return error.problems
     except FivError as error:
         return [Problem("package", str(error).partition("\n")[0])]
+    return ()
+
+
+def _check(origin: Origin) -> Sequence[Problem]:
     from fiv_cli.own.check import problems_of
 
-    faulthandler.dump_traceback_later(limit * CHECKING, exit=True)
-    return [problem for thing in things for problem in problems_of(thing, origin)]
+    return [problem for thing in declared(origin) for problem in problems_of(thing, origin)]

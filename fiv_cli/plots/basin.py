@@ -106,13 +106,13 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
     reached = class_names(part["attractor"])
     answered = reached != NOT_COMPUTED
     table = [name for name in flag_names(part["attractor"].attrs).values() if name in reached]
-    size = 3.5 * style.dot_size(len(x)) * min(1.0, ax.figure.figure.get_figwidth() / style.PANEL[0])
+    size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
     for name, colour in zip(table, style.class_colours(table), strict=True):
         mask = reached == name
         share = _share(int(mask.sum()), int(answered.sum())) if name != NOT_COMPUTED else ""
         ax.scatter(
             x[mask], y[mask], size, color=colour, marker=MARKS[table.index(name) % len(MARKS)],
-            lw=0.5, label=f"{name.replace('_', ' ')} {share}".rstrip(),
+            lw=0.5, zorder=3.0 - mask.mean(), label=f"{name.replace('_', ' ')} {share}".rstrip(),
             rasterized=len(x) > style.MANY_MARKS,
         )  # fmt: skip
 
@@ -122,10 +122,11 @@ def _name_shares(ax: Axes) -> None:
     figure = ax.figure.figure
     down = -UNDER_LABEL * mpl.rcParams["font.size"] / style.POINTS
     under = ax.transAxes + ScaledTranslation(0.0, down, figure.dpi_scale_trans)
-    ax.legend(
+    legend = ax.legend(
         loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=under, borderaxespad=0.0,
         title="share ± standard error",
     )  # fmt: skip
+    style.even_keys(legend)
 
 
 def _share(count: int, total: int) -> str:

@@ -226,7 +226,8 @@ def contact_spans(motion: Motion, settings: points.Settings) -> Iterator[tuple[s
         return
     contact = int(settings.get("contact", 1))
     events = [event for event in motion.events if event.contact == contact]
-    changes = [event for event in events if event.before != event.after]  # bounces change nothing
+    drawn = CONTACT_STATES.keys()  # the pieces of a law are not; and a bounce changes nothing
+    changes = [e for e in events if e.before != e.after and {e.before, e.after} <= drawn]
     sampled = motion.data["contact_state"]
     first = flag_names(sampled.attrs).get(int(of_contact(sampled, settings)[0]), "unknown")
     borders = [motion.time[0], *(event.time for event in changes), motion.time[-1]]

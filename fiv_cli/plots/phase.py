@@ -73,6 +73,9 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
         )  # fmt: skip
     if _shows_starts(one.data, settings):
         ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK)
+    held = float(one.data["static_capacity"]) if "static_capacity" in one.data else np.nan
+    if names == ("slip_dot", "F_T") and np.isfinite(held):
+        ax.plot([0.0, 0.0], [-held, held], "--", color=style.BLACK, lw=1.0)
     ax.autoscale_view()
     ax.xaxis.set_major_locator(MaxNLocator(5))
     points.scale(ax, settings)

@@ -26,6 +26,7 @@ from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
+from matplotlib.ticker import AutoLocator
 
 from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
@@ -70,6 +71,7 @@ LONGEST_TEXT = 600  # characters
 TITLE_LETTERS = 92  # in a figure of one panel on a screen
 MARKUP = re.compile(r"\\[a-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
+TICK_LETTERS = 9  # that a tick and the gap beside it take
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
 KEY = 4.5  # size of the marks in legends, pt
 KEY_LETTERS = 7  # that the key of an entry of a legend takes
@@ -266,9 +268,12 @@ def level(ax: Axes) -> None:
 
 
 def finish(figure: Figure) -> None:
-    """Give lines and marks the weight of the look, and labels of axes the lines that they need."""
+    """Give lines and marks the weight of the look, and axes labels and ticks that have room."""
     for ax in figure.axes:
         beside, upright = _room(ax)
+        locator = ax.xaxis.get_major_locator()
+        if isinstance(locator, AutoLocator):
+            locator.set_params(nbins=max(2, min(9, beside // TICK_LETTERS)))
         ax.set_xlabel(_folded(ax.get_xlabel(), beside))
         ax.set_ylabel(_folded(ax.get_ylabel(), upright))
     thicken(figure)

@@ -53,8 +53,8 @@ class Answer:
         if self.not_reached:
             yield (
                 f"  WARNING: {self.not_reached} points of {self.name} lie behind the end of what "
-                'was followed; in its [[initial]], on_loss = "go-on" carries any motion on, '
-                'on_loss = "restart" begins anew'
+                'was followed; in its [[initial]], on_loss = "go-on" carries any motion on (of a '
+                'cycle that has ended there is none), on_loss = "restart" begins anew'
             )
 
 

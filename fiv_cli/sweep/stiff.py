@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
+from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Request
 from fiv_cli.analyses.execute import cost_of_law
 from fiv_cli.models import get_model
@@ -61,11 +62,13 @@ def _roughly(times: float) -> str:
 def _alike(analysis: AnalysisPlan) -> dict[object, dict[str, Request]]:
     """Points whose law is smooth or has states, by system: how they are named, and their runs."""
     found: dict[object, dict[str, Request]] = {}
-    if analysis.template.linear or not get_model(analysis.template.model).contacts:
+    template = analysis.template
+    is_motion = get_analysis(template.analysis).generated and not template.linear
+    if not is_motion or not get_model(template.model).contacts:
         return found
     spread = np.unique(np.linspace(0, analysis.size - 1, LOOKED_AT).round().astype(np.int64))
     for position, (values, _) in zip(spread.tolist(), analysis.points(spread), strict=True):
-        request = request_at(analysis.template, values, None)
+        request = request_at(template, values, None)
         if request.setup.law.kind != "set-valued":
             found.setdefault(request.setup.key, {})[analysis.named(position)] = request
     return found

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 FEWEST = 100  # section values below which the test says nothing
 FREQUENCIES = 40  # test frequencies, spread over (pi/5, 4 pi/5) away from resonances
 LONGEST_LAG = 10  # as a share of the sequence, one over this
+AT_ONCE = 10  # frequencies whose paths are looked at together: more do not fit a cache
 SMOOTH = 128  # a transform is as long as a multiple of this: a product of small primes
 
 Values = NDArray[np.float64]
@@ -30,8 +31,12 @@ def regularity(values: Values) -> float:
     """K of the 0-1 test: near 0 regular, near 1 chaotic; NaN for too few or constant values."""
     if len(values) < FEWEST or np.ptp(values) == 0.0:
         return float("nan")
-    paths = np.cumsum((values - np.mean(values)) * _turning(len(values)), axis=1)
-    return float(np.median(_correlations(_displacements(paths))))
+    centred, turning = values - np.mean(values), _turning(len(values))
+    found = [
+        _correlations(_displacements(np.cumsum(centred * turning[first : first + AT_ONCE], axis=1)))
+        for first in range(0, FREQUENCIES, AT_ONCE)
+    ]
+    return float(np.median(found))
 
 
 def _turning(count: int) -> Paths:

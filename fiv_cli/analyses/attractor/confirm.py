@@ -12,13 +12,14 @@ import numpy as np
 from fiv_cli.analyses.attractor.grounds import CLOSED, NEIGHBOUR, REACH, STRAIGHT
 from fiv_cli.analyses.cycles.first_guess import guess_between
 from fiv_cli.analyses.cycles.periodic import (
-    RANK,
+    MOST_EVENTS,
     Orbit,
     Passage,
     Problem,
     Shooting,
     anchor_at,
     begin,
+    least_squares,
     shooting,
     sorted_multipliers,
 )
@@ -45,7 +46,7 @@ def confirm(
     """
     here = anchor_at(problem, motion)
     now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
-    guess = guess_between(problem, lambda: begin(problem, here), now, now + period)
+    guess = guess_between(problem, lambda: begin(problem, here, MOST_EVENTS), now, now + period)
     if guess is None:
         return None
     scales = _scales(guess.scales, len(problem.system.coordinates))
@@ -67,7 +68,7 @@ def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Orbit | 
         if found is None or first is None:
             return None
         derived = found
-        inverse = np.asarray(np.linalg.pinv(conditions.jacobian(found), rcond=RANK), np.float64)
+        inverse = least_squares(conditions.jacobian(found))
         if way is None:
             way = -inverse @ conditions.values(found, unknowns)
             if from_afar and np.max(np.abs(way)) > (1.0 + STRAIGHT) * NEIGHBOUR:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.attractor.grounds import HURWITZ, LINEAR, SAMPLES
 from fiv_cli.analyses.rest.equilibria import Sliding
 from fiv_cli.analyses.rest.linearisation import free_states, inverted
+from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, Vector
 
 Real = NDArray[np.float64]
@@ -140,7 +141,10 @@ class LevelSet:
 
     def __getitem__(self, rows: Any) -> LevelSet:
         """About some of the equilibria."""
-        return LevelSet(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return LevelSet(*(getattr(self, name)[rows] for name in FIELDS))
+
+
+FIELDS = tuple(field.name for field in fields(LevelSet))
 
 
 def _times(matrix: NDArray[Any], vector: NDArray[Any]) -> NDArray[Any]:
@@ -245,22 +249,46 @@ def under_excitation(
     period = system.setup.model.excitation_period(known)
     if period is None:
         return target
-    fastest = system.setup.model.fastest(known)
-    turns = TURNS * max(1, round(period * fastest / (2 * np.pi)))
     moved = _all_moved(system, parameters, target, np.arange(PHASES) * period / PHASES)
     if moved is None or not np.any(moved):
         return None if moved is None else target
-    moved = _all_moved(system, parameters, target, np.arange(turns) * period / turns)
+    moved = _all_moved(system, parameters, target, _phases(system, known, period))
     if moved is None:
         return None
-    least, greatest = np.min(moved, axis=0), np.max(moved, axis=0)
-    between = (greatest - least) * (np.pi / TURNS) ** 2  # what a harmonic may be below its samples
     at_rest = target.sliding.field(target.equilibrium).switching
-    lowest = at_rest + np.minimum(least - between, 0.0)
+    lowest = at_rest + np.minimum(_least(moved), 0.0)
     if np.any(lowest <= 0.0):
         return None
     shares = target.shares * (at_rest / lowest)[:, None]
     return replace(target, shares=shares, asked=np.full_like(target.asked, np.nan))
+
+
+def holds_through(motion: Motion, parameters: Mapping[str, float]) -> bool:
+    """Whether a motion that stands still in stick does so at every phase of an excitation."""
+    system, index = motion.system, motion.state_index
+    known = system.known(parameters)
+    period = system.setup.model.excitation_period(known)
+    assert period is not None
+    guards = []
+    for phase in _phases(system, known, period).tolist():
+        found = system.field(index, motion.coefficients, phase, motion.y)
+        if np.any(found.rates != 0.0):
+            return False
+        guards.append(found.switching)
+    return bool(np.all(_least(np.array(guards)) > 0.0))
+
+
+def _phases(system: System, known: Mapping[str, float], period: float) -> Vector:
+    """Instants of a period, `TURNS` of each turn of the fastest excitation."""
+    fastest = system.setup.model.fastest(known)
+    turns = TURNS * max(1, round(period * fastest / (2 * np.pi)))
+    return np.arange(turns) * period / turns
+
+
+def _least(sampled: Real) -> Vector:
+    """What a harmonic that is sampled so may come down to, of each column."""
+    least, greatest = np.min(sampled, axis=0), np.max(sampled, axis=0)
+    return np.asarray(least - (greatest - least) * (np.pi / TURNS) ** 2)
 
 
 def _all_moved(

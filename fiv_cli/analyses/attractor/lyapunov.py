@@ -87,15 +87,17 @@ class Exponent:
 
     @property
     def mean(self) -> float:
-        """1/s."""
+        """1/s; NaN of a motion that was not followed, or whose tangent grew beyond all numbers."""
         growths, spans = self._blocks
-        return float(np.sum(growths) / np.sum(spans)) if len(spans) else float("nan")
+        if not len(spans) or np.isposinf(growths).any():
+            return float("nan")
+        return float(np.sum(growths) / np.sum(spans))
 
     @property
     def error(self) -> float:
-        """Standard error of `mean`, from the scatter of blocks; 0 where it is not finite."""
+        """Standard error of `mean`, from the scatter of blocks; 0 where there is none."""
         growths, spans = self._blocks
-        if not np.all(np.isfinite(growths)):
+        if not len(growths) or not np.all(np.isfinite(growths)):
             return 0.0
         groups = np.array_split(np.arange(len(growths)), min(16, max(len(growths), 1)))
         rates = np.array([growths[g].sum() / spans[g].sum() for g in groups if len(g)])

@@ -43,6 +43,14 @@ SETTINGS = (
     ),
 )
 
+MEAN_POWERS = Choice(
+    "powers",
+    "mean powers of friction, wear, drive, impacts and each external force",
+    default="none",
+    choices=("none", "mean"),
+    later=True,
+)
+
 
 def variables(subject: Subject) -> list[Variable]:
     """What is told of a steady state."""
@@ -77,7 +85,29 @@ def variables(subject: Subject) -> list[Variable]:
         *extremes(states, rms=True),
         Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
         *MULTIPLIERS,
+        *_powers(subject),
         *OF_STEADY_STATE,
+    ]
+
+
+POWERS = {
+    "friction": "friction on the model",
+    "wear": "what friction turns into heat and wear, at all contacts: drive less friction",
+    "drive": "the belt or the disc, through the contacts",
+    "other": "all else but impacts: damping, external forces, what varies",
+    "impact": "impacts, lost",
+}
+"""Whose mean power -> what it is; friction + other - impact is the growth of energy."""
+
+
+def _powers(subject: Subject) -> list[Variable]:
+    """Mean powers over the window of L_s: times a period, works per period."""
+    if subject.settings.get("powers") != "mean":
+        return []
+    every = POWERS | dict(subject.powers)
+    return [
+        Variable(f"mean_{name}_power", "W", f"mean power of {words}", statistic=True)
+        for name, words in every.items()
     ]
 
 
@@ -116,7 +146,7 @@ def _reference(subject: Subject) -> list[Variable]:
 ANALYSIS = Analysis(
     "response",
     "steady-state response",
-    SETTINGS,
+    (*SETTINGS, MEAN_POWERS),
     variables,
     Later("fiv_cli.analyses.attractor.steady_state:steady_state"),
     figure="bifurcation",

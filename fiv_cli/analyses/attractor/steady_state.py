@@ -36,7 +36,12 @@ from fiv_cli.analyses.attractor.grounds import (
     RESTING,
     SIGNIFICANT,
 )
-from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, under_excitation
+from fiv_cli.analyses.attractor.level_set import (
+    LevelSet,
+    holds_through,
+    level_sets,
+    under_excitation,
+)
 from fiv_cli.analyses.attractor.lyapunov import Exponent
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
@@ -70,7 +75,7 @@ from fiv_cli.analyses.cycles.periodic import (
     repeats,
 )
 from fiv_cli.analyses.rest.linearisation import free_jacobian
-from fiv_cli.codegen.codes import SEPARATION, SLIP, STICK
+from fiv_cli.codegen.codes import OTHER_POWER, SEPARATION, SLIP, STICK
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
@@ -385,23 +390,31 @@ class _Response:
         outcome = self._resting_values(target.equilibrium)
         number = int(target.number)
         reached = {"equilibrium_index": number, "L_s_reference_index": number}
+        powers = target.sliding.field(target.equilibrium).energies[OTHER_POWER:]
+        other, friction, drive = powers.tolist()
+        outcome.values |= self._powers(other, friction, drive, 0.0, self._no_works)
         outcome.values |= reached | {"L_s": 0.0, "decay_margin": margin}
         return outcome
 
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
-        if self.excitation is not None or STICK not in self.motion.kinds.tolist():
+        motion, frame = self.motion, self.motion.frame
+        if not motion.is_held or np.any(motion.rates() != 0.0):
             return None
-        if np.any(self.motion.rates() != 0.0):
+        if self.excitation is not None and not holds_through(motion, self.problem.parameters):
             return None
-        frame = self.motion.frame
         all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
         if not (all_stick or self._is_held()):
             return None
         outcome = self._resting_values(self.motion.y)
         outcome.values["decay_margin"] = 1.0
+        outcome.values |= self._powers(0.0, 0.0, 0.0, 0.0, self._no_works)
         outcome.reason = "stuck"
         return outcome
+
+    @property
+    def _no_works(self) -> Vector:
+        return np.zeros(len(self.system.setup.model.powers))
 
     def _is_held(self) -> bool:
         """Whether sticking contacts and stops determine every velocity, whatever the others do.
@@ -584,6 +597,10 @@ class _Response:
             "separation_fraction": fractions[2],
             "energy_residual": balance(motion, energy_before).residual,
         }
+        values |= self._powers(
+            measures.other_work / time, measures.friction_work / time, measures.drive_work / time,
+            measures.impact_loss / time, measures.works / time,
+        )  # fmt: skip
         if self.rests.first is None:
             values["L_s"] = float("nan")
         for i, name in enumerate(self.system.motions):
@@ -591,6 +608,17 @@ class _Response:
             values[f"{name}_max"] = float(measures.greatest[i])
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))
         return values
+
+    def _powers(
+        self, other: float, friction: float, drive: float, impact: float, excited: Vector
+    ) -> dict[str, float]:
+        """Mean powers, where they may be asked for."""
+        if self.settings.get("powers") == "none":
+            return {}
+        found = {"friction": friction, "wear": drive - friction, "drive": drive}
+        found |= {"other": other, "impact": impact}
+        found |= dict(zip(self.system.setup.model.powers, excited.tolist(), strict=True))
+        return {f"mean_{name}_power": value for name, value in found.items()}
 
     def _floquet(self, cycle: Orbit) -> dict[str, object]:
         """Multipliers, and the exponent of the largest nontrivial one where there is one."""

@@ -112,7 +112,8 @@ def guess_between(problem: Problem, begin: Begin, begun: float, ended: float) ->
     None where the motion rests.
     """
     motion = begin()
-    motion.run(begun)
+    if begun > motion.time:
+        motion.run(begun)
     motion.keep_ledger(MOST_EVENTS)
     motion.start_measuring(np.zeros(len(problem.system.coordinates)))
     motion.run(ended, measuring=True)

@@ -77,8 +77,13 @@ class Problem:
 
 def problem_of(system: System, request: Request) -> Problem:
     """What is asked, with steps so accurate that differences of motions are smooth."""
-    solver = replace(request.solver, rtol=min(request.solver.rtol, TIGHT))
-    return Problem(system, request.parameters, solver, request.settings["section"])
+    return Problem(system, request.parameters, _tight(request.solver), request.settings["section"])
+
+
+@cache
+def _tight(solver: SolverSettings) -> SolverSettings:
+    """The same at the tolerance that Newton's method needs."""
+    return replace(solver, rtol=min(solver.rtol, TIGHT))
 
 
 @dataclass(frozen=True)
@@ -387,7 +392,15 @@ def inverse_of(jacobian: Matrix | None) -> Matrix | None:
     """Least squares as a matrix; None where there is no Jacobian."""
     if jacobian is None or not np.isfinite(jacobian).all():
         return None
-    return np.asarray(np.linalg.pinv(jacobian, rcond=RANK), np.float64)
+    return least_squares(jacobian)
+
+
+def least_squares(matrix: Matrix) -> Matrix:
+    """The pseudo-inverse of a matrix (numpy's own takes twice as long)."""
+    left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
+    kept = sizes > RANK * sizes[0]
+    inverses = np.divide(1.0, sizes, out=np.zeros_like(sizes), where=kept)
+    return np.asarray(right.T @ (inverses[:, None] * left.T))
 
 
 def _chords(
@@ -614,7 +627,10 @@ def pieces(times: Vector, span: float) -> Matrix:
     """
     if len(times) == 0:
         return np.array([[0.0, span]])
-    return np.column_stack([times, np.append(times[1:], times[0] + span)])
+    found = np.empty((len(times), 2))
+    found[:, 0] = times
+    found[:-1, 1], found[-1, 1] = times[1:], times[0] + span
+    return found
 
 
 def to_longest_piece(times: Vector, span: float) -> float:

@@ -16,7 +16,7 @@ from fiv_cli.analyses.variables import (
     trust,
 )
 
-_EVENTS = (
+EVENTS = (
     Variable("event_time", "s", "instant of the event", ragged="event"),
     detail("event_from", "contact before", of="contact_event", ragged="event"),
     detail("event_to", "contact after", of="contact_event", ragged="event"),
@@ -53,8 +53,9 @@ def variables(subject: Subject) -> list[Variable]:
         Variable("friction_work", "J", "work of friction on the model"),
         Variable("drive_work", "J", "work of the drive"),
         Variable("other_work", "J", "work of all other forces"),
+        *(Variable(f"{n}_work", "J", f"work of {words}") for n, words in subject.powers.items()),
         Variable("impact_loss", "J", "energy lost in impacts"),
-        *_EVENTS,
+        *EVENTS,
         INITIAL_STATE,
         *(_SURFACE if subject.settings.get("points") else ()),
         *OF_SOLVER,

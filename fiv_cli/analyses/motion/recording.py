@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
-    Balance,
     balance,
     initial_state,
     rest_of,
@@ -48,7 +47,7 @@ def record(system: System, request: Request) -> Outcome:
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
     codes = _codes_of_events(system.setup.law)
-    outcome.values |= initial | trust(motion) | _works(balance(motion, energy_before))
+    outcome.values |= initial | trust(motion) | _works(motion, energy_before)
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": codes[ledger.before],
@@ -101,17 +100,15 @@ def _run_with_ledger(
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
 
 
-def _curves(system: System, samples: Samples) -> dict[str, object]:
+def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
     """Everything over time; NaN after the end of a motion that stopped early."""
-    taken = np.arange(len(samples.times)) < samples.count
-    curves = dict(zip(system.motions, samples.states.T, strict=False))
+    samples.states[samples.count :] = samples.outputs[samples.count :] = np.nan
+    samples.codes[samples.count :] = -1
+    curves: dict[str, NDArray[Any]] = dict(zip(system.motions, samples.states.T, strict=False))
     curves |= _internal(system, samples)
     curves["F_N"] = _contact_rows(samples.forces[:, :, 0])
     curves["F_T"] = _contact_rows(samples.forces[:, :, 1])
-    curves |= samples.energies
-    blanked = {name: np.where(taken, values, np.nan) for name, values in curves.items()}
-    codes = np.where(taken[:, None], samples.codes, -1)
-    return {**blanked, "contact_state": _contact_rows(codes)}
+    return {**curves, **samples.energies, "contact_state": _contact_rows(samples.codes)}
 
 
 def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
@@ -148,8 +145,10 @@ def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:
     return values[:, 0] if values.shape[1] == 1 else values.T
 
 
-def _works(found: Balance) -> dict[str, float]:
-    return {
+def _works(motion: Motion, energy_before: float) -> dict[str, float]:
+    found, excited = balance(motion, energy_before), motion.measures.works.tolist()
+    named = (f"{name}_work" for name in motion.system.setup.model.powers)
+    return dict(zip(named, excited, strict=True)) | {
         "energy_residual": found.residual,
         "friction_work": found.friction,
         "drive_work": found.drive,

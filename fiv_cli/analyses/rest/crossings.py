@@ -269,8 +269,8 @@ def _samples(
         if exist:
             own, vectors = modes_at(sliding[exist], np.array([firsts[place][0] for place in exist]))
             modes = modes_of(own, vectors.swapaxes(1, 2))
-            for row, one in zip(rows[exist].tolist(), modes, strict=True):
-                samples[row] = Sample(values[row], one)
+            for place, row in enumerate(rows[exist].tolist()):
+                samples[row] = Sample(values[row], modes[place])
     return samples
 
 
@@ -387,8 +387,8 @@ class _Scan:
         near = left if share < 0.5 else right
         expected = (1.0 - share) * left.values + share * right.values
         (sample,) = yield from self.ask(at)
-        (modes,) = modes_of(expected[None], near.modes.shapes[None])
-        return (yield from sample.after(Sample(at, modes)))
+        modes = modes_of(expected[None], near.modes.shapes[None])
+        return (yield from sample.after(Sample(at, modes[0])))
 
     def singularity(self, left: Sample, right: Sample) -> Scan[list[Crossing]]:
         """What changes across a piece that cannot be resolved."""

@@ -48,10 +48,10 @@ def eigenvalues_at(system: System, requests: Sequence[Request]) -> list[Outcome]
             outcomes[row] = Outcome(status="failed", reason=one.reason or "no_equilibrium")
         if here:
             at, states = sliding[here], np.array([found[i].states[number - 1] for i in here])
-            modes = zip(rows[here].tolist(), *modes_at(at, states), strict=True)
-            for row, values, vectors in modes:
-                shapes = vectors[: len(system.motions)]
-                outcomes[row] = Outcome(values=_described(values, shapes))
+            values, vectors = modes_at(at, states)
+            described = _described(values, vectors[:, : len(system.motions)])
+            for row, told in zip(rows[here].tolist(), described, strict=True):
+                outcomes[row] = Outcome(values=told)
             if which == "averaged":
                 for row, jacobian in zip(
                     rows[here].tolist(), free_jacobian(at, states), strict=True
@@ -69,21 +69,22 @@ def _judge(
     outcome.reason = "" if ratio >= LEAST_RATIO else "averaging_invalid"
 
 
-def _described(values: Complex, shapes: Complex) -> dict[str, object]:
-    """The variables that describe a spectrum and its modes, in columns."""
+def _described(values: Complex, shapes: Complex) -> list[dict[str, object]]:
+    """The variables that describe spectra and their modes, in columns; of each row."""
     magnitude = np.abs(values)
-    ratio = np.where(magnitude > 0.0, -values.real / np.where(magnitude > 0.0, magnitude, 1.0), 0.0)
-    return {
+    sure = np.where(magnitude > 0.0, magnitude, 1.0)
+    columns = {
         "eigenvalue_real": values.real,
         "eigenvalue_imag": values.imag,
         "mode_frequency": np.abs(values.imag) / (2.0 * np.pi),
-        "damping_ratio": ratio,
-        "eigenvector_real": shapes.real.T,
-        "eigenvector_imag": shapes.imag.T,
+        "damping_ratio": np.where(magnitude > 0.0, -values.real / sure, 0.0),
+        "eigenvector_real": shapes.real.swapaxes(1, 2),
+        "eigenvector_imag": shapes.imag.swapaxes(1, 2),
         "coupled_with": coupled_modes(values),
-        "growth_rate": float(np.max(values.real)),
-        "stable": stability(values),
+        "growth_rate": values.real.max(axis=-1).tolist(),
+        "stable": [stability(one) for one in values],
     }
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def modes_at(state: Sliding, y: Vector) -> tuple[Complex, Complex]:
@@ -244,13 +245,13 @@ def stability(values: Complex) -> str:
 
 
 def coupled_modes(values: Complex) -> NDArray[np.int64]:
-    """For each mode, the one it has merged with (the last of several), else -1.
+    """For each mode of a row, the one it has merged with (the last of several), else -1.
 
     Two modes have merged when they differ in growth and not, or less, in frequency.
     """
-    frequency, growth = values.imag[:, None], values.real[:, None]
-    split = np.abs(frequency - values.imag)
+    frequency, growth = values.imag[..., None], values.real[..., None]
+    split = np.abs(frequency - values.imag[..., None, :])
     same = (split <= COUPLED * np.abs(frequency)) & (frequency != 0.0)
-    merged = same & (split < np.abs(growth - values.real))
-    partner: NDArray[np.int64] = np.where(merged, np.arange(len(values)), -1).max(axis=1)
+    merged = same & (split < np.abs(growth - values.real[..., None, :]))
+    partner: NDArray[np.int64] = np.where(merged, np.arange(values.shape[-1]), -1).max(axis=-1)
     return partner

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +21,12 @@ TIE = 1e-3
 
 @dataclass(frozen=True)
 class Modes:
-    """The modes of a linearised system, in any order.
+    """The modes of a linearised system, in any order; in rows, of several.
 
     Attributes
     ----------
-    values : eigenvalues, (modes,)
-    shapes : eigenvectors of unit length as rows, (modes, states)
+    values : eigenvalues, (..., modes)
+    shapes : eigenvectors of unit length as rows, (..., modes, states)
     twins : place of the conjugate of each mode, of a real one its own; -1: they are not in pairs
     """
 
@@ -33,46 +34,58 @@ class Modes:
     shapes: Complex
     twins: Order
 
+    def __getitem__(self, rows: Any) -> Modes:
+        return Modes(self.values[rows], self.shapes[rows], self.twins[rows])
+
     def taken(self, order: Order) -> Modes:
         """The same in another order."""
         if order.tolist() == list(range(len(order))):
             return self
-        twins = self.twins if self.twins[0] < 0 else np.argsort(order)[self.twins[order]]
-        return Modes(self.values[order], self.shapes[order], twins)
+        twins = self.twins[..., order]
+        renamed = np.where(twins < 0, -1, np.argsort(order)[twins])
+        shapes = np.ascontiguousarray(self.shapes[..., order, :])
+        return Modes(np.ascontiguousarray(self.values[..., order]), shapes, renamed)
 
 
-def modes_of(values: Complex, vectors: Complex) -> list[Modes]:
-    """The modes of each of some systems.
+def modes_of(values: Complex, vectors: Complex) -> Modes:
+    """The modes of some systems, in rows.
 
     Parameters
     ----------
     values : (systems, modes)
     vectors : as rows, (systems, modes, states)
     """
-    parts = zip(values, _unit_rows(vectors), _twins(values), strict=True)
-    return [Modes(*own) for own in parts]
+    return Modes(values, _unit_rows(vectors), _twins(values))
 
 
 def followed(pairs: Sequence[tuple[Modes, Modes]]) -> Order:
-    """For each old mode of a pair the new one that continues it: near in value, alike in shape.
+    """`continued` of some pairs of old and new modes."""
+    old, new = (
+        Modes(*(np.array([getattr(one, field.name) for one in some]) for field in fields(Modes)))
+        for some in zip(*pairs, strict=True)
+    )
+    return continued(old, new)
+
+
+def continued(old: Modes, new: Modes) -> Order:
+    """For each old mode of a row the new one that continues it: near in value, alike in shape.
 
     Parameters
     ----------
-    pairs : old and new modes, as many in each
+    old, new : in rows, with as many modes
 
     Returns
     -------
-    (pairs, modes): places; conjugate pairs go to conjugate pairs
+    (rows, modes): places; conjugate pairs go to conjugate pairs
     """
-    old, new = zip(*pairs, strict=True)
-    cost = _cost(*(np.array([getattr(one, part) for one in some])
-                   for some in (old, new) for part in ("values", "shapes")))  # fmt: skip
-    orders = _cheapest(cost)
-    twins, new_twins = (np.array([one.twins for one in some]) for some in (old, new))
-    mixed = np.take_along_axis(orders, twins, 1) != np.take_along_axis(new_twins, orders, 1)
-    told = (twins >= 0).all(axis=1) & (new_twins >= 0).all(axis=1)
-    for place in np.flatnonzero(mixed.any(axis=1) & told).tolist():
-        orders[place] = _paired(orders[place], *pairs[place])
+    orders = _cheapest(_cost(old.values, old.shapes, new.values, new.shapes))
+    going, coming = (
+        np.take_along_axis(orders, old.twins, 1),
+        np.take_along_axis(new.twins, orders, 1),
+    )
+    told = (old.twins >= 0).all(axis=1) & (new.twins >= 0).all(axis=1)
+    for row in np.flatnonzero((going != coming).any(axis=1) & told).tolist():
+        orders[row] = _paired(orders[row], old[row], new[row])
     return orders
 
 
