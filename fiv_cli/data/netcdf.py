@@ -147,9 +147,9 @@ class _Later:
     def add(self, source: Any, target: Any, region: Any = None) -> None:
         """As xarray's writers: `target` is where `source` goes."""
         if source.nbytes > SLAB:
-            _fill_in_slabs(target, source)
-            for array in self._all:  # `source` may be made of one of them
+            for array in self._all:  # of one of them `source` was made
                 let_go(array)
+            _fill_in_slabs(target, source)
         else:
             self._parts.append((target, source))
 
