@@ -184,11 +184,16 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([('default_law="coulomb"', 'default_law="culomb"')], "default_law", "coulomb"),
         ([("PARAMETERS = (", "import own_models\nPARAMETERS = (")], "import own_models",
          "does not follow"),
+        ([('p("N")),),', 'p("N")),) * 2,')], "Model(", "returns 2 contacts"),
+        ([('"x", p("N"))', '"x", p("N") + p("k") * x)')], "constant_load", "is not constant"),
+        ([('"mu_k": 0.2', '"mu_k": "zwei"')], "law_defaults", "the name of a parameter"),
+        ([('p("k") * x +', '9.81 * p("m") + p("k") * x +')], "accelerations", "the bare number"),
+        ([("states=lambda options: (State", "states=(State")], "states=", "one alone with a comma"),
         ([('"""A mass', 'raise SystemExit(0)\n"""A mass')], "SystemExit", "SystemExit"),
     ],
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
          "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
-         "companion", "exit"],
+         "companion", "contacts", "load", "default of a law", "number", "comma", "exit"],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_line(changes, part, said):
     error = mistaken(*changes)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
-from fiv_cli.errors import EmptyFigureError, InputError, StorageError, UsageError
+from fiv_cli.errors import CaseError, EmptyFigureError, InputError, StorageError, UsageError
 from fiv_cli.flags import REASON, advice
 from fiv_cli.friction import get_law
 from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
@@ -1270,10 +1270,22 @@ def test_plot_draws_laws_without_a_dataset(stored):
     assert (stored / "runs/law-coulomb-tanh-of-coulomb.png").exists()
 
 
+def test_plot_draws_loops_of_laws_with_their_parameters(stored):
+    wanted = ("--law", "dahl:mu_k=0.5", "--law", "lugre:sigma_1=10", "--loop")
+    result = run(plot_command, *wanted, "amplitude=1 mm,omega=5")
+    assert result.stdout == "runs/loop-dahl-lugre.png\n"
+    assert (stored / "runs/loop-dahl-lugre.png").exists()
+    with pytest.raises(CaseError, match="did you mean 'amplitude'"):
+        run(plot_command, *wanted, "amplitud=1")
+    with pytest.raises(UsageError, match="given twice"):
+        run(plot_command, *wanted, "amplitude=1", "--law", "dahl")
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
         ([], UsageError, "datasets or laws"),
+        (["history.nc", "--loop", "amplitude=1"], UsageError, "of which law"),
         (["missing.nc"], UsageError, "missing.nc"),
         (["."], UsageError, "folder"),
         (["broken.nc"], InputError, "broken.nc"),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from fiv_cli.cli.common import with_option
+from fiv_cli.cli.common import provide_cache, with_option
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.names import listed
 
@@ -43,6 +44,11 @@ if TYPE_CHECKING:
     "--speed", type=float, metavar="M/S", help="Greatest slip velocity of laws. Default: 2."
 )
 @click.option(
+    "--loop",
+    metavar="amplitude=A,omega=W,...",
+    help="Force of laws over a slip that swings, as of the analysis characteristic.",
+)
+@click.option(
     "--style", default="screen", help="What figures are for: screen, paper (90 mm, Times), talk."
 )
 @click.option("--width", type=float, metavar="MM", help="Width of the whole figure.")
@@ -56,6 +62,7 @@ def command(
     name: str | None,
     laws: tuple[str, ...],
     speed: float | None,
+    loop: str | None,
     style: str,
     width: float | None,
     font: str | None,
@@ -75,13 +82,19 @@ def command(
       fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf --style paper --width 84
       fiv plot runs/damped.nc runs/undamped.nc --figure bifurcation -o both.svg
       fiv plot --law coulomb --law stribeck:mu_s=0.5,v_s=0.05 --speed 0.3
+      fiv plot --law dahl --law lugre:sigma_1=10 --loop amplitude=1e-3,omega=5,periods=3
     """
     if bool(files) == bool(laws):
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
+    if loop is not None and not laws:
+        raise UsageError("--loop: of which law?\nnext: --law NAME --loop amplitude=A,omega=W")
     from fiv_cli.plots import look_of, save
 
     look = look_of(style, width, font, titled)
-    figures = _of_laws(laws, look, speed) if laws else _of_files(files, name, look)
+    if loop is not None:
+        figures = _of_loops(laws, loop, look)
+    else:
+        figures = _of_laws(laws, look, speed) if laws else _of_files(files, name, look)
     for path, figure in _with_paths(figures, output):
         save(figure, path, look)
         click.echo(path)
@@ -97,6 +110,49 @@ def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple
     names = dict.fromkeys(law.partition(":")[0].replace(" ", "-") for law in laws)
     figure = draw_laws(laws, look) if speed is None else draw_laws(laws, look, speed)
     return [(Path("runs") / f"law-{'-'.join(names)}.png", figure)]
+
+
+def _of_loops(laws: Sequence[str], loop: str, look: Look) -> list[tuple[Path, Figure]]:
+    """(default path, figure) of the force of each law over the slip."""
+    from fiv_cli import api
+    from fiv_cli.own.load import seek
+    from fiv_cli.plots import draw
+
+    provide_cache()
+    given = {name: _assigned(changes) for name, _, changes in (law.partition(":") for law in laws)}
+    for name in given:
+        seek(name)
+    if len(given) < len(laws):
+        raise UsageError("--loop: a law is given twice\nnext: draw its loops apart")
+    case = {
+        "schema": 1,
+        "title": "friction force over slip",
+        "model": {"name": "belt-1dof"},  # whose mechanics take no part
+        "friction": {name: changes for name, changes in given.items() if changes},
+        "grid": {"friction": list(given)},
+        "analysis": [{"kind": "characteristic", **_assigned(loop)}],
+        "figure": [{"kind": "phase", "x": "slip", "y": "F_T"}],
+    }
+    loaded = api.load(case)
+    dataset: Any = api.run(loaded, workers=1)  # of one analysis
+    names = "-".join(name.replace(" ", "-") for name in given)
+    return [(Path("runs") / f"loop-{names}.png", draw(dataset, loaded.figures[0], look=look))]
+
+
+def _assigned(text: str) -> dict[str, float | int | str]:
+    """``A=1e-3,B=5 cm`` as name -> number, or quantity."""
+    found: dict[str, float | int | str] = {}
+    for part in filter(str.strip, text.split(",")):
+        name, _, value = map(str.strip, part.partition("="))
+        found[name] = _number(value)
+    return found
+
+
+def _number(text: str) -> float | int | str:
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text
 
 
 def _of_files(files: Sequence[Path], name: str | None, look: Look) -> list[tuple[Path, Figure]]:

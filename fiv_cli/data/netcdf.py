@@ -6,12 +6,14 @@ import errno
 import json
 import os
 import shutil
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fiv_cli import ending
 from fiv_cli.analyses.variables import INT_FILL
@@ -28,7 +30,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LARGE = 64 * 1024
-"""Arrays above this many bytes are compressed."""
+"""Arrays above this many bytes are compressed, where that pays."""
+
+WORTH = 0.5
+"""Size of a part of an array when it is compressed, over what it was, below which it pays: the
+digits of a motion are noise, and to compress them takes longer than to compute them."""
+
+LEVEL = 1
+"""Of compression: higher ones take several times as long and gain little."""
+
+LOOKED_AT, PIECES = 64 * 1024, 16
+"""Bytes of an array that are tried, and in how many pieces."""
 
 MUCH = 128 * 2**20
 """Bytes of a dataset that the library must not keep a second time when it writes or reads them."""
@@ -165,9 +177,9 @@ def _fill_in_slabs(target: Any, source: Any) -> None:
         target[slab] = source[slab]
 
 
-def _slabs(array: Any, chunks: Sequence[int] | str) -> Iterator[slice]:
-    """Pieces along the first dim that begin and end where chunks of the file do."""
-    rows = 1 if isinstance(chunks, str) else chunks[0]
+def _slabs(array: Any, chunks: Sequence[int] | str | None) -> Iterator[slice]:
+    """Pieces along the first dim that begin and end where chunks of the file do, if it has any."""
+    rows = 1 if chunks is None or isinstance(chunks, str) else chunks[0]
     step = rows * max(1, SLAB * len(array) // (array.nbytes * rows))
     return (slice(begin, begin + step) for begin in range(0, len(array), step))
 
@@ -215,9 +227,19 @@ def _encoding(variable: xr.Variable) -> dict[str, object]:
     if variable.dtype.kind == "U":
         return {"dtype": "S1"}  # fixed-width characters: readable everywhere
     encoding: dict[str, object] = {"_FillValue": _fill(variable)}
-    if variable.nbytes > LARGE:
-        encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
+    if variable.nbytes > LARGE and _shrinks(variable.values):
+        encoding |= {"zlib": True, "complevel": LEVEL, "shuffle": True}
     return encoding
+
+
+def _shrinks(array: NDArray[Any]) -> bool:
+    """Whether an array is worth compressing, by pieces from all over it."""
+    flat = array.reshape(-1)
+    count = LOOKED_AT // PIECES // flat.itemsize
+    begins = np.linspace(0, len(flat) - count, PIECES, dtype=np.int64)
+    tried = np.concatenate([flat[begin : begin + count] for begin in begins])
+    shuffled = tried.view(np.uint8).reshape(-1, flat.itemsize).T.tobytes()
+    return len(zlib.compress(shuffled, LEVEL)) < WORTH * len(shuffled)
 
 
 def _fill(variable: xr.Variable) -> float | np.int32 | None:
@@ -249,7 +271,7 @@ def _check_group(written: xr.Dataset, dataset: xr.Dataset) -> None:
             raise RuntimeError(f"{name} is missing after writing")
         back, kind = written[name].variable, variable.dtype.kind
         large = variable.nbytes > SLAB
-        for part in _slabs(variable, back.encoding["chunksizes"]) if large else (...,):
+        for part in _slabs(variable, back.encoding.get("chunksizes")) if large else (...,):
             if not np.array_equal(back[part].values, variable[part].values, equal_nan=kind == "f"):
                 raise RuntimeError(f"{name} reads back differently")
             let_go(variable.values)

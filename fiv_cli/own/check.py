@@ -7,6 +7,7 @@ tables declare, units fit, accelerations follow from the energies, friction oppo
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -68,6 +69,23 @@ def problems_of(thing: Model | Law, origin: Origin) -> list[Problem]:
 
 
 # --- tables ---------------------------------------------------------------------------------------
+_TYPES: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "parameters": (
+        lambda value: isinstance(value, tuple) and all(isinstance(p, Parameter) for p in value),
+        "a tuple of Parameter(...), one alone with a comma behind it",
+    ),
+    "states": (callable, "lambda options: (State(...), ...), one alone with a comma behind it"),
+    "equations": (callable, "a function equations(symbols, options)"),
+    "contacts": (lambda value: isinstance(value, int), "how many contacts the equations return"),
+}
+
+
+def _types_of_model(model: Model) -> Iterator[Fault]:
+    for name, (fits, allowed) in _TYPES.items():
+        if not fits(getattr(model, name)):
+            yield Fault(("Model", model.name, name), f"{name} is something else", allowed)
+
+
 def _tables_of_model(model: Model) -> Iterator[Fault]:
     yield from _header(model)
     yield from _parameters(model.parameters)
@@ -93,14 +111,22 @@ def _law_of(model: Model) -> Iterator[Fault]:
     unfit = why_unfit(model, laws[model.default_law])
     if unfit and model.contacts:
         yield Fault(("Model", model.name, "default_law"), unfit)
-    theirs = {p.name for law in laws.values() for p in law.parameters}
-    for name in model.law_defaults:
-        if name not in theirs:
-            message = f"no law has a parameter {name!r}"
-            yield Fault(("Model", model.name, "law_defaults"), message, "", suggest(name, theirs))
+    yield from _defaults_of_laws(model)
     known = [p.name for p in model.parameters_under(laws[model.default_law].parameters)]
     if model.example is not None and model.example.axis not in known:
         yield _no("Example", model.example.axis, "", "parameter", known)
+
+
+def _defaults_of_laws(model: Model) -> Iterator[Fault]:
+    theirs = {p.name for law in all_laws().values() for p in law.parameters}
+    names, place = {*theirs, *(p.name for p in model.parameters)}, ("Model", model.name)
+    for name, value in model.law_defaults.items():
+        if name not in theirs:
+            message = f"no law has a parameter {name!r}"
+            yield Fault((*place, "law_defaults"), message, "", suggest(name, theirs))
+        if not isinstance(value, int | float) and value not in names:
+            allowed = "a number, or the name of a parameter"
+            yield Fault((*place, "law_defaults"), f"{name} is {value!r} by default", allowed)
 
 
 def _tables_of_law(law: Law) -> Iterator[Fault]:
@@ -216,7 +242,8 @@ class _Written:
             units[symbols.closed(i)] = dimension("1")
         if model.derived is not None:
             units |= {symbols.parameter(name): None for name in model.derived.names(options)}
-        return cls(model, states, symbols, model.mechanics(symbols, options), units)
+        equations = model.mechanics(symbols, options)
+        return cls(model, states, symbols, equations, units)
 
     @property
     def forces(self) -> list[Expr]:
@@ -354,6 +381,10 @@ def _units_of_equations(written: _Written) -> Iterator[Fault]:
     if not mistakes:
         return
     place, message, symbols = mistakes[0]
+    bare = [n for _, e, _ in written.named() for n in e.atoms(sympy.Float)]
+    if bare:
+        yield Fault(place, message, "", f"the bare number {bare[0]:g}: make a Parameter of it")
+        return
     suspects = [
         parameter
         for parameter in written.model.parameters
@@ -389,6 +420,7 @@ def _mechanics(written: _Written) -> Iterator[Fault]:
     yield from _inertia(written)
     yield from _affine(written)
     yield from _friction_opposes_slip(written)
+    yield from _constant_load(written)
 
 
 def _inertia(written: _Written) -> Iterator[Fault]:
@@ -397,6 +429,15 @@ def _inertia(written: _Written) -> Iterator[Fault]:
         if not sympy.diff(kinetic, written.symbols.velocity(name)):
             message = f"does not hold {name}_dot: the energy of that motion is missing"
             yield Fault(("Equations", 0, "kinetic_energy"), message)
+
+
+def _constant_load(written: _Written) -> Iterator[Fault]:
+    known = {written.symbols.parameter(p.name) for p in written.model.parameters}
+    for i, contact in enumerate(written.equations.contacts if written.model.constant_load else ()):
+        load = contact.normal_force
+        if not contact.is_stop and (load is None or sympy.sympify(load).free_symbols - known):
+            message = f"the normal force of contact {i + 1} is not constant"
+            yield Fault(("Model", written.model.name, "constant_load"), message, "", "leave it out")
 
 
 def _affine(written: _Written) -> Iterator[Fault]:
@@ -551,10 +592,15 @@ def _shown(expression: Expr) -> str:
 
 def _spoken(text: str) -> str:
     """Symbols by the names that a model gives them."""
-    return text.replace("p.", "").replace("q.", "")
+    return re.sub(r"\b[pq]\.", "", re.sub(r"\b(F_[NT])\.(\d+)", _numbered, text))
+
+
+def _numbered(force: re.Match[str]) -> str:
+    return f"{force[1]} of contact {int(force[2]) + 1}"
 
 
 _OF_MODELS = (
+    _types_of_model,
     _tables_of_model,
     *(
         partial(_each_option, check)

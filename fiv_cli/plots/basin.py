@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
+ENTRY = 36  # letters of an entry of a legend
 UNDER_LABEL = 3.8  # letters' sizes under a panel: ticks and a label stand between
 MARKS = ("o", "s", "^", "D", "x", "P", "v")
 
@@ -46,16 +47,18 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     panels = points.lines(dataset, ["initial"], points.grid_dims(dataset))
     map_.refuse_many(panels, dataset["attractor"], ["initial"])
     figure, axes, columns = style.grid_of_panels(
-        len(panels), map_.MOST_COLUMNS, points.title(dataset), sharex=True, sharey=True
+        len(panels), map_.MOST_COLUMNS, points.title(dataset), ENTRY, sharex=True, sharey=True
     )
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
         _scatter(ax, dataset.isel(panel.index), names)
         ax.set_title(panel.label)
         ax.set_xlabel(_label(dataset, names[0]))
+        ax.tick_params(labelbottom=True)
         ax.set_ylabel(_label(dataset, names[1]) if number % columns == 0 else "")
         points.scale(ax, settings)
         _name_shares(ax)
-    style.make_room(figure, 1 + max(len(ax.collections) for ax in axes))
+    rows = -(-len(panels) // columns)
+    style.make_room(figure, rows * (1 + max(len(ax.collections) for ax in axes)))
     return figure
 
 

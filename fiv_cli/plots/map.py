@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, levels, points, style
@@ -175,8 +174,6 @@ def _dress(ax: Axes, number: int, columns: int, planes: _Planes) -> None:
     if number + columns >= len(planes.panels):  # nothing below it
         points.dress_axis(ax, planes.axes[0], "x")
         ax.tick_params(labelbottom=True)
-        if columns > 1 and select.is_numeric(planes.axes[0]):
-            ax.xaxis.set_major_locator(MaxNLocator(5))
     if number % columns == 0:
         points.dress_axis(ax, planes.axes[1], "y")
     ax.set_title(planes.panels[number].label)

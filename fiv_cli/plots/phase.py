@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
 from fiv_cli.plots import labels, motion, points, style
 
@@ -77,7 +76,6 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
     if names == ("slip_dot", "F_T") and np.isfinite(held):
         ax.plot([0.0, 0.0], [-held, held], "--", color=style.BLACK, lw=1.0)
     ax.autoscale_view()
-    ax.xaxis.set_major_locator(MaxNLocator(5))
     points.scale(ax, settings)
 
 

@@ -211,9 +211,11 @@ def looks(axis: Axes | None = None, look: Look | None = None) -> Iterator[None]:
 
 def letters(figure: Figure) -> int:
     """How many letters of its titles stand side by side in a figure."""
-    return 1 + int(
-        TITLE_LETTERS * figure.get_figwidth() / PANEL[0] * SCREEN.size / _LOOK.get().size
-    )
+    return _letters(figure.get_figwidth())
+
+
+def _letters(inches: float) -> int:
+    return 1 + int(TITLE_LETTERS * inches / PANEL[0] * SCREEN.size / _LOOK.get().size)
 
 
 def longest(words: Sequence[str]) -> int:
@@ -241,7 +243,7 @@ def even_keys(legend: Legend) -> None:
         if isinstance(key, Line2D):
             key.set_markersize(KEY)
         elif isinstance(key, PathCollection):
-            key.set_sizes([KEY**2])
+            key.set_sizes([(KEY * _LOOK.get().weight) ** 2])  # what is no line is not thickened
 
 
 def make_room(figure: Figure, lines: int) -> None:
@@ -268,12 +270,13 @@ def level(ax: Axes) -> None:
 
 
 def finish(figure: Figure) -> None:
-    """Give lines and marks the weight of the look, and axes labels and ticks that have room."""
+    """Give lines and marks the weight of the look, and axes words and ticks that have room."""
     for ax in figure.axes:
         beside, upright = _room(ax)
         locator = ax.xaxis.get_major_locator()
         if isinstance(locator, AutoLocator):
             locator.set_params(nbins=max(2, min(9, beside // TICK_LETTERS)))
+        ax.title.set_text("\n".join(_folded(one, beside) for one in ax.get_title().splitlines()))
         ax.set_xlabel(_folded(ax.get_xlabel(), beside))
         ax.set_ylabel(_folded(ax.get_ylabel(), upright))
     thicken(figure)
@@ -326,9 +329,15 @@ def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figu
 
 
 def grid_of_panels(
-    count: int, most_columns: int, title: str, **shared: Any
+    count: int, most_columns: int, title: str, least: int = 0, **shared: Any
 ) -> tuple[Figure, list[Axes], int]:
-    """A figure with `count` panels, places for more at its end left blank, and its columns."""
+    """A figure with `count` panels, places for more at its end left blank, and its columns.
+
+    In a figure of given width each panel has room for `least` letters side by side.
+    """
+    width = _LOOK.get().width
+    if width is not None and least:
+        most_columns = max(1, min(most_columns, _letters(width * MM) // least))
     columns = min(count, most_columns)
     figure, axes = new_panels(-(-count // columns), columns, title, **shared)
     for ax in axes[count:]:
