@@ -270,6 +270,8 @@ PIECES = (
     "elastic",
     "yields",
     "plastic",
+    "interval",
+    "bonded",
 )
 """What the elements of friction laws may be in."""
 CONTACT_EVENT = FlagTable(

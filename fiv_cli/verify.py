@@ -176,6 +176,27 @@ def den_hartog(bench: Bench) -> Iterator[Check]:
         yield Check(name, source, _value(found, "x_max"), expected, 1e-9)
 
 
+def excited_masses(bench: Bench) -> Iterator[Check]:
+    """A force that does work, and a belt whose acceleration sticking has to give to the mass."""
+    mass, stiffness, omega, static, swing = 2.0, 3.0, 2.0, 1.2, 1.5  # kg, N/m, rad/s, N, m/s
+    demand = (mass * omega - stiffness / omega) * swing
+    moved = bench(
+        "belt-1dof + v(t)", "coulomb", "history", {"x_dot": swing}, {"t_end": pi / omega},
+        m=mass, k=stiffness, v=0.0, A_v=swing, omega_v=omega, N=1.0, mu_s=static, mu_k=0.1,
+    )  # fmt: skip
+    release = float(moved.ragged["event_time"][0])
+    expected = asin(static / demand) / omega
+    yield Check("release by a belt that accelerates (s)", "closed form", release, expected, CLOSED)
+    found = bench(
+        "belt-1dof + force_x", "coulomb", "response", {"x": 4.0}, {"powers": "mean"},
+        c=0.1, A_x=2.0, omega_x=0.8, F_x=0.3,
+    )  # fmt: skip
+    damped = 0.1 * _value(found, "x_dot_rms") ** 2
+    put_in = _value(found, "mean_force_x_power") + _value(found, "mean_friction_power")
+    name = "power of a force and of friction, less that of a damper (W)"
+    yield Check(name, "balance of work and energy", put_in - damped, 0.0, 1e-9)
+
+
 def negative_slope(bench: Bench) -> Iterator[Check]:
     """Sliding is unstable if and only if the slope of friction is below -c."""
     source = "thesis 3.1.1, linear slope: growth -(c + alpha_0)/(2 m)"
@@ -562,6 +583,7 @@ PROBLEMS: tuple[Problem, ...] = (
     coulomb_belt,
     free_decay,
     den_hartog,
+    excited_masses,
     negative_slope,
     flutter,
     averaged_friction,

@@ -2,7 +2,7 @@
 
     python -m tests.asked_again FOLDER [CASE...] [--workers N]
 
-Cases of `configs/` with an analysis `response`, or those named by their stem, are run as shipped
+Cases of chapters with an analysis `response`, or those named by their stem, are run as shipped
 and once more with twice the `t_max` (and twice the events and steps), at a tenth of `rtol`. One
 line per case says how many points have a class before and after, and how many have another one
 now; those are listed. What is finished in FOLDER is kept: the same command goes on where it was
@@ -35,8 +35,8 @@ OPEN = ("undecided", "not_computed", "")  # no class
 
 
 def cases(stems: Sequence[str] = ()) -> list[Path]:
-    """The shipped cases with an analysis `response`, or those of them that are named."""
-    paths = sorted(CONFIGS.rglob("*.toml"))
+    """The cases of chapters with an analysis `response`, or those of them that are named."""
+    paths = sorted(CONFIGS.glob("ch*/*.toml"))
     asked = [path for path in paths if not stems or path.stem in stems]
     return [path for path in asked if responses(load_case(path))]
 

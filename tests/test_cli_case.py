@@ -233,6 +233,7 @@ class TestModels:
         named = [parameter.name for parameter in all_laws()[name].parameters]
         own = "mu_k = 0.23" in out  # on the belt, where the law alone has another
         assert own == ("mu_k" in named)
+        assert ("States of its own" in out) == bool(all_laws()[name].states)
 
     def test_json(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert run(["models", "--json"]) == 0

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import ledger
-from watched import SMALL, watched
+from motions import ledger, motion
+from watched import LOOSE, SMALL, watched
 
 from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_STICK
 from fiv_cli.dynamics import motion as motions_of
@@ -38,6 +38,22 @@ def test_python_moves_as_the_machine_code_does(name: str, monkeypatch: pytest.Mo
     assert (begun.n_events, begun.n_steps) == (again.n_events, again.n_steps)
     for part, expected in compiled.items():
         np.testing.assert_array_equal(plain[part], expected, err_msg=part)
+
+
+@pytest.mark.parametrize("law", ["gms", "bristle"])
+def test_pieces_of_laws_change_as_in_the_machine_code(
+    law: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    moved = []
+    for _ in range(2):
+        begun = motion("belt-1dof", law, {"x": 0.3}, LOOSE, v=0.3)
+        begun.carry_tangents(np.eye(len(begun.y))[:2])
+        begun.run(0.5)
+        moved.append((begun.y, begun.frame.in_piece, begun.tangents, ledger(begun)))
+        monkeypatch.setattr(motions_of, "DRIVER", PlainDriver())
+    assert len(moved[0][-1]) > 10
+    for plain, compiled in zip(*moved, strict=True):
+        np.testing.assert_array_equal(plain, compiled)
 
 
 def test_the_cases_meet_stick_impacts_separation_sectors_and_sections() -> None:

@@ -390,7 +390,7 @@ def test_what_is_wrong_is_said_with_its_place(was: str, lines: str, path: str, w
 @pytest.mark.parametrize(
     "name",
     ["belt-1dof + force_y", "belt-1dof + mu_k(t)", "belt-1dof + u", "pin-on-disc + base",
-     "excited-disc + force_phi", "belt + force_x"],
+     "excited-disc + force_phi", "belt + force_x", "belt-1dof + force_x + force_x"],
 )  # fmt: skip
 def test_what_does_not_excite_a_model_is_refused_with_what_to_type(name: str) -> None:
     with pytest.raises(UsageError, match="next: "):

@@ -278,6 +278,42 @@ def test_what_a_file_holds_to_be_known_is_checked(capsys):
     assert [check["name"] for check in checks if not check["passed"]] == ["x of steady sliding (m)"]
 
 
+PIECED = """\
+from fiv_cli.friction.base import Exit, Law, Piece
+LAW = Law(
+    name="my-pieces", title="a border at 1 m/s", reference="none", numerics_version=1,
+    parameters=(), capacity=None,
+    force=lambda slip, p: slip.sign * (1 + slip.rows[0][0]) * slip.N / 4,
+    pieces=(
+        Piece("backward", (0.0,), (Exit("forward", (0,)),)),
+        Piece("forward", (1.0,), (Exit("backward", (0,)),)),
+    ),
+    guards=lambda slip, p: [((1 - 2 * slip.rows[0][0]) * (1 - slip.speed),)],
+    resting=lambda v, p: ["forward" if abs(v) > 1.0 else "backward"],
+)
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('Exit("forward"', 'Exit("foward"', "there is no piece 'foward'"),
+        ("(1.0,), (Exit", "(1.0, 2.0), (Exit", "not as many as those of the others"),
+        ('"backward", (0,)', '"backward", (0, 1)', "has not 1 numbers"),
+        ('Piece("forward"', 'Piece("fast"', "'fast' is no word that events are booked under"),
+        ("(1 - slip.speed),)]", "(1 - slip.speed), 1)]", "gives no 1 guards"),
+        ('if abs(v) > 1.0 else "backward"', 'if abs(v) > 1.0 else "slow"', "no piece 'slow'"),
+    ],
+)
+def test_pieces_of_a_law_fit_together(old, new, said):
+    Path("law.py").write_text(PIECED)
+    use_files([Path("law.py")])
+    assert old in PIECED
+    Path("law.py").write_text(PIECED.replace(old, new))
+    with pytest.raises(ModelFileError, match=re.escape(said)):
+        use_files([Path("law.py")])
+
+
 # --- installed packages ---------------------------------------------------------------------------
 def test_an_installed_package_is_known_when_it_is_named(monkeypatch, capsys):
     Path("somebodys.py").write_text(MODEL)

@@ -6,7 +6,6 @@ import importlib
 import re
 import shlex
 import textwrap
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +66,7 @@ def test_every_make_target_exists(target: str) -> None:
 
 
 def test_the_case_is_right_under_one_law_and_several() -> None:
-    case, laws, _ = blocks("toml")
+    case, laws = blocks("toml")
     assert parse_case(case, "squeal.toml").model == "pin-on-disc"
     several = parse_case(case.replace("[grid]\n", laws), "squeal.toml")
     assert [axis.name for axis in several.axes] == ["friction", "Omega"]
@@ -87,14 +86,13 @@ def test_the_notebook_runs(
 
 
 def test_the_claim_is_understood() -> None:
-    """On the grid that it speaks of, here and where the grammar is explained."""
-    case, _, claim = blocks("toml")
+    """That of the page about the grammar, on the grid that it speaks of."""
+    case, _ = blocks("toml")
     (explained,) = re.findall(r"\n\n((?:    .*\n)+)", CLAIMS)
-    assert tomllib.loads(claim)["claim"][0].items() <= tomllib.loads(explained)["claim"][0].items()
     grid = '[grid]\npsi_a = [0.0, 1.0]\nbeta = [0.0, "15 deg"]'
-    for text in (claim, textwrap.dedent(explained)):
-        (_, said) = parse_case(case.replace("[grid]", grid) + text, "a.toml").claims
-        assert said.expect == parse_expect({"less_than": 0.6})
+    text = case.replace("[grid]", grid) + textwrap.dedent(explained)
+    (_, said) = parse_case(text, "a.toml").claims
+    assert said.expect == parse_expect({"less_than": 0.6})
 
 
 def test_models_and_laws_are_all_named() -> None:

@@ -33,11 +33,12 @@ from fiv_cli.case.structure import (
 )
 from fiv_cli.case.tables import keys_of, read_table, read_tables
 from fiv_cli.friction import all_laws
+from fiv_cli.friction.tabulated import FORM, SUFFIX
 from fiv_cli.models import all_models
 from fiv_cli.models.excitation import NAMES
 from fiv_cli.notation.names import axis_name, nearest, suggest
 from fiv_cli.notation.values import describe
-from fiv_cli.own.load import file_with, know_installed
+from fiv_cli.own.load import file_with, know_installed, know_table
 
 T = TypeVar("T", bound=BaseModel)
 V = TypeVar("V")
@@ -158,6 +159,9 @@ def _home_of(key: str) -> str:
 
 def _refuse_unknown_words(document: Mapping[str, Any], report: Report) -> None:
     """Note a model and kinds of analyses that there are not: without them no name means a thing."""
+    for place, name in _tables(document):
+        with report.noting(place, f"{name!r} with {FORM}"):
+            know_table(name, report.source)
     if not {"tanh", *all_models(), *all_laws()}.issuperset(_words(document)):
         know_installed()
     models = {name: model.title for name, model in all_models().items()}
@@ -176,6 +180,16 @@ def _words(document: Mapping[str, Any]) -> Iterator[str]:
         table = document.get(name)
         for word in (table.get(key) for key in keys) if isinstance(table, dict) else ():
             yield from (w for w in (word if isinstance(word, list) else [word]) if type(w) is str)
+
+
+def _tables(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
+    """The files that a case names as laws, and where."""
+    for place in (("friction", "law"), ("grid", "friction")):
+        table = document.get(place[0])
+        word = table.get(place[1]) if isinstance(table, dict) else None
+        for name in word if isinstance(word, list) else [word]:
+            if isinstance(name, str) and name.endswith(SUFFIX):
+                yield place, name
 
 
 def own_file(word: str, case: str) -> str:

@@ -141,7 +141,8 @@ def cli() -> None:
 def main() -> NoReturn:
     """The console script."""
     ending.take_over()
-    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # or xarray imports it
+    if "xarray" not in sys.modules:  # what it has seen once it goes on using
+        sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # or xarray imports it
     try:
         code = run(sys.argv[1:])
     except (ending.Ended, OSError) as error:  # the latter: a terminal that is gone

@@ -10,11 +10,15 @@ from fiv_cli.cli.common import json_option, print_json, print_table, with_option
 from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from fiv_cli.friction.base import Law
-    from fiv_cli.models.base import Model, Parameter
+    from fiv_cli.models.base import Model, Parameter, State
 
+MEASURED = (
+    'measured friction, a file beside the case: law = "FILE.csv", whose rows are slip velocity '
+    "and coefficient under a heading\n"
+)
 KINDS = (
     "set-valued: it sticks, and an event lies where it begins or ends; regularised: smooth, it\n"
     "creeps; dynamic: internal states move with the slip"
@@ -80,7 +84,7 @@ def _show_laws(name: str | None, as_json: bool) -> None:
         rows = [(law.name, law.kind, law.title, _names(law.parameters)) for law in laws.values()]
         columns = ("name", "kind", "what", "parameters")
         print_table('Friction laws (law = "NAME")', columns, rows)
-        click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"\n' + KINDS)
+        click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"\n' + MEASURED + KINDS)
 
 
 def _model_document(model: Model) -> dict[str, object]:
@@ -120,7 +124,8 @@ def _defaults_on(law: Law) -> dict[str, dict[str, float | str]]:
 def _print_model(model: Model) -> None:
     click.echo(f"{model.name}: {model.title}\n{model.reference}\n")
     _print_parameters("Parameters, under [model.parameters]", model.parameters)
-    _print_states(model)
+    states = model.states(model.default_options())
+    _print_states("States (the velocity of x is x_dot)", states)
     _print_options(model)
     _print_forces(model)
     if model.contacts:
@@ -129,13 +134,12 @@ def _print_model(model: Model) -> None:
         _print_equations(model)
 
 
-def _print_states(model: Model) -> None:
-    states = model.states(model.default_options())
+def _print_states(title: str, states: Sequence[State]) -> None:
     columns = ("name", "symbol", "unit", "meaning")
     if states:
         rows = [(s.name, s.symbol, s.unit, s.meaning) for s in states]
         click.echo()
-        print_table("States (the velocity of x is x_dot)", columns, rows)
+        print_table(title, columns, rows)
 
 
 def _print_options(model: Model) -> None:
@@ -199,6 +203,7 @@ def _print_law(law: Law) -> None:
 
     click.echo(f"{law.name}: {law.title}\n{law.reference}\n")
     _print_parameters("Parameters, under [friction]", law.parameters)
+    _print_states("States of its own, which begin at zero", law.states)
     rows = [(model, _assigned(defaults)) for model, defaults in _defaults_on(law).items()]
     if rows:
         click.echo()

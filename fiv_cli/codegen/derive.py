@@ -543,7 +543,8 @@ class _Deriver:
         assert law.capacity is not None
         normal = self.symbols.normal_force(contact)
         if not self.contacts[contact].static_friction:
-            at_rest = Slip(sympy.Integer(0), sympy.Integer(1), sympy.Integer(0), normal)
+            first = [piece.row for piece in law.pieces[:1]]
+            at_rest = Slip(sympy.Integer(0), sympy.Integer(1), sympy.Integer(0), normal, rows=first)
             return self.graph.build(law.force(at_rest, parameters), names)
         return self.graph.build(law.capacity(normal, parameters), names)
 

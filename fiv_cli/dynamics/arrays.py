@@ -22,7 +22,7 @@ from fiv_cli.dynamics.system import System, Vector
 BOUND = 1e6
 ROUNDING = 1e-16
 FASTEST = 3.0  # squares and powers, of nonlinear laws too, against the states
-KEPT_PIECES = ("pieces_before", "pieces_offered")
+KEPT_PIECES = ("pieces_before", "pieces_begun", "pieces_offered")
 MOST_OFFERS = 4  # candidates of a contact: stick, slip in both senses, separation
 
 # Steps after which a motion comes back for the first time: 0.2 s where they are slow.
@@ -88,14 +88,31 @@ def _pieces(system: System) -> dict[str, Array]:
     exits = [exit for piece in law.pieces for exit in piece.exits]
     count = max(len(law.pieces), 1)
     leading = [-1 if exit is None else law.places[exit.to] for exit in exits]
+    anew = [exit is not None and exit.begins_anew for exit in exits]
     none = (0,) * (len(exits) // count)
     zeros = [none if exit is None else exit.zeros for exit in exits]
     return {
+        "element_states": np.array(_states_of_elements(system), np.int64),
         "element_contacts": np.repeat(np.array(contacts, np.int64), law.elements),
         "piece_rows": np.array([piece.row for piece in law.pieces], float, ndmin=2),
         "piece_exits": np.array(leading, np.int64).reshape(count, len(none)),
+        "piece_begins": np.array(anew, np.int64).reshape(count, len(none)),
         "piece_zeros": np.array(zeros, np.int64, ndmin=2),
     }
+
+
+def _states_of_elements(system: System) -> list[int]:
+    """Entry of the state vector of the first internal state of each element of the law."""
+    law, names = system.setup.law, system.state_names
+    own = len(law.states) // law.elements
+    if own == 0:
+        return [0] * system.n_elements
+    several = system.n_contacts > 1
+    return [
+        names.index(f"{state.name}_{contact + 1}" if several else state.name)
+        for contact in system.generated.pieced
+        for state in law.states[::own]
+    ]
 
 
 def _scratch(system: System) -> dict[str, Array]:

@@ -144,9 +144,12 @@ class Run(Search):
     is_one_way: Ints
     sliding_kinds: Ints
     bounces: Ints
-    # Of the law: the contact of each element that is in a piece; per piece its numbers, the piece
-    # behind each way out (-1: none), and, by piece and way out, the known zeros behind it.
+    # Of the law: the contact of each element that is in a piece, and its first internal state; per
+    # piece its numbers, the piece behind each way out (-1: none), whether the state of the element
+    # begins anew there, and, by piece and way out, the known zeros behind it.
     element_contacts: Ints
+    element_states: Ints
+    piece_begins: Ints2
     piece_rows: Floats2
     piece_exits: Ints2
     piece_zeros: Ints2
@@ -259,6 +262,7 @@ class Run(Search):
     offered_kinds: Ints2
     offered_signs: Ints2
     pieces_before: Ints
+    pieces_begun: Ints  # whether the element has begun anew at this event
     pieces_offered: Ints
 
 
@@ -534,6 +538,17 @@ def leave_piece(run: Run, index: int, guard: int) -> None:
     piece = run.in_piece[element]
     run.left_element, run.left_by = element, piece * ways + way
     put_in_piece(run, element, run.piece_exits[piece, way])
+    if run.piece_begins[piece, way] == 1:
+        run.pieces_begun[element] = 1
+        begin_anew(run, run.element_states[element])
+
+
+@native
+def begin_anew(run: Run, entry: int) -> None:
+    """Let an internal state, and the tangents along it, begin anew at zero."""
+    run.y[entry] = run.rates_before[entry] = 0.0
+    for row in range(run.tangents.shape[0]):
+        run.tangents[row, entry] = 0.0
 
 
 @native
@@ -1513,7 +1528,7 @@ def book_pieces(run: Run, residual: float) -> None:
     """Enter the elements that have come into another piece."""
     for element in range(len(run.in_piece)):
         before, after = run.pieces_before[element], run.in_piece[element]
-        if before != after:
+        if before != after or run.pieces_begun[element] == 1:
             run.n_events += 1
             if run.n_ledger < len(run.ledger_times):
                 row = run.n_ledger
@@ -1562,7 +1577,7 @@ def note_codes(run: Run) -> None:
     for i in range(run.n_contacts):
         run.code_before[i] = code_of(run.kinds[i], run.slip_signs[i])
     for i in range(len(run.in_piece)):
-        run.pieces_before[i] = run.in_piece[i]
+        run.pieces_before[i], run.pieces_begun[i] = run.in_piece[i], 0
 
 
 @native

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from fiv_cli.friction import (
+    bristle,
     coulomb,
     cubic,
     dahl,
@@ -48,6 +49,7 @@ _LAWS: tuple[Law, ...] = (
     jenkins.LAW,
     reset_integrator.LAW,
     gms.LAW,
+    bristle.LAW,
     lugre.LAW,
     elasto_plastic.LAW,
     rate_and_state.LAW,
@@ -60,7 +62,8 @@ TANH_OF = "tanh of "
 def _with_regularised(laws: Iterable[Law]) -> dict[str, Law]:
     """Laws by name, and behind them the regularised forms of those that are set-valued."""
     plain = tuple(laws)
-    smooth = (tanh.regularised(law) for law in plain if law.kind == "set-valued")
+    whole = (law for law in plain if law.kind == "set-valued" and not law.pieces)
+    smooth = map(tanh.regularised, whole)
     return {law.name: law for law in (*plain, *smooth)}
 
 

@@ -53,10 +53,12 @@ class Exit:
     ----------
     to : name of the piece
     zeros : of each of its guards, how many derivatives, from the value on, are zero then
+    begins_anew : whether the state of the element, which has one of its own, begins anew at zero
     """
 
     to: str
     zeros: tuple[int, ...]
+    begins_anew: bool = False
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,8 @@ class Law:
     pieces : those that an element may be in, the one that it begins in first
     elements : that change from piece to piece, each for itself
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
-    resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding
+    resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
+        a law by pieces, whose states never rest, so that there is no equilibrium
     origin : where it stands, if not in the box
     """
 
@@ -148,6 +151,11 @@ class Law:
         return tuple(piece.name.split()[0] for piece in self.pieces)
 
     @property
+    def rests(self) -> bool:
+        """Whether it has a state of steady sliding."""
+        return self.resting is not None or not self.pieces
+
+    @property
     def shape(self) -> tuple[int, int]:
         """Elements that are in a piece each, and numbers of a piece."""
         return (self.elements, len(self.pieces[0].row)) if self.pieces else (0, 0)
@@ -164,9 +172,12 @@ class Law:
         ]
 
     def at_rest(self, v: float, parameters: Mapping[str, float]) -> list[int]:
-        """Number of the piece that each element is in while it slides steadily at v, m/s."""
+        """Number of the piece that each element is in while it slides steadily at v, m/s.
+
+        The first one where there is no such state.
+        """
         if self.resting is None:
-            return []
+            return [0] * self.shape[0]
         return [self.places[name] for name in self.resting(v, parameters)]
 
     def rows_at(self, v: float, parameters: Mapping[str, float]) -> list[tuple[float, ...]]:

@@ -97,6 +97,7 @@ LAW = Law(
     rates=lambda slip, p: {"deflection": _bending(slip, p)},
     requirements=(FALLING,),
     steady=lambda slip, p: (slip.sign * _curve(slip, p) + p["sigma_2"] * slip.v) * slip.N,
+    stored=lambda slip, p: p["sigma_0"] * slip.states["deflection"] ** 2 * slip.N / 2,
     pieces=PIECES,
     guards=lambda slip, p: [intervals.guards(_beyond(slip, p), slip.rows[0])],
     resting=lambda v, p: ["plastic"],

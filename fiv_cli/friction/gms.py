@@ -118,6 +118,9 @@ LAW = Law(
         ),
     ),
     steady=lambda slip, p: (slip.sign * _curve(slip, p) + p["sigma_2"] * slip.v) * slip.N,
+    stored=lambda slip, p: (
+        sum(slip.states[f"f_{i}"] ** 2 / p[f"k_{i}"] for i in ELEMENTS) * slip.N / 2
+    ),
     pieces=PIECES,
     elements=len(ELEMENTS),
     guards=guards,

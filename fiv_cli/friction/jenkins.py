@@ -12,7 +12,8 @@ under Dahl's law. While it is open the spring stays as it was. Iwan, J. Applied 
 893-900.
 
 It cannot have a stiffness that does not depend on the normal force: where that varies, the energy
-of the spring does too.
+of the spring does too. Where mu_k varies (in a sector, in time) a slider that slides comes to its
+new limit over a slip of some mu_k/sigma_0.
 """
 
 from __future__ import annotations

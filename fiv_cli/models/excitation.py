@@ -107,6 +107,7 @@ def excited(model: Model, name: str) -> Model:
     for term in terms:
         _refuse_nothing(model, term)
         added += _parameters(model, term, added)
+    _refuse_two_of_one_name(model, added)
     table = [_follow(p, leaders.get(p.name)) for p in (*model.parameters, *added)]
     varied = tuple(term.of for term in terms if term.kind == "parameter")
     loads = _of_role(model, "preload")
@@ -138,6 +139,16 @@ def _refuse_nothing(model: Model, term: Term) -> None:
         raise UsageError(
             f"{term.text!r} is no excitation of {model.name}\n"
             f"next: fiv models {model.name}; of a parameter of the law, NAME(t) in UNIT"
+        )
+
+
+def _refuse_two_of_one_name(model: Model, added: Sequence[Parameter]) -> None:
+    names = [p.name for p in (*model.parameters, *added)]
+    twice = {name for name in names if names.count(name) > 1}
+    if twice:
+        raise UsageError(
+            f"{model.name} and its excitation have parameters of one name: {', '.join(twice)}\n"
+            "next: rename that of the model, or excite it once"
         )
 
 

@@ -22,6 +22,11 @@ class Origin:
     text: str
     entry: str = ""
 
+    @property
+    def is_named(self) -> bool:
+        """Whether it is known where a command names its file: a table is where a case does."""
+        return not self.entry and self.path.endswith(".py")
+
     @cached_property
     def digest(self) -> str:
         """What tells texts apart, 64 hexadecimal digits."""

@@ -17,6 +17,7 @@ import sympy
 from sympy import Expr
 
 from fiv_cli.errors import Problem
+from fiv_cli.flags import PIECES
 from fiv_cli.friction import all_laws, get_law, why_unfit
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models.base import Contact, Equations, Model, Parameter, State
@@ -561,6 +562,41 @@ def _forces_of_law(law: Law) -> Iterator[Fault]:
         yield from _of_law(law, name, sympy.sympify(expression), unit, units)
 
 
+def _pieces_of_law(law: Law) -> Iterator[Fault]:
+    """Pieces are alike, lead to pieces, and are told apart by as many guards as they have exits."""
+    if not law.pieces:
+        return
+    names, (elements, width) = [piece.name for piece in law.pieces], law.shape
+    ways = len(law.pieces[0].exits)
+    yield from _twice("Piece", names)
+    for piece in law.pieces:
+        place = ("Piece", piece.name, "")
+        if (len(piece.row), len(piece.exits)) != (width, ways):
+            yield Fault(place, "its numbers or its exits are not as many as those of the others")
+        if piece.name.split()[0] not in PIECES:
+            message = f"{piece.name.split()[0]!r} is no word that events are booked under"
+            yield Fault(place, message, listed(PIECES))
+        for way in (way for way in piece.exits if way is not None):
+            if way.to not in names:
+                yield _no("Exit", way.to, "to", "piece", names)
+            if len(way.zeros) != ways:
+                yield Fault(("Exit", way.to, "zeros"), f"has not {ways} numbers, one of each guard")
+    yield from _guards_of_law(law, elements, ways)
+
+
+def _guards_of_law(law: Law, elements: int, ways: int) -> Iterator[Fault]:
+    v = sympy.Symbol("v", real=True)
+    states = {state.name: sympy.Symbol(state.name, real=True) for state in law.states}
+    slip = Slip(v, sympy.Integer(1), v, sympy.Symbol("N"), states, law.row_symbols())
+    given = law.guards(slip, law.defaults) if law.guards is not None else ()
+    if [len(each) for each in given] != [ways] * elements:
+        message = f"gives no {ways} guards, one of each exit, of {elements} elements"
+        yield Fault(("Law", law.name, "guards"), message)
+    resting = law.resting(1.0, law.defaults) if law.resting is not None else ()
+    for name in (name for name in resting if name not in law.places):
+        yield _no("Law", law.name, "resting", "piece", law.places, name)
+
+
 def _of_law(
     law: Law,
     name: str,
@@ -608,4 +644,4 @@ _OF_MODELS = (
     ),
     partial(_some_option, _energies),
 )
-_OF_LAWS = (_tables_of_law, _forces_of_law)
+_OF_LAWS = (_tables_of_law, _pieces_of_law, _forces_of_law)

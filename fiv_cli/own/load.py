@@ -13,6 +13,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
+from dataclasses import replace
 from functools import cache
 from importlib.abc import ExecutionLoader
 from importlib.metadata import EntryPoint, entry_points
@@ -23,6 +24,7 @@ from typing import Any
 from fiv_cli.errors import ModelFileError, Problem, UsageError
 from fiv_cli.friction import all_laws, know_laws
 from fiv_cli.friction.base import Law
+from fiv_cli.friction.tabulated import SUFFIX, tabulated
 from fiv_cli.models import all_models, know_models
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
@@ -124,6 +126,8 @@ def declared(origin: Origin) -> tuple[Model | Law, ...]:
     ModelFileError
         there are none, or the file cannot be run.
     """
+    if origin.path.endswith(SUFFIX):
+        return (replace(tabulated(Path(origin.path).name, origin.text), origin=origin),)
     if origin.entry:
         things: Iterable[Any] = [_of_entry(origin)]
     else:
@@ -140,8 +144,6 @@ def declared(origin: Origin) -> tuple[Model | Law, ...]:
 
 
 def _placed(thing: Model | Law, origin: Origin) -> Model | Law:
-    from dataclasses import replace
-
     return replace(thing, origin=origin)
 
 
@@ -264,6 +266,30 @@ def _of_entry(origin: Origin) -> object:
     if _text_of_package(module) != origin.text:
         raise UsageError(f"{origin.path}: was changed while it was in use\nnext: run it again")
     return found
+
+
+# --- tables ---------------------------------------------------------------------------------------
+def know_table(name: str, case: str) -> None:
+    """Know the law of the table in a file beside a case.
+
+    Raises
+    ------
+    ValueError
+        there is no such file, or which of its rows is wrong.
+    """
+    path = Path(case).parent / name
+    if path.name != name:
+        raise ValueError(f"{name!r} is a path: the file lies beside the case")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ValueError(f"{str(path)!r} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{str(path)!r} is no text") from None
+    try:
+        know([Origin(str(path), text)])
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
 
 
 # --- which file is meant --------------------------------------------------------------------------

@@ -8,7 +8,7 @@ interval has a line for each end: the border is known where the two are one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -58,16 +58,17 @@ def draw(
     colour: ColorType,
     *,
     named: bool = True,
+    styles: Sequence[Any] = STYLES,
 ) -> None:
     """Lines of a plane, shape (points along y, points along x), where its ends reach the levels.
 
     Each has its level written on it, if they are `named`.
     """
-    for level, dashes in zip(levels, STYLES, strict=False):
+    for level, dashes in zip(levels, styles, strict=False):
         for plane in planes:
             if not _beside(plane, level):
                 lines = ax.contour(
-                    *places, plane, levels=[level], colors=[colour], linestyles=dashes,
+                    *places, plane, levels=[level], colors=[colour], linestyles=[dashes],
                     linewidths=1.5,
                 )  # fmt: skip
                 if named:
@@ -98,16 +99,15 @@ def overlay(
     levels: Sequence[float],
 ) -> None:
     """The lines of several planes (label, values of each end) in one panel: a colour for each
-    plane, a kind of line for each level."""
+    plane, a kind of line for each level or, of a single level, for each plane."""
     if not levels:
         raise UsageError("maps are overlaid as lines, and no `level` says which")
-    colours = style.line_colours(len(planes))
-    for (_, ends), colour in zip(planes, colours, strict=True):
-        draw(ax, places, ends, levels, colour, named=len(levels) > 1)
-    handles = [
-        Line2D([], [], color=colour, label=_entry(label, ends, levels))
-        for (label, ends), colour in zip(planes, colours, strict=True)
-    ]
+    colours, handles = style.line_colours(len(planes)), []
+    for number, ((label, ends), colour) in enumerate(zip(planes, colours, strict=True)):
+        dash = style.dash(number, len(planes)) if len(levels) == 1 else "-"
+        styles = [dash] if len(levels) == 1 else STYLES
+        draw(ax, places, ends, levels, colour, named=len(levels) > 1, styles=styles)
+        handles.append(Line2D([], [], color=colour, ls=dash, label=_entry(label, ends, levels)))
     handles += [
         Line2D([], [], color=style.BLACK, ls=dashes, label=_words(array, level))
         for level, dashes in zip(levels, STYLES, strict=False)

@@ -272,7 +272,7 @@ def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
     settings += [f"--set 'grid.{_toml_key(name)}=[{value}]'" for name, value in quoted.items()]
     entry = analysis.entry(index)
     start = "" if entry is None else f"   # initial: {entry.label}"
-    files = [f"--with {origin.path}" for origin in analysis.template.own if not origin.entry]
+    files = [f"--with {origin.path}" for origin in analysis.template.own if origin.is_named]
     return " ".join(["fiv run", case.source, *files, *settings]) + start
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from functools import cache
 from typing import Any
 
@@ -94,7 +95,7 @@ def _run_with_ledger(
         motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
         motion.frame.max_events = min(budget, motion.n_events + LEDGER_ROWS)
         stop = motion.run(t_end, samples=samples, measuring=True)
-        pages.append(motion.ledger)
+        pages.append(deepcopy(motion.ledger))  # the next page has the same room
         page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
         if not page_full:
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)

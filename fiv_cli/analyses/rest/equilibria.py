@@ -214,6 +214,8 @@ Found = TypeVar("Found")
 
 def equilibria_at(points: Sliding) -> list[Equilibria]:
     """`all_equilibria` at each of several points."""
+    if not points.system.setup.law.rests:
+        return [Equilibria(reason="no_equilibrium")] * len(points.moving)
     found = [Equilibria(reason="no_drive")] * len(points.moving)
     left = np.flatnonzero(points.moving)
     for polynomial in _polynomials(points.system):
