@@ -238,6 +238,7 @@ def _shrinks(array: NDArray[Any]) -> bool:
     count = LOOKED_AT // PIECES // flat.itemsize
     begins = np.linspace(0, len(flat) - count, PIECES, dtype=np.int64)
     tried = np.concatenate([flat[begin : begin + count] for begin in begins])
+    let_go(array)
     shuffled = tried.view(np.uint8).reshape(-1, flat.itemsize).T.tobytes()
     return len(zlib.compress(shuffled, LEVEL)) < WORTH * len(shuffled)
 
