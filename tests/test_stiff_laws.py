@@ -44,7 +44,15 @@ def test_the_cost_of_a_stiff_law_is_told_from_its_fastest_rate(
     assert 0.5 < counted / cost.sliding[0] < 2.0
 
 
-@pytest.mark.parametrize(("law", "given"), [("tanh of coulomb", {"sigma": 1e3}), ("simscape", {})])
+@pytest.mark.parametrize(
+    ("law", "given"),
+    [
+        ("tanh of coulomb", {"sigma": 1e3}),
+        ("simscape", {}),
+        ("linear-regularisation", {"v_tol": 1e-3}),
+        ("jenkins", {"sigma_0": 1e5}),
+    ],
+)
 def test_what_a_smooth_law_costs_at_rest_is_told_as_a_bound(
     law: str, given: dict[str, float]
 ) -> None:

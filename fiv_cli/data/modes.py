@@ -165,47 +165,41 @@ def _is_ordered(values: NDArray[np.float64]) -> bool:
     return bool(np.all(steps > 0.0) or np.all(steps < 0.0))
 
 
-def _arranged(
-    dataset: xr.Dataset, name: str, axes: list[str], last: tuple[str, ...]
-) -> tuple[str, ...]:
+def _arranged(variable: xr.Variable, axes: list[str], last: tuple[str, ...]) -> tuple[str, ...]:
     """Dims in which other dims come first and rows, along the first of `axes`, last."""
-    others = [str(dim) for dim in dataset[name].dims if dim not in (*axes, *last)]
+    others = [str(dim) for dim in variable.dims if dim not in (*axes, *last)]
     return (*others, *axes[1:], axes[0], *last)
 
 
 def _complex(dataset: xr.Dataset, stem: str, axes: list[str], last: tuple[str, ...]) -> Complex:
     """Real and imaginary parts, with the followed axes before `last`."""
-    order = _arranged(dataset, f"{stem}_real", axes, last)
-    real = dataset[f"{stem}_real"].transpose(*order).values
-    imag = dataset[f"{stem}_imag"].transpose(*order).values
+    parts = (dataset.variables[f"{stem}_{part}"] for part in ("real", "imag"))
+    real, imag = (part.transpose(*_arranged(part, axes, last)).values for part in parts)
     result: Complex = real + 1j * imag
     return result
 
 
 def _renumbered(dataset: xr.Dataset, orders: Order, axes: list[str]) -> xr.Dataset:
-    result = dataset.copy()
-    for name, variable in dataset.data_vars.items():
-        if "mode" in variable.dims:
-            result[name] = _taken(dataset, str(name), orders, axes)
-    if "coupled_with" in dataset:
-        result["coupled_with"] = _partners_renumbered(result, orders, axes)
-    return result
+    along = [str(name) for name, one in dataset.data_vars.items() if "mode" in one.dims]
+    renumbered = {name: _taken(dataset.variables[name], orders, axes) for name in along}
+    if "coupled_with" in renumbered:
+        partners = renumbered["coupled_with"]
+        renumbered["coupled_with"] = _partners_renumbered(partners, orders, axes)
+    return dataset.assign(renumbered)
 
 
-def _taken(dataset: xr.Dataset, name: str, orders: Order, axes: list[str]) -> xr.DataArray:
+def _taken(variable: xr.Variable, orders: Order, axes: list[str]) -> xr.Variable:
     """One variable with its modes in the new order."""
-    variable = dataset[name]
     behind = tuple(str(d) for d in variable.dims[variable.dims.index("mode") + 1 :])
-    arranged = variable.transpose(*_arranged(dataset, name, axes, ("mode", *behind)))
+    arranged = variable.transpose(*_arranged(variable, axes, ("mode", *behind)))
     index = orders.reshape(*orders.shape, *(1 for _ in behind))
     taken = np.take_along_axis(arranged.values, index, axis=orders.ndim - 1)
     return arranged.copy(data=taken).transpose(*variable.dims)
 
 
-def _partners_renumbered(dataset: xr.Dataset, orders: Order, axes: list[str]) -> xr.DataArray:
+def _partners_renumbered(partners: xr.Variable, orders: Order, axes: list[str]) -> xr.Variable:
     """``coupled_with`` names modes by number: these follow the renumbering."""
-    partners = dataset["coupled_with"]
-    arranged = partners.transpose(*_arranged(dataset, "coupled_with", axes, ("mode",)))
+    arranged = partners.transpose(*_arranged(partners, axes, ("mode",)))
     inverse = np.argsort(orders, axis=-1)
     old = arranged.values
     moved = np.take_along_axis(inverse, np.clip(old, 0, orders.shape[-1] - 1), axis=-1)
@@ -221,7 +215,7 @@ def _with_coupling_points(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
     for row in np.ndindex(values.shape[:-2]):
         points[row] = coupling_points(coordinate.values.astype(float), values[row])
     variable = dataset["coupling_point"]
-    dims = _arranged(dataset, "coupling_point", axes, ("mode",))
+    dims = _arranged(variable.variable, axes, ("mode",))
     filled = xr.DataArray(points, dims=dims).transpose(*variable.dims)
     marked = variable.copy(data=filled.values)
     marked.attrs["units"] = coordinate.attrs.get("units", "1")

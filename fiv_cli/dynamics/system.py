@@ -161,9 +161,13 @@ class System:
 
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """`parameter_values`, first pieces, slip signs +1, sector 0; shape (n_parameters,)."""
-        values, law = self.parameter_values(parameters), self.setup.law
-        rows = [x for piece in law.pieces[:1] for x in piece.row] * self.n_elements
-        return np.array([*values, *rows, *(1.0,) * self.n_contacts, 0.0])
+        values = self.parameter_values(parameters)
+        return np.array([*values, *self.first_rows, *(1.0,) * self.n_contacts, 0.0])
+
+    @property
+    def first_rows(self) -> list[float]:
+        """The numbers of the pieces that the elements of the law begin in."""
+        return [x for piece in self.setup.law.pieces[:1] for x in piece.row] * self.n_elements
 
     @property
     def n_elements(self) -> int:

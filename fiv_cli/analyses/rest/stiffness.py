@@ -69,7 +69,16 @@ def _fastest(system: System, points: Points) -> Real:
     at_rest = np.zeros(len(system.state_names))
     found = [one.states[0] if one.states else at_rest for one in equilibria_at(state)]
     sliding = np.array(found)
-    return np.array([_greatest(state, y) for y in (sliding, _stopped(state, sliding))])
+    stopped = _stopped(state, sliding)
+    return np.array([_greatest(state, sliding), _greatest(_begun(state), stopped)])
+
+
+def _begun(state: Sliding) -> Sliding:
+    """The same with the law in the pieces that it begins in, where nothing has slipped yet."""
+    system, parameters = state.system, state.parameters.copy()
+    first, rows = system.n_own_parameters, system.first_rows
+    parameters[..., first : first + len(rows)] = rows
+    return replace(state, parameters=parameters, coefficients=system.coefficients(parameters))
 
 
 def _greatest(state: Sliding, y: Vector) -> Real:

@@ -1,0 +1,117 @@
+"""What is wrong with the mechanics of a model: its energies, and what its forces do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import sympy
+from sympy import Expr
+
+from fiv_cli.own.fault import Fault, shown
+from fiv_cli.own.written import Written, number_of, values_of
+
+ROUNDING = 1e-9
+
+
+def mechanics(written: Written) -> Iterator[Fault]:
+    """Missing inertia, forces that are not affine, friction that drives, loads that vary."""
+    yield from _inertia(written)
+    yield from _affine(written)
+    yield from _friction_opposes_slip(written)
+    yield from _constant_load(written)
+
+
+def _inertia(written: Written) -> Iterator[Fault]:
+    kinetic = sympy.sympify(written.equations.kinetic_energy)
+    for name in written.equations.accelerations:
+        if not sympy.diff(kinetic, written.symbols.velocity(name)):
+            message = f"does not hold {name}_dot: the energy of that motion is missing"
+            yield Fault(("Equations", 0, "kinetic_energy"), message)
+
+
+def _constant_load(written: Written) -> Iterator[Fault]:
+    known = {written.symbols.parameter(p.name) for p in written.model.parameters}
+    for i, contact in enumerate(written.equations.contacts if written.model.constant_load else ()):
+        load = contact.normal_force
+        if not contact.is_stop and (load is None or sympy.sympify(load).free_symbols - known):
+            message = f"the normal force of contact {i + 1} is not constant"
+            yield Fault(("Model", written.model.name, "constant_load"), message, "", "leave it out")
+
+
+def _affine(written: Written) -> Iterator[Fault]:
+    for name, acceleration in written.equations.accelerations.items():
+        slopes = [sympy.diff(acceleration, force) for force in written.forces]
+        if any(slope.free_symbols & {*written.forces} for slope in map(sympy.sympify, slopes)):
+            message = f"that of {name!r} is not linear in the forces of contacts"
+            yield Fault(("Equations", 0, "accelerations"), message)
+
+
+def _friction_opposes_slip(written: Written) -> Iterator[Fault]:
+    symbols, equations = written.symbols, written.equations
+    for i, contact in enumerate(equations.contacts):
+        if contact.is_stop:
+            continue
+        force = symbols.tangential_force(i)
+        response: Any = sum(
+            sympy.diff(contact.slip_velocity, symbols.velocity(name)) * sympy.diff(a, force)
+            for name, a in equations.accelerations.items()
+        )
+        effect = number_of(sympy.sympify(response), values_of(written, {}))
+        if effect >= 0.0:
+            way = "drives" if effect else "does not act on"
+            message = f"F_T of contact {i + 1} {way} its slip: it acts along v_rel on the model"
+            hint = "v_rel is the velocity of the drive less that of the body"
+            yield Fault(("Contact", i, "slip_velocity"), message, "", hint)
+
+
+def energies(written: Written) -> Iterator[Fault]:
+    """Without damping, excitation and friction the Jacobi integral is constant.
+
+    A model may leave a force out by choice; under some option it must be so.
+    """
+    terms = [term.subs(_switched_off(written)) for term in _power(written)]
+    values = values_of(written, {})
+    numbers = [number_of(term, values) for term in terms]
+    if abs(sum(numbers)) <= ROUNDING * sum(map(abs, numbers)):
+        return
+    message = "do not fit the accelerations"
+    left = sympy.expand(sum(terms))
+    if left.count_ops() < 60:
+        message += f": without damping, excitation and friction they change by {shown(left)}"
+    hint = 'a parameter that takes energy out or in says role="damping", an excitation is a Forcing'
+    yield Fault(("Equations", 0, "potential_energy"), f"energies {message}", "", hint)
+
+
+def _power(written: Written) -> list[Expr]:
+    """The terms of the rate of the Jacobi integral, T + U where nothing turns."""
+    symbols, equations = written.symbols, written.equations
+    total = sympy.sympify(equations.potential_energy - equations.kinetic_energy)
+    for name in equations.accelerations:
+        momentum = sympy.diff(equations.kinetic_energy, symbols.velocity(name))
+        total += momentum * symbols.velocity(name)
+    terms = [sympy.diff(total, symbols.time)]
+    for name, acceleration in equations.accelerations.items():
+        terms.append(sympy.diff(total, symbols.coordinate(name)) * symbols.velocity(name))
+        terms.append(sympy.diff(total, symbols.velocity(name)) * acceleration)
+    for i, contact in enumerate(equations.contacts):
+        if contact.normal_force is None:  # it keeps the gap closed: no power, on its rate
+            rate = sum(
+                sympy.diff(contact.gap, symbols.coordinate(n)) * symbols.velocity(n)
+                for n in equations.accelerations
+            )
+            terms.append(-symbols.normal_force(i) * rate)
+    return [sympy.sympify(term) for term in terms]
+
+
+def _switched_off(written: Written) -> dict[Expr, Any]:
+    """Friction, damping and excitation at zero, elastic contacts closed."""
+    symbols, model = written.symbols, written.model
+    off: dict[Expr, Any] = {symbols.tangential_force(i): 0 for i in range(model.contacts)}
+    off |= {symbols.parameter(p.name): 0 for p in model.parameters if p.role == "damping"}
+    off |= {symbols.parameter(forcing.amplitude): 0 for forcing in model.forcings}
+    off |= {symbols.closed(i): 1 for i in range(model.contacts)}
+    for i, contact in enumerate(written.equations.contacts):
+        if contact.normal_force is not None:
+            off[symbols.normal_force(i)] = contact.normal_force
+    return off
