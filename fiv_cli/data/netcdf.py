@@ -177,9 +177,9 @@ def _fill_in_slabs(target: Any, source: Any) -> None:
         target[slab] = source[slab]
 
 
-def _slabs(array: Any, chunks: Sequence[int] | str | None) -> Iterator[slice]:
+def _slabs(array: Any, chunks: Sequence[int] | str) -> Iterator[slice]:
     """Pieces along the first dim that begin and end where chunks of the file do, if it has any."""
-    rows = 1 if chunks is None or isinstance(chunks, str) else chunks[0]
+    rows = 1 if isinstance(chunks, str) else chunks[0]
     step = rows * max(1, SLAB * len(array) // (array.nbytes * rows))
     return (slice(begin, begin + step) for begin in range(0, len(array), step))
 
