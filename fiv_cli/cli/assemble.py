@@ -6,9 +6,7 @@ from pathlib import Path
 
 import click
 
-from fiv_cli.cli.common import set_option, with_option
-
-UNSOUND, STILL_TO_RUN = 4, 8
+from fiv_cli.cli.common import STILL_TO_RUN, UNSOUND, set_option, with_option
 
 
 @click.command("assemble")

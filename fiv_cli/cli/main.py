@@ -62,10 +62,10 @@ Start here:
 
 \b
 Exit codes:
-  0  done, or as much as asked for   5  a difference (diff, regress, verify, claims)
+  0  done                            5  a difference (diff, regress, verify, claims)
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
-  3  an input file is invalid        8  points are still to run (assemble, status)
+  3  an input file is invalid        8  points are left (run --max-points, assemble)
   4  points failed or ran out of     9  a cluster is out of reach (run --cluster)
      budget                          129 SIGHUP    130 Ctrl-C    143 SIGTERM
 

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import PartType, provide_cache, set_option, with_option
+from fiv_cli.cli.common import (
+    STILL_TO_RUN,
+    UNSOUND,
+    PartType,
+    provide_cache,
+    set_option,
+    with_option,
+)
 from fiv_cli.errors import CaseError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -17,10 +24,6 @@ if TYPE_CHECKING:
     from fiv_cli.sweep.policy import Policy
     from fiv_cli.sweep.progress import Progress
     from fiv_cli.sweep.run import Summary
-
-UNSOUND = 4
-"""Exit code: some points failed or ran out of budget. That points are left to run, as --max-points
-asked for, is no failure: `fiv run --max-points 10 CASE && fiv plot ...` goes on."""
 
 
 @click.command("run")
@@ -65,7 +68,7 @@ asked for, is no failure: `fiv run --max-points 10 CASE && fiv plot ...` goes on
 @click.option(
     "--max-points",
     type=click.IntRange(min=0),
-    help="Run at most so many points now; exit code 0 if none failed.",
+    help="Run at most so many points now; exit code 8 where others are left and none failed.",
 )
 @click.option(
     "--time-limit",
@@ -96,8 +99,8 @@ def command(
     the dataset says that it is partial (`fiv show`, `fiv plot`, its attribute `partial`). A longer
     axis computes only its new points.
 
-    Exit code: 0 where no point failed, also where --max-points left points to run (`fiv status
-    --exit-code` then gives 8); 4 where some failed or ran out of budget.
+    Exit code: 0 where every point has its answer, 8 where --max-points left some to run, 4 where
+    some failed or ran out of budget.
 
     \b
     Examples:
@@ -130,7 +133,10 @@ def command(
         if not quiet:
             click.echo("\n".join(summaries[-1].lines()), err=True)
         click.echo(summaries[-1].output)
-    return 0 if all(summary.sound for summary in summaries) else UNSOUND
+    if not all(summary.sound for summary in summaries):
+        return UNSOUND
+    left = max_points is not None and not all(summary.complete for summary in summaries)
+    return STILL_TO_RUN if left else 0
 
 
 def load_all(sources: Sequence[str], overrides: Sequence[str]) -> list[Case]:

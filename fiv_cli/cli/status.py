@@ -9,13 +9,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, plain, print_json, set_option, with_option
+from fiv_cli.cli.common import (
+    STILL_TO_RUN,
+    json_option,
+    plain,
+    print_json,
+    set_option,
+    with_option,
+)
 
 if TYPE_CHECKING:
     from fiv_cli.sweep.journal import Journal
-
-STILL_TO_RUN = 8
-"""Exit code, where it is asked for."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,7 @@ def command(
     Examples:
       fiv status configs/ch7/fig_7_06_reached.toml
       fiv status a.toml --set grid.mu_k=[0.3] --json
-      until fiv status a.toml --exit-code; do fiv run a.toml --max-points 1000 || break; done
+      while fiv run a.toml --max-points 1000; [ $? = 8 ]; do fiv status a.toml; done
     """
     standing = _standing(case, output, overrides)
     if as_json:
