@@ -49,7 +49,7 @@ Positions = NDArray[np.int64]
 
 AT_ONCE = 2**16  # points whose keys are made together
 
-# What a point takes of memory in a small sweep, and in a large one, whose arrays lie in files; and of
+# Bytes that a point takes in a small sweep, and in a large one, whose arrays lie in files; and of
 # how many points it is said.
 USUAL_BYTES = 720.0
 LARGE_BYTES, LARGE_POINT = 600e6, 45.0
