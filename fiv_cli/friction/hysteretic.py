@@ -13,7 +13,7 @@ Delta mu_s = 0 it is `stefanski`. Where mu_s > 2 mu_k slow slip that slows down 
 
 The branch of sticking is that of a contact stiffness k_S without bound: exact stick. With a finite
 one, 2.8 takes v^2/(2|a|) for the way from rest. A free mass m that has stopped is then pushed back
-by F_0, with m a^2 - F_0 a + k_S v^2/2 = 0: this has no solution above v = F_0/sqrt(2 k_S m), where
+by F_0 > 0, with m a^2 - F_0 a + k_S v^2/2 = 0: no a solves this above v = F_0/sqrt(2 k_S m), where
 the mass slides, slows down, and is pushed off anew at each stop; it never rests. So there is no
 pre-sliding here (`dahl`, `lugre` and others have it), and no implicit equation left to solve. Nor
 is there the stochastic part f_R, a function of position, which no law is given.
