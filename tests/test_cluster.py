@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import os
+import random
 import shutil
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import sweep_fakes
-from clusters import LoopbackCluster
+from clusters import Dask, LoopbackCluster
 from disturbed import Run, wait_for
 from small_cases import FAR
 
@@ -28,8 +31,10 @@ from fiv_cli.sweep.queue import Queue
 from fiv_cli.sweep.run import Summary, run_case
 
 PATIENCE = 60.0
+DEADLY = "sweep_fakes:deadly_once"
 HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
 CASE = FAR.format(v=20, N=50, transient=2000.0, t_max=4000.0)
+LONG = sweep_fakes.BELT.replace("stop = 5, num = 5", "stop = 200, num = 200")
 
 
 class Notes(Silent):
@@ -53,7 +58,8 @@ def sweep(output: Path, text: str, cluster: LoopbackCluster | None, **changes: A
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LoopbackCluster]:
     """A scheduler with two workers, which nobody disturbs."""
     with LoopbackCluster(tmp_path_factory.mktemp("cluster")) as running:
-        running.start_worker(processes=2)
+        environment = {"FIV_TEST_COUNT": str(running.folder / "count")}
+        running.start_worker(processes=2, environment=environment)
         yield running
 
 
@@ -82,6 +88,13 @@ def test_a_point_that_ends_its_process_fails_alone(
     assert "worker died twice" in summary.errors[0][0]
     sweep(tmp_path / "a.nc", sweep_fakes.BELT, cluster)
     sweep(tmp_path / "b.nc", sweep_fakes.BELT, None)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_process_that_died_once_costs_nothing(tmp_path: Path, cluster: LoopbackCluster) -> None:
+    sweep(tmp_path / "a.nc", sweep_fakes.LOOP, None)
+    assert sweep(tmp_path / "b.nc", sweep_fakes.LOOP, cluster, executor=DEADLY).complete
+    assert (cluster.folder / "count").exists()
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
@@ -127,13 +140,11 @@ def test_workers_join_and_die_and_the_scheduler_comes_back(tmp_path: Path) -> No
         wait_for(lambda: list(shards.glob("*.h5")), "nothing is computed")
         second = cluster.start_worker("--no-nanny")
         wait_for(lambda: any("2 tasks" in said for said in notes.said), "nobody joins")
-        for pid in first.processes():
-            os.kill(pid, signal.SIGKILL)
-        done = len(list(shards.glob("*.h5")))
-        wait_for(lambda: len(list(shards.glob("*.h5"))) > done, "it does not go on")
+        kill(first)
+        done = newest(shards)
+        wait_for(lambda: newest(shards) > done, "it does not go on")
         cluster.kill_scheduler()
-        for pid in second.processes():
-            os.kill(pid, signal.SIGKILL)
+        kill(second)
         cluster.start_scheduler()
         cluster.start_worker("--no-nanny")
         run.join(PATIENCE)
@@ -204,3 +215,47 @@ def computing(cluster: LoopbackCluster) -> list[int]:
     """Processes that the workers have started."""
     pids = [pid for worker in cluster.workers for pid in worker.processes()]
     return [pid for pid in pids if b"popen_loky" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+
+
+@pytest.mark.campaign
+def test_fifty_kills_of_workers_and_five_of_the_scheduler(tmp_path: Path) -> None:
+    """Nothing is lost, whatever is killed: about three minutes."""
+    sweep(tmp_path / "a.nc", LONG, None)
+    output, chance = tmp_path / "b.nc", random.Random(1)
+    policy = Policy(executor="sweep_fakes:slow", preparer="sweep_fakes:prepare", chunk_points=3)
+    shards = tmp_path / "b.run" / "shards"
+    with LoopbackCluster(tmp_path) as cluster:
+        policy = dataclasses.replace(policy, cluster=cluster.address)
+        case = sweep_fakes.case(LONG)
+        run = threading.Thread(target=run_case, args=(case, output, policy, Silent()))
+        run.start()
+        for number in range(1, 56):
+            while len(cluster.workers) < 3:
+                cluster.start_worker("--no-nanny")
+            before = newest(shards)
+            wait_for(lambda: newest(shards) > before, "nothing is computed", PATIENCE)  # noqa: B023
+            time.sleep(chance.random())
+            if number % 11 == 0:
+                cluster.kill_scheduler()
+                while cluster.workers:
+                    kill(cluster.workers.pop())
+                cluster.start_scheduler()
+            else:
+                kill(cluster.workers.pop(chance.randrange(3)))
+            assert run.is_alive()
+        cluster.start_worker(processes=2)
+        run.join(5 * PATIENCE)
+        assert not run.is_alive()
+    assert output.read_bytes() == (tmp_path / "a.nc").read_bytes()
+
+
+def newest(shards: Path) -> int:
+    """Number of the shard that was stored last."""
+    return max((int(path.stem) for path in shards.glob("*.h5")), default=-1)
+
+
+def kill(worker: Dask) -> None:
+    """End a worker and all that it has started, without a word."""
+    for pid in worker.processes():
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)

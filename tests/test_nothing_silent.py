@@ -170,7 +170,7 @@ def test_a_grid_of_a_hundred_million_points_is_told_what_it_means(
                     '[[analysis]]\nkind = "response"\n')  # fmt: skip
     assert fiv(["check", str(case)]) == 0
     told = capsys.readouterr().out
-    assert "100,000,000 points: some 72 GB of memory" in told
+    assert "100,000,000 points: some 5.1 GB of memory" in told
     assert "--estimate" in told
 
 

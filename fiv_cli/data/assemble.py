@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -17,6 +18,7 @@ from fiv_cli.analyses.variables import Role, Variable, motions
 from fiv_cli.case.case import Axis
 from fiv_cli.data.block import Array, Block, dtype_of, fill_value, padded
 from fiv_cli.data.layout import Layout
+from fiv_cli.data.mapped import let_go, mapped
 from fiv_cli.data.modes import follow_modes
 from fiv_cli.flags import REASONS, TABLES
 from fiv_cli.models import get_model
@@ -27,6 +29,10 @@ Placed = tuple[Rows, Block]
 """Positions of the rows of a block (negative: not part of the dataset), and the block."""
 
 Blocks = Callable[[], Iterable[Placed]]
+
+
+LARGE = 256 * 2**20
+"""Bytes of a dataset beyond which its arrays lie in files."""
 
 
 @dataclass
@@ -45,7 +51,7 @@ class _Survey:
     own_shapes: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
 
-def assemble(layout: Layout, blocks: Blocks) -> xr.Dataset:
+def assemble(layout: Layout, blocks: Blocks, scratch: Path | None = None) -> xr.Dataset:
     """The dataset of one analysis.
 
     Parameters
@@ -53,12 +59,13 @@ def assemble(layout: Layout, blocks: Blocks) -> xr.Dataset:
     layout : dims, coordinates and variables
     blocks : gives an iterator over the placed blocks, twice the same; where two blocks hold the
         same point the later one counts
+    scratch : folder for files that hold the arrays of a large dataset; None: memory does
 
     Returns
     -------
     xarray.Dataset without global attributes; points that no block holds are ``pending``
     """
-    assembly = _Assembly(layout, _survey(layout, blocks))
+    assembly = _Assembly(layout, _survey(layout, blocks), scratch)
     for number, (positions, block) in enumerate(blocks()):
         assembly.fill(block, positions, number)
     dataset = assembly.dataset()
@@ -88,8 +95,9 @@ def _row_starts(sizes: NDArray[np.int32]) -> Rows:
 class _Assembly:
     """The arrays of a dataset, flat over its points, and what they become."""
 
-    def __init__(self, layout: Layout, survey: _Survey) -> None:
+    def __init__(self, layout: Layout, survey: _Survey, scratch: Path | None = None) -> None:
         self.layout, self.survey = layout, survey
+        self.scratch = scratch if 8 * layout.size * len(layout.variables) > LARGE else None
         self.arrays = {variable.name: self._empty(variable) for variable in layout.variables}
         self.starts = {group: _row_starts(sizes) for group, sizes in survey.row_sizes.items()}
 
@@ -100,7 +108,10 @@ class _Assembly:
         else:
             points = [] if variable.role is Role.ALONG else [self.layout.size]
             shape = [*points, *map(self._dim_size, variable.dims)]
-        return np.full(shape, fill_value(variable), dtype_of(variable))
+        fill, dtype = fill_value(variable), dtype_of(variable)
+        if self.scratch is None:
+            return np.full(shape, fill, dtype)
+        return mapped(fill, tuple(map(int, shape)), dtype, self.scratch)
 
     def _dim_size(self, dim: str) -> int:
         """Size of an own dim: the longest that any variable has along it."""
@@ -135,6 +146,7 @@ class _Assembly:
             if variable.name in (block.ragged if variable.ragged else block.values):
                 fill = self._fill_ragged if variable.ragged else self._fill_value
                 fill(variable, block, rows, targets)
+                let_go(self.arrays[variable.name])
 
     def _fill_value(self, variable: Variable, block: Block, rows: Rows, targets: Rows) -> None:
         source, target = block.values[variable.name][rows], self.arrays[variable.name]
@@ -157,13 +169,20 @@ class _Assembly:
         variables = {v.name: self._variable(v) for v in self.layout.variables}
         coordinates = _coordinates(self.layout) | self._own_coordinates()
         for group, sizes in self.survey.row_sizes.items():
+            count = int(sizes.sum(dtype=np.int64))
             variables[f"{group}_row_size"] = _row_size(group, self.layout, sizes)
-            variables[f"{group}_point"] = _point(group, self.layout, sizes)
-            coordinates[f"{group}_obs"] = _numbers(f"{group}_obs", int(sizes.sum(dtype=np.int64)))
+            variables[f"{group}_point"] = self._aside(_point(group, self.layout, sizes))
+            coordinates[f"{group}_obs"] = self._aside(_numbers(f"{group}_obs", count))
         for variable in self.layout.variables:
             if variable.role is Role.ALONG:
                 coordinates[variable.name] = variables.pop(variable.name)
         return xr.Dataset(variables, coords=coordinates)
+
+    def _aside(self, made: xr.Variable) -> xr.Variable:
+        """What takes much memory, where the other arrays are."""
+        if self.scratch is None:
+            return made
+        return made.copy(data=mapped(made.values, made.shape, made.dtype, self.scratch))
 
     def _variable(self, variable: Variable) -> xr.Variable:
         array, attributes = self.arrays[variable.name], attributes_of(variable)

@@ -32,6 +32,8 @@ class Block:
     messages : row -> details
     carries : row -> what a continuing neighbour needs, plain data
     seconds : (n,) float32, about how long each point took
+    plan, positions : digest of a plan, and (n,) int64 where the points lie in it (-1: nowhere),
+        which spares whoever has that plan the search by keys; empty: not known
     """
 
     keys: Array
@@ -43,6 +45,8 @@ class Block:
     messages: dict[int, str] = field(default_factory=dict)
     carries: dict[int, dict[str, Any]] = field(default_factory=dict)
     seconds: Array = field(default_factory=lambda: np.zeros(0, np.float32))
+    plan: bytes = b""
+    positions: Array = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def __post_init__(self) -> None:
         if not len(self.seconds):
@@ -101,6 +105,8 @@ def _faults(block: Block, table: Mapping[str, Variable]) -> Iterator[str]:
             yield f"{name} holds what no point has"
     if block.seconds.dtype != np.float32 or block.seconds.shape != (count,):
         yield "its costs have another form"
+    if block.positions.dtype != np.int64 or block.positions.shape not in ((0,), (count,)):
+        yield "its positions have another form"
     if any(row not in range(count) for row in (*block.messages, *block.carries)):
         yield "it tells of rows that it has not"
     if not all(isinstance(message, str) for message in block.messages.values()):
@@ -335,6 +341,74 @@ def _end_to_end(given: Sequence[Array | None], counts: Array, column: _Column) -
         for rows, count in zip(given, counts.tolist(), strict=True)
     ]
     return np.concatenate(rows) if rows else np.empty(0, dtype)
+
+
+def joined(
+    blocks: Sequence[Block], rows: NDArray[np.int64], variables: Sequence[Variable]
+) -> Block:
+    """The rows with these numbers, counted through all blocks, as one block."""
+
+    def column(name: str) -> Array:
+        return np.concatenate([getattr(block, name) for block in blocks])[rows]
+
+    whole = Block(
+        column("keys"),
+        column("status"),
+        column("reason"),
+        messages=_joined_texts(blocks, rows, "messages"),
+        carries=_joined_texts(blocks, rows, "carries"),
+        seconds=column("seconds"),
+    )
+    present = {name for block in blocks for name in (*block.values, *block.row_sizes)}
+    for variable in variables:
+        if variable.name in present and not variable.ragged:
+            whole.values[variable.name] = _joined_values(blocks, variable)[rows]
+    for group in dict.fromkeys(variable.ragged for variable in variables):
+        if group in present:
+            _join_rows(whole, blocks, rows, [v for v in variables if v.ragged == group])
+    return whole
+
+
+def _joined_texts(blocks: Sequence[Block], rows: NDArray[np.int64], name: str) -> dict[int, Any]:
+    """What some rows have to tell, by the row that each becomes."""
+    becomes = {row: place for place, row in enumerate(rows.tolist())}
+    found: dict[int, Any] = {}
+    begin = 0
+    for block in blocks:
+        found |= {begin + row: text for row, text in getattr(block, name).items()}
+        begin += len(block)
+    return {becomes[row]: text for row, text in found.items() if row in becomes}
+
+
+def _joined_values(blocks: Sequence[Block], variable: Variable) -> Array:
+    """The values of a variable over all blocks, as large as the largest of them."""
+    name, fill, dtype = variable.name, fill_value(variable), dtype_of(variable)
+    shapes = [block.values[name].shape[1:] for block in blocks if name in block.values]
+    own = tuple(map(max, zip(*shapes, strict=True)))
+    none = np.zeros((0, *own), dtype)
+    return np.concatenate(
+        [padded(block.values.get(name, none), (len(block), *own), fill) for block in blocks]
+    )
+
+
+def _join_rows(
+    whole: Block,
+    blocks: Sequence[Block],
+    rows: NDArray[np.int64],
+    members: Sequence[Variable],
+) -> None:
+    """The ragged variables of a group over all blocks."""
+    group = members[0].ragged
+    sizes = np.concatenate([b.row_sizes.get(group, np.zeros(len(b), np.int32)) for b in blocks])
+    begins = np.cumsum(sizes, dtype=np.int64) - sizes
+    chosen = sizes[rows]
+    ends = np.cumsum(chosen, dtype=np.int64)
+    places = np.repeat(begins[rows] - ends + chosen, chosen) + np.arange(chosen.sum())
+    whole.row_sizes[group] = chosen
+    for variable in members:
+        none = np.zeros(0, dtype_of(variable))
+        rows_of = np.concatenate([block.ragged.get(variable.name, none) for block in blocks])
+        whole.ragged[variable.name] = rows_of[places]
 
 
 def to_plain(value: Any) -> Any:

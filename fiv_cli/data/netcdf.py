@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from fiv_cli import ending
 from fiv_cli.analyses.variables import INT_FILL
 from fiv_cli.case.identity import output_of
 from fiv_cli.data.hdf5 import read_attributes, read_groups
+from fiv_cli.data.mapped import let_go
 from fiv_cli.data.sound import form_of
 from fiv_cli.errors import InputError, StorageError, UsageError
 from fiv_cli.files import NETCDF, replacing
@@ -43,6 +44,9 @@ LOOKED_AT, PIECES = 64 * 1024, 16
 
 MUCH = 128 * 2**20
 """Bytes of a dataset that the library must not keep a second time when it writes or reads them."""
+
+SLAB = 2**24
+"""Bytes of a variable that are written or compared at once, where it has more."""
 
 CACHE = 2**20
 """Bytes that it then keeps of each variable."""
@@ -142,23 +146,42 @@ def to_attribute(value: object) -> object:
 
 
 class _Later:
-    """Holds arrays back until everything is defined.
+    """Holds arrays back until everything is defined, but for those that take much memory.
 
     A file that changes between being defined and being filled goes through all that it has each
     time: hundreds of groups would take minutes.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, datasets: Mapping[str, xr.Dataset]) -> None:
         self._parts: list[tuple[Any, Any]] = []
+        self._all = [v.values for one in datasets.values() for v in one.variables.values()]
 
     def add(self, source: Any, target: Any, region: Any = None) -> None:
         """As xarray's writers: `target` is where `source` goes."""
-        self._parts.append((target, source))
+        if source.nbytes > SLAB:
+            for array in self._all:  # of one of them `source` was made
+                let_go(array)
+            _fill_in_slabs(target, source)
+        else:
+            self._parts.append((target, source))
 
     def write(self) -> None:
         """Fill what was defined."""
         for target, source in self._parts:
             target[...] = source
+
+
+def _fill_in_slabs(target: Any, source: Any) -> None:
+    """Write a large array piece by piece: the library copies what it is given, more than once."""
+    for slab in _slabs(source, target.get_array().chunking()):
+        target[slab] = source[slab]
+
+
+def _slabs(array: Any, chunks: Sequence[int] | str) -> Iterator[slice]:
+    """Pieces along the first dim that begin and end where chunks of the file do, if it has any."""
+    rows = 1 if isinstance(chunks, str) else chunks[0]
+    step = rows * max(1, SLAB * len(array) // (array.nbytes * rows))
+    return (slice(begin, begin + step) for begin in range(0, len(array), step))
 
 
 def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:
@@ -167,7 +190,7 @@ def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[s
     import xarray as xr
 
     clean = {name: to_attribute(v) for name, v in attributes.items() if v is not None}
-    later = _Later()
+    later = _Later(datasets)
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
         if len(datasets) == 1:
             (dataset,) = datasets.values()
@@ -215,6 +238,7 @@ def _shrinks(array: NDArray[Any]) -> bool:
     count = LOOKED_AT // PIECES // flat.itemsize
     begins = np.linspace(0, len(flat) - count, PIECES, dtype=np.int64)
     tried = np.concatenate([flat[begin : begin + count] for begin in begins])
+    let_go(array)
     shuffled = tried.view(np.uint8).reshape(-1, flat.itemsize).T.tobytes()
     return len(zlib.compress(shuffled, LEVEL)) < WORTH * len(shuffled)
 
@@ -243,10 +267,11 @@ def _check_group(written: Mapping[str, netCDF4.Variable], dataset: xr.Dataset) -
     for name, variable in dataset.variables.items():
         if name not in written:
             raise RuntimeError(f"{name} is missing after writing")
-        if not np.array_equal(
-            written[str(name)][...], variable.values, equal_nan=variable.dtype.kind == "f"
-        ):
-            raise RuntimeError(f"{name} reads back differently")
+        back, values = written[str(name)], variable.values
+        for part in _slabs(values, back.chunking()) if values.nbytes > SLAB else (...,):
+            if not np.array_equal(back[part], values[part], equal_nan=values.dtype.kind == "f"):
+                raise RuntimeError(f"{name} reads back differently")
+            let_go(values)
 
 
 def _check_space(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:

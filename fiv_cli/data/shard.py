@@ -103,6 +103,8 @@ def _to_arrays(block: Block) -> dict[str, Array]:
         "status": block.status,
         "reason": block.reason,
         "seconds": block.seconds,
+        "plan": np.frombuffer(block.plan, np.uint8),
+        "positions": block.positions,
         "messages": _json_array(block.messages),
         "carries": _json_array(block.carries),
         **{f"values/{name}": array for name, array in sorted(block.values.items())},
@@ -122,6 +124,8 @@ def _from_arrays(arrays: Mapping[str, Array]) -> Block:
         messages=_from_json(arrays["messages"]),
         carries=_from_json(arrays["carries"]),
         seconds=arrays.get("seconds", np.zeros(0, np.float32)),
+        plan=arrays.get("plan", np.zeros(0, np.uint8)).tobytes(),
+        positions=arrays.get("positions", np.zeros(0, np.int64)),
     )
 
 

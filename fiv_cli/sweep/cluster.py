@@ -155,10 +155,12 @@ class Cluster:
                 raise error
             self._died[number] = None
             self._forget(number)
-        ended = [number for number in self._tasks if self._status(number) == "finished"]
-        found = self._client.gather([self._futures[number] for number in ended])
-        results = []
-        for number, answer in zip(ended, found, strict=True):
+        results: list[tuple[int, Result]] = []
+        for number in [n for n in self._tasks if self._status(n) == "finished"]:
+            try:
+                answer = self._futures[number].result(timeout=PATIENCE)
+            except (OSError, asyncio.CancelledError, futures.CancelledError):
+                break  # it went with its worker, or the scheduler, and is computed again
             self._forget(number)
             if isinstance(answer, Died):
                 self._died[number] = answer.beat
@@ -183,7 +185,8 @@ class Cluster:
     def _ask(self, addresses: Collection[str]) -> None:
         """Let those who have joined take part, if they would compute the same bits."""
         found = self._on_workers(surroundings, workers=addresses) if addresses else {}
-        for address, theirs in found.items():
+        answered = {a: theirs for a, theirs in found.items() if not isinstance(theirs, OSError)}
+        for address, theirs in answered.items():  # who did not is asked again
             differing = _differences(self._own, theirs)
             self._admitted[address] = not differing
             if differing:

@@ -12,6 +12,7 @@ STEM.run/   identity.json  what the stored points belong to
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -22,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.data.block import Block, fault_of_block
+from fiv_cli.data.block import Block, fault_of_block, joined
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
 from fiv_cli.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
@@ -42,8 +43,17 @@ OK, PENDING = STATUS.codes["ok"], STATUS.codes["pending"]
 _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
 
 
+DECISIVE = 16
+"""Bytes of a key by which a point is known: of 1e9 points no two share them by chance."""
+
 KEPT = 64 * 2**20
 """Bytes of results that stay in memory until the dataset is made; the rest is read again."""
+
+AGES = (2**19, 2**23)
+"""Bytes from which a shard is no longer young, and from which it is old, and stays as it is."""
+
+MANY, LARGEST = 32, 64 * 2**20
+"""Shards of an age that are merged, and how large, in bytes, what comes of it may be."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +64,13 @@ class Shard:
     ----------
     path : its file
     positions : of its rows; -1: not a point of this plan
+    nbytes : that its arrays take
     kept : the block itself; None where it is read again when it is needed
     """
 
     path: Path
     positions: Positions
+    nbytes: int
     kept: Block | None
 
     def block(self) -> Block:
@@ -110,6 +122,22 @@ class Record:
         status, reason = self.status[positions], self.reason[positions]
         answered = (status != PENDING) & ~_in_vain(status, reason)
         return _in_vain(block.status, block.reason) & answered
+
+    def surviving(self, positions: Positions, blocks: Sequence[Block]) -> Positions:
+        """Rows of blocks that must be kept: of each point the last, by position.
+
+        Those of no point of this plan stay, as another plan may have them; what failed in vain goes
+        where there is an answer by now, or no point.
+        """
+        status = np.concatenate([block.status for block in blocks])
+        reason = np.concatenate([block.reason for block in blocks])
+        answered = self.stored() & ~self.in_vain()
+        superseded = _in_vain(status, reason) & ((positions < 0) | answered[positions])
+        _, last = np.unique(positions[::-1], return_index=True)
+        latest = positions < 0
+        latest[len(positions) - 1 - last] = True
+        rows = np.flatnonzero(latest & ~superseded)
+        return rows[np.argsort(positions[rows], kind="stable")]
 
     def stored(self) -> NDArray[np.bool_]:
         """Which points have a result, a failed one included."""
@@ -184,8 +212,12 @@ class Journal:
         if fault:
             raise UnreadableShard(fault)
         states = _states(block)
+        if block.plan == analysis.digest and (block.positions < analysis.size).all():
+            own = block.positions.copy()  # not a view of all that was read
+            self._register(index, path, own, block, states)
+            return
         if index not in finders:
-            finders[index] = _Finder(analysis.keys())
+            finders[index] = _Finder(analysis.keys(DECISIVE))
         self._register(index, path, finders[index].positions(block.keys), block, states)
 
     def ask(self) -> None:
@@ -202,11 +234,50 @@ class Journal:
         StorageError
             it cannot be written; nothing that is stored is touched.
         """
+        self._store(index, positions, block)
+        self.records[index].ran[positions] = True
+        self._merge(index)
+
+    def _store(self, index: int, positions: Positions, block: Block) -> Path:
+        """Write a block under the next number."""
+        analysis = self.plan.analyses[index]
         path = self.shard_folder / f"{self._next:06d}.h5"
-        write_shard(path, block, self.plan.analyses[index].layout.name)
+        block.plan, block.positions = analysis.digest, positions
+        write_shard(path, block, analysis.layout.name)
         self._next += 1
         self._register(index, path, positions, block, _states(block))
-        self.records[index].ran[positions] = True
+        return path
+
+    def _merge(self, index: int) -> None:
+        """Where there are many shards of an age, make one of them.
+
+        First it is written, then they go: in between their points are stored twice.
+        """
+        for below, above in zip((0, *AGES), AGES, strict=False):
+            of_age = [
+                shard
+                for shard in self.records[index].shards
+                if below <= shard.nbytes < above and shard.path.parent == self.shard_folder
+            ]
+            if len(of_age) >= MANY:
+                total = np.cumsum([shard.nbytes for shard in of_age])
+                self._merge_shards(index, of_age[: max(2, int((total <= LARGEST).sum()))])
+
+    def _merge_shards(self, index: int, shards: Sequence[Shard]) -> None:
+        record, variables = self.records[index], self.plan.analyses[index].layout.variables
+        try:
+            blocks = [shard.block() for shard in shards]
+        except UnreadableShard:  # damaged since: the next who loads it will say so
+            return
+        positions = np.concatenate([shard.positions for shard in shards])
+        rows = record.surviving(positions, blocks)
+        written = max(shard.path.stat().st_mtime for shard in shards)
+        record.shards = [shard for shard in record.shards if shard not in shards]
+        self._kept -= sum(shard.nbytes for shard in shards if shard.kept is not None)
+        path = self._store(index, positions[rows], joined(blocks, rows, variables))
+        os.utime(path, (written, written))
+        for shard in shards:
+            shard.path.unlink(missing_ok=True)
 
     def _register(
         self,
@@ -222,7 +293,7 @@ class Journal:
         placed = positions >= 0
         kept = block if self._kept + block.nbytes <= KEPT else None
         self._kept += 0 if kept is None else block.nbytes
-        record.shards.append(Shard(path, positions, kept))
+        record.shards.append(Shard(path, positions, block.nbytes, kept))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
         layout, maps = self.plan.analyses[index].layout, self.plan.analyses[index].maps
@@ -325,9 +396,9 @@ def _explained(code: int, message: str) -> str:
 
 
 class _Finder:
-    """Positions of points by key; of equal keys the last counts.
+    """Positions of points by the decisive bytes of their keys; of equal keys the last counts.
 
-    Sorted by their first bytes; of two points that share them one is not found and run again.
+    Sorted by the first of them; of two points that share these one is not found and run again.
     """
 
     def __init__(self, keys: NDArray[np.uint8]) -> None:
@@ -339,7 +410,8 @@ class _Finder:
         """Position of each key; -1 where there is none."""
         places = np.searchsorted(self._sorted, _first_bytes(keys), side="right") - 1
         found = self._order[np.maximum(places, 0)]
-        return np.where((self._keys[found] == keys).all(axis=1), found, -1).astype(np.int64)
+        same = (self._keys[found] == keys[:, :DECISIVE]).all(axis=1)
+        return np.where(same, found, -1).astype(np.int64)
 
 
 def _first_bytes(keys: NDArray[np.uint8]) -> NDArray[np.uint64]:

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product, repeat
+from itertools import islice, product, repeat
 from math import prod
 from typing import Any
 
@@ -47,8 +47,12 @@ from fiv_cli.sweep.requests import (
 
 Positions = NDArray[np.int64]
 
-# What a point takes of memory in a sweep of a million, and of how many points it is said.
+AT_ONCE = 2**16  # points whose keys are made together
+
+# Bytes that a point takes in a small sweep, and in a large one, whose arrays lie in files; and of
+# how many points it is said.
 USUAL_BYTES = 720.0
+LARGE_BYTES, LARGE_POINT = 600e6, 45.0
 MANY = 100_000
 
 
@@ -162,20 +166,26 @@ class AnalysisPlan:
         along_last = np.moveaxis(numbers, dim, -1)[..., order]
         return along_last.reshape(-1, len(order))
 
-    def keys(self) -> NDArray[np.uint8]:
-        """Keys of all points, (size, 32)."""
+    def keys(self, kept: int = KEY_BYTES) -> NDArray[np.uint8]:
+        """The first `kept` bytes of the keys of all points, (size, kept)."""
         entries = self.template.entries
-        places = place_digests(self.template, [_choices_of(dim) for dim in self.layout.dims])
-        keys = np.empty((len(places), len(entries), KEY_BYTES), np.uint8)
-        for index, entry in enumerate(entries):
-            if not continues(entry):
-                own = b"".join(keys_at(places, entry))
-                keys[:, index] = np.frombuffer(own, np.uint8).reshape(-1, KEY_BYTES)
+        alone = [(index, entry) for index, entry in enumerate(entries) if not continues(entry)]
+        keys = np.empty((self.size // len(entries), len(entries), kept), np.uint8)
+        places = np.empty((0 if len(alone) == len(entries) else len(keys), KEY_BYTES), np.uint8)
+        digests = place_digests(self.template, [_choices_of(dim) for dim in self.layout.dims])
+        for begin in range(0, len(keys), AT_ONCE):
+            some = list(islice(digests, AT_ONCE))
+            rows = slice(begin, begin + len(some))
+            for index, entry in alone:
+                keys[rows, index] = _rows(b"".join(keys_at(some, entry)))[:, :kept]
+            if len(places):
+                places[rows] = _rows(b"".join(some))
         for chains in self.chain_sets():
             for points in zip(*np.divmod(chains.positions, len(entries)), strict=True):
-                along = keys_along((places[i], entries[j]) for i, j in zip(*points, strict=True))
-                keys[points] = np.frombuffer(along, np.uint8).reshape(-1, KEY_BYTES)
-        return keys.reshape(-1, KEY_BYTES)
+                pairs = zip(*points, strict=True)
+                along = keys_along((places[i].tobytes(), entries[j]) for i, j in pairs)
+                keys[points] = _rows(along)[:, :kept]
+        return keys.reshape(-1, kept)
 
     def chain_key(self, positions: Positions) -> bytes:
         """Key of the last of the first points of a chain."""
@@ -381,6 +391,11 @@ def _choices(dims: list[Dim]) -> Iterator[dict[str, Any]]:
         }
 
 
+def _rows(keys: bytes) -> NDArray[np.uint8]:
+    """Keys that stand one after the other, each as a row."""
+    return np.frombuffer(keys, np.uint8).reshape(-1, KEY_BYTES)
+
+
 def _choices_of(dim: Dim) -> list[Values]:
     """The values along a dim: of each axis one."""
     return list(zip(*(axis.values for axis in dim.axes), strict=True))
@@ -460,8 +475,9 @@ def _refined_text(maps: Maps, layout: Layout) -> str:
 
 def _cost_of(points: int) -> str:
     """What so many points hold, and what to type for how long they take."""
+    memory = min(points * USUAL_BYTES, LARGE_BYTES + points * LARGE_POINT)
     return (
-        f"  {points:,} points: some {size(points * USUAL_BYTES)} of memory; how long depends on "
+        f"  {points:,} points: some {size(memory)} of memory; how long depends on "
         "what moves: type fiv check --estimate, which runs a few"
     )
 

@@ -173,10 +173,10 @@ def _setup(
 
 def place_digest(template: Template, values: Values) -> bytes:
     """sha256 of everything that decides a point but its start."""
-    return place_digests(template, [[values]])[0]
+    return next(place_digests(template, [[values]]))
 
 
-def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> list[bytes]:
+def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> Iterator[bytes]:
     """`place_digest` of all points of a grid in C order, from the values along its dims."""
     kinds = iter([kind for _, kind in template.axes])
     packed = []
@@ -184,7 +184,7 @@ def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> list[
         own = list(islice(kinds, len(dim[0])))
         packed.append([b"".join(map(partial(_packed, template), own, values)) for values in dim])
     bases = (b"".join((template.base, *pieces)) for pieces in product(*packed))
-    return [hashlib.sha256(base).digest() for base in bases]
+    return (hashlib.sha256(base).digest() for base in bases)
 
 
 def keys_at(places: Sequence[bytes], entry: StartEntry | None) -> Iterator[bytes]:
