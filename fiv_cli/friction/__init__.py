@@ -59,6 +59,11 @@ _LAWS: tuple[Law, ...] = (
 )
 
 TANH_OF = "tanh of "
+DEVICES = ("karnopp", "switch")
+NO_LAW = (
+    "a device to find stick with a fixed step; here stick is located exactly, so that as a law it "
+    "would be Coulomb's or Stribeck's with a worse stick: write 'coulomb' or 'stribeck'"
+)
 
 
 def _with_regularised(laws: Iterable[Law]) -> dict[str, Law]:
