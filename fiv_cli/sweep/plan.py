@@ -39,6 +39,7 @@ from fiv_cli.sweep.requests import (
     expand_starts,
     keys_along,
     keys_at,
+    packed,
     place_digests,
     point_key,
     request_at,
@@ -112,7 +113,9 @@ class AnalysisPlan:
     def digest(self) -> bytes:
         """Of all points and their order."""
         axes = [
-            (axis.name, axis.kind, axis.values) for dim in self.layout.dims for axis in dim.axes
+            (axis.name, [packed(self.template, axis.kind, value) for value in axis.values])
+            for dim in self.layout.dims
+            for axis in dim.axes
         ]
         shape = self.layout.dim_names, self.layout.shape, self.maps is None
         entries = [entry and (entry.label, entry.identity) for entry in self.template.entries]

@@ -179,11 +179,13 @@ def place_digest(template: Template, values: Values) -> bytes:
 def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> Iterator[bytes]:
     """`place_digest` of all points of a grid in C order, from the values along its dims."""
     kinds = iter([kind for _, kind in template.axes])
-    packed = []
+    pieces_of_dims = []
     for dim in dims:
         own = list(islice(kinds, len(dim[0])))
-        packed.append([b"".join(map(partial(_packed, template), own, values)) for values in dim])
-    bases = (b"".join((template.base, *pieces)) for pieces in product(*packed))
+        pieces_of_dims.append(
+            [b"".join(map(partial(packed, template), own, values)) for values in dim]
+        )
+    bases = (b"".join((template.base, *pieces)) for pieces in product(*pieces_of_dims))
     return (hashlib.sha256(base).digest() for base in bases)
 
 
@@ -303,7 +305,8 @@ def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
     return {name: values[place] for name, place in template.axes_by_kind.get(kind, ())}
 
 
-def _packed(template: Template, kind: str, value: Any) -> bytes:
+def packed(template: Template, kind: str, value: Any) -> bytes:
+    """Everything that a value of an axis of this kind decides."""
     if kind == "law":  # with what no axis says of it: another law has other parameters
         fixed = sorted((n, float(v).hex()) for n, v in template.parameters[value].items())
         law = get_law(value)
