@@ -83,7 +83,9 @@ ANALYSIS = Analysis(
         ),
         Choice(
             "follow",
-            "where a run begins: at the start (none), or where the one before ended",
+            "where a run begins: at the start (none), or where the one before ended; a step of the "
+            "scan may throw it off what it follows, so the border and its error are those of such "
+            "steps (kind cycle finds where the branch itself ends)",
             default="none",
             choices=("none", "up", "down", "both"),
         ),
