@@ -139,6 +139,8 @@ def test_a_case_names_the_file_and_its_content_is_the_case(folder: Path) -> None
     assert fingerprint(api.load("case.toml")) != fingerprint(case)
     policy = Policy(workers=2, chunk_points=1, in_process_below=0.0)
     run_case(case, Path("two.nc"), policy, for_stderr(quiet=True))
+    read = "pad.csv: measured friction, 3 rows, 0.25 to 0.4 at 0 to 1 m/s, monotone between them"
+    assert read in str(api.check(case))
     found = api.read("two.nc")  # of what the file held when the case was loaded
     x = found["equilibrium"].sel(v=0.3).values.ravel()[0]
     law = table(((0.0, 0.4), (0.5, 0.3), (1.0, 0.25)))
@@ -154,6 +156,7 @@ def test_a_case_names_the_file_and_its_content_is_the_case(folder: Path) -> None
         ("v, mu\n1, 0.4\n1, 0.2\n", "row 3, column 1 (slip velocity): '1' is not above the last"),
         ("0, 0.4\n1, 0.3\n", "row 1: is no heading"),
         ("v (N), mu\n0, 0.4\n1, 0.3\n", "row 1, column 1: 'v (N)' is in no unit of speed"),
+        ("mu, v (m/s)\n0.4, 0\n0.3, 1\n", "row 1, column 2: 'v (m/s)' has a unit; the coefficient"),
         ("# interpolation: spline\nv, mu\n0, 0.4\n1, 0.3\n", "not 'spline'"),
         ("v, mu\n0, 0.4\n", "has 1 rows under its heading, and needs two"),
     ],

@@ -100,7 +100,7 @@ def read_table(text: str) -> Table:
             if len(cells) != len(COLUMNS):
                 raise ValueError(f"row {number}: has {len(cells)} columns, not {len(COLUMNS)}")
             if factor is None:
-                factor = _factor(cells[0], number)
+                factor = _factor(cells, number)
             else:
                 rows.append(_row(cells, number, factor, rows))
     if len(rows) < 2:
@@ -117,17 +117,28 @@ def _interpolation(line: str, number: int) -> str:
     return found[1] if found else ""
 
 
-def _factor(heading: str, number: int) -> float:
-    """The unit of the speeds in m/s, of their heading."""
-    if _is_number(heading):
+def _factor(headings: Sequence[str], number: int) -> float:
+    """The unit of the speeds in m/s, of the headings."""
+    if _is_number(headings[0]):
         raise ValueError(
             f"row {number}: is no heading; write {', '.join(COLUMNS)} above the numbers"
         )
-    named = re.search(r"[(\[](.*)[)\]]", heading)
-    unit = parse_unit(named[1]) if named else Unit(1, length=1, time=-1)  # type: ignore[arg-type]
+    speed, coefficient = map(_unit, headings)
+    if coefficient is not None:
+        raise ValueError(
+            f"row {number}, column 2: {headings[1]!r} has a unit; the coefficient has none, and "
+            f"the columns are {', '.join(COLUMNS)}"
+        )
+    unit = speed or Unit(1, length=1, time=-1)  # type: ignore[arg-type]
     if (unit.mass, unit.length, unit.time, unit.angle) != (0, 1, -1, 0):
-        raise ValueError(f"row {number}, column 1: {heading!r} is in no unit of speed")
+        raise ValueError(f"row {number}, column 1: {headings[0]!r} is in no unit of speed")
     return float(unit.factor)
+
+
+def _unit(heading: str) -> Unit | None:
+    """What stands behind a heading in brackets; None where nothing does, or that it has none."""
+    named = re.search(r"[(\[](.*)[)\]]", heading)
+    return None if named is None or named[1].strip() in ("", "1", "-") else parse_unit(named[1])
 
 
 def _is_number(cell: str) -> bool:
@@ -162,6 +173,15 @@ def force(slip: Slip, p: Mapping[str, Expr]) -> Expr:
     return slip.sign * p["scale"] * coefficient * slip.N
 
 
+def _title(table: Table) -> str:
+    """What was read, in one line."""
+    speeds, coefficients = table.speeds, table.coefficients
+    return (
+        f"measured friction, {len(speeds)} rows, {min(coefficients):g} to {max(coefficients):g} at "
+        f"{speeds[0]:g} to {speeds[-1]:g} m/s, {table.interpolation} between them, constant beyond"
+    )
+
+
 def tabulated(name: str, text: str) -> Law:
     """The law of the table in a file called `name`; ValueError where it holds none."""
     table = read_table(text)
@@ -173,7 +193,7 @@ def tabulated(name: str, text: str) -> Law:
     at_rest = table.coefficients[0]
     return Law(
         name=name,
-        title=f"measured friction, {len(table.speeds)} rows, {table.interpolation} between them",
+        title=_title(table),
         reference=name,
         numerics_version=1,
         parameters=PARAMETERS,

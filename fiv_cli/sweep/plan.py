@@ -26,6 +26,7 @@ from fiv_cli.case.identity import fingerprint
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
+from fiv_cli.friction.tabulated import SUFFIX
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
 from fiv_cli.notation.amounts import size
@@ -277,6 +278,7 @@ class Plan:
         head = [
             f"{case.source}: {case.title}" if case.title else case.source,
             f"  model {case.model}, friction {_laws(case)}",
+            *(f"  {law}: {get_law(law).title}" for law in case.laws if law.endswith(SUFFIX)),
             *(f"  {_curve_text(name, points)}" for name, points in case.schedule.curves),
         ]
         head += _defaults_text(case, self.analyses)
