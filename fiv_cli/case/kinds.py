@@ -51,7 +51,7 @@ FIGURES = {
     "branch": ("branches of cycles and their ends, along their parameter", ()),
     "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x",)),
     "history": ("states and forces in time", ("variable", "contact", "window")),
-    "phase": ("one state against another", ("x", "y", "contact", "window", "overlay")),
+    "phase": ("one state, or force, against another", ("x", "y", "contact", "window", "overlay")),
     "spectrum": ("amplitudes over frequency", ("x", "variable", "unit")),
     "spectrogram": ("amplitudes over time and frequency", ("variable", "unit", "resolution")),
     "mode-shape": ("shapes of the modes of a disc", ("unit",)),

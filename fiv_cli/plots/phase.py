@@ -48,9 +48,12 @@ def _shows_starts(dataset: xr.Dataset, settings: points.Settings) -> bool:
 
 
 def _states(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, str]:
-    """x and y: as the figure says, else the first displacement and its velocity."""
+    """x and y: as the figure says, else the first displacement and its velocity.
+
+    Of a law under a stated slip it is the loop: the slip and the force.
+    """
     x = str(settings.get("x", motion.variables(dataset, settings)[0]))
-    y = str(settings.get("y", f"{x}_dot"))
+    y = str(settings.get("y", "F_T" if "static_capacity" in dataset else f"{x}_dot"))
     return motion.known_variable(dataset, x), motion.known_variable(dataset, y)
 
 
