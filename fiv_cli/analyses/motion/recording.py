@@ -41,7 +41,7 @@ def record(system: System, request: Request) -> Outcome:
     times = sample_times(settings)
     samples = samples_at(system, times)
     initial, energy_before = initial_state(motion), motion.energy()
-    motion.start_measuring(np.zeros(len(system.coordinates)))
+    motion.start_measuring()
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
