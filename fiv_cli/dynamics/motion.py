@@ -27,7 +27,7 @@ from fiv_cli.codegen.codes import (
 )
 from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of
+from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of, sample_width
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
@@ -143,7 +143,8 @@ class Samples:
     ----------
     times : shape (n,), s
     states : shape (n, n_states)
-    outputs : per contact (F_N, F_T, v_rel), then energies and powers; shape (n, ...)
+    outputs : per contact (F_N, F_T, v_rel), what each has stored, then energies and powers;
+        shape (n, ...)
     codes : contact states, see `CODE_NAMES`; shape (n, n_contacts)
     count : samples taken so far
     """
@@ -157,8 +158,14 @@ class Samples:
     @property
     def forces(self) -> NDArray[np.float64]:
         """(F_N, F_T, v_rel); shape (n, n_contacts, 3)."""
-        energies = len(ENERGY_OUTPUTS)
-        return self.outputs[:, :-energies].reshape(len(self.times), -1, PER_CONTACT)
+        contacts = self.codes.shape[1]
+        of_contacts = self.outputs[:, : PER_CONTACT * contacts]
+        return of_contacts.reshape(len(self.times), contacts, PER_CONTACT)
+
+    @property
+    def stored(self) -> NDArray[np.float64]:
+        """What each contact has stored, J; shape (n, n_contacts), (n, 0) where the law does not."""
+        return self.outputs[:, PER_CONTACT * self.codes.shape[1] : -len(ENERGY_OUTPUTS)]
 
     @property
     def energies(self) -> dict[str, Vector]:
@@ -492,6 +499,12 @@ class Motion:
         energies = self._field(self.state_index).energies
         return float(energies[KINETIC] + energies[POTENTIAL])
 
+    def stored_energy(self) -> float:
+        """What friction has stored in all contacts, J; NaN where no contact state holds."""
+        if self.system.tables.field[self.state_index] == 0:
+            return float("nan")
+        return float(self._field(self.state_index).stored.sum())
+
 
 def next_stride(stride: int, seconds: float) -> int:
     """Steps of the next call of the driver, after one that took so long."""
@@ -524,7 +537,7 @@ def samples_at(system: System, times: Vector) -> Samples:
     return Samples(
         times,
         np.zeros((count, len(system.state_names))),
-        np.zeros((count, PER_CONTACT * contacts + len(ENERGY_OUTPUTS))),
+        np.zeros((count, sample_width(system))),
         np.zeros((count, contacts), np.int64),
     )
 

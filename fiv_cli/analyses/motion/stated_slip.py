@@ -77,7 +77,7 @@ def characteristic(setup: Setup, request: Request) -> Outcome:
         start=Start("stated", "state", state),
     )
     outcome = record(system, alone)
-    kept = [*(one.name for one in OF_RECORDED), *(state.name for state in law.states)]
+    kept = [*(one.name for one in OF_RECORDED), *(state.name for state in law.inner)]
     outcome.values = {name: outcome.values[name] for name in kept}
     outcome.values |= {
         "static_capacity": _capacity(setup, parameters),
