@@ -63,6 +63,7 @@ class ContactState:
     guards : switching functions
     angle : angle of the sector, None where it does not move or does not exist
     contacts : nodes of `CONTACT_OUTPUTS`, per contact
+    stored : what the law has stored, per contact; none of a law that stores nothing
     energies : nodes of `ENERGY_OUTPUTS`, then the power of each excitation
     impacts : contact -> velocity entries after an impact on it (position -> node)
     """
@@ -73,6 +74,7 @@ class ContactState:
     guards: tuple[Guard, ...]
     angle: Node | None
     contacts: tuple[tuple[Node, Node, Node], ...]
+    stored: tuple[Node, ...]
     energies: tuple[Node, ...]
     impacts: Mapping[int, Mapping[int, Node]]
 
@@ -135,6 +137,7 @@ class _Deriver:
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
+        self.of_case = setup.law
         self.laws = [setup.law_of(contact) for contact in self.contacts]
         self.pieced = _pieced(setup, self.laws)
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
@@ -268,6 +271,7 @@ class _Deriver:
             guards=self._guards(kinds, stuck, names, forces.determinant, pivots),
             angle=self._angle(kinds, names),
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
+            stored=tuple(self._stored(names)),
             energies=tuple(self._energies(names)),
             impacts=self._impacts(kinds, names),
         )
@@ -568,6 +572,13 @@ class _Deriver:
             names[self.symbols.tangential_force(contact)],
             self.graph.build(self.contacts[contact].slip_velocity, names),
         )
+
+    def _stored(self, names: Mapping[Expr, Node]) -> Iterator[Node]:
+        if self.of_case.stored is not None:
+            for contact, law in enumerate(self.laws):
+                stored = law.stored or (lambda slip, p: sympy.S.Zero)
+                energy = stored(self._slip(contact), self._law_parameters(contact))
+                yield self.graph.build(energy, names)
 
     def _energies(self, names: Mapping[Expr, Node]) -> list[Node]:
         build, graph = self.graph.build, self.graph

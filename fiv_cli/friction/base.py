@@ -45,6 +45,9 @@ class Slip:
     rows: Sequence[Sequence[Expr]] = ()
 
 
+STORED = State("stored_energy", "E_s", "J", "energy that friction has stored")
+
+
 @dataclass(frozen=True)
 class Exit:
     """What follows where a guard of a piece falls to zero.
@@ -157,6 +160,11 @@ class Law:
         if self.states:
             return "dynamic"
         return "regularised" if self.capacity is None else "set-valued"
+
+    @property
+    def inner(self) -> tuple[State, ...]:
+        """What a motion tells of it over time: its states, and what it has stored."""
+        return self.states if self.stored is None else (*self.states, STORED)
 
     @cached_property
     def places(self) -> dict[str, int]:
