@@ -35,6 +35,7 @@ from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 from fiv_cli.friction.base import Slip, room_of_pieces
+from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
@@ -120,12 +121,12 @@ def derive(setup: Setup) -> Derivation:
 
 class _Deriver:
     def __init__(self, setup: Setup) -> None:
-        scheduled, self.powers = setup.schedule.names, setup.model.powers
+        self.setup, self.powers = setup, setup.model.powers
+        scheduled = setup.schedule.names
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
-        self.of_case = setup.law
         self.laws = [setup.law_of(contact) for contact in self.contacts]
         self.pieced = [i for i, law in enumerate(self.laws) if law.pieces]
         self.width, self.ways = room_of_pieces(self.laws)
@@ -194,8 +195,14 @@ class _Deriver:
 
     # --- the law ----------------------------------------------------------------------------------
     def _law_parameters(self, contact: int) -> dict[str, Expr]:
-        table = self.laws[contact].parameters
-        return self.equations.law_parameters_at(contact, table, self.symbols)
+        law = self.laws[contact]
+        given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
+        if law.surface is None:
+            return given
+        way = way_slid(
+            self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
+        )
+        return {**given, **law.surface.along(way, given)}
 
     def _slip(self, contact: int) -> Slip:
         sign = self.symbols.sign(contact)
@@ -560,7 +567,7 @@ class _Deriver:
         )
 
     def _stored(self, names: Mapping[Expr, Node]) -> Iterator[Node]:
-        if self.of_case.stored is not None:
+        if self.setup.law.stored is not None:
             for contact, law in enumerate(self.laws):
                 stored = law.stored or (lambda slip, p: sympy.S.Zero)
                 energy = stored(self._slip(contact), self._law_parameters(contact))

@@ -322,12 +322,15 @@ class Motion:
                 self.frame.show(name, array)
         self.frame.n_ledger = 0
 
-    def start_measuring(self, reference: Vector) -> None:
-        """Forget what was measured and measure from here on, L_s about `reference`."""
-        n, contacts = len(self.y), self.system.n_contacts
+    def start_measuring(self, reference: Vector | None = None) -> None:
+        """Forget what was measured and measure from here on, L_s about `reference`.
+
+        Without one only energies are measured and shares: half of what it takes.
+        """
+        n, contacts = 0 if reference is None else len(self.y), self.system.n_contacts
         for name in SUMS:
             setattr(self.frame, name, 0.0)
-        self.frame.show("reference", np.array(reference, dtype=float))
+        self.frame.show("reference", np.array(() if reference is None else reference, float))
         self.frame.show("least", np.full(n, np.inf))
         self.frame.show("greatest", np.full(n, -np.inf))
         self.frame.show("squares", np.zeros(n))
