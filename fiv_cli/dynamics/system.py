@@ -110,8 +110,12 @@ class System:
     @cached_property
     def outputs_width(self) -> int:
         """Most numbers that a field function writes."""
-        written = len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
-        return int(np.max(self.tables.energy_place)) + written
+        return int(np.max(self.tables.energy_place)) + self.n_energies
+
+    @property
+    def n_energies(self) -> int:
+        """Numbers that a field function writes of energies and powers."""
+        return len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
 
     # --- generated functions, called from Python --------------------------------------------------
     def coefficients(self, parameters: Vector) -> Vector:
@@ -138,6 +142,7 @@ class System:
             out[..., 2 * n : 2 * n + tables.n_guards[index]],
             forces.reshape(*y.shape[:-1], self.n_contacts, PER_CONTACT),
             out[..., energies : energies + len(ENERGY_OUTPUTS)],
+            out[..., energies + len(ENERGY_OUTPUTS) : energies + self.n_energies],
         )
 
     def linearised(
@@ -230,6 +235,7 @@ class FieldOutput(NamedTuple):
     switching : switching functions of the contact state; shape (n_guards,)
     contacts : `CONTACT_OUTPUTS` per contact; shape (n_contacts, 3)
     energies : `ENERGY_OUTPUTS`
+    powers : those of `Model.powers`
     """
 
     state: Vector
@@ -237,6 +243,7 @@ class FieldOutput(NamedTuple):
     switching: Vector
     contacts: Vector
     energies: Vector
+    powers: Vector
 
 
 @dataclass(frozen=True)
