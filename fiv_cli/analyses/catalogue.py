@@ -8,6 +8,7 @@ from functools import cache
 from fiv_cli.analyses import all_analyses, get_analysis
 from fiv_cli.analyses.base import EACH, Analysis, Section, Settings, Varied, as_asked
 from fiv_cli.analyses.variables import COMPUTED, REASON, STATUS, Subject, Variable
+from fiv_cli.friction.base import STORED
 from fiv_cli.models.base import Model, Options, Parameter, State
 
 
@@ -27,7 +28,7 @@ def variables_of(
     options : options of the model (they decide its states)
     settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
     varying : parameters that vary in time; each is a variable over ``time``
-    internal : states of the friction laws
+    internal : states of the friction laws, and what they store
     """
     contact = "contact" if model.contacts > 1 else ""
     surface = model.surface is not None
@@ -44,7 +45,7 @@ ALL_ASKED: Settings = {
 }  # fmt: skip
 """Settings under which every analysis has all the variables that it can have."""
 
-_ANYTHING = Subject((State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED)
+_ANYTHING = Subject((State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED, (STORED,))
 
 
 def possible_variables(analysis: Analysis) -> Sequence[Variable]:

@@ -135,12 +135,14 @@ class System:
         else:
             call_rows(tables.field[index], coefficients, time, y, out)
         contacts, energies = tables.contact_place[index], tables.energy_place[index]
-        forces = out[..., contacts:energies]
+        stored = contacts + PER_CONTACT * self.n_contacts
+        forces = out[..., contacts:stored]
         return FieldOutput(
             out[..., :n],
             out[..., n : 2 * n],
             out[..., 2 * n : 2 * n + tables.n_guards[index]],
             forces.reshape(*y.shape[:-1], self.n_contacts, PER_CONTACT),
+            out[..., stored:energies],
             out[..., energies : energies + len(ENERGY_OUTPUTS)],
             out[..., energies + len(ENERGY_OUTPUTS) : energies + self.n_energies],
         )
@@ -234,6 +236,7 @@ class FieldOutput(NamedTuple):
     rates : its time derivatives; shape (n_states,)
     switching : switching functions of the contact state; shape (n_guards,)
     contacts : `CONTACT_OUTPUTS` per contact; shape (n_contacts, 3)
+    stored : by the law, per contact, J; shape (n_contacts,), (0,) of a law that stores nothing
     energies : `ENERGY_OUTPUTS`
     powers : those of `Model.powers`
     """
@@ -242,6 +245,7 @@ class FieldOutput(NamedTuple):
     rates: Vector
     switching: Vector
     contacts: Vector
+    stored: Vector
     energies: Vector
     powers: Vector
 
@@ -317,7 +321,7 @@ def _enter_state(tables: Tables, generated: Generated, index: int, state: StateT
     tables.n_arguments[index] = state.n_arguments
     first = 2 * len(generated.state_names) + len(state.guards) + int(state.has_angle)
     tables.contact_place[index] = first
-    tables.energy_place[index] = first + PER_CONTACT * contacts
+    tables.energy_place[index] = first + PER_CONTACT * contacts + generated.n_stored
     tables.is_end[np.array(state.kinds) == SEPARATION] = 0
 
 
