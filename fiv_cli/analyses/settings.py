@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 from fiv_cli.dynamics.settings import Section
 from fiv_cli.flags import TABLES
 from fiv_cli.friction.base import Law
+from fiv_cli.friction.surface import forcings_under
 from fiv_cli.models.base import Model, Parameter
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 from fiv_cli.notation.units import convert
@@ -571,7 +572,7 @@ def _velocities(known: Known) -> list[str]:
 
 def _check_phase(section: Section, known: Known) -> Iterator[Refusal]:
     """A phase needs an excitation that is on somewhere."""
-    amplitudes = [forcing.amplitude for forcing in known.model.forcings]
+    amplitudes = [one.amplitude for one in forcings_under(known.model, known.laws)]
     if not amplitudes:
         message = f"{known.model.name} has no excitation to take the phase of"
         yield Refusal(message, suggestion="give it one: fiv kinds force, fiv kinds harmonic")

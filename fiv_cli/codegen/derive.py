@@ -35,6 +35,7 @@ from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 from fiv_cli.friction.base import Law, Slip
+from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
@@ -130,7 +131,8 @@ def derive(setup: Setup) -> Derivation:
 
 class _Deriver:
     def __init__(self, setup: Setup) -> None:
-        scheduled, self.powers = setup.schedule.names, setup.model.powers
+        self.setup, self.powers = setup, setup.model.powers
+        scheduled = setup.schedule.names
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
@@ -201,8 +203,14 @@ class _Deriver:
 
     # --- the law ----------------------------------------------------------------------------------
     def _law_parameters(self, contact: int) -> dict[str, Expr]:
-        table = self.laws[contact].parameters
-        return self.equations.law_parameters_at(contact, table, self.symbols)
+        law = self.laws[contact]
+        given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
+        if law.surface is None:
+            return given
+        way = way_slid(
+            self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
+        )
+        return {**given, **law.surface.along(way, given)}
 
     def _slip(self, contact: int) -> Slip:
         sign = self.symbols.sign(contact)

@@ -80,6 +80,22 @@ class Piece:
     exits: tuple[Exit | None, ...]
 
 
+@dataclass(frozen=True)
+class Surface:
+    """How friction varies along the surface.
+
+    Attributes
+    ----------
+    amplitude : parameter that it varies with; where this is zero, it does not
+    wavelength : parameters -> way after which it is as before, m
+    along : ``(way slid, parameters)`` -> those parameters that vary, as they are there
+    """
+
+    amplitude: str
+    wavelength: Callable[[Mapping[str, float]], float]
+    along: Callable[[Expr, Mapping[str, Expr]], Mapping[str, Expr]]
+
+
 @dataclass(frozen=True, eq=False)
 class Law:
     """A friction law.
@@ -111,6 +127,7 @@ class Law:
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
         a law by pieces, whose states never rest, so that there is no equilibrium
+    surface : how it varies from place to place; None: it does not
     origin : where it stands, if not in the box
     """
 
@@ -134,6 +151,7 @@ class Law:
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
+    surface: Surface | None = None
     origin: Origin | None = None
 
     @property

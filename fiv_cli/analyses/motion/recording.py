@@ -42,7 +42,7 @@ def record(system: System, request: Request) -> Outcome:
     samples = samples_at(system, times)
     initial, energy_before = initial_state(motion), motion.energy()
     stored_before = motion.stored_energy()
-    motion.start_measuring(np.zeros(len(system.coordinates)))
+    motion.start_measuring()
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
