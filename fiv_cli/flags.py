@@ -142,8 +142,9 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_return",
-        "the motion did not come back to the section within t_max: raise t_max, or choose another "
-        "section or start",
+        "the motion does not come back to the section: mostly it rests or sticks for ever (ask "
+        "`response`; start where it vibrates, or change the parameters); else name a section that "
+        "it has, or raise t_max",
     ),
     Reason(
         "no_cycle",

@@ -35,6 +35,7 @@ from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 from fiv_cli.friction.base import Law, Slip
+from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
@@ -62,6 +63,7 @@ class ContactState:
     guards : switching functions
     angle : angle of the sector, None where it does not move or does not exist
     contacts : nodes of `CONTACT_OUTPUTS`, per contact
+    stored : what the law has stored, per contact; none of a law that stores nothing
     energies : nodes of `ENERGY_OUTPUTS`, then the power of each excitation
     impacts : contact -> velocity entries after an impact on it (position -> node)
     """
@@ -72,6 +74,7 @@ class ContactState:
     guards: tuple[Guard, ...]
     angle: Node | None
     contacts: tuple[tuple[Node, Node, Node], ...]
+    stored: tuple[Node, ...]
     energies: tuple[Node, ...]
     impacts: Mapping[int, Mapping[int, Node]]
 
@@ -128,11 +131,13 @@ def derive(setup: Setup) -> Derivation:
 
 class _Deriver:
     def __init__(self, setup: Setup) -> None:
-        scheduled, self.powers = setup.schedule.names, setup.model.powers
+        self.setup, self.powers = setup, setup.model.powers
+        scheduled = setup.schedule.names
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
+        self.of_case = setup.law
         self.laws = [setup.law_of(contact) for contact in self.contacts]
         self.pieced = _pieced(setup, self.laws)
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
@@ -198,8 +203,14 @@ class _Deriver:
 
     # --- the law ----------------------------------------------------------------------------------
     def _law_parameters(self, contact: int) -> dict[str, Expr]:
-        table = self.laws[contact].parameters
-        return self.equations.law_parameters_at(contact, table, self.symbols)
+        law = self.laws[contact]
+        given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
+        if law.surface is None:
+            return given
+        way = way_slid(
+            self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
+        )
+        return {**given, **law.surface.along(way, given)}
 
     def _slip(self, contact: int) -> Slip:
         sign = self.symbols.sign(contact)
@@ -260,6 +271,7 @@ class _Deriver:
             guards=self._guards(kinds, stuck, names, forces.determinant, pivots),
             angle=self._angle(kinds, names),
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
+            stored=tuple(self._stored(names)),
             energies=tuple(self._energies(names)),
             impacts=self._impacts(kinds, names),
         )
@@ -560,6 +572,13 @@ class _Deriver:
             names[self.symbols.tangential_force(contact)],
             self.graph.build(self.contacts[contact].slip_velocity, names),
         )
+
+    def _stored(self, names: Mapping[Expr, Node]) -> Iterator[Node]:
+        if self.of_case.stored is not None:
+            for contact, law in enumerate(self.laws):
+                stored = law.stored or (lambda slip, p: sympy.S.Zero)
+                energy = stored(self._slip(contact), self._law_parameters(contact))
+                yield self.graph.build(energy, names)
 
     def _energies(self, names: Mapping[Expr, Node]) -> list[Node]:
         build, graph = self.graph.build, self.graph

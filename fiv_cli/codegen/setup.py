@@ -10,6 +10,7 @@ from functools import cached_property
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
+from fiv_cli.friction.surface import on_surface
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Contact, Model, followed
 from fiv_cli.schedule import STEADY, Schedule
@@ -74,7 +75,7 @@ class Setup:
         friction = get_law(under) if isinstance(under, str) else under
         values = parameters or default_parameters(chosen, friction)
         return cls(
-            chosen,
+            chosen if friction.surface is None else on_surface(chosen, friction),
             friction,
             dict(sorted({**chosen.default_options(), **(options or {})}.items())),
             {name: values[name] for name in friction.structural},

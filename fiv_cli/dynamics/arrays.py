@@ -151,13 +151,19 @@ def _not_asked_for(system: System) -> dict[str, Array]:
         "works": np.zeros(len(system.setup.model.powers)),
         "section_times": np.zeros(1),
         "section_states": np.zeros((1, n)),
+        "section_works": np.zeros((0, 0)),
         "sample_times": np.zeros(0),
         "sample_states": np.zeros((0, n)),
-        "sample_outputs": np.zeros((0, PER_CONTACT * contacts + len(ENERGY_OUTPUTS))),
+        "sample_outputs": np.zeros((0, sample_width(system))),
         "sample_codes": np.zeros((0, contacts), np.int64),
         **ledger_of(0),
         "tangents": np.zeros((0, n)),
     }
+
+
+def sample_width(system: System) -> int:
+    """Numbers of a sample besides the state: of contacts, what they store, energies."""
+    return PER_CONTACT * system.n_contacts + system.generated.n_stored + len(ENERGY_OUTPUTS)
 
 
 def ledger_of(rows: int) -> dict[str, Array]:

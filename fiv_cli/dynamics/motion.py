@@ -27,7 +27,7 @@ from fiv_cli.codegen.codes import (
 )
 from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of
+from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of, sample_width
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
@@ -60,6 +60,7 @@ class Stop(IntEnum):
 
 
 INFINITE = float("inf")
+NO_WORKS = np.zeros((0, 0))
 CALL_SECONDS = 0.1  # that a call of the driver may take
 STOPS = tuple(Stop)  # by their numbers
 
@@ -105,6 +106,12 @@ class Measures(NamedTuple):
     works: Vector
 
     @property
+    def all_works(self) -> Vector:
+        """Those of the energy balance, then of each excitation, J."""
+        own = self.other_work, self.friction_work, self.drive_work, self.impact_loss
+        return np.array([*own, *self.works])
+
+    @property
     def extremes(self) -> NDArray[np.float64]:
         """Least and greatest value of each state; shape (2, n_states)."""
         return np.array([self.least, self.greatest])
@@ -143,7 +150,8 @@ class Samples:
     ----------
     times : shape (n,), s
     states : shape (n, n_states)
-    outputs : per contact (F_N, F_T, v_rel), then energies and powers; shape (n, ...)
+    outputs : per contact (F_N, F_T, v_rel), what each has stored, then energies and powers;
+        shape (n, ...)
     codes : contact states, see `CODE_NAMES`; shape (n, n_contacts)
     count : samples taken so far
     """
@@ -157,8 +165,14 @@ class Samples:
     @property
     def forces(self) -> NDArray[np.float64]:
         """(F_N, F_T, v_rel); shape (n, n_contacts, 3)."""
-        energies = len(ENERGY_OUTPUTS)
-        return self.outputs[:, :-energies].reshape(len(self.times), -1, PER_CONTACT)
+        contacts = self.codes.shape[1]
+        of_contacts = self.outputs[:, : PER_CONTACT * contacts]
+        return of_contacts.reshape(len(self.times), contacts, PER_CONTACT)
+
+    @property
+    def stored(self) -> NDArray[np.float64]:
+        """What each contact has stored, J; shape (n, n_contacts), (n, 0) where the law does not."""
+        return self.outputs[:, PER_CONTACT * self.codes.shape[1] : -len(ENERGY_OUTPUTS)]
 
     @property
     def energies(self) -> dict[str, Vector]:
@@ -315,12 +329,15 @@ class Motion:
                 self.frame.show(name, array)
         self.frame.n_ledger = 0
 
-    def start_measuring(self, reference: Vector) -> None:
-        """Forget what was measured and measure from here on, L_s about `reference`."""
-        n, contacts = len(self.y), self.system.n_contacts
+    def start_measuring(self, reference: Vector | None = None) -> None:
+        """Forget what was measured and measure from here on, L_s about `reference`.
+
+        Without one only energies are measured and shares: half of what it takes.
+        """
+        n, contacts = 0 if reference is None else len(self.y), self.system.n_contacts
         for name in SUMS:
             setattr(self.frame, name, 0.0)
-        self.frame.show("reference", np.array(reference, dtype=float))
+        self.frame.show("reference", np.array(() if reference is None else reference, float))
         self.frame.show("least", np.full(n, np.inf))
         self.frame.show("greatest", np.full(n, -np.inf))
         self.frame.show("squares", np.zeros(n))
@@ -341,7 +358,7 @@ class Motion:
         self,
         t_stop: float,
         section: Section | None = None,
-        sections: tuple[Vector, NDArray[np.float64]] | None = None,
+        sections: tuple[NDArray[np.float64], ...] | None = None,
         samples: Samples | None = None,
         measuring: bool = False,
         phase_interval: float = 0.0,
@@ -352,7 +369,7 @@ class Motion:
         ----------
         t_stop : s
         section : what goes into `sections`
-        sections : times (m,) and states (m, n_states) to fill from the front
+        sections : what `show_section` shows, to fill from the front
         samples : filled where its times are reached
         measuring : whether `measures` are integrated
         phase_interval : period of the excitation, s, for a stroboscopic section
@@ -422,13 +439,19 @@ class Motion:
         return False
 
     def show_section(
-        self, section: Section | None, times: Vector, states: NDArray[np.float64]
+        self,
+        section: Section | None,
+        times: Vector,
+        states: NDArray[np.float64],
+        works: NDArray[np.float64] = NO_WORKS,
     ) -> None:
-        """Say what goes into which section points."""
+        """Say what goes into which section points: times (m,), states (m, n_states) and, where
+        they are asked for, `Measures.all_works` done by then, (m, works)."""
         self.frame.words[SECTION_WORDS] = section_words(self.system, section)
         self.frame.max_sections = len(times)
         self.frame.show("section_times", times)
         self.frame.show("section_states", states)
+        self.frame.show("section_works", works)
 
     def _no_sections(self) -> tuple[Vector, NDArray[np.float64]]:
         """Where no section is asked for (shared: nothing is ever written)."""
@@ -489,6 +512,12 @@ class Motion:
         energies = self._field(self.state_index).energies
         return float(energies[KINETIC] + energies[POTENTIAL])
 
+    def stored_energy(self) -> float:
+        """What friction has stored in all contacts, J; NaN where no contact state holds."""
+        if self.system.tables.field[self.state_index] == 0:
+            return float("nan")
+        return float(self._field(self.state_index).stored.sum())
+
 
 def next_stride(stride: int, seconds: float) -> int:
     """Steps of the next call of the driver, after one that took so long."""
@@ -521,7 +550,7 @@ def samples_at(system: System, times: Vector) -> Samples:
     return Samples(
         times,
         np.zeros((count, len(system.state_names))),
-        np.zeros((count, PER_CONTACT * contacts + len(ENERGY_OUTPUTS))),
+        np.zeros((count, sample_width(system))),
         np.zeros((count, contacts), np.int64),
     )
 

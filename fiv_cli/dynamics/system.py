@@ -110,8 +110,12 @@ class System:
     @cached_property
     def outputs_width(self) -> int:
         """Most numbers that a field function writes."""
-        written = len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
-        return int(np.max(self.tables.energy_place)) + written
+        return int(np.max(self.tables.energy_place)) + self.n_energies
+
+    @property
+    def n_energies(self) -> int:
+        """Numbers that a field function writes of energies and powers."""
+        return len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
 
     # --- generated functions, called from Python --------------------------------------------------
     def coefficients(self, parameters: Vector) -> Vector:
@@ -131,13 +135,16 @@ class System:
         else:
             call_rows(tables.field[index], coefficients, time, y, out)
         contacts, energies = tables.contact_place[index], tables.energy_place[index]
-        forces = out[..., contacts:energies]
+        stored = contacts + PER_CONTACT * self.n_contacts
+        forces = out[..., contacts:stored]
         return FieldOutput(
             out[..., :n],
             out[..., n : 2 * n],
             out[..., 2 * n : 2 * n + tables.n_guards[index]],
             forces.reshape(*y.shape[:-1], self.n_contacts, PER_CONTACT),
+            out[..., stored:energies],
             out[..., energies : energies + len(ENERGY_OUTPUTS)],
+            out[..., energies + len(ENERGY_OUTPUTS) : energies + self.n_energies],
         )
 
     def linearised(
@@ -229,14 +236,18 @@ class FieldOutput(NamedTuple):
     rates : its time derivatives; shape (n_states,)
     switching : switching functions of the contact state; shape (n_guards,)
     contacts : `CONTACT_OUTPUTS` per contact; shape (n_contacts, 3)
+    stored : by the law, per contact, J; shape (n_contacts,), (0,) of a law that stores nothing
     energies : `ENERGY_OUTPUTS`
+    powers : those of `Model.powers`
     """
 
     state: Vector
     rates: Vector
     switching: Vector
     contacts: Vector
+    stored: Vector
     energies: Vector
+    powers: Vector
 
 
 @dataclass(frozen=True)
@@ -310,7 +321,7 @@ def _enter_state(tables: Tables, generated: Generated, index: int, state: StateT
     tables.n_arguments[index] = state.n_arguments
     first = 2 * len(generated.state_names) + len(state.guards) + int(state.has_angle)
     tables.contact_place[index] = first
-    tables.energy_place[index] = first + PER_CONTACT * contacts
+    tables.energy_place[index] = first + PER_CONTACT * contacts + generated.n_stored
     tables.is_end[np.array(state.kinds) == SEPARATION] = 0
 
 

@@ -45,6 +45,9 @@ class Slip:
     rows: Sequence[Sequence[Expr]] = ()
 
 
+STORED = State("stored_energy", "E_s", "J", "energy that friction has stored")
+
+
 @dataclass(frozen=True)
 class Exit:
     """What follows where a guard of a piece falls to zero.
@@ -75,6 +78,22 @@ class Piece:
     name: str
     row: tuple[float, ...]
     exits: tuple[Exit | None, ...]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """How friction varies along the surface.
+
+    Attributes
+    ----------
+    amplitude : parameter that it varies with; where this is zero, it does not
+    wavelength : parameters -> way after which it is as before, m
+    along : ``(way slid, parameters)`` -> those parameters that vary, as they are there
+    """
+
+    amplitude: str
+    wavelength: Callable[[Mapping[str, float]], float]
+    along: Callable[[Expr, Mapping[str, Expr]], Mapping[str, Expr]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +127,7 @@ class Law:
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
         a law by pieces, whose states never rest, so that there is no equilibrium
+    surface : how it varies from place to place; None: it does not
     origin : where it stands, if not in the box
     """
 
@@ -131,6 +151,7 @@ class Law:
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
+    surface: Surface | None = None
     origin: Origin | None = None
 
     @property
@@ -139,6 +160,11 @@ class Law:
         if self.states:
             return "dynamic"
         return "regularised" if self.capacity is None else "set-valued"
+
+    @property
+    def inner(self) -> tuple[State, ...]:
+        """What a motion tells of it over time: its states, and what it has stored."""
+        return self.states if self.stored is None else (*self.states, STORED)
 
     @cached_property
     def places(self) -> dict[str, int]:

@@ -24,7 +24,7 @@ from fiv_cli.codegen.codes import CODE_PIECE
 from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 from fiv_cli.flags import CONTACT_EVENT
-from fiv_cli.friction.base import Law
+from fiv_cli.friction.base import STORED, Law
 
 DEFAULT_SAMPLES = 2000
 LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
@@ -41,14 +41,15 @@ def record(system: System, request: Request) -> Outcome:
     times = sample_times(settings)
     samples = samples_at(system, times)
     initial, energy_before = initial_state(motion), motion.energy()
-    motion.start_measuring(np.zeros(len(system.coordinates)))
+    stored_before = motion.stored_energy()
+    motion.start_measuring()
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
     codes = _codes_of_events(system.setup.law)
-    outcome.values |= initial | trust(motion) | _works(motion, energy_before)
+    outcome.values |= initial | trust(motion) | _works(motion, energy_before, stored_before)
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": codes[ledger.before],
@@ -113,11 +114,12 @@ def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
 
 
 def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
-    """The states of the friction law over time."""
+    """The states of the friction law over time, and what it has stored."""
     states = system.setup.law.states
     own = samples.states[:, len(system.motions) :]
     by_contact = own.reshape(len(own), system.n_contacts, len(states))
-    return {s.name: _contact_rows(by_contact[:, :, i]) for i, s in enumerate(states)}
+    found = {s.name: _contact_rows(by_contact[:, :, i]) for i, s in enumerate(states)}
+    return found | ({STORED.name: _contact_rows(samples.stored)} if samples.stored.size else {})
 
 
 def _surface(
@@ -146,10 +148,14 @@ def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:
     return values[:, 0] if values.shape[1] == 1 else values.T
 
 
-def _works(motion: Motion, energy_before: float) -> dict[str, float]:
+def _works(motion: Motion, energy_before: float, stored_before: float) -> dict[str, float]:
     found, excited = balance(motion, energy_before), motion.measures.works.tolist()
     named = (f"{name}_work" for name in motion.system.setup.model.powers)
-    return dict(zip(named, excited, strict=True)) | {
+    works = dict(zip(named, excited, strict=True))
+    if motion.system.generated.n_stored:
+        stored = motion.stored_energy() - stored_before
+        works["friction_loss"] = found.drive - found.friction - stored
+    return works | {
         "energy_residual": found.residual,
         "friction_work": found.friction,
         "drive_work": found.drive,
