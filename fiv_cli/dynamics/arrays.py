@@ -119,6 +119,7 @@ def _not_asked_for(system: System) -> dict[str, Array]:
         "works": np.zeros(len(system.setup.model.powers)),
         "section_times": np.zeros(1),
         "section_states": np.zeros((1, n)),
+        "section_works": np.zeros((0, 0)),
         "sample_times": np.zeros(0),
         "sample_states": np.zeros((0, n)),
         "sample_outputs": np.zeros((0, sample_width(system))),

@@ -112,8 +112,12 @@ class System:
     @cached_property
     def outputs_width(self) -> int:
         """Most numbers that a field function writes."""
-        written = len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
-        return int(np.max(self.tables.energy_place)) + written
+        return int(np.max(self.tables.energy_place)) + self.n_energies
+
+    @property
+    def n_energies(self) -> int:
+        """Numbers that a field function writes of energies and powers."""
+        return len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
 
     # --- generated functions, called from Python --------------------------------------------------
     def coefficients(self, parameters: Vector) -> Vector:
@@ -142,6 +146,7 @@ class System:
             forces.reshape(*y.shape[:-1], self.n_contacts, PER_CONTACT),
             out[..., stored:energies],
             out[..., energies : energies + len(ENERGY_OUTPUTS)],
+            out[..., energies + len(ENERGY_OUTPUTS) : energies + self.n_energies],
         )
 
     def linearised(
@@ -236,6 +241,7 @@ class FieldOutput(NamedTuple):
     contacts : `CONTACT_OUTPUTS` per contact; shape (n_contacts, 3)
     stored : by the law, per contact, J; shape (n_contacts,), (0,) of a law that stores nothing
     energies : `ENERGY_OUTPUTS`
+    powers : those of `Model.powers`
     """
 
     state: Vector
@@ -244,6 +250,7 @@ class FieldOutput(NamedTuple):
     contacts: Vector
     stored: Vector
     energies: Vector
+    powers: Vector
 
 
 @dataclass(frozen=True)
