@@ -211,6 +211,7 @@ class Run(Search):
     n_sections: int
     section_times: Floats
     section_states: Floats2
+    section_works: Floats2  # `Measures.all_works` by then; no rows: not asked for
     n_sampled: int
     sample_times: Floats
     sample_states: Floats2
@@ -1289,7 +1290,18 @@ def keep_section(run: Run) -> None:
     run.section_times[row] = run.time
     for i in range(len(run.y)):
         run.section_states[row, i] = run.y[i]
+    if len(run.section_works) > 0:
+        keep_works(run, row)
     run.n_sections += 1
+
+
+@native
+def keep_works(run: Run, row: int) -> None:
+    """Put what has been measured of works into the section buffer."""
+    run.section_works[row, 0], run.section_works[row, 1] = run.other_work, run.friction_work
+    run.section_works[row, 2], run.section_works[row, 3] = run.drive_work, run.impact_loss
+    for i in range(len(run.works)):
+        run.section_works[row, 4 + i] = run.works[i]
 
 
 @native

@@ -67,6 +67,7 @@ class Stop(IntEnum):
 
 
 INFINITE = float("inf")
+NO_WORKS = np.zeros((0, 0))
 CALL_SECONDS = 0.1  # that a call of the driver may take
 STOPS = tuple(Stop)  # by their numbers
 
@@ -110,6 +111,12 @@ class Measures(NamedTuple):
     squares: Vector
     shares: NDArray[np.float64]
     works: Vector
+
+    @property
+    def all_works(self) -> Vector:
+        """Those of the energy balance, then of each excitation, J."""
+        own = self.other_work, self.friction_work, self.drive_work, self.impact_loss
+        return np.array([*own, *self.works])
 
     @property
     def extremes(self) -> NDArray[np.float64]:
@@ -355,7 +362,7 @@ class Motion:
         self,
         t_stop: float,
         section: Section | None = None,
-        sections: tuple[Vector, NDArray[np.float64]] | None = None,
+        sections: tuple[NDArray[np.float64], ...] | None = None,
         samples: Samples | None = None,
         measuring: bool = False,
         phase_interval: float = 0.0,
@@ -366,7 +373,7 @@ class Motion:
         ----------
         t_stop : s
         section : what goes into `sections`
-        sections : times (m,) and states (m, n_states) to fill from the front
+        sections : what `show_section` shows, to fill from the front
         samples : filled where its times are reached
         measuring : whether `measures` are integrated
         phase_interval : period of the excitation, s, for a stroboscopic section
@@ -436,13 +443,19 @@ class Motion:
         return False
 
     def show_section(
-        self, section: Section | None, times: Vector, states: NDArray[np.float64]
+        self,
+        section: Section | None,
+        times: Vector,
+        states: NDArray[np.float64],
+        works: NDArray[np.float64] = NO_WORKS,
     ) -> None:
-        """Say what goes into which section points."""
+        """Say what goes into which section points: times (m,), states (m, n_states) and, where
+        they are asked for, `Measures.all_works` done by then, (m, works)."""
         self.frame.words[SECTION_WORDS] = section_words(self.system, section)
         self.frame.max_sections = len(times)
         self.frame.show("section_times", times)
         self.frame.show("section_states", states)
+        self.frame.show("section_works", works)
 
     def _no_sections(self) -> tuple[Vector, NDArray[np.float64]]:
         """Where no section is asked for (shared: nothing is ever written)."""

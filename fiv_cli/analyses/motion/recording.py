@@ -24,7 +24,7 @@ from fiv_cli.codegen.codes import CODE_PIECE
 from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 from fiv_cli.flags import CONTACT_EVENT
-from fiv_cli.friction.base import STORED, Law
+from fiv_cli.friction.base import STORED
 
 DEFAULT_SAMPLES = 2000
 LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
@@ -49,7 +49,7 @@ def record(system: System, request: Request) -> Outcome:
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
-    codes = _codes_of_events(system.setup.law)
+    codes = _codes_of_events(system)
     outcome.values |= initial | trust(motion) | _works(motion, energy_before, stored_before)
     outcome.ragged |= {
         "event_time": ledger.times,
@@ -62,9 +62,10 @@ def record(system: System, request: Request) -> Outcome:
 
 
 @cache
-def _codes_of_events(law: Law) -> NDArray[np.int64]:
-    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of the law."""
-    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in law.events)])
+def _codes_of_events(system: System) -> NDArray[np.int64]:
+    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of laws."""
+    words = system.pieces.events
+    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)])
 
 
 def sample_times(settings: Settings) -> Vector:
@@ -120,10 +121,13 @@ def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
 
 def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
     """The states of the friction law over time, and what it has stored."""
-    states = system.setup.law.states
-    own = samples.states[:, len(system.motions) :]
-    by_contact = own.reshape(len(own), system.n_contacts, len(states))
-    found = {s.name: _contact_rows(by_contact[:, :, i]) for i, s in enumerate(states)}
+    found, several = {}, system.n_contacts > 1
+    for state in system.setup.law.states:
+        names = [f"{state.name}_{contact + 1}" for contact in range(system.n_contacts)]
+        places = [system.places.get(name) for name in (names if several else [state.name])]
+        none = np.full(len(samples.times), np.nan)  # of a contact with a law of its own
+        rows = [none if place is None else samples.states[:, place] for place in places]
+        found[state.name] = _contact_rows(np.column_stack(rows))
     return found | ({STORED.name: _contact_rows(samples.stored)} if samples.stored.size else {})
 
 
