@@ -98,7 +98,7 @@ def _capacity(setup: Setup, parameters: Mapping[str, float]) -> float:
 def _work(motion: Motion, begun: float, ended: float) -> float:
     """Work of friction between two instants, J; NaN where the motion ends before."""
     if stopped(motion.run(begun)) is None:
-        motion.start_measuring(np.zeros(1))
+        motion.start_measuring()
         if stopped(motion.run(ended, measuring=True)) is None:
             return -motion.measures.friction_work
     return float("nan")
