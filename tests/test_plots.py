@@ -1360,6 +1360,9 @@ def a_scan(N=(1.0, 2.0), **given):
         "scan_class_back": data.flags(along, np.full((*size, 4), "periodic"), data.ATTRACTORS),
     }
     ends = {f"bistable_{end}": ((*dims, "range"), v) for end, v in (("low", low), ("high", high))}
+    for end, kind in (("low", "change"), ("high", "bracket")):
+        named = data.flags((*dims, "range"), np.full((*size, 1), kind), ("change", "bracket"))
+        ends[f"bistable_{end}_kind"] = named
     return xr.Dataset({**of_classes, **ends}, coords, data.attributes())
 
 
@@ -1368,7 +1371,7 @@ def test_show_says_what_holds_along_each_bracket():
     row = text.index("  along the bracket:")
     assert text[row + 1 : row + 3] == [
         "    N = 1: equilibrium from 0 to 1, periodic from 2 to 3; back periodic throughout; "
-        "bistable from 0.25 to 1.75",
+        "bistable from 0.25 to 1.75 (end of the bracket)",
         "    N = 2: periodic throughout; back periodic throughout",
     ]
     many = xr.concat([a_scan()] * 5, "N").assign_coords(N=np.arange(10.0))
