@@ -65,12 +65,15 @@ class Shard:
     path : its file
     positions : of its rows; -1: not a point of this plan
     nbytes : that its arrays take
+    row_sizes, shapes : of the block
     kept : the block itself; None where it is read again when it is needed
     """
 
     path: Path
     positions: Positions
     nbytes: int
+    row_sizes: Mapping[str, NDArray[np.int32]]
+    shapes: Mapping[str, tuple[int, ...]]
     kept: Block | None
 
     def block(self) -> Block:
@@ -293,7 +296,8 @@ class Journal:
         placed = positions >= 0
         kept = block if self._kept + block.nbytes <= KEPT else None
         self._kept += 0 if kept is None else block.nbytes
-        record.shards.append(Shard(path, positions, block.nbytes, kept))
+        sizes = {group: sizes.copy() for group, sizes in block.row_sizes.items()}
+        record.shards.append(Shard(path, positions, block.nbytes, sizes, block.shapes, kept))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
         layout, maps = self.plan.analyses[index].layout, self.plan.analyses[index].maps
@@ -322,14 +326,14 @@ class Journal:
         wanted = self.records[index].wanted()
         for shard in self.records[index].shards:
             positions = shard.positions
-            yield np.where((positions >= 0) & wanted[positions], positions, -1), shard.block()
+            yield np.where((positions >= 0) & wanted[positions], positions, -1), shard
 
     def costs(self, index: int) -> NDArray[np.float32]:
         """What each point that is left will take, s: as those do that are known on either side."""
         record = self.records[index]
         seconds = np.full(len(record.status), np.nan, np.float32)
-        for positions, block in self.blocks(index):
-            seconds[positions[positions >= 0]] = block.seconds[positions >= 0]
+        for positions, stored in self.blocks(index):
+            seconds[positions[positions >= 0]] = stored.block().seconds[positions >= 0]
         known = np.flatnonzero(seconds > 0.0)
         if not len(known):
             return np.ones(len(seconds), np.float32)
