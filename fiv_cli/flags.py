@@ -142,8 +142,9 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_return",
-        "the motion did not come back to the section within t_max: raise t_max, or choose another "
-        "section or start",
+        "the motion does not come back to the section: mostly it rests or sticks for ever (ask "
+        "`response`; start where it vibrates, or change the parameters); else name a section that "
+        "it has, or raise t_max",
     ),
     Reason(
         "no_cycle",
@@ -304,6 +305,9 @@ CYCLE_END = FlagTable(
     fill=NOT_COMPUTED,
 )
 GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
+RANGE_END = FlagTable(
+    {NOT_COMPUTED: -1, "change": 0, "bracket": 1, "undecided": 2}, fill=NOT_COMPUTED
+)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
 SECTION = FlagTable(
@@ -333,6 +337,7 @@ TABLES: Mapping[str, FlagTable] = {
     "complete": COMPLETE,
     "cycle_end": CYCLE_END,
     "goes_on": GOES_ON,
+    "range_end": RANGE_END,
     "section": SECTION,
     "computed": COMPUTED,
     "answer": ANSWER,

@@ -162,7 +162,6 @@ def crossing_modes() -> xr.Dataset:
                     "eigenvalue_imag": np.array([value for value, _ in ordered]),
                     "eigenvector_real": np.array([vector for _, vector in ordered]),
                     "eigenvector_imag": np.zeros((2, 2)),
-                    "coupled_with": np.array([-1, 0]),
                 }
             )
         )
@@ -174,7 +173,6 @@ def test_modes_are_followed_through_a_crossing() -> None:
     assert dataset["eigenvalue_imag"].isel(mode=0).values.tolist() == [1.0, 1.9, 2.1]
     assert dataset["eigenvalue_imag"].isel(mode=1).values.tolist() == [2.0, 2.0, 2.0]
     np.testing.assert_array_equal(dataset["eigenvector_real"].values[2], np.eye(2))
-    assert dataset["coupled_with"].values.tolist() == [[-1, 0], [-1, 0], [1, -1]]
 
 
 def test_following_twice_changes_nothing() -> None:

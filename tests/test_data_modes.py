@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.rest.modes import followed as matched
 from fiv_cli.analyses.rest.modes import modes_of
-from fiv_cli.api import analyse
+from fiv_cli.api import analyse, load, run
 from fiv_cli.data.modes import coupling_points, follow_grid, follow_modes
 
 Complex = NDArray[np.complex128]
@@ -202,6 +202,21 @@ def test_modes_that_only_pass_do_not_merge() -> None:
     assert np.all(np.isnan(marks))
 
 
+@pytest.mark.parametrize("friction", [[3.0, 4.2, 4.3, 5.0], [4.3]])
+def test_modes_that_have_merged_name_each_other_as_modes(friction: list[float]) -> None:
+    """A conjugate pair is one mode, as in figures."""
+    flutter = {"schema": 1, "model": {"name": "flutter-2dof"}, "grid": {"mu_k": friction}}
+    found = run(load(flutter | {"analysis": [{"kind": "eigenvalues"}]}), workers=1)
+    numbers, partners = found["mode_number"], found["coupled_with"]
+    assert sorted(numbers.values.tolist()) == [1, 1, 2, 2]
+    values = found["eigenvalue_real"] + 1j * found["eigenvalue_imag"]
+    for number in (1, 2):
+        one, other = values.isel(mode=np.flatnonzero(numbers == number)).values.T
+        np.testing.assert_allclose(one, other.conj())
+    merged = found["mu_k"] > FLUTTER
+    assert bool((partners == xr.where(merged, 3 - numbers, -1)).all())
+
+
 # --- axes without an order ------------------------------------------------------------------------
 def zipped(friction: list[float], stiffness: list[float]) -> xr.Dataset:
     """The flutter model along two axes that advance together."""
@@ -240,7 +255,7 @@ def test_of_axes_that_advance_together_one_in_order_is_followed() -> None:
 
 def test_along_axes_without_an_order_nothing_is_followed() -> None:
     dataset = zipped([4.4, 4.1, 4.1, 4.5], [1.0, 1.0, 2.0, 1.0])
-    assert follow_modes(dataset).identical(dataset)
+    assert follow_modes(dataset).drop_vars("mode_number").identical(dataset)
 
 
 def test_a_failure_to_follow_keeps_the_eigenvalues(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -250,5 +265,5 @@ def test_a_failure_to_follow_keeps_the_eigenvalues(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("fiv_cli.data.modes.coupling_points", fails)
     dataset = zipped([4.0, 4.4], [1.0, 2.0])
     found = follow_modes(dataset)
-    xr.testing.assert_equal(found, dataset)
+    xr.testing.assert_equal(found.drop_vars("mode_number"), dataset)
     assert "numbered on their own" in found["eigenvalue_real"].attrs["comment"]

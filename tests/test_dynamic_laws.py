@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
-from motions import motion
+import sympy
+from motions import TIGHT, motion
 from scipy.linalg import expm
 
 from fiv_cli import api
@@ -14,7 +18,8 @@ from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.settings import Section
 from fiv_cli.dynamics.system import build_system
-from fiv_cli.friction.base import Law
+from fiv_cli.friction import get_law
+from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter, State
 
@@ -174,6 +179,37 @@ def test_a_history_holds_the_states_of_the_laws_of_every_contact() -> None:
         slipped = found["v"] * found["time"] - found[mass].sel(friction="dahl")
         np.testing.assert_allclose(bent[contact], slipped, rtol=0.2)
         assert bent[contact].max() > 0.5
+
+
+def heated(law: Law) -> Law:
+    """`law`, with one more state: what it has taken for good, (F_T v - dE/dz z') along the slip."""
+    assert law.stored is not None and law.rates is not None
+    stored, given = law.stored, law.rates
+
+    def rates(slip: Slip, p: Any) -> dict[str, Any]:
+        own = replace(slip, states={state.name: slip.states[state.name] for state in law.states})
+        found, energy = given(own, p), stored(own, p)
+        given_back = sum(sympy.diff(energy, z) * found[name] for name, z in own.states.items())
+        return {**found, "heat": law.force(own, p) * slip.v - given_back}
+
+    def force(slip: Slip, p: Any) -> Any:
+        return law.force(replace(slip, states={n: slip.states[n] for n in found}), p)
+
+    found = [state.name for state in law.states]
+    states = (*law.states, State("heat", "Q", "J", "energy taken for good"))
+    return replace(law, name=f"heated {law.name}", force=force, states=states, rates=rates)
+
+
+@pytest.mark.parametrize("name", ["dahl", "lugre", "jenkins", "gms", "elasto-plastic"])
+def test_what_friction_takes_it_has_stored_or_turned_to_heat(name: str) -> None:
+    """Through every event and reversal: the heat is a state of its own, integrated beside."""
+    given = {"sigma_0": 30.0} if "sigma_0" in get_law(name).defaults else {"k_1": 20.0}
+    given |= {"v": 0.3, "c": 0.05, "N": 5.0} | ({"v_s": 0.2} if name == "lugre" else {})
+    law, asked = heated(get_law(name)), {"t_end": 6.0}
+    found = api.analyse(BELT, law, "history", {"x": 0.7}, asked, TIGHT, **given).values
+    turns = np.diff(np.sign(given["v"] - found["x_dot"]))
+    assert np.count_nonzero(turns) >= 2 and found["stored_energy"].max() > 1e-4
+    assert found["friction_loss"] == pytest.approx(found["heat"][-1], rel=1e-10)
 
 
 @pytest.mark.parametrize("v", [2e-3, 2e-2])

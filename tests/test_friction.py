@@ -66,6 +66,21 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         (0.23 + 0.05 / 2.4 * exp(-1.4)) * 5,
         0.5 * 5,
     ),
+    "hysteretic-rough": (
+        {
+            "mu_s": 0.4,
+            "mu_k": 0.23,
+            "v_s": 0.5,
+            "a_0": 0.1,
+            "tau": 0.01,
+            "Delta_mu_s": 0.1,
+            "roughness": 0.2,
+            "correlation_length": 0.1,
+            "seed": 3.0,
+        },
+        (0.23 + 0.05 / 2.4 * (exp(-1.4) + 0.2)) * 5,
+        (0.23 + 0.27 * 1.2) * 5,
+    ),
     "rate-and-state": (
         {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1},
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
@@ -218,7 +233,9 @@ def every_part(law: Law) -> list[Any]:
     slip, values = symbolic(law)
     rates = law.rates(slip, values) if law.rates else {}
     guards = law.guards(slip, values) if law.guards else ()
-    return [law.force(slip, values), *rates.values(), *(g for of_one in guards for g in of_one)]
+    there = law.surface.along(sympy.Symbol("way"), values) if law.surface else {}
+    parts = [law.force(slip, values), *rates.values(), *there.values()]
+    return [*parts, *(g for of_one in guards for g in of_one)]
 
 
 @by_law
@@ -251,6 +268,7 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
         ("lugre", {"mu_s": 0.1, "sigma_2": 0.0}, "dahl", {"mu_k": 0.1}),
         ("linear-regularisation", {"v_tol": 0.1}, "coulomb", {}),
         ("hysteretic", {"Delta_mu_s": 0.0}, "stefanski", {}),
+        ("hysteretic-rough", {"roughness": 0.0}, "hysteretic", {}),
     ],
 )
 def test_laws_contain_one_another(

@@ -45,6 +45,21 @@ def test_extremes_and_squares_of_a_tight_motion_are_right_to_rounding() -> None:
     np.testing.assert_allclose(begun.measures.squares, squares, rtol=1e-14)
 
 
+@pytest.mark.parametrize("model", ["belt-1dof", "belt-5dof"])
+def test_energies_measured_alone_have_the_bits_of_those_measured_with_all(model: str) -> None:
+    def measured(reference: np.ndarray | None) -> list[float]:
+        begun = motion(model, start={"x": 3.0})
+        begun.start_measuring(reference)
+        begun.run(20.0, measuring=True)
+        found = begun.measures
+        works = found.other_work, found.friction_work, found.drive_work, found.impact_loss
+        return [*works, found.measured_time, *found.works, *found.shares.ravel()]
+
+    everything = measured(np.zeros(len(motion(model).system.coordinates)))
+    assert measured(None) == everything
+    assert any(everything)
+
+
 @pytest.mark.parametrize("count", range(2, 15))
 def test_a_rule_is_exact_up_to_its_degree_and_no_further(count: int) -> None:
     nodes, weights = lobatto(count)

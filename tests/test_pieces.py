@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 from motions import TIGHT, by_both, defaults, motion, system, times, transitions
 from numpy.typing import NDArray
+from small_models import TWO_MASSES
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
@@ -16,6 +19,7 @@ from fiv_cli.analyses.rest.linearisation import free_states
 from fiv_cli.dynamics.motion import Motion, Stop, samples_at
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.friction.base import Slip
+from fiv_cli.models.base import Equations, Model
 
 STILL = {"m": 1e12, "k": 1e12}  # what a belt under this mass does not move
 SHAKEN = {"v": [(0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (3.0, -1.0)]}  # m/s: by 0.25 m about a mean
@@ -256,3 +260,53 @@ def test_steady_sliding_is_that_of_coulomb(law: str) -> None:
 def test_what_slides_to_rest_is_told_before_it_is_there(law: str) -> None:
     found = api.analyse("belt-1dof", law, "response", v=2.0, c=0.3, mu_k=0.2, N=5.0)
     assert found.values["attractor"] == "equilibrium" and found.values["decay_margin"] > 0.0
+
+
+# --- a contact with a law of its own --------------------------------------------------------------
+GIVEN: dict[str, dict[str, float]] = {
+    "gms": {"mu_s": 0.4, "mu_k": 0.25, "v_s": 0.3, **{f"k_{i}": 9.0 for i in range(1, 5)}},
+    "linear-regularisation": {"mu_k": 0.2, "v_tol": 0.3},
+    "jenkins": {"mu_k": 0.3, "sigma_0": 4.0},
+    "elasto-plastic": {"mu_s": 0.4, "mu_k": 0.3, "v_s": 0.3, "sigma_0": 7.0, "sigma_1": 0.1},
+    "coulomb": {"mu_s": 0.4, "mu_k": 0.3},
+}
+
+
+def of_its_own(contact: int, law: str) -> Model:
+    """Two masses on a belt, of which one has a law of its own."""
+
+    def equations(symbols: Any, options: Mapping[str, str]) -> Equations:
+        found = TWO_MASSES.equations(symbols, options)
+        told = {n: sympy.Float(x) for n, x in (get_law(law).defaults | GIVEN[law]).items()}
+        contacts = list(found.contacts)
+        contacts[contact] = replace(contacts[contact], law=law, law_parameters=told)
+        return replace(found, contacts=tuple(contacts))
+
+    return replace(TWO_MASSES, name=f"contact {contact} under {law}", equations=equations)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("gms", "linear-regularisation"), ("jenkins", "elasto-plastic"), ("coulomb", "jenkins")],
+)
+def test_it_is_the_same_whether_the_case_or_a_contact_names_a_law(first: str, second: str) -> None:
+    """Motion, events, equilibrium, eigenvalues: either law may be the one of the case."""
+    given = {"v": 0.4, "k2": 2.0, "N2": 5.0}
+    begun = [
+        motion(of_its_own(1, second), first, {"x1": 1.0}, **given, **GIVEN[first]),
+        motion(of_its_own(0, first), second, {"x1": 1.0}, **given, **GIVEN[second]),
+    ]
+    assert all(one.run(8.0) == Stop.REACHED for one in begun) and begun[0].n_events > 4
+    np.testing.assert_allclose(begun[1].y, begun[0].y, atol=1e-10)
+    np.testing.assert_allclose(times(begun[1]), times(begun[0]), atol=1e-9)
+    rests = [
+        [
+            api.analyse(model, law, kind, **given, **GIVEN[law]).values
+            for kind, law, model in (
+                (kind, first, of_its_own(1, second)), (kind, second, of_its_own(0, first)),
+            )
+        ]
+        for kind in AT_REST
+    ]  # fmt: skip
+    for name, pair in zip(("equilibrium", "eigenvalue_real"), rests, strict=True):
+        np.testing.assert_allclose(pair[1][name], pair[0][name], rtol=1e-9, atol=1e-12)

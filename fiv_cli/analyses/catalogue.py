@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 
 from fiv_cli.analyses import all_analyses, get_analysis
-from fiv_cli.analyses.base import Analysis, Section, Settings, Varied
+from fiv_cli.analyses.base import EACH, Analysis, Section, Settings, Varied, as_asked
 from fiv_cli.analyses.variables import COMPUTED, REASON, STATUS, Subject, Variable
+from fiv_cli.friction.base import STORED
 from fiv_cli.models.base import Model, Options, Parameter, State
 
 
@@ -27,11 +28,12 @@ def variables_of(
     options : options of the model (they decide its states)
     settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
     varying : parameters that vary in time; each is a variable over ``time``
-    internal : states of the friction laws
+    internal : states of the friction laws, and what they store
     """
     contact = "contact" if model.contacts > 1 else ""
     surface = model.surface is not None
-    subject = Subject(model.states(options), contact, surface, settings, internal, model.powers)
+    powers = as_asked(model, settings).powers
+    subject = Subject(model.states(options), contact, surface, settings, internal, powers)
     own = get_analysis(kind).variables(subject)
     over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
     return (STATUS, REASON, *own, *over_time)
@@ -39,11 +41,11 @@ def variables_of(
 
 ALL_ASKED: Settings = {
     "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
-    "system": "averaged", "section": Section("own"), "powers": "mean",
+    "system": "averaged", "section": Section("own"), "powers": EACH,
 }  # fmt: skip
 """Settings under which every analysis has all the variables that it can have."""
 
-_ANYTHING = Subject((State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED)
+_ANYTHING = Subject((State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED, (STORED,))
 
 
 def possible_variables(analysis: Analysis) -> Sequence[Variable]:

@@ -175,7 +175,7 @@ class Subject:
     contact : the dim of its contacts; "" where it has one only
     surface : whether it has an elastic disc to look at
     settings : settings of the analysis
-    internal : states of the friction laws in use
+    internal : states of the friction laws in use, and what they store
     powers : excitation that does work -> what it is, in words
     """
 

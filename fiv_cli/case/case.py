@@ -188,8 +188,8 @@ class Case:
 
     @property
     def internal(self) -> tuple[State, ...]:
-        """The states of the laws in use."""
-        return tuple(dict.fromkeys(state for law in self.laws for state in get_law(law).states))
+        """The states of the laws in use, and what they store."""
+        return tuple(dict.fromkeys(state for law in self.laws for state in get_law(law).inner))
 
     @property
     def varying(self) -> tuple[Parameter, ...]:

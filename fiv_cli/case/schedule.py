@@ -11,6 +11,7 @@ from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import CurveTable
+from fiv_cli.friction.surface import on_surface
 from fiv_cli.models.base import Forcing, Parameter, leaders
 from fiv_cli.models.excitation import frequency_of
 from fiv_cli.notation.names import listed
@@ -39,6 +40,7 @@ def read_schedule(form: Form, physics: Physics, axes: Sequence[Axis], report: Re
         return STEADY
     curves |= _following(curves, physics, axes)
     _refuse_phases(curves, physics, axes, report)
+    _refuse_surfaces(curves, physics, report)
     refuse_sectors(curves, physics, report)
     return make_schedule(curves)
 
@@ -189,6 +191,20 @@ def _refuse_phases(
                     "it cannot vary in time",
                     suggestion=f"switch it off ({forcing.amplitude} = 0)",
                 )
+
+
+def _refuse_surfaces(curves: Mapping[str, Points], physics: Physics, report: Report) -> None:
+    """How far surfaces have slid has no formula while their drive ramps."""
+    for law in (law for law in physics.laws if law.surface is not None):
+        moving = on_surface(physics.model, law).forcings[len(physics.model.forcings) :]
+        read = {name for forcing in moving for name in frequency_of(forcing)}
+        for name in sorted(curves.keys() & read):
+            report.add(
+                ("schedule", name),
+                f"the friction of {law.name!r} varies along a surface that {name!r} moves: "
+                "it cannot vary in time",
+                suggestion="another friction law",
+            )
 
 
 def refuse_sectors(curves: Iterable[str], physics: Physics, report: Report) -> None:

@@ -34,7 +34,8 @@ from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
-from fiv_cli.friction.base import Law, Slip
+from fiv_cli.friction.base import Slip, room_of_pieces
+from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
@@ -64,6 +65,7 @@ class ContactState:
     guards : switching functions
     angle : angle of the sector, None where it does not move or does not exist
     contacts : nodes of `CONTACT_OUTPUTS`, per contact
+    stored : what the law has stored, per contact; none of a law that stores nothing
     energies : nodes of `ENERGY_OUTPUTS`, then the power of each excitation
     impacts : contact -> velocity entries after an impact on it (position -> node)
     """
@@ -74,6 +76,7 @@ class ContactState:
     guards: tuple[Guard, ...]
     angle: Node | None
     contacts: tuple[tuple[Node, Node, Node], ...]
+    stored: tuple[Node, ...]
     energies: tuple[Node, ...]
     impacts: Mapping[int, Mapping[int, Node]]
 
@@ -97,7 +100,8 @@ class Derivation:
     smooth : per contact, whether its law has no border at zero slip
     sliding : kinds of the contacts where all slide: SLIP, of a stop SEPARATION
     bounces : per contact, whether an impact gives something back
-    pieced : contacts whose law is given by pieces
+    pieced : contacts whose law is given by pieces, the name of that law, and whether it has
+        parameters of its own there
     zone : start and width parameters of the sector and its contact, if any
     """
 
@@ -108,19 +112,8 @@ class Derivation:
     smooth: tuple[bool, ...]
     sliding: tuple[int, ...]
     bounces: tuple[bool, ...]
-    pieced: tuple[int, ...]
+    pieced: tuple[tuple[int, str, bool], ...]
     zone: tuple[str, str, int] | None
-
-
-def _pieced(setup: Setup, laws: Sequence[Law]) -> list[int]:
-    """The contacts under the case's law, where that is given by pieces."""
-    others = [law.name for law in laws if law.pieces and law is not setup.law]
-    if others:
-        raise UsageError(
-            f"a contact of {setup.model.name} has a law of its own, {others[0]!r}, "
-            "that is given by pieces\nnext: leave its law to the case"
-        )
-    return [i for i, law in enumerate(laws) if law.pieces]
 
 
 def derive(setup: Setup) -> Derivation:
@@ -130,13 +123,15 @@ def derive(setup: Setup) -> Derivation:
 
 class _Deriver:
     def __init__(self, setup: Setup) -> None:
-        scheduled, self.powers = setup.schedule.names, setup.model.powers
+        self.setup, self.powers = setup, setup.model.powers
+        scheduled = setup.schedule.names
         self.symbols = Symbols(setup.structural, scheduled)
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
         self.laws = [setup.law_of(contact) for contact in self.contacts]
-        self.pieced = _pieced(setup, self.laws)
+        self.pieced = [i for i, law in enumerate(self.laws) if law.pieces]
+        self.width, self.ways = room_of_pieces(self.laws)
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
             [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
@@ -170,7 +165,9 @@ class _Deriver:
             smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
             sliding=tuple(SEPARATION if contact.is_stop else SLIP for contact in self.contacts),
             bounces=tuple(contact.restitution != 0 for contact in self.contacts),
-            pieced=tuple(self.pieced),
+            pieced=tuple(
+                (i, self.laws[i].name, bool(self.contacts[i].law_parameters)) for i in self.pieced
+            ),
             zone=None if zone is None else (zone.start, zone.width, zone.contact),
         )
 
@@ -200,8 +197,14 @@ class _Deriver:
 
     # --- the law ----------------------------------------------------------------------------------
     def _law_parameters(self, contact: int) -> dict[str, Expr]:
-        table = self.laws[contact].parameters
-        return self.equations.law_parameters_at(contact, table, self.symbols)
+        law = self.laws[contact]
+        given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
+        if law.surface is None:
+            return given
+        way = way_slid(
+            self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
+        )
+        return {**given, **law.surface.along(way, given)}
 
     def _slip(self, contact: int) -> Slip:
         sign = self.symbols.sign(contact)
@@ -227,24 +230,24 @@ class _Deriver:
         return {} if rates is None else rates(self._slip(contact), self._law_parameters(contact))
 
     def _rows_of(self, contact: int) -> list[list[sympy.Symbol]]:
-        shape = self.laws[contact].shape if contact in self.pieced else (0, 0)
-        return self.symbols.rows(contact, *shape)
+        return self.symbols.rows(contact, *self.laws[contact].shape)
 
     def _rows(self, contact: int) -> list[sympy.Symbol]:
-        return [symbol for row in self._rows_of(contact) for symbol in row]
+        """Those of a contact in the parameter vector: a row of each element, all of one width."""
+        elements, _ = self.laws[contact].shape
+        return [s for row in self.symbols.rows(contact, elements, self.width) for s in row]
 
-    def _law_guards(self, contact: int) -> list[Expr]:
+    def _law_guards(self, contact: int) -> Sequence[Sequence[Expr]]:
+        """Those of each element."""
         guards = self.laws[contact].guards
-        if guards is None:
-            return []
-        given = guards(self._slip(contact), self._law_parameters(contact))
-        return [guard for of_element in given for guard in of_element]
+        given = self._slip(contact), self._law_parameters(contact)
+        return () if guards is None else guards(*given)
 
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
         told = (self.law_forces[contact], *self._law_rates(contact).values())
-        told += tuple(self._law_guards(contact))
+        told += tuple(chain.from_iterable(self._law_guards(contact)))
         borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
         return self.laws[contact].capacity is None and not borders
 
@@ -271,6 +274,7 @@ class _Deriver:
             ),
             angle=merged[-1] if angle else None,
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
+            stored=tuple(self._stored(names)),
             energies=tuple(energies),
             impacts=self._impacts(kinds, names),
         )
@@ -540,11 +544,12 @@ class _Deriver:
             velocity = graph.build(description.slip_velocity, names)
             guards.append(Guard(VELOCITY, contact, graph.mul(sign, velocity)))
         if kind == SLIP:
-            v, own = self._slip(contact).v, self._law_guards(contact)
-            first = self.pieced.index(contact) * len(own) if own else 0
-            for place, guard in enumerate(own, first):
-                node = graph.build(guard.subs(v, description.slip_velocity), names)
-                guards.append(Guard(PIECE, contact, node, place))
+            v = self._slip(contact).v
+            first = sum(self.laws[i].elements for i in self.pieced if i < contact)
+            for element, of_element in enumerate(self._law_guards(contact), first):
+                for way, guard in enumerate(of_element):
+                    node = graph.build(guard.subs(v, description.slip_velocity), names)
+                    guards.append(Guard(PIECE, contact, node, element * self.ways + way))
         if description.gap is not None or description.ends_at_zero_normal_force:
             guards.append(Guard(NORMAL, contact, normal))
         return guards
@@ -571,6 +576,13 @@ class _Deriver:
             names[self.symbols.tangential_force(contact)],
             self.graph.build(self.contacts[contact].slip_velocity, names),
         )
+
+    def _stored(self, names: Mapping[Expr, Node]) -> Iterator[Node]:
+        if self.setup.law.stored is not None:
+            for contact, law in enumerate(self.laws):
+                stored = law.stored or (lambda slip, p: sympy.S.Zero)
+                energy = stored(self._slip(contact), self._law_parameters(contact))
+                yield self.graph.build(energy, names)
 
     def _energies(self, names: Mapping[Expr, Node]) -> list[Node]:
         build, graph = self.graph.build, self.graph

@@ -78,7 +78,9 @@ class Generated:
     smooth : per contact, whether the law has no border at zero slip
     sliding : kinds of the contacts where all slide, stops open
     bounces : per contact, whether an impact gives something back
-    pieced : contacts whose law is given by pieces
+    pieced : contacts whose law is given by pieces, the name of that law, and whether it has
+        parameters of its own there
+    n_stored : contacts whose stored energy is told: all or none
     zone : (start parameter, width parameter, contact) of the sector, or None
     texts : "flow", "tangent" and "jacobian"
     """
@@ -93,7 +95,8 @@ class Generated:
     smooth: tuple[bool, ...]
     sliding: tuple[int, ...]
     bounces: tuple[bool, ...]
-    pieced: tuple[int, ...]
+    pieced: tuple[tuple[int, str, bool], ...]
+    n_stored: int
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
     _engines: dict[str, ExecutionEngine] = field(default_factory=dict, compare=False, repr=False)
@@ -228,6 +231,7 @@ def _make(setup: Setup) -> bytes:
         "sliding": derivation.sliding,
         "bounces": derivation.bounces,
         "pieced": derivation.pieced,
+        "n_stored": len(next(iter(derivation.states.values())).stored),
         "zone": derivation.zone,
         "texts": {part: "\n".join(lines) + "\n" for part, lines in texts.items()},
     }
@@ -263,7 +267,9 @@ def _flow_text(
     step = TaylorStep(graph, state.values, state.rates, watched, order, coefficients)
     lines = step.text(f"{state.name}_taylor", f"series of state and switching, {state.name}")
     contacts = [node for outputs in state.contacts for node in outputs]
-    outputs = [*state.values, *state.rates, *switching, *contacts, *state.energies]
+    outputs = [
+        *state.values, *state.rates, *switching, *contacts, *state.stored, *state.energies,
+    ]  # fmt: skip
     name = f"{state.name}_field"
     lines += pointwise(graph, name, f"{state.name}: rates and forces", outputs, coefficients)
     outputs = [*state.values, *state.rates, *state.energies[OTHER_POWER:]]

@@ -10,6 +10,7 @@ from functools import cached_property
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
+from fiv_cli.friction.surface import on_surface
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Contact, Model, followed
 from fiv_cli.schedule import STEADY, Schedule
@@ -74,7 +75,7 @@ class Setup:
         friction = get_law(under) if isinstance(under, str) else under
         values = parameters or default_parameters(chosen, friction)
         return cls(
-            chosen,
+            chosen if friction.surface is None else on_surface(chosen, friction),
             friction,
             dict(sorted({**chosen.default_options(), **(options or {})}.items())),
             {name: values[name] for name in friction.structural},
@@ -94,6 +95,21 @@ class Setup:
                 f"{', '.join(missing)}\nnext: give it law_parameters={{{missing[0]!r}: ...}}"
             )
         return law
+
+    def own_parameters(self, contact: int, known: Mapping[str, float]) -> dict[str, float]:
+        """Values of the parameters of the law of a contact that has its own."""
+        import sympy
+
+        from fiv_cli.models.symbols import Symbols
+
+        symbols = Symbols(self.structural)
+        mechanics = self.model.mechanics(symbols, self.options)
+        table = self.law_of(mechanics.contacts[contact]).parameters
+        values = {
+            sympy.Symbol(f"p.{name}", real=True): known[name] for name in self.parameter_names
+        }
+        told = mechanics.law_parameters_at(contact, table, symbols)
+        return {name: float(expression.subs(values)) for name, expression in told.items()}
 
     @cached_property
     def key(self) -> Hashable:

@@ -46,7 +46,7 @@ class Layout:
     labels : coordinate of the dim ``initial``; None where the analysis has no starts
     varying : parameters that vary in time
     fixed : parameters that have one value at all points, SI
-    internal : states of the friction laws
+    internal : states of the friction laws, and what they store
     """
 
     name: str

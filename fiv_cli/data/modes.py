@@ -1,6 +1,6 @@
 """Modes followed by continuity along the grid, instead of sorted anew at each point.
 
-A pure step from dataset to dataset: it renumbers modes, and marks where two of them merge; it
+A pure step from dataset to dataset: it renumbers modes, and marks which have merged, and where; it
 computes nothing anew. Modes are followed along the ordered axis with the most points, row by row,
 and each row is joined to the row before it, so that a number means the same all over a grid. Along
 an axis whose values rise and fall, or repeat, there are no neighbours: each point has numbers of
@@ -19,7 +19,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.rest.modes import Complex, Modes, Order, continued, followed, modes_of
+from fiv_cli.analyses.rest.modes import (
+    Complex,
+    Modes,
+    Order,
+    continued,
+    coupled_modes,
+    followed,
+    modes_of,
+)
+from fiv_cli.analyses.variables import INT_FILL
 
 # Two modes merge where they come to differ more in growth than in frequency, if they then differ
 # in both by less than this share of the frequency: with much damping they pass at a distance.
@@ -38,18 +47,18 @@ def follow_modes(dataset: xr.Dataset) -> xr.Dataset:
 
     Returns
     -------
-    a dataset in which every variable along ``mode`` is renumbered, ``coupled_with`` included,
-    and ``coupling_point``, where there is one, is filled in
+    a dataset in which every variable along ``mode`` is renumbered, with a coordinate
+    ``mode_number`` that both of a conjugate pair share; ``coupled_with`` and ``coupling_point``,
+    where there are any, are filled in
     """
     axes = _axes_to_follow(dataset)
-    if not axes:
-        return dataset
     try:
-        return _followed(dataset, axes)
+        dataset = _followed(dataset, axes) if axes else dataset
     except np.linalg.LinAlgError as error:  # the numbers of modes are not worth the eigenvalues
         comment = f"the modes of each point are numbered on their own: {error}"
-        real = dataset["eigenvalue_real"]
-        return dataset.assign(eigenvalue_real=real.assign_attrs(comment=comment))
+        real = dataset["eigenvalue_real"].assign_attrs(comment=comment)
+        dataset = dataset.assign(eigenvalue_real=real)
+    return _with_numbers(dataset)
 
 
 def _followed(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
@@ -168,7 +177,7 @@ def _is_ordered(values: NDArray[np.float64]) -> bool:
 def _arranged(variable: xr.Variable, axes: list[str], last: tuple[str, ...]) -> tuple[str, ...]:
     """Dims in which other dims come first and rows, along the first of `axes`, last."""
     others = [str(dim) for dim in variable.dims if dim not in (*axes, *last)]
-    return (*others, *axes[1:], axes[0], *last)
+    return (*others, *axes[1:], *axes[:1], *last)
 
 
 def _complex(dataset: xr.Dataset, stem: str, axes: list[str], last: tuple[str, ...]) -> Complex:
@@ -182,9 +191,6 @@ def _complex(dataset: xr.Dataset, stem: str, axes: list[str], last: tuple[str, .
 def _renumbered(dataset: xr.Dataset, orders: Order, axes: list[str]) -> xr.Dataset:
     along = [str(name) for name, one in dataset.data_vars.items() if "mode" in one.dims]
     renumbered = {name: _taken(dataset.variables[name], orders, axes) for name in along}
-    if "coupled_with" in renumbered:
-        partners = renumbered["coupled_with"]
-        renumbered["coupled_with"] = _partners_renumbered(partners, orders, axes)
     return dataset.assign(renumbered)
 
 
@@ -197,14 +203,39 @@ def _taken(variable: xr.Variable, orders: Order, axes: list[str]) -> xr.Variable
     return arranged.copy(data=taken).transpose(*variable.dims)
 
 
-def _partners_renumbered(partners: xr.Variable, orders: Order, axes: list[str]) -> xr.Variable:
-    """``coupled_with`` names modes by number: these follow the renumbering."""
-    arranged = partners.transpose(*_arranged(partners, axes, ("mode",)))
-    inverse = np.argsort(orders, axis=-1)
-    old = arranged.values
-    moved = np.take_along_axis(inverse, np.clip(old, 0, orders.shape[-1] - 1), axis=-1)
-    renamed = np.where(old >= 0, moved, old).astype(old.dtype)
-    return arranged.copy(data=renamed).transpose(*partners.dims)
+# --- modes by number ------------------------------------------------------------------------------
+def _with_numbers(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with ``mode_number``, and in ``coupled_with`` the numbers of the partners."""
+    values = _complex(dataset, "eigenvalue", [], ("mode",))
+    numbers = mode_numbers(values.reshape(-1, values.shape[-1]))
+    named = {"units": "1", "long_name": "mode, counted from 1; a conjugate pair is one"}
+    dataset = dataset.assign_coords(mode_number=("mode", numbers, named))
+    if "coupled_with" not in dataset:
+        return dataset
+    coupled = dataset["coupled_with"]
+    numbered = np.append(numbers, -1)
+    found = np.full(values.shape, INT_FILL, coupled.dtype)
+    for row in np.ndindex(values.shape[:-2]):
+        known = np.isfinite(values[row])
+        found[row] = np.where(known, numbered[coupled_modes(values[row])], INT_FILL)
+    return dataset.assign(coupled_with=coupled.copy(data=found))
+
+
+def mode_numbers(values: Complex) -> NDArray[np.int32]:
+    """The number of the mode that each eigenvalue belongs to, from 1.
+
+    Parameters
+    ----------
+    values : (points, modes), followed, NaN where nothing was computed; of a conjugate pair the
+        eigenvalue of positive frequency is counted, and the other has its number
+    """
+    twins = (values.imag < 0.0).any(axis=0) & ~(values.imag >= 0.0).any(axis=0)
+    numbers = np.cumsum(~twins, dtype=np.int32)
+    for twin in np.flatnonzero(twins):
+        row = values[np.isfinite(values[:, twin])][0]
+        distance = np.where(twins, np.inf, np.abs(row - row[twin].conj()))
+        numbers[twin] = numbers[np.nanargmin(distance)]
+    return numbers
 
 
 # --- where modes merge ----------------------------------------------------------------------------

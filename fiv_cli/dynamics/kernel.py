@@ -211,6 +211,7 @@ class Run(Search):
     n_sections: int
     section_times: Floats
     section_states: Floats2
+    section_works: Floats2  # `Measures.all_works` by then; no rows: not asked for
     n_sampled: int
     sample_times: Floats
     sample_states: Floats2
@@ -232,6 +233,7 @@ class Run(Search):
     drive_work: float
     impact_loss: float
     largest_residual: float
+    # Where only energies are asked for, the next four are empty.
     reference: Floats  # NaN for a coordinate that does not count
     least: Floats
     greatest: Floats
@@ -908,11 +910,11 @@ def take_samples(run: Run, index: int, tau: float) -> None:
         state_after(run, index, t, x, state)
         call_generated(run.field[index], run.coefficients, t + x, state, outputs)
         for i in range(run.n_states):
-            run.sample_states[row, i] = outputs[i]
-        for i in range(run.sample_outputs.shape[1]):
-            run.sample_outputs[row, i] = outputs[first + i]
+            run.sample_states[i, row] = outputs[i]
+        for i in range(run.sample_outputs.shape[0]):
+            run.sample_outputs[i, row] = outputs[first + i]
         for i in range(run.n_contacts):
-            run.sample_codes[row, i] = code_of(run.kinds[i], run.slip_signs[i])
+            run.sample_codes[i, row] = code_of(run.kinds[i], run.slip_signs[i])
         run.n_sampled += 1
 
 
@@ -930,7 +932,7 @@ def take_measures(run: Run, index: int, tau: float) -> None:
             look_at_nodes(run, index, tau, here, first + node, first + count - 1)
         last_x, x = x, run.quadrature[first + node, 0] * tau
         add_up(run, here[node % LANES :], run.quadrature[first + node, 1] * tau)
-        if node > 0 and run.is_taylor == 1:
+        if node > 0 and run.is_taylor == 1 and len(run.least) > 0:
             before = run.nodes[(node - 1) // LANES % 2][(node - 1) % LANES :]
             look_for_turns(run, before, here[node % LANES :], last_x, x)
 
@@ -961,12 +963,12 @@ def look_at_nodes(run: Run, index: int, tau: float, here: Floats, row: int, last
 @native
 def add_up(run: Run, here: Floats, weight: float) -> None:
     """Add a node of the quadrature, at which this is measured."""
-    for i in range(run.n_states):
+    for i in range(len(run.least)):
         value = here[i * LANES]
         run.least[i] = min(run.least[i], value)
         run.greatest[i] = max(run.greatest[i], value)
         run.squares[i] += weight * value * value
-    for i in range(run.n_coordinates):
+    for i in range(len(run.reference)):
         if run.reference[i] == run.reference[i]:
             off = here[i * LANES] - run.reference[i]
             run.spread += weight * (off * off)
@@ -1288,7 +1290,18 @@ def keep_section(run: Run) -> None:
     run.section_times[row] = run.time
     for i in range(len(run.y)):
         run.section_states[row, i] = run.y[i]
+    if len(run.section_works) > 0:
+        keep_works(run, row)
     run.n_sections += 1
+
+
+@native
+def keep_works(run: Run, row: int) -> None:
+    """Put what has been measured of works into the section buffer."""
+    run.section_works[row, 0], run.section_works[row, 1] = run.other_work, run.friction_work
+    run.section_works[row, 2], run.section_works[row, 3] = run.drive_work, run.impact_loss
+    for i in range(len(run.works)):
+        run.section_works[row, 4 + i] = run.works[i]
 
 
 @native

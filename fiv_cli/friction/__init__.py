@@ -15,6 +15,7 @@ from fiv_cli.friction import (
     gms,
     hyperbolic,
     hysteretic,
+    hysteretic_rough,
     jenkins,
     linear_regularisation,
     linear_slope,
@@ -56,6 +57,7 @@ _LAWS: tuple[Law, ...] = (
     rate_and_state.LAW,
     stefanski.LAW,
     hysteretic.LAW,
+    hysteretic_rough.LAW,
 )
 
 TANH_OF = "tanh of "

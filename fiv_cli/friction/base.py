@@ -18,7 +18,7 @@ contain (`Slip.rows`); it is left where a guard falls to zero, which is an event
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -43,6 +43,9 @@ class Slip:
     N: Expr
     states: Mapping[str, Expr] = field(default_factory=dict)
     rows: Sequence[Sequence[Expr]] = ()
+
+
+STORED = State("stored_energy", "E_s", "J", "energy that friction has stored")
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,22 @@ class Piece:
     exits: tuple[Exit | None, ...]
 
 
+@dataclass(frozen=True)
+class Surface:
+    """How friction varies along the surface.
+
+    Attributes
+    ----------
+    amplitude : parameter that it varies with; where this is zero, it does not
+    wavelength : parameters -> way after which it is as before, m
+    along : ``(way slid, parameters)`` -> those parameters that vary, as they are there
+    """
+
+    amplitude: str
+    wavelength: Callable[[Mapping[str, float]], float]
+    along: Callable[[Expr, Mapping[str, Expr]], Mapping[str, Expr]]
+
+
 @dataclass(frozen=True, eq=False)
 class Law:
     """A friction law.
@@ -108,6 +127,7 @@ class Law:
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
         a law by pieces, whose states never rest, so that there is no equilibrium
+    surface : how it varies from place to place; None: it does not
     origin : where it stands, if not in the box
     """
 
@@ -131,6 +151,7 @@ class Law:
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
+    surface: Surface | None = None
     origin: Origin | None = None
 
     @property
@@ -139,6 +160,11 @@ class Law:
         if self.states:
             return "dynamic"
         return "regularised" if self.capacity is None else "set-valued"
+
+    @property
+    def inner(self) -> tuple[State, ...]:
+        """What a motion tells of it over time: its states, and what it has stored."""
+        return self.states if self.stored is None else (*self.states, STORED)
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -205,3 +231,10 @@ class Law:
         """Parameter -> value: as given, else the default of its own table."""
         defaults = {p.name: p.default for p in self.parameters if p.default is not None}
         return followed(self.parameters, {**defaults, **given})
+
+
+def room_of_pieces(laws: Iterable[Law]) -> tuple[int, int]:
+    """Most numbers that a piece of any of these laws has, and most ways out of one."""
+    pieces = [piece for law in laws for piece in law.pieces]
+    longest = max((len(piece.row) for piece in pieces), default=0)
+    return longest, max((len(piece.exits) for piece in pieces), default=0)

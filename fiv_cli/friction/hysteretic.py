@@ -15,8 +15,8 @@ The branch of sticking is that of a contact stiffness k_S without bound: exact s
 one, 2.8 takes v^2/(2|a|) for the way from rest. A free mass m that has stopped is then pushed back
 by F_0 > 0, with m a^2 - F_0 a + k_S v^2/2 = 0: no a solves this above v = F_0/sqrt(2 k_S m), where
 the mass slides, slows down, and is pushed off anew at each stop; it never rests. So there is no
-pre-sliding here (`dahl`, `lugre` and others have it), and no implicit equation left to solve. Nor
-is there the stochastic part f_R, a function of position, which no law is given.
+pre-sliding here (`dahl`, `lugre` and others have it), and no implicit equation left to solve. The
+stochastic part f_R is that of `hysteretic-rough`.
 """
 
 from __future__ import annotations

@@ -65,6 +65,7 @@ LAW = Law(
     capacity=None,
     states=(DEFLECTION,),
     rates=lambda slip, p: {"deflection": _bending(slip, p)},
+    stored=lambda slip, p: p["sigma_0"] * slip.states["deflection"] ** 2 * slip.N / 2,
     structural=("delta",),
     requirements=(FALLING,),
 )

@@ -489,7 +489,8 @@ def common_frequency(forcings: Iterable[Forcing], known: Mapping[str, float]) ->
 
     0 where none is on; None where there is none, up to `MOST_RATIO`.
     """
-    found = [forcing.frequency(known) for forcing in forcings if known[forcing.amplitude] != 0.0]
+    on = (forcing for forcing in forcings if known[forcing.amplitude] != 0.0)
+    found = [frequency for one in on if (frequency := one.frequency(known)) != 0.0]
     if len(set(found)) < 2:
         return found[0] if found else 0.0
     ratios = [Fraction(one / found[0]).limit_denominator(MOST_RATIO) for one in found]

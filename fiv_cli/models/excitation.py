@@ -213,15 +213,15 @@ def _requirements(
 ) -> Iterator[Requirement]:
     every = (*model.forcings, *forcings)
     if len(every) > 1:
-        yield _common_period(every, model.derived is not None)
+        yield common_period(every, model.derived is not None)
     for term in terms:
         for forcing in model.forcings:
             if term.of in frequency_of(forcing):
                 yield _one_of_two(forcing, term)
 
 
-def _common_period(forcings: Sequence[Forcing], one_only: bool) -> Requirement:
-    """`one_only`: where frequencies follow from more than parameters."""
+def common_period(forcings: Sequence[Forcing], one_only: bool) -> Requirement:
+    """`one_only`: where their frequencies follow from more than parameters."""
     amplitudes = [forcing.amplitude for forcing in forcings]
     read = [] if one_only else [name for forcing in forcings for name in frequency_of(forcing)]
 

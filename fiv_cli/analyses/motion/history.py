@@ -15,6 +15,7 @@ from fiv_cli.analyses.variables import (
     motions,
     trust,
 )
+from fiv_cli.friction.base import STORED
 
 EVENTS = (
     Variable("event_time", "s", "instant of the event", ragged="event"),
@@ -30,6 +31,14 @@ _SURFACE = (
     axis("point_angle", "rad", "angle of the point", "point", symbol=r"\theta"),
 )
 """The displacement of a disc at points that are fixed in space."""
+
+_FRICTION_LOSS = Variable(
+    "friction_loss",
+    "J",
+    "energy that friction has taken and not stored",
+    comment="drive_work - friction_work less what stored_energy has grown by, of all contacts; "
+    "where the normal force varies, what is stored varies with it, at no one's expense",
+)
 
 
 def variables(subject: Subject) -> list[Variable]:
@@ -55,6 +64,7 @@ def variables(subject: Subject) -> list[Variable]:
         Variable("other_work", "J", "work of all other forces"),
         *(Variable(f"{n}_work", "J", f"work of {words}") for n, words in subject.powers.items()),
         Variable("impact_loss", "J", "energy lost in impacts"),
+        *([_FRICTION_LOSS] if STORED in subject.internal else ()),
         *EVENTS,
         INITIAL_STATE,
         *(_SURFACE if subject.settings.get("points") else ()),

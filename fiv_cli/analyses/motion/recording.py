@@ -24,7 +24,7 @@ from fiv_cli.codegen.codes import CODE_PIECE
 from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 from fiv_cli.flags import CONTACT_EVENT
-from fiv_cli.friction.base import Law
+from fiv_cli.friction.base import STORED
 
 DEFAULT_SAMPLES = 2000
 LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
@@ -35,20 +35,22 @@ def record(system: System, request: Request) -> Outcome:
 
     On discs also the displacement w at the points asked for.
     """
-    motion, settings = begun(system, request), request.settings
+    room = LEDGER_ROWS + system.n_contacts  # several at one instant
+    motion, settings = begun(system, request, room), request.settings
     if isinstance(motion, Outcome):
         return motion
     times = sample_times(settings)
     samples = samples_at(system, times)
     initial, energy_before = initial_state(motion), motion.energy()
-    motion.start_measuring(np.zeros(len(system.coordinates)))
+    stored_before = motion.stored_energy()
+    motion.start_measuring()
     ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
     outcome = end or Outcome()
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
-    codes = _codes_of_events(system.setup.law)
-    outcome.values |= initial | trust(motion) | _works(motion, energy_before)
+    codes = _codes_of_events(system)
+    outcome.values |= initial | trust(motion) | _works(motion, energy_before, stored_before)
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": codes[ledger.before],
@@ -60,9 +62,10 @@ def record(system: System, request: Request) -> Outcome:
 
 
 @cache
-def _codes_of_events(law: Law) -> NDArray[np.int64]:
-    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of the law."""
-    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in law.events)])
+def _codes_of_events(system: System) -> NDArray[np.int64]:
+    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of laws."""
+    words = system.pieces.events
+    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)])
 
 
 def sample_times(settings: Settings) -> Vector:
@@ -77,28 +80,32 @@ def sample_times(settings: Settings) -> Vector:
     return times if reached else np.append(times, t_end)
 
 
-def begun(system: System, request: Request) -> Motion | Outcome:
-    """The motion from the start; an equilibrium is looked for only where it needs one."""
+def begun(system: System, request: Request, events: int = 0) -> Motion | Outcome:
+    """The motion from the start; an equilibrium is looked for only where it needs one.
+
+    `events` : room for a ledger that is kept from the start
+    """
     assert request.start is not None
     given = request.start.kind == "state"
     solutions = [] if given else rest_of(system, request)[1]
-    return start_motion(system, request, solutions[0] if solutions else None)
+    return start_motion(system, request, solutions[0] if solutions else None, events)
 
 
 def _run_with_ledger(
     motion: Motion, t_end: float, samples: Samples
 ) -> tuple[Ledger, Outcome | None]:
-    """Run to `t_end`, stopping whenever the ledger is full to make it longer."""
+    """Run to `t_end`, stopping whenever the ledger is full to go on with an empty one."""
     pages: list[Ledger] = []
     budget = motion.frame.max_events
     while True:
-        motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
+        motion.frame.n_ledger = 0
         motion.frame.max_events = min(budget, motion.n_events + LEDGER_ROWS)
         stop = motion.run(t_end, samples=samples, measuring=True)
-        pages.append(deepcopy(motion.ledger))  # the next page has the same room
+        pages.append(motion.ledger)
         page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
         if not page_full:
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
+        pages[-1] = deepcopy(pages[-1])  # the next page has the same room
 
 
 def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
@@ -113,11 +120,15 @@ def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
 
 
 def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
-    """The states of the friction law over time."""
-    states = system.setup.law.states
-    own = samples.states[:, len(system.motions) :]
-    by_contact = own.reshape(len(own), system.n_contacts, len(states))
-    return {s.name: _contact_rows(by_contact[:, :, i]) for i, s in enumerate(states)}
+    """The states of the friction law over time, and what it has stored."""
+    found, several = {}, system.n_contacts > 1
+    for state in system.setup.law.states:
+        names = [f"{state.name}_{contact + 1}" for contact in range(system.n_contacts)]
+        places = [system.places.get(name) for name in (names if several else [state.name])]
+        none = np.full(len(samples.times), np.nan)  # of a contact with a law of its own
+        rows = [none if place is None else samples.states[:, place] for place in places]
+        found[state.name] = _contact_rows(np.column_stack(rows))
+    return found | ({STORED.name: _contact_rows(samples.stored)} if samples.stored.size else {})
 
 
 def _surface(
@@ -146,10 +157,14 @@ def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:
     return values[:, 0] if values.shape[1] == 1 else values.T
 
 
-def _works(motion: Motion, energy_before: float) -> dict[str, float]:
+def _works(motion: Motion, energy_before: float, stored_before: float) -> dict[str, float]:
     found, excited = balance(motion, energy_before), motion.measures.works.tolist()
     named = (f"{name}_work" for name in motion.system.setup.model.powers)
-    return dict(zip(named, excited, strict=True)) | {
+    works = dict(zip(named, excited, strict=True))
+    if motion.system.generated.n_stored:
+        stored = motion.stored_energy() - stored_before
+        works["friction_loss"] = found.drive - found.friction - stored
+    return works | {
         "energy_residual": found.residual,
         "friction_work": found.friction,
         "drive_work": found.drive,

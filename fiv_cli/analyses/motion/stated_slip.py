@@ -77,7 +77,7 @@ def characteristic(setup: Setup, request: Request) -> Outcome:
         start=Start("stated", "state", state),
     )
     outcome = record(system, alone)
-    kept = [*(one.name for one in OF_RECORDED), *(state.name for state in law.states)]
+    kept = [*(one.name for one in OF_RECORDED), *(state.name for state in law.inner)]
     outcome.values = {name: outcome.values[name] for name in kept}
     outcome.values |= {
         "static_capacity": _capacity(setup, parameters),
@@ -98,7 +98,7 @@ def _capacity(setup: Setup, parameters: Mapping[str, float]) -> float:
 def _work(motion: Motion, begun: float, ended: float) -> float:
     """Work of friction between two instants, J; NaN where the motion ends before."""
     if stopped(motion.run(begun)) is None:
-        motion.start_measuring(np.zeros(1))
+        motion.start_measuring()
         if stopped(motion.run(ended, measuring=True)) is None:
             return -motion.measures.friction_work
     return float("nan")

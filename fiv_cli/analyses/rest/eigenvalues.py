@@ -28,7 +28,7 @@ def variables(subject: Subject) -> list[Variable]:
             "eigenvector_imag", "1", "imaginary part of the mode", "mode state",
             comment=mixed, velocities=True,
         ),
-        count("coupled_with", "mode of equal frequency; -1: none", "mode"),
+        count("coupled_with", "mode_number of the mode of equal frequency; -1: none", "mode"),
         Variable(
             "coupling_point",
             "1",

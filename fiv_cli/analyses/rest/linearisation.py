@@ -17,7 +17,6 @@ from fiv_cli.dynamics.system import System, Vector
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-COUPLED = 1e-3  # relative distance of the frequencies of two coupled modes
 NEUTRAL = 1e-14  # growth rates below this share of the largest eigenvalue are rounding
 SURE = 1e-6  # a correction of an eigenvalue beyond this share of it is not one
 
@@ -80,7 +79,6 @@ def _described(values: Complex, shapes: Complex) -> list[dict[str, object]]:
         "damping_ratio": np.where(magnitude > 0.0, -values.real / sure, 0.0),
         "eigenvector_real": shapes.real.swapaxes(1, 2),
         "eigenvector_imag": shapes.imag.swapaxes(1, 2),
-        "coupled_with": coupled_modes(values),
         "growth_rate": values.real.max(axis=-1).tolist(),
         "stable": [stability(one) for one in values],
     }
@@ -242,16 +240,3 @@ def stability(values: Complex) -> str:
     if abs(growth) <= NEUTRAL * float(np.abs(values).max()):
         return "neutral"
     return "unstable" if growth > 0.0 else "stable"
-
-
-def coupled_modes(values: Complex) -> NDArray[np.int64]:
-    """For each mode of a row, the one it has merged with (the last of several), else -1.
-
-    Two modes have merged when they differ in growth and not, or less, in frequency.
-    """
-    frequency, growth = values.imag[..., None], values.real[..., None]
-    split = np.abs(frequency - values.imag[..., None, :])
-    same = (split <= COUPLED * np.abs(frequency)) & (frequency != 0.0)
-    merged = same & (split < np.abs(growth - values.real[..., None, :]))
-    partner: NDArray[np.int64] = np.where(merged, np.arange(values.shape[-1]), -1).max(axis=-1)
-    return partner

@@ -17,6 +17,7 @@ TURNED = 1.0  # what a change of the sign of the imaginary part weighs
 # Of two modes that merge, and that all but nothing distinguishes, the one with the lower number
 # takes the larger growth rate: rounding must not decide.
 TIE = 1e-3
+COUPLED = 1e-3  # relative distance of the frequencies of two coupled modes
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,19 @@ def _twins(values: Complex) -> Order:
     np.put_along_axis(twins, ranked, np.take_along_axis(ranked, partners % count, 1), 1)
     twins[lower != upper] = -1
     return twins
+
+
+def coupled_modes(values: Complex) -> Order:
+    """Of each eigenvalue of a row the place of the (last) one it has merged with, else -1.
+
+    Two modes have merged when they differ in growth and not, or less, in frequency.
+    """
+    frequency, growth = values.imag[..., None], values.real[..., None]
+    split = np.abs(frequency - values.imag[..., None, :])
+    same = (split <= COUPLED * np.abs(frequency)) & (frequency != 0.0)
+    merged = same & (split < np.abs(growth - values.real[..., None, :]))
+    partner: Order = np.where(merged, np.arange(values.shape[-1]), -1).max(axis=-1)
+    return partner
 
 
 def _unit_rows(vectors: Complex) -> Complex:

@@ -32,7 +32,7 @@ def spectrogram(system: System, request: Request) -> Outcome:
     if isinstance(motion, Outcome):
         return motion
     initial, energy_before = initial_state(motion), motion.energy()
-    motion.start_measuring(np.zeros(len(system.coordinates)))
+    motion.start_measuring()
     place = system.state_names.index(settings["observe"] or system.state_names[0])
     interval = 1.0 / (OVERSAMPLED * float(settings["f_max"]))
     values, end = _sampled(motion, place, interval, t_end)
