@@ -25,6 +25,9 @@ FASTEST = 3.0  # squares and powers, of nonlinear laws too, against the states
 KEPT_PIECES = ("pieces_before", "pieces_begun", "pieces_offered")
 MOST_OFFERS = 4  # candidates of a contact: stick, slip in both senses, separation
 
+NO_EXTREMES = dict.fromkeys(("reference", "least", "greatest", "squares"), np.zeros(0))
+"""What is measured of each state, where only energies are asked for."""
+
 # Steps after which a motion comes back for the first time: 0.2 s where they are slow.
 FIRST_STRIDE = 4000
 
@@ -33,11 +36,12 @@ FIRST_STRIDE = 4000
 def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
     """What a system's new motions copy (their scratch arrays are shared: one runs at a time).
 
-    With room for so many `events`, shared too, it is at hand for short motions one after another.
+    With room for so many `events`, shared too, it is at hand for short motions one after another,
+    and what carries tangents too, where that is loaded.
     """
     shown = _tables(system, solver) | _scratch(system) | _not_asked_for(system)
     if events:
-        shown |= {**ledger_of(events), **system.tangent_tables}
+        shown |= {**ledger_of(events), **vars(system).get("tangent_tables", {})}
     frame = Run.holding(shown, _own_lengths(system))
     for name, number in system.tables.numbers.items():
         setattr(frame, name, number)
@@ -114,8 +118,7 @@ def _not_asked_for(system: System) -> dict[str, Array]:
     """What stands for arrays that a motion may not need."""
     n, contacts = len(system.state_names), system.n_contacts
     return {
-        "reference": np.zeros(len(system.coordinates)),
-        **{name: np.zeros(n) for name in ("least", "greatest", "squares")},
+        **NO_EXTREMES,
         "shares": np.zeros((contacts, 3)),
         "works": np.zeros(len(system.setup.model.powers)),
         "section_times": np.zeros(1),
@@ -128,6 +131,13 @@ def _not_asked_for(system: System) -> dict[str, Array]:
         **ledger_of(0),
         "tangents": np.zeros((0, n)),
     }
+
+
+def extremes_of(reference: Vector, n: int) -> dict[str, Array]:
+    """What is measured of each of `n` states, before anything is."""
+    known = np.array(reference, dtype=float)
+    empty = np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n)
+    return dict(zip(NO_EXTREMES, (known, *empty), strict=True))
 
 
 def sample_width(system: System) -> int:

@@ -913,11 +913,11 @@ def take_samples(run: Run, index: int, tau: float) -> None:
         state_after(run, index, t, x, state)
         call_generated(run.field[index], run.coefficients, t + x, state, outputs)
         for i in range(run.n_states):
-            run.sample_states[row, i] = outputs[i]
-        for i in range(run.sample_outputs.shape[1]):
-            run.sample_outputs[row, i] = outputs[first + i]
+            run.sample_states[i, row] = outputs[i]
+        for i in range(run.sample_outputs.shape[0]):
+            run.sample_outputs[i, row] = outputs[first + i]
         for i in range(run.n_contacts):
-            run.sample_codes[row, i] = code_of(run.kinds[i], run.slip_signs[i])
+            run.sample_codes[i, row] = code_of(run.kinds[i], run.slip_signs[i])
         run.n_sampled += 1
 
 

@@ -35,7 +35,8 @@ def record(system: System, request: Request) -> Outcome:
 
     On discs also the displacement w at the points asked for.
     """
-    motion, settings = begun(system, request), request.settings
+    room = LEDGER_ROWS + system.n_contacts  # several at one instant
+    motion, settings = begun(system, request, room), request.settings
     if isinstance(motion, Outcome):
         return motion
     times = sample_times(settings)
@@ -79,28 +80,32 @@ def sample_times(settings: Settings) -> Vector:
     return times if reached else np.append(times, t_end)
 
 
-def begun(system: System, request: Request) -> Motion | Outcome:
-    """The motion from the start; an equilibrium is looked for only where it needs one."""
+def begun(system: System, request: Request, events: int = 0) -> Motion | Outcome:
+    """The motion from the start; an equilibrium is looked for only where it needs one.
+
+    `events` : room for a ledger that is kept from the start
+    """
     assert request.start is not None
     given = request.start.kind == "state"
     solutions = [] if given else rest_of(system, request)[1]
-    return start_motion(system, request, solutions[0] if solutions else None)
+    return start_motion(system, request, solutions[0] if solutions else None, events)
 
 
 def _run_with_ledger(
     motion: Motion, t_end: float, samples: Samples
 ) -> tuple[Ledger, Outcome | None]:
-    """Run to `t_end`, stopping whenever the ledger is full to make it longer."""
+    """Run to `t_end`, stopping whenever the ledger is full to go on with an empty one."""
     pages: list[Ledger] = []
     budget = motion.frame.max_events
     while True:
-        motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
+        motion.frame.n_ledger = 0
         motion.frame.max_events = min(budget, motion.n_events + LEDGER_ROWS)
         stop = motion.run(t_end, samples=samples, measuring=True)
-        pages.append(deepcopy(motion.ledger))  # the next page has the same room
+        pages.append(motion.ledger)
         page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
         if not page_full:
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
+        pages[-1] = deepcopy(pages[-1])  # the next page has the same room
 
 
 def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
