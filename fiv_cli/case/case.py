@@ -194,7 +194,7 @@ class Case:
     @property
     def reach(self) -> float:
         """Slip speed up to which every law in use is known, m/s."""
-        return min(get_law(law).reach for law in self.laws)
+        return min((get_law(law).reach for law in self.laws), default=float("inf"))
 
     @property
     def varying(self) -> tuple[Parameter, ...]:
