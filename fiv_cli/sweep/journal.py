@@ -318,8 +318,13 @@ class Journal:
         filled = np.full(count, STATUS.codes[NOT_COMPUTED], np.int8)
         return np.concatenate([record.status[record.wanted()], filled])
 
-    def blocks(self, index: int) -> Iterator[Placed]:
-        """The stored blocks of an analysis with the positions of their rows, in order.
+    def blocks(self, index: int) -> Iterator[tuple[Positions, Block]]:
+        """The stored blocks of an analysis with the positions of their rows, in order."""
+        for positions, stored in self.stored(index):
+            yield positions, stored.block()
+
+    def stored(self, index: int) -> Iterator[Placed]:
+        """The same with the blocks as they are stored.
 
         What a refined analysis did not ask for (of a full grid that was run before) is left out.
         """
@@ -332,8 +337,8 @@ class Journal:
         """What each point that is left will take, s: as those do that are known on either side."""
         record = self.records[index]
         seconds = np.full(len(record.status), np.nan, np.float32)
-        for positions, stored in self.blocks(index):
-            seconds[positions[positions >= 0]] = stored.block().seconds[positions >= 0]
+        for positions, block in self.blocks(index):
+            seconds[positions[positions >= 0]] = block.seconds[positions >= 0]
         known = np.flatnonzero(seconds > 0.0)
         if not len(known):
             return np.ones(len(seconds), np.float32)
