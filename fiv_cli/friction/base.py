@@ -30,11 +30,19 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 
+def _held(rate: Expr) -> Expr:
+    """`Slip.holding` where there is no system: D, what is demanded, and m, what slips."""
+    import sympy
+
+    return sympy.Symbol("D", real=True) - sympy.Symbol("m", real=True) * rate
+
+
 @dataclass(frozen=True)
 class Slip:
     """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states.
 
     `rows` are the numbers of the pieces that the elements of the law are in, an element each.
+    `holding(rate)` is the force F_T, N, under which v changes at this rate, m/s2.
     """
 
     v: Expr
@@ -43,6 +51,7 @@ class Slip:
     N: Expr
     states: Mapping[str, Expr] = field(default_factory=dict)
     rows: Sequence[Sequence[Expr]] = ()
+    holding: Callable[[Expr], Expr] = _held
 
 
 STORED = State("stored_energy", "E_s", "J", "energy that friction has stored")
