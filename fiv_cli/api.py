@@ -416,7 +416,7 @@ def analyse(
     ('periodic', 8.068888)
     """
     from fiv_cli.analyses import all_analyses
-    from fiv_cli.analyses.base import Request, SolverSettings
+    from fiv_cli.analyses.base import Request, SolverSettings, as_asked
     from fiv_cli.analyses.execute import answer, prepare
 
     kind = pick(analysis, all_analyses(), "analysis", "fiv schema")
@@ -430,6 +430,7 @@ def analyse(
         raise UsageError(f"{analysis} begins nowhere\nnext: leave start out; {_ASKED}")
     begin = _start(setup, start or {}) if kind.uses_starts else None
     chosen = _settings(kind, setup, parameters, settings or {})
+    setup = replace(setup, model=as_asked(setup.model, chosen))
     request = Request(setup, known, analysis, chosen, solver, begin)
     with _computing():
         prepare([request], announce)

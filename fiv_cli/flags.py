@@ -305,6 +305,9 @@ CYCLE_END = FlagTable(
     fill=NOT_COMPUTED,
 )
 GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
+RANGE_END = FlagTable(
+    {NOT_COMPUTED: -1, "change": 0, "bracket": 1, "undecided": 2}, fill=NOT_COMPUTED
+)
 ANSWER = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1, "open": 2}, fill=NOT_COMPUTED)
 FOLLOWED = FlagTable({NOT_COMPUTED: -1, "none": 0, "up": 1, "down": 2}, fill=NOT_COMPUTED)
 SECTION = FlagTable(
@@ -334,6 +337,7 @@ TABLES: Mapping[str, FlagTable] = {
     "complete": COMPLETE,
     "cycle_end": CYCLE_END,
     "goes_on": GOES_ON,
+    "range_end": RANGE_END,
     "section": SECTION,
     "computed": COMPUTED,
     "answer": ANSWER,

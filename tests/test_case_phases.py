@@ -142,3 +142,31 @@ def test_then_values_and_the_third_look_is_the_last() -> None:
         "claim.0.expect",
     ]
     assert parse_case(mended(text, VALUES), "a.toml").zips == (("N0", "Omega"),)
+
+
+KEYS = {
+    "analysis": ("[[analysis]]", "[[anaylsis]]"),
+    "model.parameters": ("parameters =", "paramters ="),
+    "grid.Omega.stop": ("stop =", "stopp ="),
+    "initial.0.label": ("label =", "lable ="),
+    "analysis.0.kind": ("kind = 'response'", "knid = 'response'"),
+    "analysis.0.t_max": ("t_max =", "tmax ="),
+    "figure.0.select": ("select =", "selct ="),
+    "claim.0.text": ("text =", "txt ="),
+}
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_a_misspelt_key_hides_nothing_and_nothing_else_follows_from_it(key: str) -> None:
+    """The case is right but for it, then wrong in all its values."""
+    text = mended(mended(CASE, FORM), NAMES)
+    spelt = told(text)
+    for case, rest in ((mended(text, VALUES), []), (text, spelt)):
+        with pytest.raises(CaseError) as caught:
+            parse_case(mended(case, dict([KEYS[key]])), "a.toml")
+        (wrong, *others) = sorted(
+            caught.value.problems, key=lambda problem: "unknown" not in problem.message
+            and "no setting" not in problem.message
+        )  # fmt: skip
+        assert f"did you mean '{key.split('.')[-1]}'" in wrong.suggestion
+        assert {problem.path for problem in others} == {*rest}

@@ -430,11 +430,11 @@ def workplace(tmp_path, monkeypatch):
     return tmp_path
 
 
-def store(classes, case="stick.toml"):
+def store(classes, case="stick.toml", overrides=()):
     from fiv_cli.case.identity import default_output, fingerprint
     from fiv_cli.case.load import load_case
 
-    loaded = load_case(case)
+    loaded = load_case(case, overrides)
     dataset = sweep(classes).assign_attrs(fingerprint=fingerprint(loaded, None))
     dataset.to_netcdf(default_output(loaded))
 
@@ -448,6 +448,15 @@ def test_a_case_that_was_not_run_names_its_command(workplace):
     assert result.exit_code == 0
     assert "not run" in result.output
     assert "fiv run stick.toml" in result.output
+
+
+def test_a_changed_case_is_held_against_its_own_dataset(workplace):
+    change = ("--set", "model.parameters.c=0.1")
+    store(["equilibrium"] * 3)
+    assert "fiv run stick.toml --set model.parameters.c=0.1" in run("stick.toml", *change).output
+    store(["periodic"] * 3, overrides=change[1:])
+    assert "1 confirmed" in run("stick.toml", *change).output
+    assert "1 contradicted" in run("stick.toml").output
 
 
 def test_the_ledger_tells_source_text_verdict_and_finding(workplace):

@@ -224,6 +224,15 @@ def test_a_name_that_is_no_model_may_be_that_of_a_law(capsys: pytest.CaptureFixt
     assert "did you mean 'tanh of coulomb'" in capsys.readouterr().err
 
 
+def test_a_case_in_which_nothing_starts_says_what_it_has(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(["history", "pin.toml"]) == 2
+    said = capsys.readouterr().err
+    assert "nothing starts in this case (equilibrium)" in said
+    assert "kind response or history; or draw what it has: fiv run pin.toml, then fiv plot" in said
+
+
 def test_a_misspelt_figure_or_law_to_draw(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["run", "pin.toml", "--workers", "1", "-q"]) == 0
     assert run(["plot", "runs/pin.nc", "--figure", "curvy"]) == 2

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 from motions import TIGHT, by_both, defaults, motion, system, times, transitions
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from small_models import TWO_MASSES
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.rest.linearisation import free_states
 from fiv_cli.dynamics.motion import Motion, Stop, samples_at
-from fiv_cli.errors import UsageError
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.friction.base import Slip
-from fiv_cli.models import get_model
-from fiv_cli.models.base import Equations, Model, Options
+from fiv_cli.models.base import Equations, Model
 
 STILL = {"m": 1e12, "k": 1e12}  # what a belt under this mass does not move
 SHAKEN = {"v": [(0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (3.0, -1.0)]}  # m/s: by 0.25 m about a mean
@@ -263,77 +262,51 @@ def test_what_slides_to_rest_is_told_before_it_is_there(law: str) -> None:
     assert found.values["attractor"] == "equilibrium" and found.values["decay_margin"] > 0.0
 
 
-# --- stick as a band ------------------------------------------------------------------------------
-STUCK_ON = {"v": 0.4, "mu_s": 0.6, "mu_k": 0.3, "N": 5.0}
-MOST, LEAST = 3.0, 1.5  # N: what holds, and slides
+# --- a contact with a law of its own --------------------------------------------------------------
+GIVEN: dict[str, dict[str, float]] = {
+    "gms": {"mu_s": 0.4, "mu_k": 0.25, "v_s": 0.3, **{f"k_{i}": 9.0 for i in range(1, 5)}},
+    "linear-regularisation": {"mu_k": 0.2, "v_tol": 0.3},
+    "jenkins": {"mu_k": 0.3, "sigma_0": 4.0},
+    "elasto-plastic": {"mu_s": 0.4, "mu_k": 0.3, "v_s": 0.3, "sigma_0": 7.0, "sigma_1": 0.1},
+    "coulomb": {"mu_s": 0.4, "mu_k": 0.3},
+}
 
 
-def _crept(alpha: float, time: float) -> float:
-    """By how far slip goes that dies out from 1 m/s, or stays."""
-    return float(-np.expm1(-alpha * time)) / alpha if alpha else time
+def of_its_own(contact: int, law: str) -> Model:
+    """Two masses on a belt, of which one has a law of its own."""
 
+    def equations(symbols: Any, options: Mapping[str, str]) -> Equations:
+        found = TWO_MASSES.equations(symbols, options)
+        told = {n: sympy.Float(x) for n, x in (get_law(law).defaults | GIVEN[law]).items()}
+        contacts = list(found.contacts)
+        contacts[contact] = replace(contacts[contact], law=law, law_parameters=told)
+        return replace(found, contacts=tuple(contacts))
 
-@pytest.mark.parametrize(("law", "alpha"), [("switch", 3.0), ("karnopp", 0.0)])
-def test_a_band_is_left_and_met_when_closed_forms_say(law: str, alpha: float) -> None:
-    """Undamped, m = k = 1: slip dies out or stays, then two harmonic motions."""
-    eta, v, t_end = 0.01, 0.4, 40.0
-    given = {"alpha": alpha} if alpha else {}
-    begun = motion("belt-1dof", law, {"x": 1.0, "x_dot": v}, eta=eta, **STUCK_ON, **given)
-    begun.run(t_end)
-    expected, x, left = [0.0], 1.0, 0.0
-    while expected[-1] < t_end:
-        begin, slipping = x, left
-        held = brentq(
-            lambda s, x=begin, left=slipping: x + v * s - left * _crept(alpha, s) - MOST,
-            *(0.0, 20.0), xtol=1e-15,
-        )  # fmt: skip
-        slip, x = left * np.exp(-alpha * held), MOST
-        expected.append(expected[-1] + held)
-        if slip < 0.999 * eta:  # it yields, about x = MOST
-            turned = np.arccos((v - eta) / (v - slip))
-            x += (v - slip) * np.sin(turned)
-            expected.append(expected[-1] + turned)
-        out = x - LEAST  # it slides, about x = LEAST, until it is as fast again
-        expected.append(expected[-1] + 2 * np.pi - 2 * np.arctan2(out, v - eta))
-        x, left = LEAST - out, eta
-    met = [at for at in expected[1:] if at < t_end]
-    assert len(met) > 7
-    np.testing.assert_allclose(times(begun), met, atol=1e-9)
+    return replace(TWO_MASSES, name=f"contact {contact} under {law}", equations=equations)
 
 
 @pytest.mark.parametrize(
-    ("law", "mu_k", "u0", "order"),
-    [
-        ("switch", 0.3, 2.0, 0.5),
-        ("switch", 0.6, 2.0, 1.0),
-        ("karnopp", 0.3, 2.0, 0.5),  # let go against the way it slid
-        ("karnopp", 0.3, 0.0, 1.0),  # ... along it
-    ],
+    ("first", "second"),
+    [("gms", "linear-regularisation"), ("jenkins", "elasto-plastic"), ("coulomb", "jenkins")],
 )
-def test_a_band_tends_to_exact_stick(law: str, mu_k: float, u0: float, order: float) -> None:
-    """By how much a motion that sticks on the way is off, as the band shrinks to a 16th of it."""
-    shaken = STUCK_ON | {"mu_k": mu_k, "c": 0.1, "u0": u0, "omega": 0.9}
-
-    def end(name: str, **changes: float) -> NDArray[np.float64]:
-        begun = motion("belt-1dof", name, {"x": 1.0}, **shaken, **changes)
-        assert begun.run(12.0) == Stop.REACHED
-        return begun.y
-
-    exact = end("coulomb")
-    errors = [np.abs(end(law, eta=eta) - exact).max() for eta in (1.6e-3, 1e-4, 6.25e-6)]
-    measured = np.log(np.divide(errors[:-1], errors[1:])) / np.log(16.0)
-    assert measured == pytest.approx([order, order], abs=0.05)
-
-
-def _between(symbols: Any, options: Options) -> Equations:
-    """A mass that two belts press on."""
-    found = get_model("belt-1dof").equations(symbols, options)
-    second = symbols.tangential_force(1) / symbols.parameter("m")
-    accelerations = {"x": found.accelerations["x"] + second}
-    return replace(found, accelerations=accelerations, contacts=found.contacts * 2)
-
-
-def test_contacts_that_act_on_one_another_do_not_know_what_is_demanded_of_each() -> None:
-    model: Model = replace(get_model("belt-1dof"), equations=_between, contacts=2)
-    with pytest.raises(UsageError, match="what is demanded of each alone"):
-        system(model, "switch")
+def test_it_is_the_same_whether_the_case_or_a_contact_names_a_law(first: str, second: str) -> None:
+    """Motion, events, equilibrium, eigenvalues: either law may be the one of the case."""
+    given = {"v": 0.4, "k2": 2.0, "N2": 5.0}
+    begun = [
+        motion(of_its_own(1, second), first, {"x1": 1.0}, **given, **GIVEN[first]),
+        motion(of_its_own(0, first), second, {"x1": 1.0}, **given, **GIVEN[second]),
+    ]
+    assert all(one.run(8.0) == Stop.REACHED for one in begun) and begun[0].n_events > 4
+    np.testing.assert_allclose(begun[1].y, begun[0].y, atol=1e-10)
+    np.testing.assert_allclose(times(begun[1]), times(begun[0]), atol=1e-9)
+    rests = [
+        [
+            api.analyse(model, law, kind, **given, **GIVEN[law]).values
+            for kind, law, model in (
+                (kind, first, of_its_own(1, second)), (kind, second, of_its_own(0, first)),
+            )
+        ]
+        for kind in AT_REST
+    ]  # fmt: skip
+    for name, pair in zip(("equilibrium", "eigenvalue_real"), rests, strict=True):
+        np.testing.assert_allclose(pair[1][name], pair[0][name], rtol=1e-9, atol=1e-12)

@@ -1,5 +1,7 @@
 """Figures: what is drawn is what the dataset holds, labelled, and the same bytes each time."""
 
+import re
+
 import numpy as np
 import pytest
 import synthetic_datasets as data
@@ -610,6 +612,20 @@ def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
     assert abs(share - np.pi / 9.0) < 3 * error
     (ax,) = draw(data.basin(speeds=(9.0,)), figure("basin")).axes
     assert legend_texts(ax) == ["equilibrium (all 200)"]
+
+
+@pytest.mark.parametrize(("kind", "told"), [("random", 1), ("table", 0)])
+def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind, told):
+    case = f'[[initial]]\nlabel = "any"\nkind = "{kind}"\n'
+    dataset = data.basin(speeds=(1.0, 2.0, 9.0)).assign_attrs(case=case)
+    printed = [line for line in summary_lines(summarise({"": dataset})) if "shares" in line]
+    assert len(printed) == told
+    if told:
+        rest, moving = re.findall(r" (?:equilibrium|periodic) ([^,;]*)", printed[0])
+        one, error = map(float, rest.split(" to ")[0].split(" ± "))
+        assert abs(one - np.pi / 36.0) < 3 * error and rest.endswith(" to 1")
+        assert error == pytest.approx(np.sqrt(one * (1 - one) / 200), abs=6e-4)
+        assert moving == f"0 to {1 - one:.3f} ± {error:.3f}"
 
 
 def test_basins_need_starts_that_differ_in_two_states():
@@ -1344,6 +1360,9 @@ def a_scan(N=(1.0, 2.0), **given):
         "scan_class_back": data.flags(along, np.full((*size, 4), "periodic"), data.ATTRACTORS),
     }
     ends = {f"bistable_{end}": ((*dims, "range"), v) for end, v in (("low", low), ("high", high))}
+    for end, kind in (("low", "change"), ("high", "bracket")):
+        named = data.flags((*dims, "range"), np.full((*size, 1), kind), ("change", "bracket"))
+        ends[f"bistable_{end}_kind"] = named
     return xr.Dataset({**of_classes, **ends}, coords, data.attributes())
 
 
@@ -1352,7 +1371,7 @@ def test_show_says_what_holds_along_each_bracket():
     row = text.index("  along the bracket:")
     assert text[row + 1 : row + 3] == [
         "    N = 1: equilibrium from 0 to 1, periodic from 2 to 3; back periodic throughout; "
-        "bistable from 0.25 to 1.75",
+        "bistable from 0.25 to 1.75 (end of the bracket)",
         "    N = 2: periodic throughout; back periodic throughout",
     ]
     many = xr.concat([a_scan()] * 5, "N").assign_coords(N=np.arange(10.0))

@@ -23,6 +23,7 @@ from fiv_cli.codegen.codes import (
     STICK,
 )
 from fiv_cli.errors import UsageError
+from fiv_cli.friction import get_law
 from fiv_cli.models.base import Contact, Equations, Forcing, Options, stop
 
 CLOSED = (CODE_SLIP_PLUS, CODE_SLIP_MINUS)
@@ -163,6 +164,15 @@ def test_a_law_of_a_contact_says_which_of_its_parameters_it_lacks() -> None:
     model = replace(ON_TWO_BELTS, name="dry", equations=partial(_greased, told=told))
     with pytest.raises(UsageError, match=r"dry has the law 'viscous' without its F_V\nnext: give"):
         api.analyse(model, "coulomb", "equilibrium")
+
+
+@pytest.mark.parametrize("law", ["dahl", "gms"])
+def test_what_a_law_tells_of_itself_it_does_not_tell_of_stops(law: str) -> None:
+    given = {"mu_k": 0.3, "ahead": 2.0}
+    found = api.analyse(STOPPED, law, "history", {"x": 1.0}, {"t_end": 3.0}, **given).values
+    states = np.array([found[state.name] for state in get_law(law).states])
+    assert np.isfinite(states[:, 0]).all() and np.isnan(states[:, 1:]).all()
+    assert found["stored_energy"][0].max() > 0.0 == found["stored_energy"][1:].max()
 
 
 def test_equations_show_the_laws_of_contacts_and_what_impacts_give_back() -> None:

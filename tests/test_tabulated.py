@@ -13,6 +13,7 @@ from motions import TIGHT, motion, transitions
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.case.identity import fingerprint
+from fiv_cli.cli.main import run
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import build_system
@@ -176,3 +177,17 @@ def test_a_table_that_is_not_there_is_told(folder: Path) -> None:
     Path("pad.csv").unlink()
     with pytest.raises(CaseError, match=r"pad\.csv' cannot be read"):
         api.load("case.toml")
+
+
+def test_a_table_is_shown_and_drawn_wherever_it_lies(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "data").mkdir()
+    Path("pad.csv").rename("data/pad.csv")
+    assert run(["models", "data/pad.csv"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("pad.csv: measured friction, 3 rows") and "stiction" in shown
+    assert run(["plot", "--law", "data/pad.csv:scale=2", "--law", "coulomb", "-o", "a.png"]) == 0
+    assert Path("a.png").is_file()
+    assert run(["models", "pad.csv"]) == 2
+    assert "'pad.csv' cannot be read" in capsys.readouterr().err

@@ -25,6 +25,7 @@ from fiv_cli.analyses.settings import Question, Settings, Varied
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.models.excitation import at_every_phase
+from fiv_cli.models.works import with_each_power
 from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
@@ -54,6 +55,9 @@ __all__ = [
 AT_ONCE = 64
 """Points of which what can be found at once is."""
 
+EACH = "each"
+"""A choice of ``powers``."""
+
 
 def broken(
     model: Model, law: Law, parameters: Mapping[str, float], linear: bool = False
@@ -69,6 +73,11 @@ def requirements(model: Model, law: Law, linear: bool = False) -> list[Requireme
         table = {p.name: p for p in model.parameters_under(law.parameters)}
         own = at_every_phase(own, model.varied, table)
     return [requirement for requirement in own if not (linear and requirement.in_motion)]
+
+
+def as_asked(model: Model, settings: Settings) -> Model:
+    """The model as an analysis under these settings takes it."""
+    return with_each_power(model) if settings.get("powers") == EACH else model
 
 
 @dataclass(frozen=True)

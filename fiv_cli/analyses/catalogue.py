@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 
 from fiv_cli.analyses import all_analyses, get_analysis
-from fiv_cli.analyses.base import Analysis, Section, Settings, Varied
+from fiv_cli.analyses.base import EACH, Analysis, Section, Settings, Varied, as_asked
 from fiv_cli.analyses.variables import COMPUTED, REASON, STATUS, Subject, Variable
 from fiv_cli.friction.base import STORED
 from fiv_cli.models.base import Model, Options, Parameter, State
@@ -32,7 +32,8 @@ def variables_of(
     """
     contact = "contact" if model.contacts > 1 else ""
     surface = model.surface is not None
-    subject = Subject(model.states(options), contact, surface, settings, internal, model.powers)
+    powers = as_asked(model, settings).powers
+    subject = Subject(model.states(options), contact, surface, settings, internal, powers)
     own = get_analysis(kind).variables(subject)
     over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
     return (STATUS, REASON, *own, *over_time)
@@ -40,7 +41,7 @@ def variables_of(
 
 ALL_ASKED: Settings = {
     "parameter": Varied("parameter"), "follow": "both", "points": ((0.0, 0.0),),
-    "system": "averaged", "section": Section("own"), "powers": "mean",
+    "system": "averaged", "section": Section("own"), "powers": EACH,
 }  # fmt: skip
 """Settings under which every analysis has all the variables that it can have."""
 

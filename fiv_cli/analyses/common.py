@@ -88,11 +88,16 @@ def start_state(system: System, start: Start, equilibrium: Vector | None) -> Vec
     return None if equilibrium is None else equilibrium + given
 
 
-def start_motion(system: System, request: Request, equilibrium: Vector | None) -> Motion | Outcome:
-    """The motion that the start describes, or the outcome that says why there is none."""
+def start_motion(
+    system: System, request: Request, equilibrium: Vector | None, events: int = 0
+) -> Motion | Outcome:
+    """The motion that the start describes, or the outcome that says why there is none.
+
+    `events` : room for a ledger that is kept from the start
+    """
     start = request.start
     assert start is not None
-    begin = partial(Motion, system, request.parameters, request.solver)
+    begin = partial(Motion, system, request.parameters, request.solver, events=events)
     if start.kind == "continue" and start.carried is not None:
         rested = start.carried["attractor"] == "equilibrium"
         if start.from_rest or not rested:

@@ -16,7 +16,7 @@ from fiv_cli.flags import TABLES
 from fiv_cli.friction.base import Law
 from fiv_cli.friction.surface import forcings_under
 from fiv_cli.models.base import Model, Parameter
-from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import (
     INTERVAL_SCHEMA,
@@ -120,6 +120,7 @@ class Refusal:
     suggestion : what to write instead
     place : where in the value
     of_name : it is a name that nothing in the case has
+    of_key : it is a key that its table does not have
     """
 
     message: str
@@ -127,6 +128,7 @@ class Refusal:
     suggestion: str = ""
     place: tuple[str | int, ...] = ()
     of_name: bool = False
+    of_key: bool = False
 
     def within(self, key: str) -> Refusal:
         """The same, seen from the table that holds the value under `key`."""
@@ -447,24 +449,27 @@ def read_settings(
 ) -> Reading:
     """A table of settings: name -> value, defaults filled in, and all that is wrong with it.
 
+    A key that is none of them is refused, and read as the one that is meant.
+
     Parameters
     ----------
     given : the table as TOML has it
     whose : what has these settings, for messages
     """
     names = {setting.name: setting.meaning for setting in settings}
-    refusals = [
-        unknown(f"{whose} has no setting {key!r}", key, names, key)
-        for key in given
-        if key not in names
-    ]
+    refusals, written = [], dict(given)
+    for key in [key for key in given if key not in names]:
+        message = f"{whose} has no setting {key!r}"
+        refusals.append(Refusal(message, listed(names), suggest(key, names), (key,), of_key=True))
+        meant = nearest(key, [name for name in names if name not in written])
+        written |= {meant: written[key]} if meant is not None else {}
     values = {}
     for setting in settings:
         name = setting.name
-        found = setting.read(given[name], known) if name in given else setting.left_out(known)
+        found = setting.read(written[name], known) if name in written else setting.left_out(known)
         values[name] = found.value
         refusals += [one.within(name) for one in found.refusals]
-        if name in given and setting.partner and setting.partner not in given:
+        if name in written and setting.partner and setting.partner not in written:
             refusals.append(Refusal(f"is missing: it belongs to {name}").within(setting.partner))
     return Reading(values, tuple(refusals))
 

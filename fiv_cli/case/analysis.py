@@ -17,7 +17,7 @@ from fiv_cli.case.physics import Physics, counterpart
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import AnalysisTable
 from fiv_cli.models.base import leaders
-from fiv_cli.notation.names import ascii_name, listed, suggest
+from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
@@ -91,7 +91,8 @@ def _analysis(
         named = given.get("parameter") if one.of_name and one.place == ("parameter",) else None
         hint = counterpart(str(named), known.varying()) or one.suggestion
         hint = hint or _where_it_belongs(str(one.place[0]), analysis)
-        report.add((*place, *one.place), one.message, one.allowed, hint, one.of_name)
+        at = (*place, *one.place)
+        report.add(at, one.message, one.allowed, hint, one.of_name, one.of_key)
     return AnalysisSpec(name, analysis.kind, found.value)
 
 
@@ -99,9 +100,11 @@ def _where_it_belongs(key: str, analysis: Analysis) -> str:
     """Where a setting belongs that the analysis does not have."""
     if key in analysis.default_settings:
         return ""
-    kinds = [kind for kind, other in all_analyses().items() if key in other.default_settings]
-    meant = [kind for kind in kinds if kind == analysis.counterpart] or kinds
-    belongs = f"{key!r} belongs to kind = {' or '.join(map(json.dumps, meant))}"
+    others = {kind: other.default_settings for kind, other in all_analyses().items()}
+    meant = nearest(key, sorted({name for settings in others.values() for name in settings}))
+    kinds = [kind for kind, settings in others.items() if meant in settings]
+    kinds = [kind for kind in kinds if kind == analysis.counterpart] or kinds
+    belongs = f"{meant!r} belongs to kind = {' or '.join(map(json.dumps, kinds))}"
     return belongs if kinds else suggest(key, {"name": "of the analysis"})
 
 

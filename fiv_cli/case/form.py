@@ -107,7 +107,6 @@ class Form:
 
 def read_form(document: Mapping[str, Any], report: Report) -> Form:
     """The tables of `document`; CaseError with all that is wrong with their form."""
-    _refuse_unknown_tables(document, report)
     header = {"schema": SCHEMA_VERSION}
     header |= {key: document[key] for key in keys_of(HeaderTable) if key in document}
     form = Form(
@@ -125,24 +124,27 @@ def read_form(document: Mapping[str, Any], report: Report) -> Form:
         solver=_one(SolverTable, document.get("solver", {}), ("solver",), report),
     )
     _refuse_unknown_words(document, report)
-    report.raise_if_any()
+    report.raise_if_broken()
     return form
 
 
-def _refuse_unknown_tables(document: Mapping[str, Any], report: Report) -> None:
-    known = keys_of(CaseTable)
-    unknown = [key for key in document if key not in known]
-    for key in unknown:
+def known_tables(document: Mapping[str, Any], report: Report) -> dict[str, Any]:
+    """The tables of `document` under the names that are meant; a note of each that is unknown."""
+    known, found = keys_of(CaseTable), dict(document)
+    for key in [key for key in document if key not in known]:
         hint = suggest(key, known) or _home_of(key)
-        report.unknown((key,), f"unknown table or key {key!r}", key, known, hint)
+        report.unknown((key,), f"unknown table or key {key!r}", key, known, hint, of_key=True)
+        value, meant = found.pop(key), nearest(key, [one for one in known if one not in found])
+        found |= {meant: value} if meant is not None else {}
     needed = {
         "schema": f"schema = {SCHEMA_VERSION}",
         "model": "the table [model] with its name",
         "analysis": "one [[analysis]] at least",
     }
     for key, what in needed.items():
-        if document.get(key) in (None, []) and nearest(key, unknown) is None:
+        if found.get(key) in (None, []):
             report.add((key,), "is missing", what)
+    return found
 
 
 def _home_of(key: str) -> str:

@@ -23,6 +23,7 @@ from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
 DOCUMENT_VERSION = 1
+FOLLOWING_VERSION = 2  # raised whenever what is followed in steps is lost elsewhere
 
 
 def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]:
@@ -47,7 +48,7 @@ def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]
         "starts": {start.label: _start(start) for start in case.starts} if with_starts else {},
         "analyses": {spec.name: replace(spec, settings=spec.told) for spec in analyses},
         "solver": case.solver,
-        "numerics": _numerics(case),
+        "numerics": _numerics(case, analyses),
     }
     own = _deciding_texts(case)
     if own:
@@ -117,10 +118,12 @@ def _deciding_texts(case: Case) -> dict[str, str]:
     return {name: case.own[name].digest for name in deciding if name in case.own}
 
 
-def _numerics(case: Case) -> dict[str, int]:
-    """The numerics versions that the case depends on."""
+def _numerics(case: Case, analyses: Sequence[AnalysisSpec]) -> dict[str, int]:
+    """The numerics versions that these analyses of the case depend on."""
     laws = () if _law_varies(case) else (case.law,)
     own = {"engine": NUMERICS_VERSION, "model": get_model(case.model).numerics_version}
+    if any(spec.settings.get("follow", "none") != "none" for spec in analyses):
+        own["following"] = FOLLOWING_VERSION
     return own | {law: get_law(law).numerics_version for law in laws}
 
 

@@ -15,7 +15,7 @@ from fiv_cli.case.asked import check_what_is_asked
 from fiv_cli.case.case import Axis, Case
 from fiv_cli.case.excitation import with_excitations
 from fiv_cli.case.fit import refuse_what_does_not_fit
-from fiv_cli.case.form import read_form
+from fiv_cli.case.form import known_tables, read_form
 from fiv_cli.case.grid import read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
 from fiv_cli.case.overrides import apply_overrides, parse_override
@@ -114,6 +114,7 @@ def _build(
     raw: Mapping[str, Any], report: Report, source: str, text: str, overrides: tuple[str, ...]
 ) -> Case:
     """The case, as far as it can be understood; every problem goes to `report`."""
+    raw = known_tables(raw, report)
     form = read_form(raw, report)
     given = with_excitations(form, read_physics(form, report), report)
     axes, zips, refinement = read_grid(form, given, report)

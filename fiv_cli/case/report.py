@@ -36,8 +36,9 @@ class Report:
     """The problems found so far.
 
     They are told by phases, each whole: first the form of the case, as soon as it is read
-    (`raise_if_any`), then names that nothing has, then values. So a mistake is told once: what
-    only follows from a name that is not known waits for it.
+    (`raise_if_broken`), then names that nothing has, then values. So a mistake is told once: what
+    only follows from a name that is not known waits for it. Keys that a table does not have are
+    told in each phase: they are read as what was meant.
 
     Parameters
     ----------
@@ -50,6 +51,7 @@ class Report:
         self, source: str, lines: Mapping[Path, int], overrides: Mapping[Path, str]
     ) -> None:
         self.source = source
+        self._keys: list[Problem] = []
         self._names: list[Problem] = []
         self._values: list[Problem] = []
         self._lines = lines
@@ -62,9 +64,10 @@ class Report:
         allowed: str = "",
         suggestion: str = "",
         of_name: bool = False,
+        of_key: bool = False,
     ) -> None:
-        """Note that `message` is wrong with the value, or the name (`of_name`), at `path`."""
-        problems = self._names if of_name else self._values
+        """Note that `message` is wrong with the value at `path`, with its name, or with the key."""
+        problems = self._keys if of_key else self._names if of_name else self._values
         if len(problems) <= MOST_PROBLEMS:
             override = self._override_at(path)
             line = None if override else self._line_at(path)
@@ -72,11 +75,18 @@ class Report:
             problems.append(problem)
 
     def unknown(
-        self, path: Path, message: str, name: str, known: Collection[str], suggestion: str = ""
+        self,
+        path: Path,
+        message: str,
+        name: str,
+        known: Collection[str],
+        suggestion: str = "",
+        of_key: bool = False,
     ) -> None:
-        """Note that `name`, at `path`, is none of the `known` names."""
-        if len(self._names) <= MOST_PROBLEMS:
-            self.add(path, message, listed(known), suggestion or suggest(name, known), True)
+        """Note that `name`, at `path`, is none of the `known` names (or keys of its table)."""
+        if max(len(self._keys), len(self._names)) <= MOST_PROBLEMS:
+            hint = suggestion or suggest(name, known)
+            self.add(path, message, listed(known), hint, not of_key, of_key)
 
     @contextmanager
     def noting(self, path: Path, allowed: str) -> Iterator[None]:
@@ -100,13 +110,19 @@ class Report:
         found = (problem.path for problem in (*self._names, *self._values))
         return not any(place == at or place.startswith(below) for place in found)
 
-    def raise_if_any(self) -> None:
-        """CaseError with every problem, of names or values."""
-        self._raise([*self._names, *self._values])
+    def raise_if_broken(self) -> None:
+        """CaseError with every problem, unless there are none but of keys."""
+        if self._names or self._values:
+            self._raise([*self._keys, *self._names, *self._values])
 
     def raise_by_phase(self) -> None:
-        """CaseError with every unknown name; where all are known, with every wrong value."""
-        self._raise(self._names or self._values)
+        """CaseError with every unknown key and name; where all names are known, with every value.
+
+        Of a table with an unknown key the rest may only seem to be wrong.
+        """
+        in_doubt = {problem.path.rpartition(".")[0] for problem in self._keys}
+        values = [problem for problem in self._values if problem.path not in in_doubt]
+        self._raise([*self._keys, *(self._names or values)])
 
     def _raise(self, problems: Sequence[Problem]) -> None:
         if not problems:

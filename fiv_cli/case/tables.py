@@ -18,16 +18,40 @@ T = TypeVar("T", bound=BaseModel)
 
 
 def read_table(form: type[T], raw: object, path: Path, report: Report) -> T | None:
-    """`raw` as a `form`, or None, and every problem noted, when it is none."""
+    """`raw` as a `form`, or None, and every problem noted, when it is none.
+
+    A key that the form does not have is noted, and read as the one that is meant.
+    """
     if not isinstance(raw, dict):
         report.add(path, f"must be a table, not {describe(raw)}", getattr(form, "example", ""))
         return None
     try:
-        return form.model_validate(raw)
+        return form.model_validate(_as_meant(form, raw, path, report))
     except ValidationError as error:
         for place, details in _one_per_place(error).items():
             _note(_form_at(form, place), (*path, *place), details, report)
     return None
+
+
+def _as_meant(
+    form: type[BaseModel], raw: Mapping[str, Any], path: Path, report: Report
+) -> dict[str, Any]:
+    """The table with each key that it does not have noted, and its value where it belongs.
+
+    In an open table only a key that must be there can be missed.
+    """
+    is_open = form.model_config.get("extra") == "allow"
+    fields = form.model_fields.items()
+    known = {f.alias or n for n, f in fields if f.is_required() or not is_open}
+    found = dict(raw)
+    passed = {*keys_of(form), *getattr(form, "gone", {})}
+    for key in [key for key in raw if key not in passed]:
+        meant = nearest(key, sorted(known - found.keys()))
+        if meant is not None or not is_open:
+            _note_unknown(form, (*path, key), report)
+            value = found.pop(key)
+            found |= {meant: value} if meant is not None else {}
+    return found
 
 
 def _form_at(form: type[BaseModel], place: Path) -> type[BaseModel]:
@@ -84,7 +108,7 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
     elif kind == "extra_forbidden":
         _note_unknown(form, path, report)
     elif kind == "missing":
-        _note_missing(form, path, value, report)
+        report.add(path, "is missing", keys_of(form).get(str(path[-1]), ""))
     elif kind == "literal_error":
         expected = str(details["ctx"]["expected"])
         names = expected.replace("'", "").replace(" or ", ", ").split(", ")
@@ -107,19 +131,7 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
 def _note_unknown(form: type[BaseModel], path: Path, report: Report) -> None:
     key, example = str(path[-1]), getattr(form, "example", "")
     hint = suggest(key, keys_of(form)) or (f"for example {example}" if example else "")
-    report.unknown(path, f"unknown key {key!r}", key, keys_of(form), hint)
-
-
-def _note_missing(
-    form: type[BaseModel], path: Path, table: Mapping[str, Any], report: Report
-) -> None:
-    """A key that is missing, unless it is there and misspelt: that is told of what is written."""
-    key, known = str(path[-1]), keys_of(form)
-    misspelt = nearest(key, [written for written in table if written not in known])
-    if misspelt is None:
-        report.add(path, "is missing", known.get(key, ""))
-    elif form.model_config.get("extra") == "allow":
-        _note_unknown(form, (*path[:-1], misspelt), report)
+    report.unknown(path, f"unknown key {key!r}", key, keys_of(form), hint, of_key=True)
 
 
 def _expected(kind: str, details: Mapping[str, Any]) -> str:

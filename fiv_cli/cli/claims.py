@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, with_option
+from fiv_cli.cli.common import json_option, print_json, set_option, with_option
 from fiv_cli.cli.reports import Verdict, report, report_options
 from fiv_cli.errors import CaseError, DifferenceError, UsageError, printable
 
@@ -35,18 +35,25 @@ class Entry:
 @click.command("claims")
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[DIR or CASE...]")
 @click.option("--strict", is_flag=True, help="Exit 5 on a contradiction without a note, or no run.")
+@set_option
 @json_option
 @report_options
 @with_option
 def command(
-    paths: tuple[Path, ...], strict: bool, as_json: bool, junit: Path | None, summary: Path | None
+    paths: tuple[Path, ...],
+    strict: bool,
+    overrides: tuple[str, ...],
+    as_json: bool,
+    junit: Path | None,
+    summary: Path | None,
 ) -> None:
     """Hold every [[claim]] of the cases against their datasets.
 
     DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
     or undetermined (points it needs are not computed or undecided); a case whose dataset is not
-    there is "not run", with the command that computes it. Nothing is computed here. The last
-    line counts the points of the datasets that have no class, and why.
+    there is "not run", with the command that computes it. Nothing is computed here. With --set
+    the dataset is that of `fiv run` with the same. The last line counts the points of the
+    datasets that have no class, and why.
 
     \b
     Examples:
@@ -57,7 +64,8 @@ def command(
     from fiv_cli.reading.undecided import Undecided
 
     undecided = Undecided()
-    ledger = [e for path in case_files(paths or (DEFAULT,)) for e in judge(path, undecided)]
+    files = case_files(paths or (DEFAULT,))
+    ledger = [entry for file in files for entry in judge(file, undecided, overrides)]
     if as_json:
         print_json({"claims": ledger, "classes": undecided.as_plain()})
     else:
@@ -104,13 +112,13 @@ def _is_case(file: Path) -> bool:
         return True  # broken: loading it says where
 
 
-def judge(path: Path, undecided: Undecided) -> list[Entry]:
+def judge(path: Path, undecided: Undecided, overrides: Sequence[str] = ()) -> list[Entry]:
     """The ledger of one case file; its points without a class are counted in `undecided`."""
     from fiv_cli import api
     from fiv_cli.reading.claims import dataset_of, held_against
 
     try:
-        case = api.load(path)
+        case = api.load(path, overrides)
     except CaseError:
         entry = _without_its_model(path)
         if entry is None:

@@ -34,7 +34,8 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
     """List the mechanical models, or print everything about the model or law called NAME.
 
     For one model: its parameters with symbol, unit, default, range and the equation that
-    introduces them, its states and options, the friction laws it takes, and its equations.
+    introduces them, its states and options, the friction laws it takes, and its equations. Of a
+    table of measured friction: what was read.
 
     \b
     Examples:
@@ -42,12 +43,14 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
       fiv models pin-on-disc
       fiv models --laws
       fiv models stribeck
+      fiv models pad.csv
     """
     from fiv_cli.friction import all_laws
     from fiv_cli.models import all_models
-    from fiv_cli.own.load import know_installed
+    from fiv_cli.own.load import know_installed, seek
 
     know_installed()
+    name = name if name is None else seek(name)
     laws = all_laws()
     if name is not None and not want_laws:
         known = dict.fromkeys([*all_models(), *laws])

@@ -105,8 +105,8 @@ def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple
     from fiv_cli.own.load import seek
     from fiv_cli.plots import draw_laws
 
-    for law in laws:
-        seek(law.partition(":")[0])
+    parts = [law.partition(":") for law in laws]
+    laws = ["".join([seek(name), *changes]) for name, *changes in parts]
     names = dict.fromkeys(law.partition(":")[0].replace(" ", "-") for law in laws)
     figure = draw_laws(laws, look) if speed is None else draw_laws(laws, look, speed)
     return [(Path("runs") / f"law-{'-'.join(names)}.png", figure)]
@@ -119,9 +119,8 @@ def _of_loops(laws: Sequence[str], loop: str, look: Look) -> list[tuple[Path, Fi
     from fiv_cli.plots import draw
 
     provide_cache()
-    given = {name: _assigned(changes) for name, _, changes in (law.partition(":") for law in laws)}
-    for name in given:
-        seek(name)
+    parts = [law.partition(":") for law in laws]
+    given = {seek(name): _assigned(changes) for name, _, changes in parts}
     if len(given) < len(laws):
         raise UsageError("--loop: a law is given twice\nnext: draw its loops apart")
     case = {

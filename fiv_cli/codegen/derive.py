@@ -35,7 +35,7 @@ from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
-from fiv_cli.friction.base import Law, Slip
+from fiv_cli.friction.base import Slip, room_of_pieces
 from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
@@ -99,7 +99,8 @@ class Derivation:
     smooth : per contact, whether its law has no border at zero slip
     sliding : kinds of the contacts where all slide: SLIP, of a stop SEPARATION
     bounces : per contact, whether an impact gives something back
-    pieced : contacts whose law is given by pieces
+    pieced : contacts whose law is given by pieces, the name of that law, and whether it has
+        parameters of its own there
     zone : start and width parameters of the sector and its contact, if any
     """
 
@@ -110,19 +111,8 @@ class Derivation:
     smooth: tuple[bool, ...]
     sliding: tuple[int, ...]
     bounces: tuple[bool, ...]
-    pieced: tuple[int, ...]
+    pieced: tuple[tuple[int, str, bool], ...]
     zone: tuple[str, str, int] | None
-
-
-def _pieced(setup: Setup, laws: Sequence[Law]) -> list[int]:
-    """The contacts under the case's law, where that is given by pieces."""
-    others = [law.name for law in laws if law.pieces and law is not setup.law]
-    if others:
-        raise UsageError(
-            f"a contact of {setup.model.name} has a law of its own, {others[0]!r}, "
-            "that is given by pieces\nnext: leave its law to the case"
-        )
-    return [i for i, law in enumerate(laws) if law.pieces]
 
 
 def derive(setup: Setup) -> Derivation:
@@ -138,9 +128,9 @@ class _Deriver:
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
-        self.of_case = setup.law
         self.laws = [setup.law_of(contact) for contact in self.contacts]
-        self.pieced = _pieced(setup, self.laws)
+        self.pieced = [i for i, law in enumerate(self.laws) if law.pieces]
+        self.width, self.ways = room_of_pieces(self.laws)
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
             [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
@@ -174,7 +164,9 @@ class _Deriver:
             smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
             sliding=tuple(SEPARATION if contact.is_stop else SLIP for contact in self.contacts),
             bounces=tuple(contact.restitution != 0 for contact in self.contacts),
-            pieced=tuple(self.pieced),
+            pieced=tuple(
+                (i, self.laws[i].name, bool(self.contacts[i].law_parameters)) for i in self.pieced
+            ),
             zone=None if zone is None else (zone.start, zone.width, zone.contact),
         )
 
@@ -208,6 +200,11 @@ class _Deriver:
         given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
         if law.surface is None:
             return given
+        if law is not self.setup.law:
+            raise UsageError(
+                f"a contact of {self.setup.model.name} has a law of its own, {law.name!r}, that "
+                "varies along the surface\nnext: leave its law to the case"
+            )
         way = way_slid(
             self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
         )
@@ -250,24 +247,24 @@ class _Deriver:
         return {} if rates is None else rates(self._slip(contact), self._law_parameters(contact))
 
     def _rows_of(self, contact: int) -> list[list[sympy.Symbol]]:
-        shape = self.laws[contact].shape if contact in self.pieced else (0, 0)
-        return self.symbols.rows(contact, *shape)
+        return self.symbols.rows(contact, *self.laws[contact].shape)
 
     def _rows(self, contact: int) -> list[sympy.Symbol]:
-        return [symbol for row in self._rows_of(contact) for symbol in row]
+        """Those of a contact in the parameter vector: a row of each element, all of one width."""
+        elements, _ = self.laws[contact].shape
+        return [s for row in self.symbols.rows(contact, elements, self.width) for s in row]
 
-    def _law_guards(self, contact: int) -> list[Expr]:
+    def _law_guards(self, contact: int) -> Sequence[Sequence[Expr]]:
+        """Those of each element."""
         guards = self.laws[contact].guards
-        if guards is None:
-            return []
-        given = guards(self._slip(contact), self._law_parameters(contact))
-        return [guard for of_element in given for guard in of_element]
+        given = self._slip(contact), self._law_parameters(contact)
+        return () if guards is None else guards(*given)
 
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
         told = (self.law_forces[contact], *self._law_rates(contact).values())
-        told += tuple(self._law_guards(contact))
+        told += tuple(chain.from_iterable(self._law_guards(contact)))
         borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
         return self.laws[contact].capacity is None and not borders
 
@@ -555,11 +552,12 @@ class _Deriver:
             velocity = graph.build(description.slip_velocity, names)
             guards.append(Guard(VELOCITY, contact, graph.mul(sign, velocity)))
         if kind == SLIP:
-            v, own = self._slip(contact).v, self._law_guards(contact)
-            first = self.pieced.index(contact) * len(own) if own else 0
-            for place, guard in enumerate(own, first):
-                node = graph.build(guard.subs(v, description.slip_velocity), names)
-                guards.append(Guard(PIECE, contact, node, place))
+            v = self._slip(contact).v
+            first = sum(self.laws[i].elements for i in self.pieced if i < contact)
+            for element, of_element in enumerate(self._law_guards(contact), first):
+                for way, guard in enumerate(of_element):
+                    node = graph.build(guard.subs(v, description.slip_velocity), names)
+                    guards.append(Guard(PIECE, contact, node, element * self.ways + way))
         if description.gap is not None or description.ends_at_zero_normal_force:
             guards.append(Guard(NORMAL, contact, normal))
         return guards
@@ -588,7 +586,7 @@ class _Deriver:
         )
 
     def _stored(self, names: Mapping[Expr, Node]) -> Iterator[Node]:
-        if self.of_case.stored is not None:
+        if self.setup.law.stored is not None:
             for contact, law in enumerate(self.laws):
                 stored = law.stored or (lambda slip, p: sympy.S.Zero)
                 energy = stored(self._slip(contact), self._law_parameters(contact))

@@ -211,6 +211,7 @@ class Run(Search):
     n_sections: int
     section_times: Floats
     section_states: Floats2
+    section_works: Floats2  # `Measures.all_works` by then; no rows: not asked for
     n_sampled: int
     sample_times: Floats
     sample_states: Floats2
@@ -909,11 +910,11 @@ def take_samples(run: Run, index: int, tau: float) -> None:
         state_after(run, index, t, x, state)
         call_generated(run.field[index], run.coefficients, t + x, state, outputs)
         for i in range(run.n_states):
-            run.sample_states[row, i] = outputs[i]
-        for i in range(run.sample_outputs.shape[1]):
-            run.sample_outputs[row, i] = outputs[first + i]
+            run.sample_states[i, row] = outputs[i]
+        for i in range(run.sample_outputs.shape[0]):
+            run.sample_outputs[i, row] = outputs[first + i]
         for i in range(run.n_contacts):
-            run.sample_codes[row, i] = code_of(run.kinds[i], run.slip_signs[i])
+            run.sample_codes[i, row] = code_of(run.kinds[i], run.slip_signs[i])
         run.n_sampled += 1
 
 
@@ -1289,7 +1290,18 @@ def keep_section(run: Run) -> None:
     run.section_times[row] = run.time
     for i in range(len(run.y)):
         run.section_states[row, i] = run.y[i]
+    if len(run.section_works) > 0:
+        keep_works(run, row)
     run.n_sections += 1
+
+
+@native
+def keep_works(run: Run, row: int) -> None:
+    """Put what has been measured of works into the section buffer."""
+    run.section_works[row, 0], run.section_works[row, 1] = run.other_work, run.friction_work
+    run.section_works[row, 2], run.section_works[row, 3] = run.drive_work, run.impact_loss
+    for i in range(len(run.works)):
+        run.section_works[row, 4 + i] = run.works[i]
 
 
 @native

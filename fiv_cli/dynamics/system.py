@@ -16,7 +16,9 @@ from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateT
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.setup import Setup
+from fiv_cli.dynamics.pieces import Pieces
 from fiv_cli.dynamics.rows import call_rows
+from fiv_cli.friction import get_law
 from fiv_cli.schedule import rate_of
 
 Vector = NDArray[np.float64]
@@ -110,8 +112,12 @@ class System:
     @cached_property
     def outputs_width(self) -> int:
         """Most numbers that a field function writes."""
-        written = len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
-        return int(np.max(self.tables.energy_place)) + written
+        return int(np.max(self.tables.energy_place)) + self.n_energies
+
+    @property
+    def n_energies(self) -> int:
+        """Numbers that a field function writes of energies and powers."""
+        return len(ENERGY_OUTPUTS) + len(self.setup.model.powers)
 
     # --- generated functions, called from Python --------------------------------------------------
     def coefficients(self, parameters: Vector) -> Vector:
@@ -140,6 +146,7 @@ class System:
             forces.reshape(*y.shape[:-1], self.n_contacts, PER_CONTACT),
             out[..., stored:energies],
             out[..., energies : energies + len(ENERGY_OUTPUTS)],
+            out[..., energies + len(ENERGY_OUTPUTS) : energies + self.n_energies],
         )
 
     def linearised(
@@ -164,22 +171,18 @@ class System:
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """`parameter_values`, first pieces, slip signs +1, sector 0; shape (n_parameters,)."""
         values = self.parameter_values(parameters)
-        return np.array([*values, *self.first_rows, *(1.0,) * self.n_contacts, 0.0])
+        return np.array([*values, *self.pieces.first_rows, *(1.0,) * self.n_contacts, 0.0])
 
-    @property
-    def first_rows(self) -> list[float]:
-        """The numbers of the pieces that the elements of the law begin in."""
-        return [x for piece in self.setup.law.pieces[:1] for x in piece.row] * self.n_elements
-
-    @property
-    def n_elements(self) -> int:
-        """Elements of the law, of all contacts, that are in a piece each."""
-        return len(self.generated.pieced) * self.setup.law.elements
+    @cached_property
+    def pieces(self) -> Pieces:
+        """What its laws are given by, where they are given by pieces."""
+        own, laws = self.setup.law, self.generated.pieced
+        return Pieces({i: own if name == own.name else get_law(name) for i, name, _ in laws})
 
     @property
     def n_own_parameters(self) -> int:
         """Parameters of model and law: numbers of pieces, slip signs and sector follow them."""
-        rows = self.n_elements * self.setup.law.shape[1]
+        rows = len(self.pieces.first_rows)
         return len(self.generated.parameter_names) - 1 - self.n_contacts - rows
 
     @cached_property
@@ -202,6 +205,11 @@ class System:
         if self.setup.model.derived is not None:
             known |= self.setup.model.derived.values(known, self.setup.options)
         return known | {rate_of(name): 0.0 for name in self.setup.schedule.names}
+
+    def told_to_law(self, contact: int, point: Mapping[str, float]) -> Mapping[str, float]:
+        """The parameters that the law of a contact, given by pieces, has there."""
+        own = {i for i, _, has_own in self.generated.pieced if has_own}
+        return self.setup.own_parameters(contact, self.known(point)) if contact in own else point
 
     @property
     def motions(self) -> tuple[str, ...]:
@@ -233,6 +241,7 @@ class FieldOutput(NamedTuple):
     contacts : `CONTACT_OUTPUTS` per contact; shape (n_contacts, 3)
     stored : by the law, per contact, J; shape (n_contacts,), (0,) of a law that stores nothing
     energies : `ENERGY_OUTPUTS`
+    powers : those of `Model.powers`
     """
 
     state: Vector
@@ -241,6 +250,7 @@ class FieldOutput(NamedTuple):
     contacts: Vector
     stored: Vector
     energies: Vector
+    powers: Vector
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ contain (`Slip.rows`); it is left where a guard falls to zero, which is an event
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -240,3 +240,10 @@ class Law:
         """Parameter -> value: as given, else the default of its own table."""
         defaults = {p.name: p.default for p in self.parameters if p.default is not None}
         return followed(self.parameters, {**defaults, **given})
+
+
+def room_of_pieces(laws: Iterable[Law]) -> tuple[int, int]:
+    """Most numbers that a piece of any of these laws has, and most ways out of one."""
+    pieces = [piece for law in laws for piece in law.pieces]
+    longest = max((len(piece.row) for piece in pieces), default=0)
+    return longest, max((len(piece.exits) for piece in pieces), default=0)

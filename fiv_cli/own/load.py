@@ -24,7 +24,7 @@ from typing import Any
 from fiv_cli.errors import ModelFileError, Problem, UsageError
 from fiv_cli.friction import all_laws, know_laws
 from fiv_cli.friction.base import Law
-from fiv_cli.friction.tabulated import SUFFIX, tabulated
+from fiv_cli.friction.tabulated import FORM, SUFFIX, tabulated
 from fiv_cli.models import all_models, know_models
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
@@ -217,10 +217,23 @@ def _companion(name: str) -> str:
 
 
 # --- installed packages ---------------------------------------------------------------------------
-def seek(name: str) -> None:
-    """Have a model or a law at hand that an installed package may offer."""
+def seek(name: str) -> str:
+    """Have a model or a law at hand that an installed package or a table may offer; its name.
+
+    Raises
+    ------
+    UsageError
+        a package cannot be loaded, or there is no such table.
+    """
+    if name.endswith(SUFFIX):
+        try:
+            know_table(Path(name).name, name)
+        except ValueError as error:
+            raise UsageError(f"{error}\nnext: name a table: {FORM}") from None
+        return Path(name).name
     if name not in {**all_models(), **all_laws()}:
         know_installed()
+    return name
 
 
 def know_installed() -> None:

@@ -12,6 +12,7 @@ the finding counts them.
 from __future__ import annotations
 
 import math
+import shlex
 from collections import Counter
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, replace
@@ -127,7 +128,8 @@ def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> li
 def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
     """What a run of the case has written, or None and why there is nothing, with what to do."""
     path = default_output(case)
-    advice = f"compute it with: fiv run {case.source}"
+    changed = "".join(f" --set {shlex.quote(line)}" for line in case.overrides)
+    advice = f"compute it with: fiv run {case.source}{changed}"
     if not path.exists():
         return None, f"{path} is not there; {advice}"
     analyses = read_analyses(path)

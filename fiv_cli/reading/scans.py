@@ -34,10 +34,17 @@ def _told(dataset: xr.Dataset, row: int) -> Iterator[str]:
     yield _stretches(scan, class_names(_of(dataset, "scan_class", row)))
     if "scan_class_back" in dataset:
         yield f"back {_stretches(scan, class_names(_of(dataset, 'scan_class_back', row)))}"
-        ends = (_of(dataset, f"bistable_{end}", row).values for end in ("low", "high"))
-        for low, high in zip(*ends, strict=True):
-            if np.isfinite(low):
-                yield f"bistable from {low:g} to {high:g}"
+        ends = (_ends(dataset, f"bistable_{end}", row) for end in ("low", "high"))
+        yield from (f"bistable from {low} to {high}" for low, high in zip(*ends, strict=True))
+
+
+def _ends(dataset: xr.Dataset, name: str, row: int) -> list[str]:
+    """One end of each range, and what is there where no answer changes."""
+    values = _of(dataset, name, row).values
+    kinds = class_names(_of(dataset, f"{name}_kind", row))
+    told = {"bracket": " (end of the bracket)", "undecided": " (undecided beyond)"}
+    ends = zip(values, kinds, strict=True)
+    return [f"{value:g}{told.get(kind, '')}" for value, kind in ends if np.isfinite(value)]
 
 
 def _of(dataset: xr.Dataset, name: str, row: int) -> xr.DataArray:

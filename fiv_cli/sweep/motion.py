@@ -17,7 +17,7 @@ import xarray as xr
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
-from fiv_cli.case.identity import fingerprint
+from fiv_cli.case.identity import default_output, fingerprint
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.layout import Dim
 from fiv_cli.data.netcdf import global_attributes, write_datasets
@@ -218,9 +218,11 @@ def _with_starts(case: Case) -> AnalysisPlan:
     for analysis in make_plan(case).analyses:
         if analysis.layout.labels is not None:
             return analysis
+    kinds = ", ".join(dict.fromkeys(spec.kind for spec in case.analyses))
     raise UsageError(
-        f"{case.source}: no analysis of this case has starts, so there is no motion to show\n"
-        "next: give it an [[analysis]] of kind response or history"
+        f"{case.source}: nothing starts in this case ({kinds}), so there is no motion to show\n"
+        "next: give it an [[analysis]] of kind response or history; or draw what it has: "
+        f"fiv run {case.source}, then fiv plot {default_output(case)}"
     )
 
 

@@ -24,6 +24,7 @@ from fiv_cli.analyses.base import (
     Setup,
     SolverSettings,
     Start,
+    as_asked,
     broken,
 )
 from fiv_cli.case.case import SEVERAL, StartSpec
@@ -153,7 +154,7 @@ def request_at(
     friction = get_law(law)
     structural = tuple((name, parameters[name]) for name in friction.structural)
     solver, schedule = template.solver, template.schedule
-    model = get_model(template.model)
+    model = as_asked(get_model(template.model), template.settings)
     setup = _setup(model, friction, tuple(options.items()), structural, solver.rtol, schedule)
     return Request(setup, parameters, template.analysis, template.settings, solver, start, batch)
 

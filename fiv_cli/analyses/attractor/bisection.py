@@ -37,13 +37,23 @@ MOST_LOOKS = 300
 """Looks that the end of one branch may cost."""
 
 FINER = 8.0
-"""How much shorter than the width asked for the last steps along a branch are."""
+"""How much shorter than the width asked for the last steps along a branch are at least."""
+
+SAFETY = 2.0
+"""How many times farther than it seems a branch may go on."""
 
 WIDENING = 4.0
 """Growth of the distance at which a change is looked for that closer looks find elsewhere."""
 
 Looking = Callable[[float, Look | None], Look]
 """Looks at a value, going on from an earlier look, or (None) from the start."""
+
+Foreseeing = Callable[[Look, Look, float], Look | None]
+"""What a look at a value would go on from where a branch leads through two looks; None: unknown."""
+
+
+def unforeseen(earlier: Look, last: Look, value: float) -> None:
+    """Nothing is known of where a branch leads."""
 
 
 @dataclass(frozen=True)
@@ -100,14 +110,16 @@ def scanned(values: Sequence[float], look: Looking, width: float) -> Found:
 
 
 def followed(
-    values: Sequence[float], look: Looking, width: float, first: Look | None = None
+    values: Sequence[float],
+    look: Looking,
+    width: float,
+    first: Look | None = None,
+    foresee: Foreseeing = unforeseen,
 ) -> Found:
     """Looks at values in turn, each going on from the one before, and the ends of what is followed.
 
-    The end of a branch is approached along the branch, by ever shorter steps. A step that was too
-    long falls off a branch that goes on, so an end counts when a step `FINER` times shorter than
-    `width` has fallen off, too, and it is said to lie within `width` of the last look on the
-    branch. Nothing more is looked at where nothing is left to go on from.
+    The end of a branch is approached along the branch, see `branch_end`. Nothing more is looked at
+    where nothing is left to go on from.
 
     Parameters
     ----------
@@ -121,13 +133,38 @@ def followed(
         reached = look(value, looks[-1])
         place = _last_decided(looks)
         if place is not None and reached.answer not in (None, looks[place].answer):
-            end = _Branch(looks[place], reached, looks[place + 1 :], look, width).end()
+            end = branch_end(looks, reached, values[-1], look, width, foresee)
             if isinstance(end, Change):
                 changes.append(end)
             else:
                 reached = end
         looks.append(reached)
     return Found(looks, in_order([*changes, *open_steps(looks)]))
+
+
+def branch_end(
+    looks: Sequence[Look],
+    target: Look,
+    limit: float,
+    look: Looking,
+    width: float,
+    foresee: Foreseeing = unforeseen,
+) -> Change | Look:
+    """The end of a branch that was left on the way to `target`, or a look there that is on it.
+
+    A step that is too long falls off a branch that goes on. How long it may be shrinks towards the
+    end, mostly in proportion to what is left; so by how many times the length of a step that fell
+    off the branch went on after it, it may go on after the last one, too. The end is approached by
+    ever shorter steps, from the last look on the branch and from where the branch is foreseen,
+    until what may be left of it is within `width`, or `MOST_LOOKS` are taken. It is said to lie
+    within that.
+
+    Parameters
+    ----------
+    looks : those before, in turn; the last decided one is on the branch
+    limit : nothing is looked at beyond it
+    """
+    return _Branch(looks, target, limit, look, width, foresee).end()
 
 
 def _last_decided(looks: Sequence[Look]) -> int | None:
@@ -180,70 +217,105 @@ class _Branch:
     """A branch that was left on the way from one look to another, followed to its end."""
 
     def __init__(
-        self, before: Look, target: Look, inside: Sequence[Look], look: Looking, width: float
+        self,
+        looks: Sequence[Look],
+        target: Look,
+        limit: float,
+        look: Looking,
+        width: float,
+        foresee: Foreseeing,
     ) -> None:
-        self.before = self.origin = before
-        self.target = target
-        self.inside = list(inside)
+        decided = [place for place, one in enumerate(looks) if one.answer is not None]
+        self.before = self.origin = looks[decided[-1]]
+        on_it = [looks[place] for place in decided[-2:]]
+        self.earlier = on_it[0] if on_it[0].answer == self.before.answer else self.before
+        self.target, self.limit = target, limit
+        self.inside = list(looks[decided[-1] + 1 :])
         self.off = [target]  # looks off the branch, the nearest last
-        self.look = look
-        self.width = width
+        self.look, self.foresee = look, foresee
+        self.width, self.finest = width, width / FINER
+        self.falls = [self._step_to(target.value)]  # what fell off: from where, by how long a step
+        self.has_moved = False  # whether a look has gone on since
 
     def end(self) -> Change | Look:
-        """The end of the branch, or a look at the target where it has none on the way.
-
-        A branch that bears none but tiny steps is left after `MOST_LOOKS`, at the width reached.
-        """
-        for _ in range(MOST_LOOKS):
-            value = _next_value(self.before, self.inside, self.off[-1], self.width / FINER)
-            if value is not None:
-                self._take(self._look_on(value))
-            elif not self._goes_on():
-                break
+        """The end of the branch, or a look at the target where it has none on the way."""
+        for left in reversed(range(MOST_LOOKS)):
+            value = self._next_value() if left else None
+            here = self._look_on(self._beyond() if value is None else value)
+            self._take(here)
             if not self.off:
-                return self.before
+                is_there = here.value == self.target.value
+                return here if is_there else self.look(self.target.value, self.origin)
+            if value is None and not self.has_moved:
+                break
         return Change(self.before, self.off[-1])
 
-    def _look_on(self, value: float) -> Look:
-        """A look that goes on from the nearest one behind it, an open one too."""
+    def _next_value(self) -> float | None:
+        """Where to look next; None where no more than the width may be left of the branch."""
+        if self.has_moved:  # a step from nearer by may not fall off there
+            return self.off[-1].value
+        value = _next_value(self.before, self.inside, self.off[-1], self.finest)
+        if value is None and self._rest() > self.width:
+            self.finest = 0.5 * self._step_to(self.off[-1].value)[1]
+            value = _next_value(self.before, self.inside, self.off[-1], self.finest)
+        return value
+
+    def _rest(self) -> float:
+        """How far the branch may go on, see `branch_end`."""
+        place, length = self._step_to(self.off[-1].value)
+        farthest = max(abs(place - start) / fallen for start, fallen in self.falls)
+        return SAFETY * length * (1.0 + farthest)
+
+    def _beyond(self) -> float:
+        """The value that far ahead, and the width at least, or the limit."""
+        place, ahead = self._step_to(self.limit)
+        share = min(max(self.width, self._rest()) / ahead, 1.0)
+        return place + share * (self.limit - place)
+
+    def _step_to(self, value: float) -> tuple[float, float]:
+        """From where a look at a value goes on, and how far."""
+        place = self._origin_of(value).value
+        return place, abs(value - place)
+
+    def _origin_of(self, value: float) -> Look:
+        """The nearest look behind a value that something can go on from, an open one too."""
         ahead = abs(value - self.before.value)
         behind = [one for one in self.inside if abs(one.value - self.before.value) < ahead]
-        able = [one for one in behind if one.carry is not None]
-        return self.look(value, able[-1] if able else self.origin)
+        return next((one for one in reversed(behind) if one.carry is not None), self.origin)
+
+    def _look_on(self, value: float) -> Look:
+        """A look that goes on along the branch, again from where it is foreseen if it falls off."""
+        origin = self._origin_of(value)
+        here = self.look(value, origin)
+        if here.answer == self.before.answer or origin is not self.origin is not self.earlier:
+            return here
+        ahead = self.foresee(self.earlier, origin, value)
+        again = here if ahead is None else self.look(value, ahead)
+        falls = again.answer not in (None, self.before.answer)
+        return here if falls or here.answer == again.answer else again
 
     def _take(self, here: Look) -> None:
         """Book a look on the way."""
-        if here.answer is None:
-            self.inside = _sorted([*self.inside, here], self.before)
-        elif here.answer == self.before.answer:
-            self._advance(here)
-        else:
+        if here.answer not in (None, self.before.answer):
+            self.falls.append(self._step_to(here.value))
             self.off.append(here)
             self.inside = _between(self.inside, self.before, here)
+            self.has_moved = False
+            return
+        if here.answer is None:
+            self.inside = _sorted([*self.inside, here], self.before)
+            self.has_moved = here is self.inside[-1]
+        else:
+            self._advance(here)
+        ahead = abs(self.target.value - here.value)
+        self.off = [one for one in self.off if abs(self.target.value - one.value) < ahead]
 
     def _advance(self, here: Look) -> None:
         """Go on from a look that is still on the branch."""
-        self.before, self.origin = here, here if here.carry is not None else self.origin
-        ahead = abs(self.target.value - here.value)
-        self.off = [one for one in self.off if abs(self.target.value - one.value) < ahead]
-        if self.off:
-            self.inside = _between(self.inside, here, self.off[-1])
-
-    def _goes_on(self) -> bool:
-        """Whether the branch bears one more step, of what is left or of the width asked for."""
-        for value in (self.off[-1].value, self._at_width()):
-            here = self._look_on(value)
-            if here.answer == self.before.answer:
-                self._advance(here)
-                return True
-        if here.answer is not None and abs(self.off[-1].value - self.before.value) < self.width:
-            self.off.append(here)
-        return False
-
-    def _at_width(self) -> float:
-        """The value one width further on, or the target."""
-        ahead = self.target.value - self.before.value
-        return self.before.value + max(-self.width, min(self.width, ahead))
+        self.before, self.has_moved = here, True
+        if here.carry is not None:
+            self.earlier, self.origin = self.origin, here
+        self.inside = _between(self.inside, here, self.target)
 
 
 def confirmed_within(
@@ -299,36 +371,63 @@ def _between(looks: Sequence[Look], begin: Look, end: Look) -> list[Look]:
 
 
 @dataclass(frozen=True)
-class Range:
-    """A stretch in which the way up and the way back have different answers.
+class Edge:
+    """An end of a range.
 
     Attributes
     ----------
-    low, high : its ends
-    low_width, high_width : how well they are known; NaN where an end is that of the bracket
+    value : where
+    kind : "change": an answer changes there; "bracket": no more was looked at; "undecided": no
+        more is known
+    width : how well it is known; NaN where nothing changes
     """
 
-    low: float
-    high: float
-    low_width: float
-    high_width: float
+    value: float
+    kind: str
+    width: float = float("nan")
 
 
-def hysteresis(
-    up: Sequence[Change], back: Sequence[Change], bracket: tuple[float, float]
-) -> list[Range]:
+@dataclass(frozen=True)
+class Range:
+    """A stretch in which the way up and the way back have different answers."""
+
+    low: Edge
+    high: Edge
+
+
+def hysteresis(up: Found, back: Found, bracket: tuple[float, float]) -> list[Range]:
     """Stretches of `bracket` in which the way up and the way back have different answers.
 
-    Parameters
-    ----------
-    up, back : decided changes on the way up, and on the way back from its end, in any order.
-        Both ways agree at the upper end, where one goes over into the other
+    Where one of the ways has none it is not known whether they differ.
     """
-    ends = sorted((change.middle, change.width) for change in (*up, *back))
-    if len(ends) % 2 == 1:
-        ends.insert(0, (bracket[0], float("nan")))
-    pairs = zip(ends[::2], ends[1::2], strict=True)
-    ranges = [Range(low, high, width, other) for (low, width), (high, other) in pairs]
-    return [
-        one for one in ranges if not one.high - one.low <= 0.5 * (one.low_width + one.high_width)
-    ]
+    ways = [_answers(found, bracket) for found in (up, back)]
+    edges = sorted([edge for way in ways for edge, _ in way], key=lambda edge: edge.value)
+    edges = [*edges, Edge(bracket[1], "bracket")]
+    ranges = [Range(low, high) for low, high in pairwise(edges) if _differ(ways, low, high)]
+    return [one for one in ranges if not _is_doubtful(one)]
+
+
+def _answers(found: Found, bracket: tuple[float, float]) -> list[tuple[Edge, bool | None]]:
+    """The answer behind each edge on one way, the first one that of the bracket."""
+    looks = sorted(found.looks, key=lambda one: one.value)
+    begin = Edge(bracket[0], "bracket"), None if looks[0].value > bracket[0] else looks[0].answer
+    ends = [(Edge(looks[0].value, "undecided"), looks[0].answer)] * (looks[0].value > bracket[0])
+    for change in found.changes:
+        edge = Edge(change.middle, "change", change.width)
+        if not change.decided:
+            known = change.low if change.high.answer is None else change.high
+            edge = Edge(known.value, "undecided")
+        ends.append((edge, change.high.answer))
+    return [begin, *sorted(ends, key=lambda end: end[0].value)]
+
+
+def _differ(ways: Sequence[Sequence[tuple[Edge, bool | None]]], low: Edge, high: Edge) -> bool:
+    """Whether both ways have answers between two edges next to each other, and other ones."""
+    middle = 0.5 * (low.value + high.value)
+    one, other = ([answer for edge, answer in way if edge.value <= middle][-1] for way in ways)
+    return low.value < high.value and None not in (one, other) and one != other
+
+
+def _is_doubtful(one: Range) -> bool:
+    """Whether both ends may be the same."""
+    return one.high.value - one.low.value <= 0.5 * (one.low.width + one.high.width)

@@ -56,15 +56,23 @@ def variables(subject: Subject) -> list[Variable]:
 def _way_back(unit: str, sides: str) -> list[Variable]:
     """What a bracket followed up and down again has besides."""
     back = f"{sides} there on the way down"
-    end = "end of a range in which the way up and the way down differ"
-    known = "width of the interval that it was bisected to; missing at the end of the bracket"
     return [
         detail("scan_class_back", back, "scan", of="attractor"),
-        Variable("bistable_low", unit, f"lower {end}", "range", width="bistable_low_width"),
-        Variable("bistable_low_width", unit, known, "range"),
-        Variable("bistable_high", unit, f"upper {end}", "range", width="bistable_high_width"),
-        Variable("bistable_high_width", unit, known, "range"),
+        *_end("low", unit),
+        *_end("high", unit),
     ]
+
+
+def _end(side: str, unit: str) -> tuple[Variable, ...]:
+    """One end of a range."""
+    name, end = f"bistable_{side}", f"{side}er end of a range in which the way up and down differ"
+    known = "width of the interval that it was bisected to; missing where nothing changes"
+    kind = "what is there: a change of the answer, the bracket, or runs without one (undecided)"
+    return (
+        Variable(name, unit, end, "range", width=f"{name}_width"),
+        Variable(f"{name}_width", unit, known, "range"),
+        detail(f"{name}_kind", kind, "range", of="range_end"),
+    )
 
 
 ANALYSIS = Analysis(
@@ -83,9 +91,8 @@ ANALYSIS = Analysis(
         ),
         Choice(
             "follow",
-            "where a run begins: at the start (none), or where the one before ended; a step of the "
-            "scan may throw it off what it follows, so the border and its error are those of such "
-            "steps (kind cycle finds where the branch itself ends)",
+            "where a run begins: at the start (none), or where the one before ended; the end of "
+            "what is followed so is approached by ever shorter steps, until it stays where it is",
             default="none",
             choices=("none", "up", "down", "both"),
         ),

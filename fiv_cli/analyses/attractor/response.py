@@ -5,7 +5,7 @@ What is computed, and how a run ends, is told in ``steady_state.py``.
 
 from __future__ import annotations
 
-from fiv_cli.analyses.base import Analysis, Later, Section
+from fiv_cli.analyses.base import EACH, Analysis, Later, Section
 from fiv_cli.analyses.settings import Choice, Number, SectionSetting, StateName
 from fiv_cli.analyses.variables import (
     ATTRACTOR,
@@ -43,11 +43,12 @@ SETTINGS = (
     ),
 )
 
-MEAN_POWERS = Choice(
+POWERS_TOLD = Choice(
     "powers",
-    "mean powers of friction, wear, drive, impacts and each external force",
+    "mean powers of friction, wear, drive, impacts and each external force; each tells those of "
+    "each contact and of dampers too, and works, over a period and between section points",
     default="none",
-    choices=("none", "mean"),
+    choices=("none", "mean", EACH),
     later=True,
 )
 
@@ -101,14 +102,19 @@ POWERS = {
 
 
 def _powers(subject: Subject) -> list[Variable]:
-    """Mean powers over the window of L_s: times a period, works per period."""
-    if subject.settings.get("powers") != "mean":
+    """Mean powers over the window of L_s, and works."""
+    asked, every = subject.settings.get("powers"), dict(subject.powers) | POWERS
+    if asked not in ("mean", EACH):
         return []
-    every = POWERS | dict(subject.powers)
-    return [
+    found = [
         Variable(f"mean_{name}_power", "W", f"mean power of {words}", statistic=True)
         for name, words in every.items()
     ]
+    for name, words in every.items() if asked == EACH else ():
+        found.append(Variable(f"{name}_work", "J", f"work of {words}, over a period"))
+        since = f"work of {words}, since the section point before"
+        found.append(Variable(f"section_{name}_work", "J", since, ragged="section"))
+    return found
 
 
 def _mixed_squares(subject: Subject) -> str:
@@ -146,7 +152,7 @@ def _reference(subject: Subject) -> list[Variable]:
 ANALYSIS = Analysis(
     "response",
     "steady-state response",
-    (*SETTINGS, MEAN_POWERS),
+    (*SETTINGS, POWERS_TOLD),
     variables,
     Later("fiv_cli.analyses.attractor.steady_state:steady_state"),
     figure="bifurcation",

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +29,12 @@ from fiv_cli.analyses.attractor.bisection import (
     Change,
     Found,
     Look,
-    Range,
     confirmed_within,
     followed,
     hysteresis,
     scanned,
 )
+from fiv_cli.analyses.attractor.foresight import foreseen
 from fiv_cli.analyses.attractor.steady_state import steady_state
 from fiv_cli.analyses.base import (
     Outcome,
@@ -167,13 +168,14 @@ def _passes(runs: _Runs) -> dict[str, Found]:
     width = runs.settings["width"] * (high - low)
     if follow == "none":
         return {follow: scanned(values, runs.look, width)}
+    go = partial(followed, look=runs.look, width=width, foresee=foreseen)
     if follow == "down":
-        return {follow: followed(values[::-1], runs.look, width)}
-    up = followed(values, runs.look, width)
+        return {follow: go(values[::-1])}
+    up = go(values)
     last = up.looks[-1]
     if follow == "up" or len(up.looks) < len(values) or last.carry is None:
         return {"up": up}
-    return {"up": up, "down": followed(values[::-1], runs.look, width, last)}
+    return {"up": up, "down": go(values[::-1], first=last)}
 
 
 def _crossings(listed: Sequence[tuple[Change, str]]) -> dict[str, object]:
@@ -235,21 +237,15 @@ def _bistable(passes: Mapping[str, Found], settings: Settings) -> dict[str, obje
     """The variables along the dim ``range``: where the two ways differ."""
     if settings["follow"] != "both":
         return {}
-    ranges: Sequence[Range] = []
-    if len(passes) == 2 and all(_is_decided(one, settings["scan"]) for one in passes.values()):
-        up, back = (one.changes for one in passes.values())
-        ranges = hysteresis(up, back, settings["bracket"])
-    return {
-        "bistable_low": np.array([one.low for one in ranges]),
-        "bistable_low_width": np.array([one.low_width for one in ranges]),
-        "bistable_high": np.array([one.high for one in ranges]),
-        "bistable_high_width": np.array([one.high_width for one in ranges]),
-    }
-
-
-def _is_decided(one: Found, size: int) -> bool:
-    """Whether a pass went the whole way and every change in it has two decided sides."""
-    return len(one.looks) == size and all(change.decided for change in one.changes)
+    up, back = passes.get("up"), passes.get("down")
+    ranges = hysteresis(up, back, settings["bracket"]) if up and back else []
+    edges = {"low": [one.low for one in ranges], "high": [one.high for one in ranges]}
+    values: dict[str, object] = {}
+    for side, some in edges.items():
+        values[f"bistable_{side}"] = np.array([edge.value for edge in some])
+        values[f"bistable_{side}_width"] = np.array([edge.width for edge in some])
+        values[f"bistable_{side}_kind"] = _names(edge.kind for edge in some)
+    return values
 
 
 def _concluded(

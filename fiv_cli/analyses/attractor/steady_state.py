@@ -20,7 +20,7 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity
 from fiv_cli.analyses.attractor.confirm import confirm
@@ -54,7 +54,7 @@ from fiv_cli.analyses.attractor.own_section import (
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift
 from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, Watch, watch_over
-from fiv_cli.analyses.base import Outcome, Request, Section
+from fiv_cli.analyses.base import EACH, Outcome, Request, Section
 from fiv_cli.analyses.common import (
     Sliding,
     at_once,
@@ -76,7 +76,7 @@ from fiv_cli.analyses.cycles.periodic import (
 )
 from fiv_cli.analyses.rest.linearisation import free_jacobian
 from fiv_cli.codegen.codes import OTHER_POWER, SEPARATION, SLIP, STICK
-from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.dynamics.motion import NO_WORKS, Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
 PATIENCE = 4.0  # s; ... the longest of which passes between two looks at a motion, or before one
@@ -127,11 +127,6 @@ def _response(
     if section is not request.settings["section"]:
         request = replace(request, settings={**request.settings, "section": section})
     return _Response(system, request, rests, motion)
-
-
-def from_least(values: Vector) -> Vector:
-    """A cycle begun at its least value: the order tells nothing of the transient."""
-    return np.roll(values, -int(np.argmin(values)))
 
 
 @dataclass(frozen=True)
@@ -239,6 +234,7 @@ class _Response:
         self.waiting_until = 0.0  # ... and the time before which it is not
         self.n_early = 0  # attempts before that
         self.is_unconfirmed = False  # the section repeated, and no cycle was found
+        self.tells_works = self.settings.get("powers") == EACH
         self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
 
     def _patience(self) -> float:
@@ -258,6 +254,7 @@ class _Response:
         """What the motion is followed by; few that come to rest at once need it."""
         watch = watch_over(self.motion, self.ways, self.excitation, self.patience)
         watch.early_passages = PASSAGES * len(self.motion.y)
+        watch.show("works", self._room_for_works(len(watch.times)))
         return watch
 
     @cached_property
@@ -324,7 +321,7 @@ class _Response:
         watch.nearness, watch.waiting_until = self.nearness, self.waiting_until
         watch.early, watch.early_steps = [*EARLY, 0.0][self.n_early], steps
         watch.offset = section.phase / (2 * np.pi) * watch.interval
-        self.motion.show_section(section, watch.times, watch.points)
+        self.motion.show_section(section, watch.times, watch.points, watch.works)
         stop = self.motion.drive(partial(FOLLOW.function, watch.address))
         self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
         if self._has_stuck():
@@ -390,9 +387,8 @@ class _Response:
         outcome = self._resting_values(target.equilibrium)
         number = int(target.number)
         reached = {"equilibrium_index": number, "L_s_reference_index": number}
-        powers = target.sliding.field(target.equilibrium).energies[OTHER_POWER:]
-        other, friction, drive = powers.tolist()
-        outcome.values |= self._powers(other, friction, drive, 0.0, self._no_works)
+        found = target.sliding.field(target.equilibrium)
+        outcome.values |= self._mean_powers([*found.energies[OTHER_POWER:], 0.0, *found.powers])
         outcome.values |= reached | {"L_s": 0.0, "decay_margin": margin}
         return outcome
 
@@ -408,13 +404,13 @@ class _Response:
             return None
         outcome = self._resting_values(self.motion.y)
         outcome.values["decay_margin"] = 1.0
-        outcome.values |= self._powers(0.0, 0.0, 0.0, 0.0, self._no_works)
+        outcome.values |= self._mean_powers(np.zeros(self._n_works))
         outcome.reason = "stuck"
         return outcome
 
     @property
-    def _no_works(self) -> Vector:
-        return np.zeros(len(self.system.setup.model.powers))
+    def _n_works(self) -> int:
+        return len(self.motion.measures.all_works)
 
     def _is_held(self) -> bool:
         """Whether sticking contacts and stops determine every velocity, whatever the others do.
@@ -532,7 +528,7 @@ class _Response:
         self._next_points(1, section)
         begun = self._start_measuring()
         energy = self.motion.energy()
-        points = self._next_points(multiplicity, section, measuring=True)
+        points, works = self._next_points(multiplicity, section, measuring=True)
         period, full = self.motion.time - begun, self.stop == Stop.SECTION_FULL
         scales = extents(self.motion.measures.extremes)
         share = repeats(self.problem, points, scales, period) if full else 1
@@ -545,9 +541,22 @@ class _Response:
         self.spent = {"n_steps": before.n_steps, "n_events": before.n_events}
         values: dict[str, object] = {"multiplicity": multiplicity, "transient_used": before.time}
         values |= self._measured(energy) | self._described(cycle, period)
-        shown = from_least(points[:, self.observed]) if section is self.section else np.zeros(0)
-        carry = self._carry("periodic")
-        return Outcome(values=values, ragged={"section_value": shown}, carry=carry)
+        if self.tells_works:
+            done = self._named(self.motion.measures.all_works)
+            values |= {f"{name}_work": float(work) for name, work in done.items()}
+        # Begun at the least value: the order tells nothing of the transient.
+        first = int(np.argmin(points[:, self.observed]))
+        passed = self._passed(points, np.diff(works, axis=0, prepend=0.0))
+        if section is not self.section:
+            passed = {name: found[:0] for name, found in passed.items()}
+        ragged = {name: np.roll(found, -first) for name, found in passed.items()}
+        return Outcome(values=values, ragged=ragged, carry=self._carry("periodic"))
+
+    def _passed(self, points: NDArray[np.float64], works: NDArray[np.float64]) -> dict[str, Vector]:
+        """What is stored of section points, and of the works since the point before each."""
+        told = self._named(works.T) if self.tells_works else {}
+        found = {f"section_{name}_work": work for name, work in told.items()}
+        return {"section_value": points[:, self.observed], **found}
 
     def _described(self, cycle: Orbit, period: float) -> dict[str, object]:
         """What is known of a cycle beside its measures; `period` is that at the section, s."""
@@ -563,13 +572,18 @@ class _Response:
 
     def _next_points(
         self, count: int, section: Section, measuring: bool = False
-    ) -> NDArray[np.float64]:
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The states at the next section points, and the works done by then."""
         times, points = np.zeros(count), np.zeros((count, len(self.system.state_names)))
+        works = self._room_for_works(count)
         until = self.motion.time + self.settings["t_max"]
         self.stop = self.motion.run(
-            until, section, (times, points), None, measuring, self.watch.interval
+            until, section, (times, points, works), None, measuring, self.watch.interval
         )
-        return points
+        return points, works
+
+    def _room_for_works(self, count: int) -> NDArray[np.float64]:
+        return np.zeros((count, self._n_works)) if self.tells_works else NO_WORKS
 
     def _start_measuring(self) -> float:
         reference = np.zeros(len(self.system.coordinates))
@@ -597,10 +611,7 @@ class _Response:
             "separation_fraction": fractions[2],
             "energy_residual": balance(motion, energy_before).residual,
         }
-        values |= self._powers(
-            measures.other_work / time, measures.friction_work / time, measures.drive_work / time,
-            measures.impact_loss / time, measures.works / time,
-        )  # fmt: skip
+        values |= self._mean_powers(measures.all_works / time)
         if self.rests.first is None:
             values["L_s"] = float("nan")
         for i, name in enumerate(self.system.motions):
@@ -609,16 +620,18 @@ class _Response:
             values[f"{name}_rms"] = float(np.sqrt(measures.squares[i] / time))
         return values
 
-    def _powers(
-        self, other: float, friction: float, drive: float, impact: float, excited: Vector
-    ) -> dict[str, float]:
+    def _named(self, works: ArrayLike) -> dict[str, Any]:
+        """Works, or powers, in the order of `Measures.all_works`, by what does them."""
+        other, friction, drive, impact, *each = np.asarray(works)
+        found = dict(zip(self.system.setup.model.powers, each, strict=True))
+        found |= {"friction": friction, "wear": drive - friction, "drive": drive}
+        return found | {"other": other, "impact": impact}
+
+    def _mean_powers(self, powers: ArrayLike) -> dict[str, float]:
         """Mean powers, where they may be asked for."""
         if self.settings.get("powers") == "none":
             return {}
-        found = {"friction": friction, "wear": drive - friction, "drive": drive}
-        found |= {"other": other, "impact": impact}
-        found |= dict(zip(self.system.setup.model.powers, excited.tolist(), strict=True))
-        return {f"mean_{name}_power": value for name, value in found.items()}
+        return {f"mean_{name}_power": float(p) for name, p in self._named(powers).items()}
 
     def _floquet(self, cycle: Orbit) -> dict[str, object]:
         """Multipliers, and the exponent of the largest nontrivial one where there is one."""
@@ -666,8 +679,15 @@ class _Response:
         if exponent is not None:
             values |= {"lyapunov": exponent.mean} if np.isfinite(exponent.mean) else {}
             self.exponent_error = exponent.error
-        shown = self._points[-SHOWN:, self.observed].copy()
-        return Outcome(values=values, ragged={"section_value": shown})
+        passed = self._passed(self._points, self._works_since(begun))
+        shown = {name: found[-SHOWN:].copy() for name, found in passed.items()}
+        return Outcome(values=values, ragged=shown)
+
+    def _works_since(self, begun: float) -> NDArray[np.float64]:
+        """Works between section points; NaN up to the first one that has been measured whole."""
+        works = self.watch.works[: self.watch.count].copy()
+        works[self._times[: len(works)] <= begun] = np.nan
+        return np.diff(works, axis=0, prepend=np.nan)
 
     def _measure_to(self, goals: Vector, exponent: Exponent | None) -> Outcome | None:
         """Measure up to the last goal, keeping section points; the class as soon as it is known."""

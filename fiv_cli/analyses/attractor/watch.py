@@ -48,7 +48,7 @@ from fiv_cli.dynamics.kernel import (
     holds,
     state_index,
 )
-from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.motion import NO_WORKS, Motion
 from fiv_cli.dynamics.system import Vector
 
 CHUNK = 16  # section points between two looks at the return map
@@ -86,6 +86,7 @@ class Watch(Frame):
     # --- section points ---
     times: Floats
     points: Floats2  # with the phase of an excitation in two columns more
+    works: Floats2  # done by then; no rows: not asked for
     scales: Floats  # largest values of what is in `n_scaled` points
     judged: Floats  # scratch
     count: int
@@ -141,6 +142,8 @@ def forget_oldest(watch: Watch) -> None:
         watch.times[row - half] = watch.times[row]
         for i in range(watch.points.shape[1]):
             watch.points[row - half, i] = watch.points[row, i]
+        for i in range(watch.works.shape[1]):
+            watch.works[row - half, i] = watch.works[row, i]
     watch.count -= half
 
 
@@ -379,6 +382,7 @@ def _blank(width: int) -> Watch:
         {
             "times": np.zeros(KEPT),
             "points": np.zeros((KEPT, width)),
+            "works": NO_WORKS,
             "slides": np.zeros(0, np.int64),
             "goals": np.zeros(0),
             **{name: np.zeros(width) for name in ("scales", "judged", "ways")},

@@ -25,7 +25,6 @@ from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
 from fiv_cli.dynamics.arrays import BOUND
 from fiv_cli.dynamics.rows import call_rows
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
-from fiv_cli.friction.base import Law
 
 NEWTON_STEPS = 60
 CONVERGED = 1e-13  # last Newton step, relative to the solution
@@ -154,22 +153,26 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     state = Sliding(system, vectors, coefficients, index, np.ones(len(points), bool))
     at_rest = np.zeros((len(points), len(system.state_names)))
     velocities = state.contact_forces(at_rest)[..., 2]
-    law = system.setup.law
-    still = np.array(system.generated.smooth) & (not (law.pieces and law.states))
+    laws = system.pieces.laws
+    still = np.array(system.generated.smooth)
+    still[[contact for contact, law in laws.items() if law.states]] = False
     moving = ((velocities != 0.0) | still).all(axis=-1)
-    if law.pieces or (velocities < 0.0).any():
+    if laws or (velocities < 0.0).any():
         first = vectors.shape[-1] - 1 - system.n_contacts
         vectors[:, first:-1] = np.where(velocities < 0.0, -1.0, 1.0)
-        slips = velocities[:, list(system.generated.pieced)].tolist()
-        rows = [_rows(law, *point) for point in zip(slips, points, strict=True)]
+        slips = velocities.tolist()
+        rows = [_rows(system, *point) for point in zip(slips, points, strict=True)]
         vectors[:, system.n_own_parameters : first] = rows
         coefficients = system.coefficients(vectors)
     return Sliding(system, vectors, coefficients, index, moving)
 
 
-def _rows(law: Law, velocities: Sequence[float], point: Mapping[str, float]) -> list[float]:
+def _rows(system: System, velocities: Sequence[float], point: Mapping[str, float]) -> list[float]:
     """The numbers of the pieces in which every contact rests while it slides so."""
-    return [x for v in velocities for row in law.rows_at(v, point) for x in row]
+    rows: list[tuple[float, ...]] = []
+    for contact, law in system.pieces.laws.items():
+        rows += law.rows_at(velocities[contact], system.told_to_law(contact, point))
+    return system.pieces.numbers(rows)
 
 
 @dataclass(frozen=True)
@@ -214,7 +217,7 @@ Found = TypeVar("Found")
 
 def equilibria_at(points: Sliding) -> list[Equilibria]:
     """`all_equilibria` at each of several points."""
-    if not points.system.setup.law.rests:
+    if not all(law.rests for law in points.system.pieces.laws.values()):
         return [Equilibria(reason="no_equilibrium")] * len(points.moving)
     found = [Equilibria(reason="no_drive")] * len(points.moving)
     left = np.flatnonzero(points.moving)

@@ -76,7 +76,7 @@ def _fastest(system: System, points: Points) -> Real:
 def _begun(state: Sliding) -> Sliding:
     """The same with the law in the pieces that it begins in, where nothing has slipped yet."""
     system, parameters = state.system, state.parameters.copy()
-    first, rows = system.n_own_parameters, system.first_rows
+    first, rows = system.n_own_parameters, system.pieces.first_rows
     parameters[..., first : first + len(rows)] = rows
     return replace(state, parameters=parameters, coefficients=system.coefficients(parameters))
 
