@@ -30,11 +30,15 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 
+HELD = {"D": "N", "m": "kg"}
+"""What `Slip.holding` is made of where there is no system: the force demanded, the mass; units."""
+
+
 def _held(rate: Expr) -> Expr:
-    """`Slip.holding` where there is no system: D, what is demanded, and m, what slips."""
     import sympy
 
-    return sympy.Symbol("D", real=True) - sympy.Symbol("m", real=True) * rate
+    demand, mass = (sympy.Symbol(name, real=True) for name in HELD)
+    return demand - mass * rate
 
 
 @dataclass(frozen=True)
