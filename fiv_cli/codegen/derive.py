@@ -9,7 +9,7 @@ rates, the switching functions, the contact forces and the powers of the energy 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, product
 
@@ -40,6 +40,8 @@ from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
+
+SHORT = 4  # terms of a sum that is merged into a power, where what springs store cancels
 
 
 @dataclass(frozen=True)
@@ -274,16 +276,25 @@ class _Deriver:
         pivots = self._constrain(kinds, stuck, names)
         forces = self._forces(kinds, stuck, names)
         names.update(forces.nodes)
-        rates = self._rates(kinds, names)
+        values = [names[self._entry(name)] for name in self.state_names]
+        rates, angle = self._rates(kinds, names), self._angle(kinds, names)
+        guards = self._guards(kinds, stuck, names, forces.determinant, pivots)
+        n, switching = len(values), [guard.node for guard in guards]
+        with self.graph.merging(SHORT):
+            energies = self._energies(names)
+        merged = self.graph.merged([*values, *rates, *switching, *([angle] if angle else [])])
         return ContactState(
             kinds=kinds,
-            values=tuple(names[self._entry(name)] for name in self.state_names),
-            rates=tuple(rates),
-            guards=self._guards(kinds, stuck, names, forces.determinant, pivots),
-            angle=self._angle(kinds, names),
+            values=tuple(merged[:n]),
+            rates=tuple(merged[n : 2 * n]),
+            guards=tuple(
+                replace(guard, node=node)
+                for guard, node in zip(guards, merged[2 * n :], strict=False)
+            ),
+            angle=merged[-1] if angle else None,
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
             stored=tuple(self._stored(names)),
-            energies=tuple(self._energies(names)),
+            energies=tuple(energies),
             impacts=self._impacts(kinds, names),
         )
 

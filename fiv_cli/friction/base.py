@@ -141,6 +141,7 @@ class Law:
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
         a law by pieces, whose states never rest, so that there is no equilibrium
     surface : how it varies from place to place; None: it does not
+    reach : slip speed up to which it is known, m/s; beyond, it is assumed
     origin : where it stands, if not in the box
     """
 
@@ -165,6 +166,7 @@ class Law:
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
     surface: Surface | None = None
+    reach: float = float("inf")
     origin: Origin | None = None
 
     @property
