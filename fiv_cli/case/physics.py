@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from fiv_cli.case.form import Form, own_file
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import SEVERAL_LAWS, FrictionTable, ModelTable
-from fiv_cli.friction import DEVICES, NO_LAW, TANH_OF, all_laws, get_law, laws_of
+from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
@@ -174,13 +174,8 @@ def resolve_law(model: Model, name: object, of: str | None = None) -> str:
     regularised = TANH_OF + (of or model.default_law.removeprefix(TANH_OF))
     full = regularised if name == "tanh" else name
     if full not in laws_of(model):
-        raise ValueError(_no_law(model, full))
+        raise ValueError(f"{full!r} is no friction law of {model.name}")
     return str(full)
-
-
-def _no_law(model: Model, name: object) -> str:
-    why = f": it is {NO_LAW}" if name in DEVICES else ""
-    return f"{name!r} is no friction law of {model.name}{why}"
 
 
 def _options_of_axes(
@@ -269,7 +264,7 @@ class _Reader:
         if name is None:
             of = table.law == "tanh" and table.of
             written, place = (of, "of") if of else (table.law, "law")
-            message = _no_law(model, written)
+            message = f"{written!r} is no friction law of {model.name}"
             hint = own_file(written, self.report.source)
             self.report.unknown(("friction", place), message, written, law_names(model), hint)
         return [name]

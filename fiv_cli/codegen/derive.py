@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, product
 
 import sympy
@@ -201,6 +202,11 @@ class _Deriver:
         given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
         if law.surface is None:
             return given
+        if law is not self.setup.law:
+            raise UsageError(
+                f"a contact of {self.setup.model.name} has a law of its own, {law.name!r}, that "
+                "varies along the surface\nnext: leave its law to the case"
+            )
         way = way_slid(
             self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
         )
@@ -220,7 +226,20 @@ class _Deriver:
                 for state, entry in zip(law.states, names, strict=True)
             },
             rows=self._rows_of(contact),
+            holding=partial(self._holding, contact),
         )
+
+    def _holding(self, contact: int, rate: Expr) -> Expr:
+        """F_T of a contact under which its slip velocity changes at this rate."""
+        count, own = len(self.contacts), self.symbols.tangential_force(contact)
+        acceleration = self._slip_acceleration(self.contacts[contact])
+        found = (rate - acceleration.subs(own, 0)) / sympy.diff(acceleration, own)
+        if found.free_symbols & set(map(self.symbols.tangential_force, range(count))):
+            raise UsageError(
+                "contacts act on one another, and their law asks what is demanded of each alone\n"
+                "next: another friction law"
+            )
+        return found
 
     def _law_force(self, contact: int) -> Expr:
         return self.laws[contact].force(self._slip(contact), self._law_parameters(contact))
