@@ -152,6 +152,26 @@ def test_workers_join_and_die_and_the_scheduler_comes_back(tmp_path: Path) -> No
     assert output.read_bytes() == (tmp_path / "a.nc").read_bytes()
 
 
+def test_a_result_that_went_with_its_worker_is_computed_again(tmp_path: Path) -> None:
+    """It was waited for as long as for a scheduler, and sent to nobody meanwhile."""
+    journal = Journal(tmp_path, make_plan(sweep_fakes.case()))
+    queue = Queue(journal.plan.analyses[0], journal.records[0], "sweep_fakes:answer")
+    job = queue.next_job(2)
+    assert job is not None
+    with LoopbackCluster(tmp_path) as running:
+        holding = running.start_worker("--no-nanny")
+        wait_for(lambda: "Registered to" in holding.said, "no worker")
+        workers = clusters.Cluster(running.address, lambda text: None)
+        number = workers.submit(job.task)
+        wait_for(lambda: workers._status(number) == "finished", "it is not computed")
+        kill(holding)
+        running.start_worker("--no-nanny")
+        found: list[Any] = []
+        wait_for(lambda: found.extend(workers.completed(0.1)) or found, "it is not computed again")
+        workers.close()
+    assert [one for one, _ in found] == [number]
+
+
 def test_a_scheduler_that_stays_away_ends_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
