@@ -194,6 +194,8 @@ class _Assembly:
         for variable in self.layout.variables:
             if variable.role is Role.ALONG:
                 coordinates[variable.name] = variables.pop(variable.name)
+        if self.scratch is not None:  # an index would be a copy
+            return xr.Dataset(variables, coords=xr.Coordinates(coordinates, indexes={}))
         return xr.Dataset(variables, coords=coordinates)
 
     def _aside(self, made: xr.Variable) -> xr.Variable:

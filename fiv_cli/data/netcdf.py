@@ -175,6 +175,7 @@ def _fill_in_slabs(target: Any, source: Any) -> None:
     """Write a large array piece by piece: the library copies what it is given, more than once."""
     for slab in _slabs(source, target.get_array().chunking()):
         target[slab] = source[slab]
+        let_go(source)
 
 
 def _slabs(array: Any, chunks: Sequence[int] | str) -> Iterator[slice]:
