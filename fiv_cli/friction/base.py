@@ -202,9 +202,9 @@ class Law:
     def at_rest(self, v: float, parameters: Mapping[str, float]) -> list[int]:
         """Number of the piece that each element is in while it slides steadily at v, m/s.
 
-        The first one where there is no such state.
+        The first one where there is no such state, or nothing slides.
         """
-        if self.resting is None:
+        if self.resting is None or v == 0.0:
             return [0] * self.shape[0]
         return [self.places[name] for name in self.resting(v, parameters)]
 

@@ -6,9 +6,9 @@
 delta_i = delta (1 +- spread/3, 1 +- spread) each has the stiffness sigma_i that lets its mean force
 in steady sliding be a quarter of mu_k N: sigma_i = mu_k/(2 delta_i). The original places new bonds
 at random; here they are where the bristle is, so that a motion can be repeated. The force of steady
-sliding is a sawtooth about mu_k N that never ends: there is no equilibrium, and every bond that
-snaps is an event. The thesis calls it inefficient; it is here to be compared with the laws that
-stand for its mean. Haessig & Friedland, ASME J. Dynamic Systems, Measurement and Control 113 (1991)
+sliding is a sawtooth about mu_k N that never ends: there is no equilibrium but at a standstill,
+where the bristles are springs, and every bond that snaps is an event. The thesis calls it
+inefficient; it is here to be compared with the laws that stand for its mean. Haessig & Friedland, ASME J. Dynamic Systems, Measurement and Control 113 (1991)
 354-362. While the contact is open the bristles stay as they were.
 """
 
