@@ -127,6 +127,7 @@ class Law:
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
         a law by pieces, whose states never rest, so that there is no equilibrium
+    snaps : parameters -> events that a metre of steady slip brings; None: none
     surface : how it varies from place to place; None: it does not
     reach : slip speed up to which it is known, m/s; beyond, it is assumed
     origin : where it stands, if not in the box
@@ -152,6 +153,7 @@ class Law:
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
+    snaps: Callable[[Mapping[str, float]], float] | None = None
     surface: Surface | None = None
     reach: float = float("inf")
     origin: Origin | None = None
