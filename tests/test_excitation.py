@@ -365,7 +365,7 @@ def test_what_takes_the_value_of_what_varies_varies_with_it() -> None:
         (X, "y = { amplitude = 1.0 }", "forcing.y", "belt-1dof has no 'y' to force"),
         (X, "x = { omega = 1.0 }", "forcing.x.amplitude", "is missing"),
         (X, "x = { amplitude = -1.0 }", "forcing.x.amplitude", "out of range"),
-        (X, "x = { mean = 1.0 }", "forcing.x.mean", "unknown key 'mean'"),
+        (X, "x = { amplitude = 1.0, mean = 1.0 }", "forcing.x.mean", "unknown key 'mean'"),
         (X, 'x = { amplitude = "1 m" }', "forcing.x.amplitude", "does not fit"),
         (X, X + "\nbase = { constant = 1.0 }", "forcing.base.constant", "no constant"),
         (V, "w = { amplitude = 1.0 }", "schedule.w", "there is no parameter 'w'"),
