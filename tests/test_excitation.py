@@ -389,7 +389,7 @@ def test_what_is_wrong_is_said_with_its_place(was: str, lines: str, path: str, w
 
 def test_a_pin_has_no_base_that_moves_and_is_told_what_a_moving_anchor_is() -> None:
     text = 'schema = 1\n[model]\nname = "pin-on-disc"\n[forcing]\nbase = { amplitude = 1e-4 }\n'
-    with pytest.raises(CaseError, match="axes that stand still.*far end moves.*give it as phi"):
+    with pytest.raises(CaseError, match=r"axes that stand still.*far end moves.*give it as phi"):
         parse_case(text + '[[analysis]]\nkind = "response"\n', "pin.toml", ())
 
 
