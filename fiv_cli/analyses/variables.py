@@ -231,6 +231,15 @@ def motions(states: tuple[State, ...]) -> list[tuple[str, str, str, str]]:
     return positions + velocities
 
 
+SLIP_BEYOND = Variable(
+    "slip_beyond",
+    "m s-1",
+    "greatest slip speed, where friction was not measured that far",
+    comment="of motions at the ends of steps; of a drive, over what rests",
+    role=Role.TRUST,
+)
+"""Of every analysis under a law that is known up to a slip speed."""
+
 # --- what several analyses have -------------------------------------------------------------------
 ATTRACTOR = classes("attractor", "class of the steady state", headline=1)
 PERIOD = Variable("period", "s", "period of the attractor", symbol="T")

@@ -242,6 +242,9 @@ class Run(Search):
     shares: Floats2  # time of each contact in slip, stick, separation
     works: Floats  # of each excitation
     quadrature: Floats2
+    # Of a law by pieces that is known up to a slip speed (else empty): that, or the greatest beyond
+    # it at the end of a step, of all motions of the system since it was set.
+    greatest_slip: Floats
 
     # --- scratch, written before it is read ---
     series: Floats
@@ -1715,6 +1718,18 @@ def pass_event(
 
 
 @native
+def look_at_slip(run: Run, index: int, tau: float) -> None:
+    """How fast contacts slip at the end of a step."""
+    end = run.time + tau
+    call_generated(run.field[index], run.coefficients, end, run.reached, run.outputs)
+    for element in range(len(run.in_piece)):
+        contact = run.element_contacts[element]
+        v = run.outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
+        if run.kinds[contact] == SLIP:
+            run.greatest_slip[0] = max(run.greatest_slip[0], abs(v))
+
+
+@native
 def watch(run: Run, index: int, tau: float, measuring: bool) -> None:
     """What is asked for along a step."""
     if run.n_sampled < len(run.sample_times):
@@ -1723,6 +1738,8 @@ def watch(run: Run, index: int, tau: float, measuring: bool) -> None:
         take_measures(run, index, tau)
     if len(run.tangents) > 0:
         move_tangents(run, index, tau)
+    if len(run.greatest_slip) > 0:
+        look_at_slip(run, index, tau)
 
 
 @native
