@@ -104,6 +104,7 @@ def _scratch(system: System) -> dict[str, Array]:
         "nodes": np.zeros((2, width * LANES)),
         **roots.scratch(order),
         "slip_velocities": np.zeros(contacts),
+        "greatest_slip": system.greatest_slip,
         **{
             name: np.zeros(contacts, np.int64) for name in ("code_before", "is_at_rest", "n_offers")
         },

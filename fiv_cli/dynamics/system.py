@@ -100,6 +100,11 @@ class System:
         return tables
 
     @cached_property
+    def greatest_slip(self) -> Vector:
+        """Where its motions leave how fast they slip beyond what its law is known up to, m/s."""
+        return np.array([self.setup.law.reach] if self.setup.law.reach < np.inf else [])
+
+    @cached_property
     def sum_tangent(self) -> int:
         """Address of the function that sums the series of tangents, compiled on first use."""
         return self.generated.address("moved", TANGENT_TEXT)

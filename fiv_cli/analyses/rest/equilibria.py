@@ -167,6 +167,12 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     return Sliding(system, vectors, coefficients, index, moving)
 
 
+def slip_at_rest(system: System, parameters: Mapping[str, float]) -> float:
+    """How fast contacts with a law by pieces slip where nothing but the drive moves, m/s."""
+    forces = sliding(system, parameters).contact_forces(np.zeros(len(system.state_names)))
+    return float(np.abs(forces[list(system.pieces.laws), 2]).max())
+
+
 def _rows(system: System, velocities: Sequence[float], point: Mapping[str, float]) -> list[float]:
     """The numbers of the pieces in which every contact rests while it slides so."""
     rows: list[tuple[float, ...]] = []
