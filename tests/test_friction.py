@@ -84,6 +84,8 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         (0.23 + 0.05 / 2.4 * (exp(-1.4) + 0.2)) * 5,
         (0.23 + 0.27 * 1.2) * 5,
     ),
+    "switch": ({"mu_s": 0.4, "mu_k": 0.23, "eta": 1e-4, "alpha": 10.0}, 0.23 * 5, None),
+    "karnopp": ({"mu_s": 0.4, "mu_k": 0.23, "eta": 1e-4}, 0.23 * 5, None),
     "rate-and-state": (
         {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1},
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,

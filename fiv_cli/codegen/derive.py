@@ -9,7 +9,8 @@ rates, the switching functions, the contact forces and the powers of the energy 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, product
 
 import sympy
@@ -39,6 +40,8 @@ from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
+
+SHORT = 4  # terms of a sum that is merged into a power, where what springs store cancels
 
 
 @dataclass(frozen=True)
@@ -199,6 +202,11 @@ class _Deriver:
         given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
         if law.surface is None:
             return given
+        if law is not self.setup.law:
+            raise UsageError(
+                f"a contact of {self.setup.model.name} has a law of its own, {law.name!r}, that "
+                "varies along the surface\nnext: leave its law to the case"
+            )
         way = way_slid(
             self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
         )
@@ -218,7 +226,20 @@ class _Deriver:
                 for state, entry in zip(law.states, names, strict=True)
             },
             rows=self._rows_of(contact),
+            holding=partial(self._holding, contact),
         )
+
+    def _holding(self, contact: int, rate: Expr) -> Expr:
+        """F_T of a contact under which its slip velocity changes at this rate."""
+        count, own = len(self.contacts), self.symbols.tangential_force(contact)
+        acceleration = self._slip_acceleration(self.contacts[contact])
+        found = (rate - acceleration.subs(own, 0)) / sympy.diff(acceleration, own)
+        if found.free_symbols & set(map(self.symbols.tangential_force, range(count))):
+            raise UsageError(
+                "contacts act on one another, and their law asks what is demanded of each alone\n"
+                "next: another friction law"
+            )
+        return found
 
     def _law_force(self, contact: int) -> Expr:
         return self.laws[contact].force(self._slip(contact), self._law_parameters(contact))
@@ -255,16 +276,25 @@ class _Deriver:
         pivots = self._constrain(kinds, stuck, names)
         forces = self._forces(kinds, stuck, names)
         names.update(forces.nodes)
-        rates = self._rates(kinds, names)
+        values = [names[self._entry(name)] for name in self.state_names]
+        rates, angle = self._rates(kinds, names), self._angle(kinds, names)
+        guards = self._guards(kinds, stuck, names, forces.determinant, pivots)
+        n, switching = len(values), [guard.node for guard in guards]
+        with self.graph.merging(SHORT):
+            energies = self._energies(names)
+        merged = self.graph.merged([*values, *rates, *switching, *([angle] if angle else [])])
         return ContactState(
             kinds=kinds,
-            values=tuple(names[self._entry(name)] for name in self.state_names),
-            rates=tuple(rates),
-            guards=self._guards(kinds, stuck, names, forces.determinant, pivots),
-            angle=self._angle(kinds, names),
+            values=tuple(merged[:n]),
+            rates=tuple(merged[n : 2 * n]),
+            guards=tuple(
+                replace(guard, node=node)
+                for guard, node in zip(guards, merged[2 * n :], strict=False)
+            ),
+            angle=merged[-1] if angle else None,
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
             stored=tuple(self._stored(names)),
-            energies=tuple(self._energies(names)),
+            energies=tuple(energies),
             impacts=self._impacts(kinds, names),
         )
 

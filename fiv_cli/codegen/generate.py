@@ -251,7 +251,7 @@ def _table(state: ContactState) -> dict[str, object]:
 
 def _saturating(state: ContactState) -> list[tuple[str, Node]]:
     """Functions, with their arguments, whose series says nothing of what lies off their plateau."""
-    from fiv_cli.codegen.emit import reachable
+    from fiv_cli.codegen.graph import reachable
 
     nodes = [node for node in reachable(state.rates) if node.op in PLATEAU_WEIGHTS]
     return [(node.op, node.args[0]) for node in nodes]

@@ -30,11 +30,23 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 
+HELD = {"D": "N", "m": "kg"}
+"""What `Slip.holding` is made of where there is no system: the force demanded, the mass; units."""
+
+
+def _held(rate: Expr) -> Expr:
+    import sympy
+
+    demand, mass = (sympy.Symbol(name, real=True) for name in HELD)
+    return demand - mass * rate
+
+
 @dataclass(frozen=True)
 class Slip:
     """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states.
 
     `rows` are the numbers of the pieces that the elements of the law are in, an element each.
+    `holding(rate)` is the force F_T, N, under which v changes at this rate, m/s2.
     """
 
     v: Expr
@@ -43,6 +55,7 @@ class Slip:
     N: Expr
     states: Mapping[str, Expr] = field(default_factory=dict)
     rows: Sequence[Sequence[Expr]] = ()
+    holding: Callable[[Expr], Expr] = _held
 
 
 STORED = State("stored_energy", "E_s", "J", "energy that friction has stored")

@@ -59,6 +59,7 @@ from fiv_cli.analyses.common import (
     Sliding,
     at_once,
     balance,
+    impacts,
     initial_state,
     rests,
     start_motion,
@@ -631,6 +632,7 @@ class _Response:
             "separation_fraction": fractions[2],
             "energy_residual": balance(motion, energy_before).residual,
         }
+        values |= impacts(motion)
         values |= self._mean_powers(measures.all_works / time)
         if self.rests.first is None:
             values["L_s"] = float("nan")
