@@ -566,9 +566,15 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
     assert legend_texts(drawn)[:2] == ["reached, above everywhere", "exists, below everywhere"]
     assert not drawn.axes[0].collections
+    lines = figure("map", variable="L_s", level=[0.5, 2.0])
+    reason = "no line $L_s$ = 2 rad$^{2}$: below everywhere"
+    assert draw(dataset, lines).get_suptitle().endswith(f"\n{reason}")
     dataset["L_s"][:] = np.nan
     drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
     assert legend_texts(drawn)[0] == "reached, not known"
+    pending = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "pending"))
+    with pytest.raises(UsageError, match=r"none of the 714 points has a value \(pending 714"):
+        draw(pending, lines)
 
 
 @pytest.mark.parametrize(
