@@ -153,18 +153,26 @@ def _verified_arrays(path: Path) -> tuple[dict[str, Array], str]:
 def _verify(path: Path) -> None:
     """ValueError where a file is not as it was written."""
     with path.open("rb") as file:
-        stored = file.read(BEFORE)[:DIGEST_BYTES]
-        if hashlib.file_digest(file, "sha256").digest() != stored:
+        file.seek(BEFORE)
+        if hashlib.file_digest(file, "sha256").digest() != digest_of(path):
             raise ValueError("damaged, or of another version of fiv: its digest does not match")
+
+
+def digest_of(path: Path) -> bytes:
+    """The digest that a shard begins with."""
+    with path.open("rb") as file:
+        return file.read(DIGEST_BYTES)
 
 
 def _packed(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
     """Header and content of arrays."""
     table = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
-    pieces = [np.ascontiguousarray(array).tobytes() for array in arrays.values()]
-    padded = b"".join(piece + bytes(-len(piece) % ALIGNMENT) for piece in pieces)
-    header = json.dumps(table).encode()
-    return np.frombuffer(header, np.uint8), np.frombuffer(padded, np.uint8)
+    begins = np.cumsum([0, *(-(-array.nbytes // ALIGNMENT) for array in arrays.values())])
+    content = np.zeros(begins[-1] * ALIGNMENT, np.uint8)
+    for begin, array in zip((begins * ALIGNMENT).tolist(), arrays.values(), strict=False):
+        place = content[begin : begin + array.nbytes].view(array.dtype)
+        place.reshape(array.shape)[...] = array
+    return np.frombuffer(json.dumps(table).encode(), np.uint8), content
 
 
 def _unpacked(header: Array, content: Array) -> dict[str, Array]:
