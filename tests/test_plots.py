@@ -566,9 +566,15 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
     assert legend_texts(drawn)[:2] == ["reached, above everywhere", "exists, below everywhere"]
     assert not drawn.axes[0].collections
+    lines = figure("map", variable="L_s", level=[0.5, 2.0])
+    reason = "no line $L_s$ = 2 rad$^{2}$: below everywhere"
+    assert draw(dataset, lines).get_suptitle().endswith(f"\n{reason}")
     dataset["L_s"][:] = np.nan
     drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
     assert legend_texts(drawn)[0] == "reached, not known"
+    pending = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "pending"))
+    with pytest.raises(UsageError, match=r"none of the 714 points has a value \(pending 714"):
+        draw(pending, lines)
 
 
 @pytest.mark.parametrize(
@@ -1248,10 +1254,11 @@ def test_plot_writes_several_figures_beside_the_path_given(stored):
 
 
 def test_plot_draws_every_analysis_of_a_file_with_several(stored):
+    from fiv_cli.data.dataset import Dataset
     from fiv_cli.data.netcdf import write_datasets
 
     analyses = {"modes": data.eigenvalues(), "steady": data.bifurcation()}
-    bare = {name: dataset.drop_attrs(deep=False) for name, dataset in analyses.items()}
+    bare = {n: Dataset.of(one.drop_attrs(deep=False)) for n, one in analyses.items()}
     write_datasets(stored / "two.nc", bare, data.attributes())
     assert run(plot_command, "two.nc").stdout.split() == [
         "two-eigenvalues.png",

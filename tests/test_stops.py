@@ -60,6 +60,7 @@ STOPPED = replace(
     states=lambda options: _coordinates("x"),
     equations=_stopped,
     contacts=3,
+    stops=2,
     forcings=(Forcing("A", lambda p: p["omega"], "harmonic force"),),
 )
 FREE = {"N": 0.0, "mu_k": 0.0, "mu_s": 0.0}
@@ -130,6 +131,21 @@ def test_a_motion_of_irregular_impacts_is_chaotic() -> None:
 def test_series_and_rk4_meet_the_same_impacts() -> None:
     given = {"A": 2.0, "e": 0.6, "ahead": 0.5, "behind": 0.4, "mu_k": 0.02, "mu_s": 0.03}
     by_both(8.0, 1e-3, STOPPED, start={"x": 0.1}, **given)
+
+
+def test_impacts_and_what_they_pile_up_to_are_counted_where_there_are_stops() -> None:
+    """A mass that the belt carries to the stop and catches again, and one that falls on it."""
+    caught = {"ahead": 0.5, "e": 0.8, "v": 0.4, "N": 1.0, "mu_k": 0.2, "mu_s": 0.8}
+    cycle = api.analyse(STOPPED, "coulomb", "response", {"x_dot": 0.4}, **caught).values
+    assert (cycle["n_impacts"], cycle["n_accumulations"]) == (1, 0)
+    fallen = api.analyse(
+        STOPPED, "coulomb", "history", {}, {"t_end": 4.0}, k=0.0, G=2.0, **FREE
+    )  # fmt: skip
+    codes = fallen.ragged["event_from"]
+    assert fallen.values["n_impacts"] == np.count_nonzero(codes == CODE_SEPARATION) > 20
+    assert fallen.values["n_accumulations"] == 1
+    plain = api.analyse("belt-5dof", "coulomb", "history", {}, {"t_end": 0.01}).values
+    assert "n_impacts" not in plain
 
 
 def test_a_belt_pulls_a_mass_against_a_stop() -> None:

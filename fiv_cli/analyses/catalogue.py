@@ -36,7 +36,9 @@ def variables_of(
     contact = "contact" if model.contacts > 1 else ""
     surface = model.surface is not None
     powers = as_asked(model, settings).powers
-    subject = Subject(model.states(options), contact, surface, settings, internal, powers)
+    subject = Subject(
+        model.states(options), contact, surface, settings, internal, powers, model.stops
+    )
     own = list(get_analysis(kind).variables(subject))
     own += [SLIP_BEYOND] if reach < inf and get_analysis(kind).generated else []
     over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
@@ -49,7 +51,9 @@ ALL_ASKED: Settings = {
 }  # fmt: skip
 """Settings under which every analysis has all the variables that it can have."""
 
-_ANYTHING = Subject((State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED, (STORED,))
+_ANYTHING = Subject(
+    (State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED, (STORED,), stops=1
+)
 
 
 def possible_variables(analysis: Analysis) -> Sequence[Variable]:

@@ -27,6 +27,7 @@ __all__ = [
     "at_once",
     "balance",
     "equilibria",
+    "impacts",
     "initial_state",
     "rest_of",
     "rests",
@@ -167,6 +168,12 @@ def balance(motion: Motion, energy_before: float) -> Balance:
         measures.drive_work,
         measures.impact_loss,
     )
+
+
+def impacts(motion: Motion) -> dict[str, int]:
+    """What has been counted at stops, where there are any."""
+    frame, has_stops = motion.frame, motion.system.setup.model.stops > 0
+    return {name: getattr(frame, name) for name in ("n_impacts", "n_accumulations") if has_stops}
 
 
 def trust(motion: Motion) -> dict[str, float]:

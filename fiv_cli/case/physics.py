@@ -13,6 +13,7 @@ from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
+from fiv_cli.models.excitation import BASE
 from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
@@ -139,7 +140,19 @@ def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Repor
     """Note that nothing is called `name` that could be an axis of some case."""
     message = f"there is nothing called {name!r} to vary"
     hint = SEVERAL_LAWS if name in ("law", "laws") else counterpart(name, physics.table())
+    hint = hint or _excitation_of(name, physics)
     report.unknown(place, message, name, physics.what_varies(), hint)
+
+
+def _excitation_of(name: str, physics: Physics) -> str:
+    """What the case must have for an axis such as ``omega_v``, where it is one of an excitation."""
+    prefix, _, what = name.partition("_")
+    if prefix not in ("A", "omega", "phase", "F"):
+        return ""
+    states = [name for name in physics.units_of_states() if not name.endswith("_dot")]
+    homes = {"schedule": [*physics.table()], "forcing": [*states, BASE]}
+    home = next((table for table, names in homes.items() if what in names), "")
+    return f"an axis where [{home}] has {what} = {{ amplitude = 1.0 }}" if home else ""
 
 
 def counterpart(name: str, known: Mapping[str, Parameter]) -> str:

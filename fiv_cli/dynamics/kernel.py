@@ -195,6 +195,7 @@ class Run(Search):
     n_chained: int  # transitions at this instant
     n_grazings: int
     n_impacts: int
+    n_accumulations: int  # impacts that gave back too little to leave again
     # The element that has just left a piece and its row of `piece_zeros` (-1: none), or the
     # switching function that only touched zero (-1: none).
     left_element: int
@@ -1706,6 +1707,8 @@ def pass_event(
     take_up(run)
     if impacted:
         run.impact_loss += energy - kinetic_energy(run, state_index(run.kinds, run.n_contacts))
+        if run.bounces[contact] == 1 and run.kinds[contact] != SEPARATION:
+            run.n_accumulations += 1
     if with_tangents:
         saltate(run)
     if run.section_kind == SECTION_ZERO:

@@ -342,6 +342,7 @@ class Motion:
         Without one only energies are measured and shares: half of what it takes.
         """
         self.frame.words[SUMS] = 0
+        self.frame.n_impacts = self.frame.n_accumulations = 0
         measured = NO_EXTREMES if reference is None else extremes_of(reference, len(self.y))
         for name, array in measured.items():
             self.frame.show(name, array)

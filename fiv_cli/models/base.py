@@ -396,6 +396,7 @@ class Model:
     states : generalised coordinates under given options
     options : switches
     contacts : number of contacts that `equations` returns
+    stops : how many of these are frictionless stops, whose impacts are counted
     constant_load : every contact is pressed by the same force at all times
     default_law : name of the friction law where a case names none
     law_defaults : law parameter -> default on this model; a name: the value of that parameter
@@ -429,6 +430,7 @@ class Model:
     law_defaults: Mapping[str, float | str]
     options: tuple[Option, ...] = ()
     contacts: int = 1
+    stops: int = 0
     constant_load: bool = False
     forcings: tuple[Forcing, ...] = ()
     revolution: Callable[[Mapping[str, float]], float] | None = None

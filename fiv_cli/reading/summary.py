@@ -189,6 +189,8 @@ def _axis_line(axis: Mapping[str, Any]) -> str:
         names = axis["values"]
         listed = names if len(names) <= MOST_NAMES else [names[0], "...", names[-1]]
         return ", ".join(listed) + (f", {len(names)} values" if listed != names else "")
+    if axis["size"] == 1:
+        return f"{axis['first']:g}{_unit(axis)}"
     return f"{axis['first']:g} to {axis['last']:g}{_unit(axis)}, {axis['size']} values"
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
     balance,
+    impacts,
     initial_state,
     rest_of,
     start_motion,
@@ -50,7 +51,8 @@ def record(system: System, request: Request) -> Outcome:
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
     codes = _codes_of_events(system)
-    outcome.values |= initial | trust(motion) | _works(motion, energy_before, stored_before)
+    outcome.values |= initial | trust(motion) | impacts(motion)
+    outcome.values |= _works(motion, energy_before, stored_before)
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": codes[ledger.before],
