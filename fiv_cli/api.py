@@ -57,6 +57,7 @@ __all__ = [
     "history",
     "load",
     "names_of",
+    "observations",
     "read",
     "run",
 ]
@@ -293,6 +294,30 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
     if not names:
         raise UsageError(f"{flags.name}: holds numbers, not classes\nnext: take its values")
     return apply_ufunc(lambda codes: names[int(codes)], flags, vectorize=True)
+
+
+def observations(dataset: xr.Dataset, variable: str) -> xr.DataArray:
+    """The values of a variable with any number of them per point, each with its point's axes.
+
+    Parameters
+    ----------
+    dataset : of one analysis; or several such, joined along a parameter by ``xr.concat``
+    variable : ``section_value``, say
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "response"}]}
+    >>> case = belt | {"grid": {"v": [0.5, 1.0]}}
+    >>> runs = [api.run(api.load(case, {"model.parameters.N": N})) for N in (5.0, 10.0)]
+    >>> found = api.observations(xr.concat(runs, "N", join="outer"), "section_value")
+    >>> found.groupby("N").mean().values.round(3).tolist()
+    [0.3, 0.6]
+    """
+    from fiv_cli.reading import select
+
+    return select.observations(dataset, variable)
 
 
 def figure(

@@ -11,7 +11,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.chaos import FEWEST, regularity
-from fiv_cli.analyses.attractor.settling import LONGEST, SETTLED, lasting_period, settled_period
+from fiv_cli.analyses.attractor.settling import (
+    LONGEST,
+    SETTLED,
+    lasting_period,
+    period_among,
+    settled_period,
+)
 
 Points = NDArray[np.float64]
 
@@ -139,6 +145,29 @@ def test_a_map_that_creeps_does_not_last(rate: float) -> None:
 def test_few_points_say_nothing() -> None:
     assert settled_period(np.ones((2, 1))) == 0
     assert settled_period(np.zeros((0, 1))) == 0
+
+
+class Guarded:
+    """Points as machine code takes them: a row of a negative number is not theirs."""
+
+    def __init__(self, points: Points) -> None:
+        self.points, self.shape = points, points.shape
+
+    def __getitem__(self, place: tuple[int, int]) -> float:
+        assert place[0] >= 0
+        return float(self.points[place])
+
+
+@pytest.mark.parametrize("period", [1, 2, 6])
+def test_only_points_that_are_there_tell_whether_a_map_has_settled(period: int) -> None:
+    """What lay before them in memory decided it, or ended the process."""
+    steps = np.arange(5 * period)
+    points = (np.cos(steps % period * 2.4) + 1e-9 * 0.6 ** (steps // period))[:, None]
+    for count in range(3, len(points) + 1):
+        guarded, scales = Guarded(points[:count]), np.ones(1)
+        found = period_among(guarded, scales, count, SETTLED, SETTLED)  # type: ignore[arg-type]
+        assert found == settled_period(points[:count])
+    assert found == period
 
 
 # --- the 0-1 test --------------------------------------------------------------------------------

@@ -90,7 +90,7 @@ class Told:
 def test_what_is_public() -> None:
     tree = {"CaseError", "FivError", "UsageError"}
     functions = {"load", "check", "run", "claims", "history", "read", "names_of", "figure"}
-    functions |= {"analyse"}
+    functions |= {"analyse", "observations"}
     assert set(api.__all__) == tree | functions
     shown = {test.name.split(".")[-1]: test.examples for test in doctest.DocTestFinder().find(api)}
     for name in functions:
@@ -141,7 +141,7 @@ def test_every_problem_of_a_dict_is_told_without_lines() -> None:
     wrong = {**BELT, "model": {"name": "belt-1dof", "parameters": {"mas": 1.0, "k": "2 kg"}}}
     with pytest.raises(api.CaseError) as caught:
         api.load({**wrong, "grdi": {}})
-    assert [problem.path for problem in caught.value.problems] == ["grdi"]
+    assert [problem.path for problem in caught.value.problems] == ["model.parameters.mas", "grdi"]
     assert all(problem.line is None for problem in caught.value.problems)
     assert "\n  <dict>: grdi:" in str(caught.value)
     assert str(caught.value).endswith("next: correct it and try again")

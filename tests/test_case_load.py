@@ -347,7 +347,6 @@ class TestGrid:
             ("mu_k = { start = 0, stop = 1, number = 3 }", "unknown key"),
             ('mu_k = { start = 0, stop = 1, num = 3, scale = "cubic" }', "not allowed"),
             ('friction = ["coulomb", "colomb"]', "no friction law"),
-            ('friction = ["coulomb", "switch"]', "stick is located exactly"),
             ('friction = { start = "a", stop = "b", num = 3 }', "listed"),
             ("mu_kk = [1]", "nothing called"),
             ('"initial.y" = [1]', "no state"),
@@ -480,7 +479,6 @@ class TestBadInput:
             (["[model.parameters]", '"ω" = 1', "omega = 2"], "model.parameters.omega", "twice"),
             (["[model.options]", 'a = "b"'], "model.options.a", "unknown option"),
             (["[friction]", 'law = "dry"'], "friction.law", "no friction law"),
-            (["[friction]", 'law = "karnopp"'], "friction.law", "stick is located exactly"),
             (["[friction]", "m = 2"], "friction.m", "unknown parameter"),
             (
                 ["[friction]", 'law = "stribeck"', "delta = 1.5"],

@@ -26,7 +26,7 @@ from fiv_cli.codegen import assembly, lower
 from fiv_cli.codegen.codes import LANES, OTHER_POWER
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT, StateTable
-from fiv_cli.codegen.graph import MERGED_TERMS, UNARY, Graph, Node
+from fiv_cli.codegen.graph import UNARY, Graph, Node
 from fiv_cli.dynamics.system import System
 
 Vector = NDArray[Any]
@@ -468,13 +468,27 @@ def test_graph_invariants(expression: Any) -> None:
     assert len(keys) == len(graph.nodes)
 
 
-def test_short_sums_are_merged_and_long_ones_shared() -> None:
+def test_sums_are_merged_where_that_costs_nothing_and_shared_where_it_would() -> None:
     graph = Graph()
-    nodes = [graph.state(i, f"x{i}") for i in range(MERGED_TERMS + 2)]
-    short, long = graph.add(*nodes[:MERGED_TERMS]), graph.add(*nodes)
-    last = nodes[-1]
-    assert len(graph.add(short, last).args) == MERGED_TERMS + 1
-    assert long in graph.add(long, graph.mul(last, last)).args
+    x, y, z = (graph.state(i, f"x{i}") for i in range(3))
+    scale, three = graph.parameter("k"), graph.add(x, y, z)
+    squares = [graph.mul(node, node) for node in (x, y, z)]
+    (alone,) = graph.merged([graph.add(graph.mul(scale, three), squares[0])])
+    assert set(alone.args) == {x, y, z, squares[0]}
+    users = [graph.add(graph.mul(scale, three), square) for square in squares]
+    assert all(three in user.args for user in graph.merged(users))
+    kept, user = graph.merged([three, graph.add(three, squares[0])])
+    assert kept is three and set(user.args) == {three, squares[0]}
+
+
+def test_the_difference_of_what_moves_as_one_is_a_polynomial() -> None:
+    graph = Graph()
+    x, y, v = (graph.state(i, name) for i, name in enumerate("xyv"))
+    apart, belt = graph.subtract(x, y), graph.add(v, graph.parameter("v0"))
+    rates = [belt, v, graph.mul(v, v)]
+    step = TaylorStep(graph, [x, y, v], rates, [graph.mul(apart, v)], 5, Coefficients())
+    assert step.degrees[apart.index] == 1
+    assert step.degrees[graph.mul(apart, v).index] > 5
 
 
 def test_an_expression_without_a_series_is_refused() -> None:

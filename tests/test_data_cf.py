@@ -122,6 +122,27 @@ def test_a_ragged_value_leads_back_to_its_point() -> None:
     assert (x <= found["x_max"].values[place] + 1e-12).all()
 
 
+@pytest.mark.usefixtures("_defaults")
+def test_values_of_any_number_are_found_with_their_points_in_joined_runs_too() -> None:
+    """As in each run alone, behind one another; of grids that differ they are joined themselves."""
+    runs = [run(**{"model.parameters.N": N}) for N in (5.0, 60.0)]
+    alone = [api.observations(one, "section_value") for one in runs]
+    for one, values in zip(runs, alone, strict=True):
+        assert values.sizes["section_obs"] == one.sizes["section_obs"] > 0
+        low, high = (one[f"x_{end}"].isel(initial=0).sel(v=values["v"]) for end in ("min", "max"))
+        assert bool(((low <= values + 1e-12) & (values <= high + 1e-12)).all())
+    other = run(**{"grid.v": [2.0, 0.5], "model.parameters.N": 60.0})
+    whole = api.observations(xr.concat(runs, "N", join="outer"), "section_value")
+    for joined in (whole, xr.concat(alone, "section_obs")):
+        assert joined["v"].values.tolist() == [v for one in alone for v in one["v"].values]
+        assert joined["N"].values.tolist() == [5.0] * alone[0].size + [60.0] * alone[1].size
+        np.testing.assert_array_equal(joined, np.concatenate(alone))
+    with pytest.raises(api.UsageError, match="for run in runs"):
+        api.observations(xr.concat([runs[0], other], "N", join="outer"), "section_value")
+    with pytest.raises(api.UsageError, match="section_point, section_value"):
+        api.observations(other, "L_s")
+
+
 def run(**changes: Any) -> xr.Dataset:
     """A response under changed settings."""
     case = KINDS["response"] | {"grid": {"v": [0.5, 1.0, 9.0]}}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -17,6 +17,8 @@ from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import INT_FILL
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.shard import (
+    BEFORE,
+    DIGEST_BYTES,
     UnreadableShard,
     from_plain,
     read_shard,
@@ -103,20 +105,18 @@ def test_a_truncated_shard_is_unreadable(tmp_path: Path, keep: float) -> None:
         read_shard(path)
 
 
-@given(place=st.floats(0.0, 1.0, exclude_max=True), value=st.integers(1, 255))
-@settings(max_examples=200, deadline=None)
-def test_no_flipped_byte_changes_an_answer(
-    tmp_path_factory: pytest.TempPathFactory, place: float, value: int
-) -> None:
-    path = tmp_path_factory.mktemp("flip") / "a.h5"
-    content = bytearray(shard_bytes(block(), "response"))
-    content[int(place * len(content))] ^= value
-    path.write_bytes(content)
-    try:
-        back, _ = read_shard(path)
-    except UnreadableShard:
-        return
-    assert_equal(back, block())
+def test_no_flipped_byte_changes_an_answer(tmp_path: Path) -> None:
+    """Nor does one reach HDF5, which may never return from what it damages."""
+    path, content = tmp_path / "a.h5", shard_bytes(block(), "response")
+    for place in range(0, len(content), 7):
+        damaged = bytearray(content)
+        damaged[place] ^= 1 + place % 255
+        path.write_bytes(damaged)
+        if DIGEST_BYTES <= place < BEFORE:  # nobody reads these
+            assert_equal(read_shard(path)[0], block())
+            continue
+        with pytest.raises(UnreadableShard, match="its digest does not match"):
+            read_shard(path)
 
 
 def test_foreign_files_are_unreadable(tmp_path: Path) -> None:
@@ -130,37 +130,16 @@ def test_foreign_files_are_unreadable(tmp_path: Path) -> None:
             read_shard(path)
 
 
-def test_shards_of_the_version_before_are_read(tmp_path: Path) -> None:
-    """A dataset of its own for each array; the checksum is over names, types, shapes and bytes."""
-    path, packed = tmp_path / "a.h5", block()
-    write_shard(path, packed, "response")
-    arrays = dict(sorted(_arrays_of(path).items()))
-    digest = hashlib.sha256(b"response")
-    for name, array in arrays.items():
-        digest.update(f"{name}|{array.dtype.str}|{array.shape}|".encode() + array.tobytes())
-    with h5py.File(path, "w") as file:
-        file.attrs.update({"format": "fiv shard", "version": 1, "analysis": "response"})
-        file.attrs["checksum"] = digest.hexdigest()
-        for name, array in arrays.items():
-            file[name] = array
-    back, analysis = read_shard(path)
-    assert analysis == "response"
-    assert_equal(back, packed)
+@pytest.mark.parametrize("change", [{"format": "another"}, {"version": 2}])
+def test_what_is_whole_and_no_shard_is_unreadable(tmp_path: Path, change: dict[str, Any]) -> None:
+    path = tmp_path / "a.h5"
+    write_shard(path, block(), "response")
     with h5py.File(path, "r+") as file:
-        file["values/L_s"][0] = 0.2
-    with pytest.raises(UnreadableShard, match="checksum"):
+        file.attrs.update(change)
+    content = path.read_bytes()
+    path.write_bytes(hashlib.sha256(content[BEFORE:]).digest() + content[DIGEST_BYTES:])
+    with pytest.raises(UnreadableShard, match="not a shard of this version"):
         read_shard(path)
-
-
-def _arrays_of(path: Path) -> dict[str, np.ndarray]:
-    """The arrays of a shard by name."""
-    with h5py.File(path) as file:
-        table, content = json.loads(file["header"][()].tobytes()), file["content"][()].tobytes()
-    arrays, begin = {}, 0
-    for name, kind, shape in table:
-        arrays[name] = np.ndarray(shape, kind, content, begin)
-        begin += -(-arrays[name].nbytes // 8) * 8
-    return arrays
 
 
 def test_a_folder_that_is_not_there_is_a_storage_error(tmp_path: Path) -> None:

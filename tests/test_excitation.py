@@ -365,7 +365,7 @@ def test_what_takes_the_value_of_what_varies_varies_with_it() -> None:
         (X, "y = { amplitude = 1.0 }", "forcing.y", "belt-1dof has no 'y' to force"),
         (X, "x = { omega = 1.0 }", "forcing.x.amplitude", "is missing"),
         (X, "x = { amplitude = -1.0 }", "forcing.x.amplitude", "out of range"),
-        (X, "x = { mean = 1.0 }", "forcing.x.mean", "unknown key 'mean'"),
+        (X, "x = { amplitude = 1.0, mean = 1.0 }", "forcing.x.mean", "unknown key 'mean'"),
         (X, 'x = { amplitude = "1 m" }', "forcing.x.amplitude", "does not fit"),
         (X, X + "\nbase = { constant = 1.0 }", "forcing.base.constant", "no constant"),
         (V, "w = { amplitude = 1.0 }", "schedule.w", "there is no parameter 'w'"),
@@ -385,6 +385,12 @@ def test_what_is_wrong_is_said_with_its_place(was: str, lines: str, path: str, w
         parse_case(text, "excited.toml", ())
     assert [problem.path for problem in caught.value.problems] == [path]
     assert words in caught.value.problems[0].message
+
+
+def test_a_pin_has_no_base_that_moves_and_is_told_what_a_moving_anchor_is() -> None:
+    text = 'schema = 1\n[model]\nname = "pin-on-disc"\n[forcing]\nbase = { amplitude = 1e-4 }\n'
+    with pytest.raises(CaseError, match=r"axes that stand still.*far end moves.*give it as phi"):
+        parse_case(text + '[[analysis]]\nkind = "response"\n', "pin.toml", ())
 
 
 @pytest.mark.parametrize(

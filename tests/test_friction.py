@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import asinh, exp, log, sqrt, tanh
+from math import asinh, exp, inf, isfinite, log, nan, sqrt, tanh
 from typing import Any
 
 import numpy as np
@@ -11,12 +11,15 @@ import pytest
 import sympy
 from motions import defaults
 
+from fiv_cli import api
 from fiv_cli.analyses.rest.equilibria import equilibria, sliding
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics.system import build_system
+from fiv_cli.errors import CaseError
 from fiv_cli.friction import TANH_OF, all_laws, get_law, why_unfit
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.models import all_models, get_model
+from fiv_cli.models.base import Parameter
 
 # Values of every parameter, then |F_T| at a slip speed of 0.7 m/s and the static capacity, for
 # F_N = 5 N, by hand.
@@ -81,6 +84,8 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         (0.23 + 0.05 / 2.4 * (exp(-1.4) + 0.2)) * 5,
         (0.23 + 0.27 * 1.2) * 5,
     ),
+    "switch": ({"mu_s": 0.4, "mu_k": 0.23, "eta": 1e-4, "alpha": 10.0}, 0.23 * 5, None),
+    "karnopp": ({"mu_s": 0.4, "mu_k": 0.23, "eta": 1e-4}, 0.23 * 5, None),
     "rate-and-state": (
         {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1},
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
@@ -217,6 +222,42 @@ def test_regularised_laws_tend_to_the_law(law: Law) -> None:
 def test_falling_laws_begin_at_their_capacity(name: str) -> None:
     law, (values, _, static) = get_law(name), ROWS[name]
     assert force(law, 0.0, values) == pytest.approx(static, rel=1e-14)
+
+
+def outside(p: Parameter) -> list[float]:
+    """Values just outside of what a parameter may be."""
+    below = p.minimum if p.exclusive else p.minimum - 1e-9
+    bounds = [value for value in (below, p.maximum + 1e-9) if isfinite(value)]
+    return [*bounds, inf, nan, *([1.5] if p.integer else [])]
+
+
+@by_law
+@pytest.mark.parametrize("as_axis", [False, True])
+def test_what_is_out_of_range_is_refused_with_law_and_range(law: Law, as_axis: bool) -> None:
+    smooth = law.name.startswith(TANH_OF)
+    names = {"law": "tanh", "of": law.name.removeprefix(TANH_OF)} if smooth else {"law": law.name}
+    base = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "equilibrium"}]}
+    for p in law.parameters:
+        for value in outside(p):
+            given = {"grid": {p.name: [value]}} if as_axis else {}
+            friction = names | ({} if as_axis else {p.name: value})
+            with pytest.raises(CaseError) as caught:
+                api.load(base | given | {"friction": friction})
+            (problem,) = caught.value.problems
+            assert p.name in problem.path and repr(value) in problem.message
+            assert problem.allowed.startswith(p.allowed.removesuffix(")"))
+            assert f" of {law.name})" in problem.allowed
+
+
+@pytest.mark.parametrize(
+    "given", [{"friction": {"mu_k": 0.0}}, {"grid": {"mu_k": [0.1, 0.0]}}], ids=["fixed", "axis"]
+)
+def test_of_several_laws_the_narrowest_range_holds(given: dict[str, Any]) -> None:
+    """Coulomb's may be zero; Dahl's was divided by."""
+    laws = {"friction": ["coulomb", "jenkins"]}
+    case = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "equilibrium"}]}
+    with pytest.raises(CaseError, match=r"> 0 \(coefficient of kinetic friction of jenkins\)"):
+        api.load(case | given | {"grid": given.get("grid", {}) | laws})
 
 
 def symbolic(law: Law) -> tuple[Slip, dict[str, Any]]:

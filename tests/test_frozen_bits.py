@@ -16,14 +16,14 @@ import pytest
 from watched import CASES, watched
 
 FROZEN = {
-    "belt": "d3f803cd34818b80",
-    "forced belt": "5466143860f14fec",
-    "belt, rk4": "96b94126684b9b98",
-    "impacts": "25dfc74fdde0ecc5",
-    "separation": "817e630cbbab3f04",
-    "sector": "385369ec9cf942d2",
-    "slider with impacts": "fac5c0444e38ab7a",
-    "disc": "d35fe578b330a289",
+    "belt": "0e9e4bb0a829f1d1",
+    "forced belt": "5a3900d116249106",
+    "belt, rk4": "d937e83f448a3b20",
+    "impacts": "fcfa91a27cfd0457",
+    "separation": "e87e9c7c5d0c87d6",
+    "sector": "6a0e5ad454e7b3f4",
+    "slider with impacts": "628a3c29741f674c",
+    "disc": "db11643bb42a7016",
 }
 
 

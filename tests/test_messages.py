@@ -188,6 +188,8 @@ def test_every_model_says_which_parameter_is_its_preload_and_its_speed(
         ("[grid]", '[friction]\nlaw = ["coulomb"]\n[grid]', "write friction = ["),
         ("[grid]", '[[friction]]\nlaw = "lugre"\n[grid]', "write friction = ["),
         ("[grid]", '[grid]\nlaw = ["coulomb"]', "write friction = ["),
+        ("\nOmega =", "\nomega_Omega =", "an axis where [schedule] has Omega = { amplitude"),
+        ("\nOmega =", "\nA_phi =", "an axis where [forcing] has phi = { amplitude"),
         ("[grid]", '[grid]\n"friction.law" = ["coulomb"]', "write friction = ["),
         ("[grid]", "[parameters]\nN0 = 3\n[grid]", "'parameters' stands in [model]"),
         ("schema = 1", "schema = 1\nN0 = 3", "'N0' stands in [model.parameters], or as an axis in"),

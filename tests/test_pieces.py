@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 from motions import TIGHT, by_both, defaults, motion, system, times, transitions
 from numpy.typing import NDArray
+from small_models import TWO_MASSES
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
@@ -16,6 +19,7 @@ from fiv_cli.analyses.rest.linearisation import free_states
 from fiv_cli.dynamics.motion import Motion, Stop, samples_at
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.friction.base import Slip
+from fiv_cli.models.base import Equations, Model
 
 STILL = {"m": 1e12, "k": 1e12}  # what a belt under this mass does not move
 SHAKEN = {"v": [(0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (3.0, -1.0)]}  # m/s: by 0.25 m about a mean
@@ -234,6 +238,51 @@ def test_friction_gives_back_no_more_than_it_has_stored(law: str) -> None:
     assert np.diff(taken).min() > -1e-12 * taken[-1] and taken[-1] > 0.05
 
 
+# --- at a standstill ------------------------------------------------------------------------------
+BENDING = ("dahl", "lugre", "jenkins", "gms", "elasto-plastic", "reset-integrator", "bristle")
+HELD = {"jenkins": {"sigma_0": 20.0}, "reset-integrator": {"sigma_0": 20.0, "sigma_1": 0.1},
+        "bristle": {"delta_b": 0.02}}  # fmt: skip
+
+
+@pytest.mark.parametrize("law", BENDING)
+def test_bristles_that_hold_are_springs(law: str) -> None:
+    """Upright where the drive stands still: a frequency of theirs, and zeros, as any bend holds."""
+    given = {"v": 0.0, "c": 0.1, "N": 5.0, "k": 2.0, "m": 3.0}
+    rest = api.analyse("belt-1dof", law, "equilibrium", **given)
+    assert rest.status == "ok" and rest.values["equilibrium"].item() == 0.0
+    p = defaults("belt-1dof", law, **given)
+    bent = {
+        "gms": sum(p.get(f"k_{i}", 0.0) for i in range(1, 5)),
+        "bristle": sum(0.5 * p["mu_k"] / p.get("delta_b", 1.0) / (1 + 0.3 * s / 3)
+                       for s in (-3, -1, 1, 3)),
+        "reset-integrator": p.get("sigma_0", 0.0) * (1 + p.get("a_stick", 0.0)),
+    }.get(law, p.get("sigma_0", 0.0))  # fmt: skip
+    stiffness, damping = 2.0 + 5.0 * bent, 0.1 + 5.0 * p.get("sigma_1", 0.0)
+    found = api.analyse("belt-1dof", law, "eigenvalues", **given).values
+    values = found["eigenvalue_real"] + 1j * found["eigenvalue_imag"]
+    expected = np.roots([3.0, damping, stiffness])
+    assert sorted(values, key=abs)[-2:] == pytest.approx(sorted(expected, key=abs), rel=1e-9)
+    assert np.count_nonzero(np.abs(values) < 1e-9) == len(get_law(law).states)
+    assert found["stable"] == "neutral"
+
+
+@pytest.mark.parametrize("x", [0.0, 0.3, 5.0])
+@pytest.mark.parametrize("law", HELD)
+def test_where_a_motion_is_held_by_springs_is_told_before_it_is_there(law: str, x: float) -> None:
+    given = {"v": 0.0, "c": 0.2, "N": 5.0, "mu_k": 0.2, **HELD[law]}
+    told = api.analyse("belt-1dof", law, "response", {"x": x}, **given).values
+    assert told["attractor"] == "equilibrium" and told["transient_used"] < 20.0
+    begun = motion("belt-1dof", law, {"x": x}, **given)
+    begun.run(400.0)
+    assert told["x_max"] == pytest.approx(float(begun.y[0]), abs=1e-9)
+
+
+def test_a_drive_that_stands_still_is_no_error() -> None:
+    """The period of a revolution was divided by."""
+    found = api.analyse("disc-rigid-contact", "coulomb", "response", {"phi_dot": 1.0}, Omega=0.0)
+    assert found.status == "ok"
+
+
 # --- at rest --------------------------------------------------------------------------------------
 @pytest.mark.parametrize("law", RESTING)
 def test_steady_sliding_is_that_of_coulomb(law: str) -> None:
@@ -256,3 +305,53 @@ def test_steady_sliding_is_that_of_coulomb(law: str) -> None:
 def test_what_slides_to_rest_is_told_before_it_is_there(law: str) -> None:
     found = api.analyse("belt-1dof", law, "response", v=2.0, c=0.3, mu_k=0.2, N=5.0)
     assert found.values["attractor"] == "equilibrium" and found.values["decay_margin"] > 0.0
+
+
+# --- a contact with a law of its own --------------------------------------------------------------
+GIVEN: dict[str, dict[str, float]] = {
+    "gms": {"mu_s": 0.4, "mu_k": 0.25, "v_s": 0.3, **{f"k_{i}": 9.0 for i in range(1, 5)}},
+    "linear-regularisation": {"mu_k": 0.2, "v_tol": 0.3},
+    "jenkins": {"mu_k": 0.3, "sigma_0": 4.0},
+    "elasto-plastic": {"mu_s": 0.4, "mu_k": 0.3, "v_s": 0.3, "sigma_0": 7.0, "sigma_1": 0.1},
+    "coulomb": {"mu_s": 0.4, "mu_k": 0.3},
+}
+
+
+def of_its_own(contact: int, law: str) -> Model:
+    """Two masses on a belt, of which one has a law of its own."""
+
+    def equations(symbols: Any, options: Mapping[str, str]) -> Equations:
+        found = TWO_MASSES.equations(symbols, options)
+        told = {n: sympy.Float(x) for n, x in (get_law(law).defaults | GIVEN[law]).items()}
+        contacts = list(found.contacts)
+        contacts[contact] = replace(contacts[contact], law=law, law_parameters=told)
+        return replace(found, contacts=tuple(contacts))
+
+    return replace(TWO_MASSES, name=f"contact {contact} under {law}", equations=equations)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("gms", "linear-regularisation"), ("jenkins", "elasto-plastic"), ("coulomb", "jenkins")],
+)
+def test_it_is_the_same_whether_the_case_or_a_contact_names_a_law(first: str, second: str) -> None:
+    """Motion, events, equilibrium, eigenvalues: either law may be the one of the case."""
+    given = {"v": 0.4, "k2": 2.0, "N2": 5.0}
+    begun = [
+        motion(of_its_own(1, second), first, {"x1": 1.0}, **given, **GIVEN[first]),
+        motion(of_its_own(0, first), second, {"x1": 1.0}, **given, **GIVEN[second]),
+    ]
+    assert all(one.run(8.0) == Stop.REACHED for one in begun) and begun[0].n_events > 4
+    np.testing.assert_allclose(begun[1].y, begun[0].y, atol=1e-10)
+    np.testing.assert_allclose(times(begun[1]), times(begun[0]), atol=1e-9)
+    rests = [
+        [
+            api.analyse(model, law, kind, **given, **GIVEN[law]).values
+            for kind, law, model in (
+                (kind, first, of_its_own(1, second)), (kind, second, of_its_own(0, first)),
+            )
+        ]
+        for kind in AT_REST
+    ]  # fmt: skip
+    for name, pair in zip(("equilibrium", "eigenvalue_real"), rests, strict=True):
+        np.testing.assert_allclose(pair[1][name], pair[0][name], rtol=1e-9, atol=1e-12)

@@ -1,5 +1,7 @@
 """Figures: what is drawn is what the dataset holds, labelled, and the same bytes each time."""
 
+import re
+
 import numpy as np
 import pytest
 import synthetic_datasets as data
@@ -564,9 +566,15 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
     assert legend_texts(drawn)[:2] == ["reached, above everywhere", "exists, below everywhere"]
     assert not drawn.axes[0].collections
+    lines = figure("map", variable="L_s", level=[0.5, 2.0])
+    reason = "no line $L_s$ = 2 rad$^{2}$: below everywhere"
+    assert draw(dataset, lines).get_suptitle().endswith(f"\n{reason}")
     dataset["L_s"][:] = np.nan
     drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
     assert legend_texts(drawn)[0] == "reached, not known"
+    pending = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "pending"))
+    with pytest.raises(UsageError, match=r"none of the 714 points has a value \(pending 714"):
+        draw(pending, lines)
 
 
 @pytest.mark.parametrize(
@@ -610,6 +618,20 @@ def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
     assert abs(share - np.pi / 9.0) < 3 * error
     (ax,) = draw(data.basin(speeds=(9.0,)), figure("basin")).axes
     assert legend_texts(ax) == ["equilibrium (all 200)"]
+
+
+@pytest.mark.parametrize(("kind", "told"), [("random", 1), ("table", 0)])
+def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind, told):
+    case = f'[[initial]]\nlabel = "any"\nkind = "{kind}"\n'
+    dataset = data.basin(speeds=(1.0, 2.0, 9.0)).assign_attrs(case=case)
+    printed = [line for line in summary_lines(summarise({"": dataset})) if "shares" in line]
+    assert len(printed) == told
+    if told:
+        rest, moving = re.findall(r" (?:equilibrium|periodic) ([^,;]*)", printed[0])
+        one, error = map(float, rest.split(" to ")[0].split(" ± "))
+        assert abs(one - np.pi / 36.0) < 3 * error and rest.endswith(" to 1")
+        assert error == pytest.approx(np.sqrt(one * (1 - one) / 200), abs=6e-4)
+        assert moving == f"0 to {1 - one:.3f} ± {error:.3f}"
 
 
 def test_basins_need_starts_that_differ_in_two_states():

@@ -23,6 +23,7 @@ from fiv_cli.codegen.codes import (
     STICK,
 )
 from fiv_cli.errors import UsageError
+from fiv_cli.friction import get_law
 from fiv_cli.models.base import Contact, Equations, Forcing, Options, stop
 
 CLOSED = (CODE_SLIP_PLUS, CODE_SLIP_MINUS)
@@ -59,6 +60,7 @@ STOPPED = replace(
     states=lambda options: _coordinates("x"),
     equations=_stopped,
     contacts=3,
+    stops=2,
     forcings=(Forcing("A", lambda p: p["omega"], "harmonic force"),),
 )
 FREE = {"N": 0.0, "mu_k": 0.0, "mu_s": 0.0}
@@ -131,6 +133,21 @@ def test_series_and_rk4_meet_the_same_impacts() -> None:
     by_both(8.0, 1e-3, STOPPED, start={"x": 0.1}, **given)
 
 
+def test_impacts_and_what_they_pile_up_to_are_counted_where_there_are_stops() -> None:
+    """A mass that the belt carries to the stop and catches again, and one that falls on it."""
+    caught = {"ahead": 0.5, "e": 0.8, "v": 0.4, "N": 1.0, "mu_k": 0.2, "mu_s": 0.8}
+    cycle = api.analyse(STOPPED, "coulomb", "response", {"x_dot": 0.4}, **caught).values
+    assert (cycle["n_impacts"], cycle["n_accumulations"]) == (1, 0)
+    fallen = api.analyse(
+        STOPPED, "coulomb", "history", {}, {"t_end": 4.0}, k=0.0, G=2.0, **FREE
+    )  # fmt: skip
+    codes = fallen.ragged["event_from"]
+    assert fallen.values["n_impacts"] == np.count_nonzero(codes == CODE_SEPARATION) > 20
+    assert fallen.values["n_accumulations"] == 1
+    plain = api.analyse("belt-5dof", "coulomb", "history", {}, {"t_end": 0.01}).values
+    assert "n_impacts" not in plain
+
+
 def test_a_belt_pulls_a_mass_against_a_stop() -> None:
     """Where the sliding equilibrium lies beyond the stop, the mass comes to rest at it."""
     pulled = {"mu_k": 0.3, "mu_s": 0.4}
@@ -163,6 +180,15 @@ def test_a_law_of_a_contact_says_which_of_its_parameters_it_lacks() -> None:
     model = replace(ON_TWO_BELTS, name="dry", equations=partial(_greased, told=told))
     with pytest.raises(UsageError, match=r"dry has the law 'viscous' without its F_V\nnext: give"):
         api.analyse(model, "coulomb", "equilibrium")
+
+
+@pytest.mark.parametrize("law", ["dahl", "gms"])
+def test_what_a_law_tells_of_itself_it_does_not_tell_of_stops(law: str) -> None:
+    given = {"mu_k": 0.3, "ahead": 2.0}
+    found = api.analyse(STOPPED, law, "history", {"x": 1.0}, {"t_end": 3.0}, **given).values
+    states = np.array([found[state.name] for state in get_law(law).states])
+    assert np.isfinite(states[:, 0]).all() and np.isnan(states[:, 1:]).all()
+    assert found["stored_energy"][0].max() > 0.0 == found["stored_energy"][1:].max()
 
 
 def test_equations_show_the_laws_of_contacts_and_what_impacts_give_back() -> None:

@@ -17,6 +17,7 @@ from fiv_cli import api
 from fiv_cli.codegen.codes import CODE_STICK
 from fiv_cli.dynamics.motion import samples_at
 from fiv_cli.errors import CaseError, UsageError
+from fiv_cli.friction import get_law
 from fiv_cli.friction.surface import HIGHEST, roughness_at
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Equations, Model, Options
@@ -158,6 +159,20 @@ def _sideways(symbols: Any, options: Options) -> Equations:
     (contact,) = found.contacts
     faster = contact.slip_velocity + symbols.coordinate("x")
     return replace(found, contacts=(replace(contact, slip_velocity=faster),))
+
+
+def _its_own(symbols: Any, options: Options) -> Equations:
+    """A belt that is rough whatever the case says."""
+    found = get_model("belt-1dof").equations(symbols, options)
+    told = {name: sympy.Float(value) for name, value in get_law(ROUGH).defaults.items()}
+    own = replace(found.contacts[0], law=ROUGH, law_parameters=told)
+    return replace(found, contacts=(own,))
+
+
+def test_a_contact_that_is_rough_of_itself_is_refused() -> None:
+    model: Model = replace(get_model("belt-1dof"), equations=_its_own)
+    with pytest.raises(UsageError, match="varies along the surface"):
+        system(model)
 
 
 def test_a_contact_whose_way_is_no_function_of_the_state_is_refused() -> None:

@@ -173,6 +173,24 @@ def test_what_is_wrong_in_a_table_is_told_by_row_and_column(
     assert "friction.law: pad.csv: " in str(caught.value) and said in str(caught.value)
 
 
+def test_slip_beyond_the_last_row_is_told_of_each_point_and_behind_the_run(folder: Path) -> None:
+    """Of motions what they reach, of an equilibrium the speed of the belt; else nothing."""
+    text = CASE.replace("[0.3, 0.8]", "[0.3, 1.5]").replace('"equilibrium"', '"history"\nt_end = 9')
+    text += '[[analysis]]\nkind = "equilibrium"\n[[initial]]\nlabel = "far"\n'
+    Path("case.toml").write_text(text + 'kind = "state"\nstate = { x = 2.0 }\n')
+    progress = for_stderr(quiet=True)
+    summary = run_case(api.load("case.toml"), Path("two.nc"), Policy(workers=1), progress)
+    found = api.read("two.nc")
+    moved, rests = found["history"].ds.squeeze(), found["equilibrium"].ds
+    slips = np.abs(moved["v"] - moved["x_dot"]).max("time").values
+    told = moved["slip_beyond"].values / slips  # at the ends of steps
+    assert slips[0] > 1.5 and np.all(told > 0.9) and np.all(told < 1.0 + 1e-6)
+    np.testing.assert_array_equal(rests["slip_beyond"], [np.nan, 1.5])
+    said = "\n".join(summary.lines())
+    assert "WARNING: 2 of 2 points of history slip faster than friction was measured, 1 m/s" in said
+    assert "WARNING: 1 of 2 points of equilibrium" in said and "1.5 m/s (at v=1.5)" in said
+
+
 def test_a_table_that_is_not_there_is_told(folder: Path) -> None:
     Path("pad.csv").unlink()
     with pytest.raises(CaseError, match=r"pad\.csv' cannot be read"):

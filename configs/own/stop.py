@@ -50,6 +50,7 @@ MODEL = Model(
     states=lambda options: (State("x", "x", "m", "displacement of the mass"),),
     equations=equations,
     contacts=2,
+    stops=1,
     default_law="coulomb",
     law_defaults={"mu_k": 0.2, "mu_s": 0.8},
     example=Example("v", 0.2, 0.6),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
+from math import inf
 
 from fiv_cli.analyses import all_analyses, get_analysis
 from fiv_cli.analyses.base import EACH, Analysis, Section, Settings, Varied, as_asked
-from fiv_cli.analyses.variables import COMPUTED, REASON, STATUS, Subject, Variable
+from fiv_cli.analyses.variables import COMPUTED, REASON, SLIP_BEYOND, STATUS, Subject, Variable
 from fiv_cli.friction.base import STORED
 from fiv_cli.models.base import Model, Options, Parameter, State
 
@@ -19,6 +20,7 @@ def variables_of(
     settings: Settings,
     varying: tuple[Parameter, ...] = (),
     internal: tuple[State, ...] = (),
+    reach: float = inf,
 ) -> tuple[Variable, ...]:
     """Every variable of an analysis of `kind` on `model`, ``status`` and ``reason`` first.
 
@@ -29,12 +31,16 @@ def variables_of(
     settings : settings of the analysis (``observe`` decides the unit of ``section_value``)
     varying : parameters that vary in time; each is a variable over ``time``
     internal : states of the friction laws, and what they store
+    reach : slip speed up to which the laws are known, m/s
     """
     contact = "contact" if model.contacts > 1 else ""
     surface = model.surface is not None
     powers = as_asked(model, settings).powers
-    subject = Subject(model.states(options), contact, surface, settings, internal, powers)
-    own = get_analysis(kind).variables(subject)
+    subject = Subject(
+        model.states(options), contact, surface, settings, internal, powers, model.stops
+    )
+    own = list(get_analysis(kind).variables(subject))
+    own += [SLIP_BEYOND] if reach < inf and get_analysis(kind).generated else []
     over_time = [Variable(p.name, p.unit, p.meaning, "time", symbol=p.symbol) for p in varying]
     return (STATUS, REASON, *own, *over_time)
 
@@ -45,7 +51,9 @@ ALL_ASKED: Settings = {
 }  # fmt: skip
 """Settings under which every analysis has all the variables that it can have."""
 
-_ANYTHING = Subject((State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED, (STORED,))
+_ANYTHING = Subject(
+    (State("state", "x", "1", "any state"),), "contact", True, ALL_ASKED, (STORED,), stops=1
+)
 
 
 def possible_variables(analysis: Analysis) -> Sequence[Variable]:
@@ -57,7 +65,7 @@ def possible_variables(analysis: Analysis) -> Sequence[Variable]:
 def every_variable() -> Mapping[str, Variable]:
     """All variables that there are, by name; the state ``state`` stands for those of any model."""
     known = [v for analysis in all_analyses().values() for v in possible_variables(analysis)]
-    return {v.name: v for v in (STATUS, REASON, COMPUTED, *known)}
+    return {v.name: v for v in (STATUS, REASON, COMPUTED, SLIP_BEYOND, *known)}
 
 
 def named(name: str) -> Variable:

@@ -27,6 +27,7 @@ __all__ = [
     "at_once",
     "balance",
     "equilibria",
+    "impacts",
     "initial_state",
     "rest_of",
     "rests",
@@ -88,11 +89,16 @@ def start_state(system: System, start: Start, equilibrium: Vector | None) -> Vec
     return None if equilibrium is None else equilibrium + given
 
 
-def start_motion(system: System, request: Request, equilibrium: Vector | None) -> Motion | Outcome:
-    """The motion that the start describes, or the outcome that says why there is none."""
+def start_motion(
+    system: System, request: Request, equilibrium: Vector | None, events: int = 0
+) -> Motion | Outcome:
+    """The motion that the start describes, or the outcome that says why there is none.
+
+    `events` : room for a ledger that is kept from the start
+    """
     start = request.start
     assert start is not None
-    begin = partial(Motion, system, request.parameters, request.solver)
+    begin = partial(Motion, system, request.parameters, request.solver, events=events)
     if start.kind == "continue" and start.carried is not None:
         rested = start.carried["attractor"] == "equilibrium"
         if start.from_rest or not rested:
@@ -162,6 +168,12 @@ def balance(motion: Motion, energy_before: float) -> Balance:
         measures.drive_work,
         measures.impact_loss,
     )
+
+
+def impacts(motion: Motion) -> dict[str, int]:
+    """What has been counted at stops, where there are any."""
+    frame, has_stops = motion.frame, motion.system.setup.model.stops > 0
+    return {name: getattr(frame, name) for name in ("n_impacts", "n_accumulations") if has_stops}
 
 
 def trust(motion: Motion) -> dict[str, float]:

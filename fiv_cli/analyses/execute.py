@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from fiv_cli.analyses.base import Outcome, Request, Setup
+from fiv_cli.analyses.variables import SLIP_BEYOND
 from fiv_cli.errors import StorageError
 from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.plate import ModeNotFoundError
@@ -72,6 +73,8 @@ def answers(requests: Sequence[Request]) -> list[Outcome]:
         found = iter(analysis.run(system, sound) if sound else ())
     else:
         found = (_sound(analysis.run(system, request)) for request in sound)
+    if setup.law.reach < math.inf:
+        found = _with_slips(system, sound, found, not analysis.recorded)
     return [
         Outcome(status="failed", reason=reason, message=message) if reason else next(found)
         for reason, message in singular
@@ -84,6 +87,25 @@ def _sound(outcome: Outcome) -> Outcome:
     if outcome.status != "ok" or outcome.reason in ENDED_EARLY or not math.isnan(residual):
         return outcome
     return Outcome(status="failed", reason="no_number", message="energy_residual is no number")
+
+
+def _with_slips(
+    system: System, requests: Sequence[Request], found: Iterator[Outcome], rests: bool
+) -> Iterator[Outcome]:
+    """The outcomes, with how fast a contact slips where the law is not known that far.
+
+    `rests` : whether what is at rest has a part in them
+    """
+    from fiv_cli.analyses.rest.equilibria import slip_at_rest
+
+    reach = system.setup.law.reach
+    for request in requests:
+        system.greatest_slip[:] = reach
+        outcome = next(found)
+        at_rest = slip_at_rest(system, request.parameters) if rests else 0.0
+        greatest = max(system.greatest_slip.item(), at_rest)
+        outcome.values[SLIP_BEYOND.name] = greatest if greatest > reach else math.nan
+        yield outcome
 
 
 def prepare(requests: Iterable[Request], announce: Callable[[str], None]) -> None:

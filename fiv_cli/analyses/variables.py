@@ -177,6 +177,7 @@ class Subject:
     settings : settings of the analysis
     internal : states of the friction laws in use, and what they store
     powers : excitation that does work -> what it is, in words
+    stops : how many of the contacts are stops
     """
 
     states: tuple[State, ...]
@@ -185,6 +186,7 @@ class Subject:
     settings: Settings
     internal: tuple[State, ...] = ()
     powers: Mapping[str, str] = field(default_factory=dict)
+    stops: int = 0
 
     @property
     def varied(self) -> Varied:
@@ -228,6 +230,15 @@ def motions(states: tuple[State, ...]) -> list[tuple[str, str, str, str]]:
     ]
     return positions + velocities
 
+
+SLIP_BEYOND = Variable(
+    "slip_beyond",
+    "m s-1",
+    "greatest slip speed, where friction was not measured that far",
+    comment="of motions at the ends of steps; of a drive, over what rests",
+    role=Role.TRUST,
+)
+"""Of every analysis under a law that is known up to a slip speed."""
 
 # --- what several analyses have -------------------------------------------------------------------
 ATTRACTOR = classes("attractor", "class of the steady state", headline=1)
@@ -315,6 +326,17 @@ def own_section(subject: Subject) -> list[Variable]:
         ),
         count("section_contact", event, role=Role.DETAIL),
     ]  # fmt: skip
+
+
+def impacts(subject: Subject, when: str) -> list[Variable]:
+    """What is counted at stops."""
+    if not subject.stops:
+        return []
+    piled_up = "impacts whose flights piled up until the stop stayed closed"
+    return [
+        count("n_impacts", f"impacts on stops {when}", role=Role.DETAIL),
+        count("n_accumulations", f"{piled_up} {when}", role=Role.DETAIL),
+    ]
 
 
 def extremes(states: tuple[State, ...], *, rms: bool) -> list[Variable]:

@@ -162,7 +162,8 @@ def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Var
     needed = (one.name for one in analysis.settings if one.required)
     sound = understood and all(spec.settings.get(name) is not None for name in needed)
     settings = spec.settings if sound else ALL_ASKED
-    return variables_of(spec.kind, model, case.options, settings, case.varying, case.internal)
+    of_laws = case.varying, case.internal, case.reach
+    return variables_of(spec.kind, model, case.options, settings, *of_laws)
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:

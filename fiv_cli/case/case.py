@@ -192,6 +192,11 @@ class Case:
         return tuple(dict.fromkeys(state for law in self.laws for state in get_law(law).inner))
 
     @property
+    def reach(self) -> float:
+        """Slip speed up to which every law in use is known, m/s."""
+        return min((get_law(law).reach for law in self.laws), default=float("inf"))
+
+    @property
     def varying(self) -> tuple[Parameter, ...]:
         """The parameters that vary in time."""
         model = get_model(self.model)

@@ -84,13 +84,25 @@ def _forces(form: Form, model: Model, report: Report) -> Iterator[_Asked]:
             models = "a lumped model; of a disc, its own excitation"
             report.add(place, f"{model.name} takes no [forcing]", models, "fiv models", True)
         elif name not in known:
-            report.unknown(place, f"{model.name} has no {name!r} to force", name, known)
+            hint = _instead_of_base(model) if name == BASE else ""
+            report.unknown(place, f"{model.name} has no {name!r} to force", name, known, hint)
         elif name == BASE and table.constant is not None:
             message = "the base has no constant part: it is where coordinates are counted from"
             report.add((*place, "constant"), message, "amplitude, omega, phase")
         else:
             seen.add(name)
             yield _Asked(Term(BASE if name == BASE else "force", name), place, table)
+
+
+def _instead_of_base(model: Model) -> str:
+    """Why nothing that holds the model can move, and what stands for it."""
+    states = model.states(model.default_options())
+    if any(state.unit != "rad" for state in states):
+        return f'base=("{states[0].name}",) in its MODEL says what moves with it'
+    return (
+        "its coordinates turn about axes that stand still; a spring whose far end moves by u "
+        f"exerts a moment, stiffness x arm x u: give it as {states[0].name}"
+    )
 
 
 def _variations(form: Form, physics: Physics, report: Report) -> Iterator[_Asked]:

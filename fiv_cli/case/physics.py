@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from fiv_cli.case.form import Form, own_file
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import SEVERAL_LAWS, FrictionTable, ModelTable
-from fiv_cli.friction import DEVICES, NO_LAW, TANH_OF, all_laws, get_law, laws_of
+from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
+from fiv_cli.models.excitation import BASE
 from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
@@ -51,9 +52,8 @@ class Physics:
 
     def table(self) -> dict[str, Parameter]:
         """Every parameter of the model and of the laws in use, by name."""
-        adopted = [self.model.adopted(law.parameters) for law in reversed(self.laws)]
-        named = {p.name: p for table in adopted for p in table}
-        return named | {p.name: p for p in self.model.parameters}
+        adopted = {law.name: self.model.adopted(law.parameters) for law in self.laws}
+        return _of_laws(adopted) | {p.name: p for p in self.model.parameters}
 
     def units_of_states(self) -> dict[str, str]:
         """Every state and velocity -> its unit."""
@@ -86,6 +86,16 @@ class Physics:
     def default(self, name: str) -> float | None:
         """The default of a parameter on this model; None when it follows another parameter."""
         return self.table()[name].default
+
+
+def _of_laws(tables: Mapping[str, Iterable[Parameter]]) -> dict[str, Parameter]:
+    """Every parameter of some laws, as the first has it, and what it may be under all of them."""
+    found: dict[str, Parameter] = {}
+    for law, table in tables.items():
+        for parameter in table:
+            own = replace(parameter, law=law)
+            found[own.name] = found.get(own.name, own).within(own)
+    return found
 
 
 def state_units(model: Model, options: Mapping[str, str]) -> dict[str, str]:
@@ -130,7 +140,19 @@ def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Repor
     """Note that nothing is called `name` that could be an axis of some case."""
     message = f"there is nothing called {name!r} to vary"
     hint = SEVERAL_LAWS if name in ("law", "laws") else counterpart(name, physics.table())
+    hint = hint or _excitation_of(name, physics)
     report.unknown(place, message, name, physics.what_varies(), hint)
+
+
+def _excitation_of(name: str, physics: Physics) -> str:
+    """What the case must have for an axis such as ``omega_v``, where it is one of an excitation."""
+    prefix, _, what = name.partition("_")
+    if prefix not in ("A", "omega", "phase", "F"):
+        return ""
+    states = [name for name in physics.units_of_states() if not name.endswith("_dot")]
+    homes = {"schedule": [*physics.table()], "forcing": [*states, BASE]}
+    home = next((table for table, names in homes.items() if what in names), "")
+    return f"an axis where [{home}] has {what} = {{ amplitude = 1.0 }}" if home else ""
 
 
 def counterpart(name: str, known: Mapping[str, Parameter]) -> str:
@@ -165,13 +187,8 @@ def resolve_law(model: Model, name: object, of: str | None = None) -> str:
     regularised = TANH_OF + (of or model.default_law.removeprefix(TANH_OF))
     full = regularised if name == "tanh" else name
     if full not in laws_of(model):
-        raise ValueError(_no_law(model, full))
+        raise ValueError(f"{full!r} is no friction law of {model.name}")
     return str(full)
-
-
-def _no_law(model: Model, name: object) -> str:
-    why = f": it is {NO_LAW}" if name in DEVICES else ""
-    return f"{name!r} is no friction law of {model.name}{why}"
 
 
 def _options_of_axes(
@@ -260,7 +277,7 @@ class _Reader:
         if name is None:
             of = table.law == "tanh" and table.of
             written, place = (of, "of") if of else (table.law, "law")
-            message = _no_law(model, written)
+            message = f"{written!r} is no friction law of {model.name}"
             hint = own_file(written, self.report.source)
             self.report.unknown(("friction", place), message, written, law_names(model), hint)
         return [name]
@@ -275,7 +292,7 @@ class _Reader:
         extra = table.model_extra or {}
         own_tables = {name: value for name, value in extra.items() if isinstance(value, dict)}
         plain = {name: value for name, value in extra.items() if name not in own_tables}
-        known = {p.name: p for law in reversed(laws) for p in law.parameters}
+        known = _of_laws({law.name: law.parameters for law in laws})
         elsewhere = {p.name: "model.parameters" for p in model.parameters}
         found = self.parameters(plain, known, elsewhere, ("friction",))
         self.refuse_ambiguous(laws, found)
@@ -304,7 +321,7 @@ class _Reader:
             message = f"{name!r} is no friction law that this case uses"
             self.report.unknown(("friction", name), message, name, names)
             return {}
-        known = {p.name: p for p in matching[0].parameters}
+        known = _of_laws({law.name: law.parameters for law in matching})
         found = self.parameters(values, known, {}, ("friction", name))
         if len(laws) == 1:
             return found

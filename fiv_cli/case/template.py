@@ -169,11 +169,18 @@ class _Template:
         return _commented([head, _with_comment(line, constant)])
 
     def forcing(self) -> list[str]:
-        """An external force, in comments."""
+        """An external force and, where nothing else varies, a parameter that does; in comments."""
         name, meaning = next(iter(forced(self.model).items()))
         others = [other for other in forced(self.model) if other != name]
         head = _with_comment("[forcing]", f"external forces; also on {listed(others)}")
-        return _commented([head, _with_comment(f"{name} = {ForceTable.example}", meaning)])
+        force = _commented([head, _with_comment(f"{name} = {ForceTable.example}", meaning)])
+        speed = next((p for p in self.model.parameters if p.role == "speed"), None)
+        if self.drive is not None or speed is None:
+            return force
+        head = _with_comment("[schedule]", "a parameter that swings; A_, omega_ and phase_ of it")
+        amplitude = f"amplitude = {0.1 * (speed.default or 1.0):g}"
+        swing = f"{speed.name} = {{ {amplitude}, omega = 0.8, phase = 0.0 }}"
+        return [*force, "", *_commented([head, _with_comment(swing, "may be axes, too")])]
 
     def beginning(self, drive: Parameter) -> float:
         """Where the drive begins to slow down."""

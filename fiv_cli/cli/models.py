@@ -75,7 +75,7 @@ def _show_models(name: str | None, as_json: bool) -> None:
 
 
 def _show_laws(name: str | None, as_json: bool) -> None:
-    from fiv_cli.friction import DEVICES, NO_LAW, all_laws
+    from fiv_cli.friction import all_laws
 
     laws = all_laws()
     if name is not None:
@@ -88,7 +88,6 @@ def _show_laws(name: str | None, as_json: bool) -> None:
         columns = ("name", "kind", "what", "parameters")
         print_table('Friction laws (law = "NAME")', columns, rows)
         click.echo('\n"tanh of LAW" is written: law = "tanh", of = "LAW"\n' + MEASURED + KINDS)
-        click.echo(f"\n{' and '.join(DEVICES)} are no laws, each is {NO_LAW}")
 
 
 def _model_document(model: Model) -> dict[str, object]:

@@ -175,7 +175,9 @@ def _outputs(cases: Sequence[Case], output: Path | None) -> list[Path]:
 def _run(case: Case, output: Path, policy: Policy, progress: Progress, verbose: bool) -> Summary:
     from fiv_cli import api
     from fiv_cli.sweep.run import run_case
+    from fiv_cli.sweep.worker import keep_memory
 
+    keep_memory()
     if verbose:
         click.echo(api.check(case), err=True)
     return run_case(case, output, policy, progress)

@@ -9,7 +9,8 @@ rates, the switching functions, the contact forces and the powers of the energy 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, product
 
 import sympy
@@ -34,11 +35,13 @@ from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
-from fiv_cli.friction.base import Law, Slip
+from fiv_cli.friction.base import Slip, room_of_pieces
 from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
 from fiv_cli.schedule import rate_of
+
+SHORT = 4  # terms of a sum that is merged into a power, where what springs store cancels
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,8 @@ class Derivation:
     smooth : per contact, whether its law has no border at zero slip
     sliding : kinds of the contacts where all slide: SLIP, of a stop SEPARATION
     bounces : per contact, whether an impact gives something back
-    pieced : contacts whose law is given by pieces
+    pieced : contacts whose law is given by pieces, the name of that law, and whether it has
+        parameters of its own there
     zone : start and width parameters of the sector and its contact, if any
     """
 
@@ -109,19 +113,8 @@ class Derivation:
     smooth: tuple[bool, ...]
     sliding: tuple[int, ...]
     bounces: tuple[bool, ...]
-    pieced: tuple[int, ...]
+    pieced: tuple[tuple[int, str, bool], ...]
     zone: tuple[str, str, int] | None
-
-
-def _pieced(setup: Setup, laws: Sequence[Law]) -> list[int]:
-    """The contacts under the case's law, where that is given by pieces."""
-    others = [law.name for law in laws if law.pieces and law is not setup.law]
-    if others:
-        raise UsageError(
-            f"a contact of {setup.model.name} has a law of its own, {others[0]!r}, "
-            "that is given by pieces\nnext: leave its law to the case"
-        )
-    return [i for i, law in enumerate(laws) if law.pieces]
 
 
 def derive(setup: Setup) -> Derivation:
@@ -137,9 +130,9 @@ class _Deriver:
         self.graph = Graph()
         self.equations: Equations = setup.model.mechanics(self.symbols, setup.options)
         self.contacts = self.equations.contacts
-        self.of_case = setup.law
         self.laws = [setup.law_of(contact) for contact in self.contacts]
-        self.pieced = _pieced(setup, self.laws)
+        self.pieced = [i for i, law in enumerate(self.laws) if law.pieces]
+        self.width, self.ways = room_of_pieces(self.laws)
         self.coordinates = [state.name for state in setup.model.states(setup.options)]
         self.internal = [
             [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
@@ -173,7 +166,9 @@ class _Deriver:
             smooth=tuple(self._is_smooth(i) for i in range(len(self.contacts))),
             sliding=tuple(SEPARATION if contact.is_stop else SLIP for contact in self.contacts),
             bounces=tuple(contact.restitution != 0 for contact in self.contacts),
-            pieced=tuple(self.pieced),
+            pieced=tuple(
+                (i, self.laws[i].name, bool(self.contacts[i].law_parameters)) for i in self.pieced
+            ),
             zone=None if zone is None else (zone.start, zone.width, zone.contact),
         )
 
@@ -207,6 +202,11 @@ class _Deriver:
         given = self.equations.law_parameters_at(contact, law.parameters, self.symbols)
         if law.surface is None:
             return given
+        if law is not self.setup.law:
+            raise UsageError(
+                f"a contact of {self.setup.model.name} has a law of its own, {law.name!r}, that "
+                "varies along the surface\nnext: leave its law to the case"
+            )
         way = way_slid(
             self.contacts[contact], self.coordinates, self.symbols, self.setup.schedule.names
         )
@@ -226,7 +226,20 @@ class _Deriver:
                 for state, entry in zip(law.states, names, strict=True)
             },
             rows=self._rows_of(contact),
+            holding=partial(self._holding, contact),
         )
+
+    def _holding(self, contact: int, rate: Expr) -> Expr:
+        """F_T of a contact under which its slip velocity changes at this rate."""
+        count, own = len(self.contacts), self.symbols.tangential_force(contact)
+        acceleration = self._slip_acceleration(self.contacts[contact])
+        found = (rate - acceleration.subs(own, 0)) / sympy.diff(acceleration, own)
+        if found.free_symbols & set(map(self.symbols.tangential_force, range(count))):
+            raise UsageError(
+                "contacts act on one another, and their law asks what is demanded of each alone\n"
+                "next: another friction law"
+            )
+        return found
 
     def _law_force(self, contact: int) -> Expr:
         return self.laws[contact].force(self._slip(contact), self._law_parameters(contact))
@@ -236,24 +249,24 @@ class _Deriver:
         return {} if rates is None else rates(self._slip(contact), self._law_parameters(contact))
 
     def _rows_of(self, contact: int) -> list[list[sympy.Symbol]]:
-        shape = self.laws[contact].shape if contact in self.pieced else (0, 0)
-        return self.symbols.rows(contact, *shape)
+        return self.symbols.rows(contact, *self.laws[contact].shape)
 
     def _rows(self, contact: int) -> list[sympy.Symbol]:
-        return [symbol for row in self._rows_of(contact) for symbol in row]
+        """Those of a contact in the parameter vector: a row of each element, all of one width."""
+        elements, _ = self.laws[contact].shape
+        return [s for row in self.symbols.rows(contact, elements, self.width) for s in row]
 
-    def _law_guards(self, contact: int) -> list[Expr]:
+    def _law_guards(self, contact: int) -> Sequence[Sequence[Expr]]:
+        """Those of each element."""
         guards = self.laws[contact].guards
-        if guards is None:
-            return []
-        given = guards(self._slip(contact), self._law_parameters(contact))
-        return [guard for of_element in given for guard in of_element]
+        given = self._slip(contact), self._law_parameters(contact)
+        return () if guards is None else guards(*given)
 
     def _is_smooth(self, contact: int) -> bool:
         if self.contacts[contact].sliding_only:
             return True
         told = (self.law_forces[contact], *self._law_rates(contact).values())
-        told += tuple(self._law_guards(contact))
+        told += tuple(chain.from_iterable(self._law_guards(contact)))
         borders = any(self.symbols.sign(contact) in part.free_symbols for part in told)
         return self.laws[contact].capacity is None and not borders
 
@@ -263,16 +276,25 @@ class _Deriver:
         pivots = self._constrain(kinds, stuck, names)
         forces = self._forces(kinds, stuck, names)
         names.update(forces.nodes)
-        rates = self._rates(kinds, names)
+        values = [names[self._entry(name)] for name in self.state_names]
+        rates, angle = self._rates(kinds, names), self._angle(kinds, names)
+        guards = self._guards(kinds, stuck, names, forces.determinant, pivots)
+        n, switching = len(values), [guard.node for guard in guards]
+        with self.graph.merging(SHORT):
+            energies = self._energies(names)
+        merged = self.graph.merged([*values, *rates, *switching, *([angle] if angle else [])])
         return ContactState(
             kinds=kinds,
-            values=tuple(names[self._entry(name)] for name in self.state_names),
-            rates=tuple(rates),
-            guards=self._guards(kinds, stuck, names, forces.determinant, pivots),
-            angle=self._angle(kinds, names),
+            values=tuple(merged[:n]),
+            rates=tuple(merged[n : 2 * n]),
+            guards=tuple(
+                replace(guard, node=node)
+                for guard, node in zip(guards, merged[2 * n :], strict=False)
+            ),
+            angle=merged[-1] if angle else None,
             contacts=tuple(self._contact_outputs(i, names) for i in range(len(kinds))),
             stored=tuple(self._stored(names)),
-            energies=tuple(self._energies(names)),
+            energies=tuple(energies),
             impacts=self._impacts(kinds, names),
         )
 
@@ -541,11 +563,12 @@ class _Deriver:
             velocity = graph.build(description.slip_velocity, names)
             guards.append(Guard(VELOCITY, contact, graph.mul(sign, velocity)))
         if kind == SLIP:
-            v, own = self._slip(contact).v, self._law_guards(contact)
-            first = self.pieced.index(contact) * len(own) if own else 0
-            for place, guard in enumerate(own, first):
-                node = graph.build(guard.subs(v, description.slip_velocity), names)
-                guards.append(Guard(PIECE, contact, node, place))
+            v = self._slip(contact).v
+            first = sum(self.laws[i].elements for i in self.pieced if i < contact)
+            for element, of_element in enumerate(self._law_guards(contact), first):
+                for way, guard in enumerate(of_element):
+                    node = graph.build(guard.subs(v, description.slip_velocity), names)
+                    guards.append(Guard(PIECE, contact, node, element * self.ways + way))
         if description.gap is not None or description.ends_at_zero_normal_force:
             guards.append(Guard(NORMAL, contact, normal))
         return guards
@@ -574,7 +597,7 @@ class _Deriver:
         )
 
     def _stored(self, names: Mapping[Expr, Node]) -> Iterator[Node]:
-        if self.of_case.stored is not None:
+        if self.setup.law.stored is not None:
             for contact, law in enumerate(self.laws):
                 stored = law.stored or (lambda slip, p: sympy.S.Zero)
                 energy = stored(self._slip(contact), self._law_parameters(contact))

@@ -11,12 +11,17 @@ into machine code.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from math import comb
 
-from fiv_cli.codegen.graph import Graph, Node
+from fiv_cli.codegen.graph import Graph, Node, reachable
 
 UNBOUNDED = 10**6  # degree of a series that does not end
+# What a value waits for: coefficients, sums, and what takes as long as several of them.
+WAITED_FOR = re.compile(r"[^\W\d]\w*_\d+|[-+]|/|\w\(")
+WAITS = {"+": 1, "-": 1, "/": 3}
+CALL = 10
 # Functions whose recurrence needs the series of another one of the same argument.
 PARTNER: dict[str, Callable[[Graph, Node], Node]] = {
     "sin": lambda graph, argument: graph.unary("cos", argument),
@@ -41,18 +46,6 @@ class Coefficients:
             slot = self._slots[node.index] = len(self.nodes)
             self.nodes.append(node)
         return f"c[{slot}]"
-
-
-def reachable(roots: Iterable[Node]) -> list[Node]:
-    """Varying nodes that `roots` depend on, arguments first."""
-    found: dict[int, Node] = {}
-    stack = [root for root in roots if not root.constant]
-    while stack:
-        node = stack.pop()
-        if node.index not in found:
-            found[node.index] = node
-            stack.extend(arg for arg in node.args if not arg.constant)
-    return [found[index] for index in sorted(found)]
 
 
 def pointwise(
@@ -273,6 +266,7 @@ class TaylorStep:
         self.graph, self.name = graph, graph.name
         self.coefficients = coefficients
         self.lines: list[str] = []
+        self.known_at: dict[str, int] = {}  # coefficient -> operations that it waits for
         self.nodes = self._needed_for([*self.values, *self.rates, *self.outputs])
         self.size = len(values)
         self.leaves = {
@@ -330,10 +324,18 @@ class TaylorStep:
             return leaf_degrees[node.index]
         inner = [self._degree(arg, degrees) for arg in node.args]
         if node.op == "linear":
-            return max(inner)
+            return min(max(inner), self._degree_by_rates(node))
         if node.op == "mul":
             return min(UNBOUNDED, sum(inner))
         return UNBOUNDED
+
+    def _degree_by_rates(self, node: Node) -> int:
+        """Degree of a sum of entries whose rates cancel: in stick two masses move as one."""
+        if any(arg.index not in self.leaves for arg in node.args):
+            return UNBOUNDED
+        rates = [self.rates[self.leaves[arg.index]] for arg in node.args]
+        rate = self.graph.linear(self.graph.zero, list(zip(node.value[1:], rates, strict=True)))
+        return 1 if rate.constant else UNBOUNDED
 
     def _degree(self, node: Node, degrees: dict[int, int]) -> int:
         return 0 if node.constant else degrees[node.index]
@@ -375,8 +377,7 @@ class TaylorStep:
         if k + 1 > self.degrees[leaf]:
             return
         rate = self._known(self.rates[position], k) or "0.0"
-        factor = _over(k + 1)
-        self.lines.append(f"    {self.leaf_names[leaf]}_{k + 1} = {rate}{factor}")
+        self._define(f"{self.leaf_names[leaf]}_{k + 1}", f"{rate}{_over(k + 1)}")
 
     def _known(self, node: Node, k: int) -> str:
         """Coefficient k of a series as text; empty when it is structurally zero."""
@@ -386,10 +387,27 @@ class TaylorStep:
         return f"{self.name(node)}_{k}" if k <= self.degrees[node.index] else ""
 
     def _assign(self, node: Node, k: int) -> None:
-        text = getattr(self, f"_series_{node.op}")(node, k)
-        self.lines.append(f"    {self.name(node)}_{k} = {text}")
+        self._define(f"{self.name(node)}_{k}", getattr(self, f"_series_{node.op}")(node, k))
         if node.op == "tanh":
-            self.lines.append(f"    {self.name(node)}q_{k} = {self._one_minus_square(node, k)}")
+            self._define(f"{self.name(node)}q_{k}", self._one_minus_square(node, k))
+
+    def _define(self, name: str, text: str) -> None:
+        self.lines.append(f"    {name} = {text}")
+        self.known_at[name] = 1 + self._waits(text)
+
+    def _waits(self, text: str) -> int:
+        """Operations after which all that `text` is made of is known, one after the other."""
+        waits = 0
+        for part in WAITED_FOR.findall(text):
+            if part.endswith("("):
+                waits += CALL
+            else:
+                waits = max(waits + WAITS.get(part, 0), self.known_at.get(part, 0))
+        return waits
+
+    def _sum(self, terms: Sequence[str]) -> str:
+        """Terms joined; those that are known first come first: they wait for no other."""
+        return _sum(sorted(terms, key=self._waits))
 
     def _series_time(self, node: Node, k: int) -> str:
         return "t" if k == 0 else "1.0"
@@ -402,23 +420,11 @@ class TaylorStep:
 
     def _series_linear(self, node: Node, k: int) -> str:
         terms = _constant_term(node, self.coefficients) if k == 0 else []
-        for weight, arg in sorted(
-            zip(node.value[1:], node.args, strict=True), key=lambda term: self._is_late(term[1])
-        ):
+        for weight, arg in zip(node.value[1:], node.args, strict=True):
             known = self._known(arg, k)
             if known:
                 terms.append(_weighted(weight, known, self.coefficients))
-        return _sum(terms)
-
-    def _is_late(self, node: Node) -> bool:
-        """Whether this is a velocity: of all that an order needs, it is known last.
-
-        Added last it makes an order wait for one sum, not for as many as there are terms.
-        """
-        if node.index not in self.leaves:
-            return False
-        rate = self.rates[self.leaves[node.index]]
-        return not rate.constant and rate.index not in self.leaves
+        return self._sum(terms)
 
     def _products(self, left: Node, right: Node, k: int, start: int, stop: int) -> list[str]:
         """Terms left_j * right_{k-j}, start <= j < stop, that are not structurally zero."""
@@ -428,23 +434,23 @@ class TaylorStep:
     def _series_mul(self, node: Node, k: int) -> str:
         left, right = node.args
         if left is not right:
-            return _sum(self._products(left, right, k, 0, k + 1))
+            return self._sum(self._products(left, right, k, 0, k + 1))
         return self._square(left, k)
 
     def _square(self, node: Node, k: int) -> str:
         """Coefficient k of a square: each pair once."""
         pairs = self._products(node, node, k, 0, (k + 1) // 2)
         middle = self._known(node, k // 2) if k % 2 == 0 else ""
-        terms = [f"2.0 * ({_sum(pairs)})"] if pairs else []
+        terms = [f"2.0 * ({self._sum(pairs)})"] if pairs else []
         if middle:
             terms.append(f"{middle} * {middle}")
-        return _sum(terms)
+        return self._sum(terms)
 
     def _series_div(self, node: Node, k: int) -> str:
         above, below = node.args
         rest = [self._known(above, k)] if self._known(above, k) else []
         rest += [f"-{term}" for term in self._products(node, below, k, 0, k)]
-        return f"({_sum(rest)}) / {self._known(below, 0)}"
+        return f"({self._sum(rest)}) / {self._known(below, 0)}"
 
     def _series_pow(self, node: Node, k: int) -> str:
         base, exponent = node.args[0], node.value
@@ -455,14 +461,14 @@ class TaylorStep:
             known = self._known(base, k - j)
             if known:
                 terms.append(f"{exponent * (k - j) - j!r} * {known} * {self.name(node)}_{j}")
-        return f"({_sum(terms)}) / ({float(k)!r} * {self._known(base, 0)})"
+        return f"({self._sum(terms)}) / ({float(k)!r} * {self._known(base, 0)})"
 
     def _series_sqrt(self, node: Node, k: int) -> str:
         base = self._known(node.args[0], k)
         if k == 0:
             return f"sqrt({base})"
         rest = ([base] if base else []) + [f"-{t}" for t in self._products(node, node, k, 1, k)]
-        return f"({_sum(rest)}) / (2.0 * {self.name(node)}_0)"
+        return f"({self._sum(rest)}) / (2.0 * {self.name(node)}_0)"
 
     def _chain(self, inner: Node, outer: Node, k: int) -> str:
         """sum of j inner_j outer_{k-j} over j = 1..k, divided by k."""
@@ -471,7 +477,7 @@ class TaylorStep:
             a, b = self._known(inner, j), self._known(outer, k - j)
             if a and b:
                 terms.append(f"{a} * {b}" if j == 1 else f"{float(j)!r} * {a} * {b}")
-        return f"({_sum(terms)}){_over(k)}"
+        return f"({self._sum(terms)}){_over(k)}"
 
     def _series_exp(self, node: Node, k: int) -> str:
         if k == 0:
@@ -479,15 +485,22 @@ class TaylorStep:
         return self._chain(node.args[0], node, k)
 
     def _series_log(self, node: Node, k: int) -> str:
-        base = node.args[0]
+        """w' a = a'."""
+        argument = node.args[0]
         if k == 0:
-            return f"log({self._known(base, 0)})"
-        rest = [self._known(base, k)] if self._known(base, k) else []
+            return f"log({self._known(argument, 0)})"
+        return self._quotient(argument, node, argument, k)
+
+    def _quotient(self, above: Node, node: Node, below: Node, k: int) -> str:
+        """Coefficient k > 0 of a node whose rate is that of `above` over `below`."""
+        terms = []
         for j in range(1, k):
-            known = self._known(base, k - j)
+            known = self._known(below, k - j)
             if known:
-                rest.append(f"-{j / k!r} * {self.name(node)}_{j} * {known}")
-        return f"({_sum(rest)}) / {self._known(base, 0)}"
+                terms.append(f"{float(j)!r} * {self.name(node)}_{j} * {known}")
+        rest = [self._known(above, k)] if self._known(above, k) else []
+        rest += [f"-({self._sum(terms)}){_over(k)}"] if terms else []
+        return f"({self._sum(rest)}) / {self._known(below, 0)}"
 
     def _series_sin(self, node: Node, k: int) -> str:
         """The two series need each other's lower orders."""
@@ -507,12 +520,7 @@ class TaylorStep:
         argument, root = node.args[0], self.partners[node.index]
         if k == 0:
             return f"asin({self._known(argument, 0)})"
-        terms = [self._known(argument, k)] if self._known(argument, k) else []
-        for j in range(1, k):
-            known = self._known(root, k - j)
-            if known:
-                terms.append(f"-{j / k!r} * {self.name(node)}_{j} * {known}")
-        return f"({_sum(terms)}) / {self._known(root, 0)}"
+        return self._quotient(argument, node, root, k)
 
     def _series_tanh(self, node: Node, k: int) -> str:
         """w' = (1 - w^2) a'."""
@@ -524,7 +532,7 @@ class TaylorStep:
             known = self._known(argument, j)
             if known:
                 terms.append(f"{float(j)!r} * {known} * {self.name(node)}q_{k - j}")
-        return f"({_sum(terms)}){_over(k)}"
+        return f"({self._sum(terms)}){_over(k)}"
 
     def _one_minus_square(self, node: Node, k: int) -> str:
         return f"{'1.0 ' if k == 0 else ''}- ({self._square(node, k)})"
@@ -622,11 +630,6 @@ class TangentStep(TaylorStep):
         if node.constant or node.index in self._own:
             return super()._known(node, k)
         return f"y[{self.motion.place(node, k)}]" if k <= self.motion.degrees[node.index] else ""
-
-    def _products(self, left: Node, right: Node, k: int, start: int, stop: int) -> list[str]:
-        """The terms with what is known last at the end: the others do not wait for it."""
-        terms = super()._products(left, right, k, start, stop)
-        return terms if left.index in self._own else terms[::-1]
 
     def _series_tangent(self, node: Node, k: int) -> str:
         return f"lanes[{node.value * (self.order + 1)}]"

@@ -78,7 +78,8 @@ class Generated:
     smooth : per contact, whether the law has no border at zero slip
     sliding : kinds of the contacts where all slide, stops open
     bounces : per contact, whether an impact gives something back
-    pieced : contacts whose law is given by pieces
+    pieced : contacts whose law is given by pieces, the name of that law, and whether it has
+        parameters of its own there
     n_stored : contacts whose stored energy is told: all or none
     zone : (start parameter, width parameter, contact) of the sector, or None
     texts : "flow", "tangent" and "jacobian"
@@ -94,7 +95,7 @@ class Generated:
     smooth: tuple[bool, ...]
     sliding: tuple[int, ...]
     bounces: tuple[bool, ...]
-    pieced: tuple[int, ...]
+    pieced: tuple[tuple[int, str, bool], ...]
     n_stored: int
     zone: tuple[str, str, int] | None
     texts: Mapping[str, str]
@@ -250,7 +251,7 @@ def _table(state: ContactState) -> dict[str, object]:
 
 def _saturating(state: ContactState) -> list[tuple[str, Node]]:
     """Functions, with their arguments, whose series says nothing of what lies off their plateau."""
-    from fiv_cli.codegen.emit import reachable
+    from fiv_cli.codegen.graph import reachable
 
     nodes = [node for node in reachable(state.rates) if node.op in PLATEAU_WEIGHTS]
     return [(node.op, node.args[0]) for node in nodes]

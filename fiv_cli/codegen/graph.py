@@ -8,7 +8,9 @@ combinations with constant weights, so a mass or a stiffness never costs an oper
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,10 +18,6 @@ import sympy
 
 if TYPE_CHECKING:
     from sympy import Expr
-
-# An inner sum is merged into an outer one up to this many terms: beyond it, sharing the inner
-# sum is cheaper (the normal force of a disc enters every modal equation).
-MERGED_TERMS = 4
 
 UNARY = ("exp", "log", "sqrt", "sin", "cos", "tanh", "asin")
 
@@ -45,6 +43,18 @@ class Node:
     constant: bool
 
 
+def reachable(roots: Iterable[Node]) -> list[Node]:
+    """Varying nodes that `roots` depend on, arguments first."""
+    found: dict[int, Node] = {}
+    stack = [root for root in roots if not root.constant]
+    while stack:
+        node = stack.pop()
+        if node.index not in found:
+            found[node.index] = node
+            stack.extend(arg for arg in node.args if not arg.constant)
+    return [found[index] for index in sorted(found)]
+
+
 class Graph:
     """Builds nodes, each once."""
 
@@ -53,6 +63,7 @@ class Graph:
         self._known: dict[tuple[object, ...], Node] = {}
         self._tangents: dict[int, Node] = {}
         self._names: dict[int, str] = {}
+        self._short = 1  # terms of a sum that is merged into another one where both are built
         self.zero = self.number(0.0)
         self.one = self.number(1.0)
 
@@ -102,10 +113,10 @@ class Graph:
         weights: dict[int, Node],
         members: dict[int, Node],
     ) -> Node:
-        """Add one term, merging short inner sums; returns the new constant term."""
+        """Add one term, merging an inner one; returns the new constant term."""
         if node.constant:
             return self._constant_sum(constant, self._constant_product(weight, node))
-        if node.op == "linear" and len(node.args) <= MERGED_TERMS:
+        if node.op == "linear" and len(node.args) <= self._short:
             constant = self._constant_sum(constant, self._constant_product(weight, node.value[0]))
             inner = zip(node.value[1:], node.args, strict=True)
             pairs = [(self._constant_product(weight, w), a) for w, a in inner]
@@ -116,6 +127,47 @@ class Graph:
             old = weights.get(a.index)
             weights[a.index] = w if old is None else self._constant_sum(old, w)
         return constant
+
+    @contextmanager
+    def merging(self, terms: int) -> Iterator[None]:
+        """Merge sums of up to so many `terms` here: what cancels then does, to the last digit."""
+        self._short, before = terms, self._short
+        yield
+        self._short = before
+
+    def merged(self, roots: Sequence[Node]) -> list[Node]:
+        """`roots` with inner sums merged into outer ones where that costs nothing.
+
+        A sum that several others contain is cheaper computed once (the normal force of a disc
+        enters every modal equation), one of few terms or in one place is not.
+        """
+        nodes = reachable(roots)
+        uses = Counter(arg.index for node in nodes if node.op == "linear" for arg in node.args)
+        shared = {arg.index for node in nodes if node.op != "linear" for arg in node.args}
+        shared |= {root.index for root in roots}
+        new: dict[int, Node] = {}
+        for node in nodes:
+            args = [new.get(arg.index, arg) for arg in node.args]
+            if node.op == "linear":
+                new[node.index] = self._rebuilt(node, args, shared)
+            else:
+                new[node.index] = self._node(node.op, tuple(args), node.value, node.constant)
+            count, times = len(new[node.index].args), uses[node.index]
+            if count > 2 and count * times > count + times:
+                shared.add(node.index)
+        return [new.get(root.index, root) for root in roots]
+
+    def _rebuilt(self, node: Node, args: Sequence[Node], shared: set[int]) -> Node:
+        """A sum of these new arguments, with those merged whose old ones are not shared."""
+        terms, constant = [], node.value[0]
+        for weight, old, arg in zip(node.value[1:], node.args, args, strict=True):
+            if arg.op != "linear" or old.index in shared:
+                terms.append((weight, arg))
+                continue
+            constant = self._constant_sum(constant, self._constant_product(weight, arg.value[0]))
+            pairs = zip(arg.value[1:], arg.args, strict=True)
+            terms += [(self._constant_product(weight, w), a) for w, a in pairs]
+        return self.linear(constant, terms)
 
     def add(self, *nodes: Node) -> Node:
         """Sum."""
@@ -246,14 +298,22 @@ class Graph:
         return self.unary(op, self._build(expression.args[0], names, done))
 
     def _quotient(self, product: Expr, names: Mapping[Expr, Node], done: dict[Expr, Node]) -> Node:
-        """A product with its negative powers collected in one denominator."""
-        above, below = self.one, self.one
+        """A product with its negative powers collected in one denominator.
+
+        Constant factors come last: products that differ in them alone are one node.
+        """
+        weight, above, below = self.one, self.one, self.one
         for factor in product.args:
             if factor.is_Pow and factor.exp.is_number and factor.exp.is_negative:
                 node = self.power(self._build(factor.base, names, done), -float(factor.exp))
                 below = self.mul(below, node)
+                continue
+            node = self._build(factor, names, done)
+            if node.constant:
+                weight = self.mul(weight, node)
             else:
-                above = self.mul(above, self._build(factor, names, done))
+                above = self.mul(above, node)
+        above = self.mul(weight, above)
         return self.div(above, below) if below is not self.one else above
 
     # --- derivatives ----------------------------------------------------------------------

@@ -109,8 +109,8 @@ def _shortened(force: Expr, unknowns: Sequence[Expr], atoms: dict[Expr, Expr]) -
 def _parameters(setup: Setup, symbols: Symbols, contacts: Sequence[Contact]) -> dict[Expr, str]:
     """Symbol -> name of every parameter, number of a piece, sign of slip, and of the zone."""
     found = {sympy.Symbol(f"p.{name}", real=True): name for name in setup.parameter_names}
-    pieced = [i for i, contact in enumerate(contacts) if setup.law_of(contact) is setup.law]
-    rows = [row for i in pieced for row in symbols.rows(i, *setup.law.shape)]
+    shapes = [setup.law_of(contact).shape for contact in contacts]
+    rows = [row for i, shape in enumerate(shapes) for row in symbols.rows(i, *shape)]
     found |= {symbol: symbol.name for row in rows for symbol in row}
     found |= {symbols.sign(i): f"sign.{i}" for i in range(len(contacts))}
     return found | {symbols.zone: "zone"}

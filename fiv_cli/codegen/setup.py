@@ -96,6 +96,21 @@ class Setup:
             )
         return law
 
+    def own_parameters(self, contact: int, known: Mapping[str, float]) -> dict[str, float]:
+        """Values of the parameters of the law of a contact that has its own."""
+        import sympy
+
+        from fiv_cli.models.symbols import Symbols
+
+        symbols = Symbols(self.structural)
+        mechanics = self.model.mechanics(symbols, self.options)
+        table = self.law_of(mechanics.contacts[contact]).parameters
+        values = {
+            sympy.Symbol(f"p.{name}", real=True): known[name] for name in self.parameter_names
+        }
+        told = mechanics.law_parameters_at(contact, table, symbols)
+        return {name: float(expression.subs(values)) for name, expression in told.items()}
+
     @cached_property
     def key(self) -> Hashable:
         """The same for two setups that make the same system."""

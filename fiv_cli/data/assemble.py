@@ -6,9 +6,10 @@ point: workers, chunks and order leave no trace, and memory is that of the datas
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import xarray as xr
@@ -25,7 +26,24 @@ from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
 
 Rows = NDArray[np.int64]
-Placed = tuple[Rows, Block]
+
+
+class Stored(Protocol):
+    """A block that may have to be read first: its outline is at hand."""
+
+    @property
+    def row_sizes(self) -> Mapping[str, NDArray[np.int32]]:
+        """As of the block."""
+
+    @property
+    def shapes(self) -> Mapping[str, tuple[int, ...]]:
+        """As of the block."""
+
+    def block(self) -> Block:
+        """The block."""
+
+
+Placed = tuple[Rows, Stored]
 """Positions of the rows of a block (negative: not part of the dataset), and the block."""
 
 Blocks = Callable[[], Iterable[Placed]]
@@ -66,8 +84,8 @@ def assemble(layout: Layout, blocks: Blocks, scratch: Path | None = None) -> xr.
     xarray.Dataset without global attributes; points that no block holds are ``pending``
     """
     assembly = _Assembly(layout, _survey(layout, blocks), scratch)
-    for number, (positions, block) in enumerate(blocks()):
-        assembly.fill(block, positions, number)
+    for number, (positions, stored) in enumerate(blocks()):
+        assembly.fill(stored.block(), positions, number)
     dataset = assembly.dataset()
     return follow_modes(dataset) if layout.kind == "eigenvalues" else dataset
 
@@ -77,14 +95,14 @@ def _survey(layout: Layout, blocks: Blocks) -> _Survey:
     for variable in layout.variables:
         if variable.ragged:
             survey.row_sizes[variable.ragged] = np.zeros(layout.size, np.int32)
-    for number, (positions, block) in enumerate(blocks()):
+    for number, (positions, stored) in enumerate(blocks()):
         placed = positions >= 0
         survey.owner[positions[placed]] = number
-        for group, sizes in block.row_sizes.items():
+        for group, sizes in stored.row_sizes.items():
             survey.row_sizes[group][positions[placed]] = sizes[placed]
-        for name, array in block.values.items():
-            known = survey.own_shapes.get(name, array.shape[1:])
-            survey.own_shapes[name] = tuple(map(max, known, array.shape[1:]))
+        for name, shape in stored.shapes.items():
+            known = survey.own_shapes.get(name, shape)
+            survey.own_shapes[name] = tuple(map(max, known, shape))
     return survey
 
 

@@ -56,6 +56,15 @@ class Block:
         return len(self.status)
 
     @property
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Variable -> shape of its own dims."""
+        return {name: array.shape[1:] for name, array in self.values.items()}
+
+    def block(self) -> Block:
+        """Itself, as of a stored block."""
+        return self
+
+    @property
     def nbytes(self) -> int:
         """Memory that the arrays take."""
         tables = self.values, self.row_sizes, self.ragged

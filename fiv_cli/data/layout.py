@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import prod
+from math import inf, prod
 
 from fiv_cli.analyses.base import Settings
 from fiv_cli.analyses.catalogue import variables_of
@@ -47,6 +47,7 @@ class Layout:
     varying : parameters that vary in time
     fixed : parameters that have one value at all points, SI
     internal : states of the friction laws, and what they store
+    reach : slip speed up to which the laws are known, m/s
     """
 
     name: str
@@ -59,6 +60,7 @@ class Layout:
     varying: tuple[Parameter, ...] = ()
     fixed: Mapping[str, float] = field(default_factory=dict)
     internal: tuple[State, ...] = ()
+    reach: float = inf
 
     @property
     def dim_names(self) -> tuple[str, ...]:
@@ -86,5 +88,5 @@ class Layout:
     @property
     def variables(self) -> tuple[Variable, ...]:
         """The variables of this analysis."""
-        model, more = get_model(self.model), (self.varying, self.internal)
+        model, more = get_model(self.model), (self.varying, self.internal, self.reach)
         return variables_of(self.kind, model, self.options, self.settings, *more)

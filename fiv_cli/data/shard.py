@@ -4,6 +4,9 @@ The file is built in memory and written under a temporary name in the same folde
 the disk and renamed, so that a crash at any instant leaves the old state or the new one. A shard
 that cannot be read as it was written is an `UnreadableShard`: its points are simply run again.
 
+Before what HDF5 reads stands a digest of that, where it leaves room to users. It is asked to open
+no file that does not match: at some damaged ones it never returns, or ends the process.
+
 All arrays lie one after the other in one dataset, `content`; `header` says in JSON what they are
 (of a file for each array, HDF5 takes most of the time that it takes to read a shard).
 """
@@ -22,14 +25,14 @@ import h5py
 import numpy as np
 
 from fiv_cli.data.block import Array, Block, from_plain, to_plain
-from fiv_cli.data.hdf5 import refuse_what_fiv_does_not_write
 from fiv_cli.errors import StorageError
 from fiv_cli.files import write_whole
 
 FORMAT = "fiv shard"
-VERSION = 2
-ARRAYS_APART = 1
-"""The version in which each array was a dataset of its own; runs of then go on."""
+VERSION = 3
+
+DIGEST_BYTES, BEFORE = 32, 512
+"""Of the sha256 of the file of HDF5, and of all that stands before that (no fewer can)."""
 
 ALIGNMENT = 8
 """Bytes; where each array begins is a multiple of it."""
@@ -54,13 +57,13 @@ def shard_bytes(block: Block, analysis: str) -> bytes:
     """The HDF5 file of a block, as bytes."""
     header, content = _packed(_to_arrays(block))
     image = io.BytesIO()
-    with h5py.File(image, "w") as file:
+    with h5py.File(image, "w", userblock_size=BEFORE) as file:
         file.attrs["format"] = FORMAT
         file.attrs["version"] = VERSION
         file.attrs["analysis"] = analysis
-        file.attrs["checksum"] = _checksum(header, content, analysis)
         file.create_dataset("header", data=header)
         file.create_dataset("content", data=content)
+    image.getbuffer()[:DIGEST_BYTES] = hashlib.sha256(image.getbuffer()[BEFORE:]).digest()
     return image.getvalue()
 
 
@@ -134,37 +137,42 @@ def _group(arrays: Mapping[str, Array], prefix: str) -> dict[str, Array]:
 
 
 def _verified_arrays(path: Path) -> tuple[dict[str, Array], str]:
-    """What is stored at `path`; a damaged file can fail in any way, and none may end a run."""
+    """What is stored at `path`; no file there may end a run, whatever it is."""
     try:
         if not path.is_file():
             raise ValueError("no file")
+        _verify(path)
         with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != FORMAT:
-                raise ValueError("not a shard")
-            refuse_what_fiv_does_not_write(file)
-            read = {VERSION: _arrays, ARRAYS_APART: _arrays_apart}[int(file.attrs["version"])]
-            analysis, stored = str(file.attrs["analysis"]), str(file.attrs["checksum"])
-            arrays, checksum = read(file, analysis)
+            if file.attrs["format"] != FORMAT or file.attrs["version"] != VERSION:
+                raise ValueError("not a shard of this version of fiv")
+            return _unpacked(file["header"][()], file["content"][()]), str(file.attrs["analysis"])
     except Exception as error:
         raise UnreadableShard(f"{type(error).__name__}: {error}") from error
-    if checksum != stored:
-        raise UnreadableShard("its checksum does not match its content")
-    return arrays, analysis
 
 
-def _arrays(file: h5py.File, analysis: str) -> tuple[dict[str, Array], str]:
-    """The arrays and their checksum."""
-    header, content = file["header"][()], file["content"][()]
-    return _unpacked(header, content), _checksum(header, content, analysis)
+def _verify(path: Path) -> None:
+    """ValueError where a file is not as it was written."""
+    with path.open("rb") as file:
+        file.seek(BEFORE)
+        if hashlib.file_digest(file, "sha256").digest() != digest_of(path):
+            raise ValueError("damaged, or of another version of fiv: its digest does not match")
+
+
+def digest_of(path: Path) -> bytes:
+    """The digest that a shard begins with."""
+    with path.open("rb") as file:
+        return file.read(DIGEST_BYTES)
 
 
 def _packed(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
     """Header and content of arrays."""
     table = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
-    pieces = [np.ascontiguousarray(array).tobytes() for array in arrays.values()]
-    padded = b"".join(piece + bytes(-len(piece) % ALIGNMENT) for piece in pieces)
-    header = json.dumps(table).encode()
-    return np.frombuffer(header, np.uint8), np.frombuffer(padded, np.uint8)
+    begins = np.cumsum([0, *(-(-array.nbytes // ALIGNMENT) for array in arrays.values())])
+    content = np.zeros(begins[-1] * ALIGNMENT, np.uint8)
+    for begin, array in zip((begins * ALIGNMENT).tolist(), arrays.values(), strict=False):
+        place = content[begin : begin + array.nbytes].view(array.dtype)
+        place.reshape(array.shape)[...] = array
+    return np.frombuffer(json.dumps(table).encode(), np.uint8), content
 
 
 def _unpacked(header: Array, content: Array) -> dict[str, Array]:
@@ -178,26 +186,6 @@ def _unpacked(header: Array, content: Array) -> dict[str, Array]:
     if begin != len(content):
         raise ValueError("its arrays are longer or shorter than it says")
     return arrays
-
-
-def _checksum(header: Array, content: Array, analysis: str) -> str:
-    """sha256 of all that a shard holds."""
-    digest = hashlib.sha256(f"{analysis}|{len(header)}|".encode())
-    digest.update(np.ascontiguousarray(header).data)
-    digest.update(np.ascontiguousarray(content).data)
-    return digest.hexdigest()
-
-
-def _arrays_apart(file: h5py.File, analysis: str) -> tuple[dict[str, Array], str]:
-    """The arrays of a shard of the version `ARRAYS_APART`, and their checksum."""
-    names: list[str] = []
-    file.visititems(lambda name, node: names.append(name) if hasattr(node, "shape") else None)
-    arrays = {name: file[name][()] for name in sorted(names)}
-    digest = hashlib.sha256(analysis.encode())
-    for name, array in arrays.items():
-        digest.update(f"{name}|{array.dtype.str}|{array.shape}|".encode())
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return arrays, digest.hexdigest()
 
 
 def _json_array(rows: Mapping[int, Any]) -> Array:

@@ -25,6 +25,9 @@ FASTEST = 3.0  # squares and powers, of nonlinear laws too, against the states
 KEPT_PIECES = ("pieces_before", "pieces_begun", "pieces_offered")
 MOST_OFFERS = 4  # candidates of a contact: stick, slip in both senses, separation
 
+NO_EXTREMES = dict.fromkeys(("reference", "least", "greatest", "squares"), np.zeros(0))
+"""What is measured of each state, where only energies are asked for."""
+
 # Steps after which a motion comes back for the first time: 0.2 s where they are slow.
 FIRST_STRIDE = 4000
 
@@ -33,11 +36,12 @@ FIRST_STRIDE = 4000
 def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
     """What a system's new motions copy (their scratch arrays are shared: one runs at a time).
 
-    With room for so many `events`, shared too, it is at hand for short motions one after another.
+    With room for so many `events`, shared too, it is at hand for short motions one after another,
+    and what carries tangents too, where that is loaded.
     """
     shown = _tables(system, solver) | _scratch(system) | _not_asked_for(system)
     if events:
-        shown |= {**ledger_of(events), **system.tangent_tables}
+        shown |= {**ledger_of(events), **vars(system).get("tangent_tables", {})}
     frame = Run.holding(shown, _own_lengths(system))
     for name, number in system.tables.numbers.items():
         setattr(frame, name, number)
@@ -56,10 +60,11 @@ def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
 
 
 def _begin_in_first_pieces(frame: Run, system: System, end: int) -> None:
-    """Every element of the law in its first piece; their numbers end there in the frame."""
+    """Every element of a law in its first piece; their numbers end there in the frame."""
     first = frame.parts["parameters"].start + system.n_own_parameters
     frame.place_own("rows", slice(first, end))
-    frame.rows[:] = np.tile(frame.piece_rows[0], system.n_elements)
+    frame.rows[:] = system.pieces.first_rows
+    frame.in_piece[:] = system.pieces.begun_in
 
 
 def _own_lengths(system: System) -> dict[str, int]:
@@ -69,7 +74,7 @@ def _own_lengths(system: System) -> dict[str, int]:
         "coefficients": max(system.generated.n_coefficients, 1),
         "y": len(system.state_names),
         "kinds": system.n_contacts,
-        "in_piece": system.n_elements,
+        "in_piece": len(system.pieces.begun_in),
         "known_zeros": system.tables.guard_kinds.shape[1],
     }
 
@@ -77,42 +82,9 @@ def _own_lengths(system: System) -> dict[str, int]:
 def _tables(system: System, solver: SolverSettings) -> dict[str, Array]:
     return {
         **system.tables.arrays(),
-        **_pieces(system),
+        **system.pieces.tables(system.state_names),
         "quadrature": quadratures(system.generated.order, solver.rtol),
     }
-
-
-def _pieces(system: System) -> dict[str, Array]:
-    """The pieces of a law as the driver reads them."""
-    law, contacts = system.setup.law, system.generated.pieced
-    exits = [exit for piece in law.pieces for exit in piece.exits]
-    count = max(len(law.pieces), 1)
-    leading = [-1 if exit is None else law.places[exit.to] for exit in exits]
-    anew = [exit is not None and exit.begins_anew for exit in exits]
-    none = (0,) * (len(exits) // count)
-    zeros = [none if exit is None else exit.zeros for exit in exits]
-    return {
-        "element_states": np.array(_states_of_elements(system), np.int64),
-        "element_contacts": np.repeat(np.array(contacts, np.int64), law.elements),
-        "piece_rows": np.array([piece.row for piece in law.pieces], float, ndmin=2),
-        "piece_exits": np.array(leading, np.int64).reshape(count, len(none)),
-        "piece_begins": np.array(anew, np.int64).reshape(count, len(none)),
-        "piece_zeros": np.array(zeros, np.int64, ndmin=2),
-    }
-
-
-def _states_of_elements(system: System) -> list[int]:
-    """Entry of the state vector of the first internal state of each element of the law."""
-    law, names = system.setup.law, system.state_names
-    own = len(law.states) // law.elements
-    if own == 0:
-        return [0] * system.n_elements
-    several = system.n_contacts > 1
-    return [
-        names.index(f"{state.name}_{contact + 1}" if several else state.name)
-        for contact in system.generated.pieced
-        for state in law.states[::own]
-    ]
 
 
 def _scratch(system: System) -> dict[str, Array]:
@@ -132,10 +104,11 @@ def _scratch(system: System) -> dict[str, Array]:
         "nodes": np.zeros((2, width * LANES)),
         **roots.scratch(order),
         "slip_velocities": np.zeros(contacts),
+        "greatest_slip": system.greatest_slip,
         **{
             name: np.zeros(contacts, np.int64) for name in ("code_before", "is_at_rest", "n_offers")
         },
-        **{name: np.zeros(system.n_elements, np.int64) for name in KEPT_PIECES},
+        **{name: np.zeros(len(system.pieces.begun_in), np.int64) for name in KEPT_PIECES},
         "offered_kinds": np.zeros((contacts, MOST_OFFERS), np.int64),
         "offered_signs": np.zeros((contacts, MOST_OFFERS), np.int64),
     }
@@ -145,8 +118,7 @@ def _not_asked_for(system: System) -> dict[str, Array]:
     """What stands for arrays that a motion may not need."""
     n, contacts = len(system.state_names), system.n_contacts
     return {
-        "reference": np.zeros(len(system.coordinates)),
-        **{name: np.zeros(n) for name in ("least", "greatest", "squares")},
+        **NO_EXTREMES,
         "shares": np.zeros((contacts, 3)),
         "works": np.zeros(len(system.setup.model.powers)),
         "section_times": np.zeros(1),
@@ -159,6 +131,13 @@ def _not_asked_for(system: System) -> dict[str, Array]:
         **ledger_of(0),
         "tangents": np.zeros((0, n)),
     }
+
+
+def extremes_of(reference: Vector, n: int) -> dict[str, Array]:
+    """What is measured of each of `n` states, before anything is."""
+    known = np.array(reference, dtype=float)
+    empty = np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n)
+    return dict(zip(NO_EXTREMES, (known, *empty), strict=True))
 
 
 def sample_width(system: System) -> int:

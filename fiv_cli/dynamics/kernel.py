@@ -195,6 +195,7 @@ class Run(Search):
     n_chained: int  # transitions at this instant
     n_grazings: int
     n_impacts: int
+    n_accumulations: int  # impacts that gave back too little to leave again
     # The element that has just left a piece and its row of `piece_zeros` (-1: none), or the
     # switching function that only touched zero (-1: none).
     left_element: int
@@ -241,6 +242,9 @@ class Run(Search):
     shares: Floats2  # time of each contact in slip, stick, separation
     works: Floats  # of each excitation
     quadrature: Floats2
+    # Of a law by pieces that is known up to a slip speed (else empty): that, or the greatest beyond
+    # it at the end of a step, of all motions of the system since it was set.
+    greatest_slip: Floats
 
     # --- scratch, written before it is read ---
     series: Floats
@@ -910,11 +914,11 @@ def take_samples(run: Run, index: int, tau: float) -> None:
         state_after(run, index, t, x, state)
         call_generated(run.field[index], run.coefficients, t + x, state, outputs)
         for i in range(run.n_states):
-            run.sample_states[row, i] = outputs[i]
-        for i in range(run.sample_outputs.shape[1]):
-            run.sample_outputs[row, i] = outputs[first + i]
+            run.sample_states[i, row] = outputs[i]
+        for i in range(run.sample_outputs.shape[0]):
+            run.sample_outputs[i, row] = outputs[first + i]
         for i in range(run.n_contacts):
-            run.sample_codes[row, i] = code_of(run.kinds[i], run.slip_signs[i])
+            run.sample_codes[i, row] = code_of(run.kinds[i], run.slip_signs[i])
         run.n_sampled += 1
 
 
@@ -1703,12 +1707,26 @@ def pass_event(
     take_up(run)
     if impacted:
         run.impact_loss += energy - kinetic_energy(run, state_index(run.kinds, run.n_contacts))
+        if run.bounces[contact] == 1 and run.kinds[contact] != SEPARATION:
+            run.n_accumulations += 1
     if with_tangents:
         saltate(run)
     if run.section_kind == SECTION_ZERO:
         section_at_event(run, sign_before, is_met)
     book_event(run, contact, impacted or border, residual)
     return GOING
+
+
+@native
+def look_at_slip(run: Run, index: int, tau: float) -> None:
+    """How fast contacts slip at the end of a step."""
+    end = run.time + tau
+    call_generated(run.field[index], run.coefficients, end, run.reached, run.outputs)
+    for element in range(len(run.in_piece)):
+        contact = run.element_contacts[element]
+        v = run.outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
+        if run.kinds[contact] == SLIP:
+            run.greatest_slip[0] = max(run.greatest_slip[0], abs(v))
 
 
 @native
@@ -1720,6 +1738,8 @@ def watch(run: Run, index: int, tau: float, measuring: bool) -> None:
         take_measures(run, index, tau)
     if len(run.tangents) > 0:
         move_tangents(run, index, tau)
+    if len(run.greatest_slip) > 0:
+        look_at_slip(run, index, tau)
 
 
 @native

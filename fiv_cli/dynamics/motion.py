@@ -27,7 +27,14 @@ from fiv_cli.codegen.codes import (
 )
 from fiv_cli.codegen.memory import call_generated
 from fiv_cli.dynamics import kernel
-from fiv_cli.dynamics.arrays import FIRST_STRIDE, blank_frame, ledger_of, sample_width
+from fiv_cli.dynamics.arrays import (
+    FIRST_STRIDE,
+    NO_EXTREMES,
+    blank_frame,
+    extremes_of,
+    ledger_of,
+    sample_width,
+)
 from fiv_cli.dynamics.compiled import DRIVER
 from fiv_cli.dynamics.settings import Section, SolverSettings
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
@@ -117,8 +124,8 @@ class Measures(NamedTuple):
         return np.array([self.least, self.greatest])
 
 
-# Sums that begin anew with every measuring; the largest residual does not.
-SUMS = tuple(name for name in Measures._fields if not kernel.Run.fields[name].kind.depth)[:-1]
+# Sums that begin anew with every measuring; the largest residual, behind them, does not.
+SUMS = slice(*(kernel.Run.fields[n].place for n in ("measured_time", "largest_residual")))
 
 
 class Ledger(NamedTuple):
@@ -144,7 +151,7 @@ LEDGER_OF = attrgetter(*(f"ledger_{name}" for name in Ledger._fields))
 
 @dataclass
 class Samples:
-    """The motion at given times.
+    """The motion at given times; what is told over time lies end to end in memory.
 
     Attributes
     ----------
@@ -334,14 +341,12 @@ class Motion:
 
         Without one only energies are measured and shares: half of what it takes.
         """
-        n, contacts = 0 if reference is None else len(self.y), self.system.n_contacts
-        for name in SUMS:
-            setattr(self.frame, name, 0.0)
-        self.frame.show("reference", np.array(() if reference is None else reference, float))
-        self.frame.show("least", np.full(n, np.inf))
-        self.frame.show("greatest", np.full(n, -np.inf))
-        self.frame.show("squares", np.zeros(n))
-        self.frame.show("shares", np.zeros((contacts, 3)))
+        self.frame.words[SUMS] = 0
+        self.frame.n_impacts = self.frame.n_accumulations = 0
+        measured = NO_EXTREMES if reference is None else extremes_of(reference, len(self.y))
+        for name, array in measured.items():
+            self.frame.show(name, array)
+        self.frame.show("shares", np.zeros((self.system.n_contacts, 3)))
         self.frame.show("works", np.zeros(len(self.system.setup.model.powers)))
 
     def carry_tangents(self, tangents: NDArray[np.float64]) -> None:
@@ -462,7 +467,7 @@ class Motion:
         if samples is not self.samples:
             self.samples = samples
             for name in ("times", "states", "outputs", "codes"):
-                self.frame.show(f"sample_{name}", getattr(samples, name))
+                self.frame.show(f"sample_{name}", getattr(samples, name).T)
 
     def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
@@ -497,26 +502,34 @@ class Motion:
 
     def rates(self) -> Vector:
         """Time derivative of the state; shape (n_states,). NaN where no contact state holds."""
-        y, outputs = self.y, self.frame.outputs
-        field = self.system.tables.field.item(self.state_index)
-        if field == 0:
-            return np.full(len(y), np.nan)
-        call_generated(field, self.coefficients, self.time, y, outputs)
-        return outputs[len(y) : 2 * len(y)].copy()
+        n = len(self.y)
+        return self._outputs()[0][n : 2 * n].copy()
+
+    def _outputs(self) -> tuple[Vector, int]:
+        """What the field function says of the state (until the next one), and where energies begin.
+
+        NaN where no contact state holds.
+        """
+        index, tables, outputs = self.state_index, self.system.tables, self.frame.outputs
+        field = tables.field.item(index)
+        if field:
+            call_generated(field, self.coefficients, self.time, self.y, outputs)
+        else:
+            outputs[:] = np.nan
+        return outputs, tables.energy_place.item(index)
 
     # --- energy ---------------------------------------------------------------------------------
     def energy(self) -> float:
         """Kinetic and potential energy, J; NaN where no contact state holds."""
-        if self.system.tables.field[self.state_index] == 0:
-            return float("nan")
-        energies = self._field(self.state_index).energies
-        return float(energies[KINETIC] + energies[POTENTIAL])
+        outputs, first = self._outputs()
+        return outputs.item(first + KINETIC) + outputs.item(first + POTENTIAL)
 
     def stored_energy(self) -> float:
-        """What friction has stored in all contacts, J; NaN where no contact state holds."""
-        if self.system.tables.field[self.state_index] == 0:
-            return float("nan")
-        return float(self._field(self.state_index).stored.sum())
+        """What friction has stored in all contacts, J; NaN of one in no contact state."""
+        if not self.system.generated.n_stored:
+            return 0.0
+        outputs, first = self._outputs()
+        return float(outputs[np.arange(-self.system.generated.n_stored, 0) + first].sum())
 
 
 def next_stride(stride: int, seconds: float) -> int:
@@ -549,9 +562,9 @@ def samples_at(system: System, times: Vector) -> Samples:
     contacts, count = system.n_contacts, len(times)
     return Samples(
         times,
-        np.zeros((count, len(system.state_names))),
-        np.zeros((count, sample_width(system))),
-        np.zeros((count, contacts), np.int64),
+        np.zeros((len(system.state_names), count)).T,
+        np.zeros((sample_width(system), count)).T,
+        np.zeros((contacts, count), np.int64).T,
     )
 
 

@@ -16,7 +16,9 @@ from fiv_cli.codegen.generate import JACOBIAN, JACOBIAN_ORDER, Generated, StateT
 from fiv_cli.codegen.generate import TANGENT as TANGENT_TEXT
 from fiv_cli.codegen.memory import call_generated
 from fiv_cli.codegen.setup import Setup
+from fiv_cli.dynamics.pieces import Pieces
 from fiv_cli.dynamics.rows import call_rows
+from fiv_cli.friction import get_law
 from fiv_cli.schedule import rate_of
 
 Vector = NDArray[np.float64]
@@ -98,6 +100,11 @@ class System:
         return tables
 
     @cached_property
+    def greatest_slip(self) -> Vector:
+        """Where its motions leave how fast they slip beyond what its law is known up to, m/s."""
+        return np.array([self.setup.law.reach] if self.setup.law.reach < np.inf else [])
+
+    @cached_property
     def sum_tangent(self) -> int:
         """Address of the function that sums the series of tangents, compiled on first use."""
         return self.generated.address("moved", TANGENT_TEXT)
@@ -169,22 +176,18 @@ class System:
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """`parameter_values`, first pieces, slip signs +1, sector 0; shape (n_parameters,)."""
         values = self.parameter_values(parameters)
-        return np.array([*values, *self.first_rows, *(1.0,) * self.n_contacts, 0.0])
+        return np.array([*values, *self.pieces.first_rows, *(1.0,) * self.n_contacts, 0.0])
 
-    @property
-    def first_rows(self) -> list[float]:
-        """The numbers of the pieces that the elements of the law begin in."""
-        return [x for piece in self.setup.law.pieces[:1] for x in piece.row] * self.n_elements
-
-    @property
-    def n_elements(self) -> int:
-        """Elements of the law, of all contacts, that are in a piece each."""
-        return len(self.generated.pieced) * self.setup.law.elements
+    @cached_property
+    def pieces(self) -> Pieces:
+        """What its laws are given by, where they are given by pieces."""
+        own, laws = self.setup.law, self.generated.pieced
+        return Pieces({i: own if name == own.name else get_law(name) for i, name, _ in laws})
 
     @property
     def n_own_parameters(self) -> int:
         """Parameters of model and law: numbers of pieces, slip signs and sector follow them."""
-        rows = self.n_elements * self.setup.law.shape[1]
+        rows = len(self.pieces.first_rows)
         return len(self.generated.parameter_names) - 1 - self.n_contacts - rows
 
     @cached_property
@@ -207,6 +210,11 @@ class System:
         if self.setup.model.derived is not None:
             known |= self.setup.model.derived.values(known, self.setup.options)
         return known | {rate_of(name): 0.0 for name in self.setup.schedule.names}
+
+    def told_to_law(self, contact: int, point: Mapping[str, float]) -> Mapping[str, float]:
+        """The parameters that the law of a contact, given by pieces, has there."""
+        own = {i for i, _, has_own in self.generated.pieced if has_own}
+        return self.setup.own_parameters(contact, self.known(point)) if contact in own else point
 
     @property
     def motions(self) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from fiv_cli.friction import (
     hysteretic,
     hysteretic_rough,
     jenkins,
+    karnopp,
     linear_regularisation,
     linear_slope,
     lugre,
@@ -28,6 +29,7 @@ from fiv_cli.friction import (
     stefanski,
     stribeck,
     stribeck_viscous,
+    switch,
     tanh,
     viscous,
 )
@@ -47,6 +49,8 @@ _LAWS: tuple[Law, ...] = (
     cubic.LAW,
     simscape.LAW,
     linear_regularisation.LAW,
+    switch.LAW,
+    karnopp.LAW,
     dahl.LAW,
     jenkins.LAW,
     reset_integrator.LAW,
@@ -61,11 +65,6 @@ _LAWS: tuple[Law, ...] = (
 )
 
 TANH_OF = "tanh of "
-DEVICES = ("karnopp", "switch")
-NO_LAW = (
-    "a device to find stick with a fixed step; here stick is located exactly, so that as a law it "
-    "would be Coulomb's or Stribeck's with a worse stick: write 'coulomb' or 'stribeck'"
-)
 
 
 def _with_regularised(laws: Iterable[Law]) -> dict[str, Law]:

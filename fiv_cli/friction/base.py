@@ -18,7 +18,7 @@ contain (`Slip.rows`); it is left where a guard falls to zero, which is an event
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -30,11 +30,23 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 
+HELD = {"D": "N", "m": "kg"}
+"""What `Slip.holding` is made of where there is no system: the force demanded, the mass; units."""
+
+
+def _held(rate: Expr) -> Expr:
+    import sympy
+
+    demand, mass = (sympy.Symbol(name, real=True) for name in HELD)
+    return demand - mass * rate
+
+
 @dataclass(frozen=True)
 class Slip:
     """The symbols a law is written in (SymPy): v m/s, sign, speed m/s, N newtons, states.
 
     `rows` are the numbers of the pieces that the elements of the law are in, an element each.
+    `holding(rate)` is the force F_T, N, under which v changes at this rate, m/s2.
     """
 
     v: Expr
@@ -43,6 +55,7 @@ class Slip:
     N: Expr
     states: Mapping[str, Expr] = field(default_factory=dict)
     rows: Sequence[Sequence[Expr]] = ()
+    holding: Callable[[Expr], Expr] = _held
 
 
 STORED = State("stored_energy", "E_s", "J", "energy that friction has stored")
@@ -127,7 +140,9 @@ class Law:
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
         a law by pieces, whose states never rest, so that there is no equilibrium
+    snaps : parameters -> events that a metre of steady slip brings; None: none
     surface : how it varies from place to place; None: it does not
+    reach : slip speed up to which it is known, m/s; beyond, it is assumed
     origin : where it stands, if not in the box
     """
 
@@ -151,7 +166,9 @@ class Law:
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
+    snaps: Callable[[Mapping[str, float]], float] | None = None
     surface: Surface | None = None
+    reach: float = float("inf")
     origin: Origin | None = None
 
     @property
@@ -200,9 +217,9 @@ class Law:
     def at_rest(self, v: float, parameters: Mapping[str, float]) -> list[int]:
         """Number of the piece that each element is in while it slides steadily at v, m/s.
 
-        The first one where there is no such state.
+        The first one where there is no such state, or nothing slides.
         """
-        if self.resting is None:
+        if self.resting is None or v == 0.0:
             return [0] * self.shape[0]
         return [self.places[name] for name in self.resting(v, parameters)]
 
@@ -231,3 +248,10 @@ class Law:
         """Parameter -> value: as given, else the default of its own table."""
         defaults = {p.name: p.default for p in self.parameters if p.default is not None}
         return followed(self.parameters, {**defaults, **given})
+
+
+def room_of_pieces(laws: Iterable[Law]) -> tuple[int, int]:
+    """Most numbers that a piece of any of these laws has, and most ways out of one."""
+    pieces = [piece for law in laws for piece in law.pieces]
+    longest = max((len(piece.row) for piece in pieces), default=0)
+    return longest, max((len(piece.exits) for piece in pieces), default=0)

@@ -203,4 +203,5 @@ def tabulated(name: str, text: str) -> Law:
         pieces=intervals(borders, names, rows),
         guards=lambda slip, p: [guards(slip.speed, slip.rows[0])],
         resting=lambda v, p: [names[bisect(borders, abs(v))]],
+        reach=table.speeds[-1],
     )

@@ -63,6 +63,7 @@ class Parameter:
     exclusive : the range is open at `minimum`
     role : what it is in any model (``"preload"``), so that another model's name for it leads to
         this one; what its unit says when left out
+    law : in a case: the law whose it is, or whose range is the narrowest
     """
 
     name: str
@@ -77,6 +78,7 @@ class Parameter:
     integer: bool = False
     default_from: str | None = None
     role: str = ""
+    law: str = ""
 
     def __post_init__(self) -> None:
         if not self.role:
@@ -93,7 +95,16 @@ class Parameter:
         if self.maximum != float("inf"):
             bounds.append(f"<= {self.maximum:g}")
         range_ = f", {' and '.join(bounds)}" if bounds else ""
-        return f"{kind}{unit}{range_} ({self.meaning})"
+        whose = f" of {self.law}" if self.law else ""
+        return f"{kind}{unit}{range_} ({self.meaning}{whose})"
+
+    def within(self, other: Parameter) -> Parameter:
+        """What both may be, where they are one quantity: that of two laws."""
+        low, lower = (self.minimum, self.exclusive), (other.minimum, other.exclusive)
+        if self.unit != other.unit or (low >= lower and self.maximum <= other.maximum):
+            return self
+        (least, exclusive), most = max(low, lower), min(self.maximum, other.maximum)
+        return replace(self, minimum=least, exclusive=exclusive, maximum=most, law=other.law)
 
     def read(self, value: object) -> float:
         """`value` of a case file in SI; ValueError when it is not allowed."""
@@ -385,6 +396,7 @@ class Model:
     states : generalised coordinates under given options
     options : switches
     contacts : number of contacts that `equations` returns
+    stops : how many of these are frictionless stops, whose impacts are counted
     constant_load : every contact is pressed by the same force at all times
     default_law : name of the friction law where a case names none
     law_defaults : law parameter -> default on this model; a name: the value of that parameter
@@ -418,6 +430,7 @@ class Model:
     law_defaults: Mapping[str, float | str]
     options: tuple[Option, ...] = ()
     contacts: int = 1
+    stops: int = 0
     constant_load: bool = False
     forcings: tuple[Forcing, ...] = ()
     revolution: Callable[[Mapping[str, float]], float] | None = None

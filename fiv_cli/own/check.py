@@ -14,7 +14,7 @@ from sympy import Expr
 
 from fiv_cli.errors import Problem
 from fiv_cli.flags import PIECES
-from fiv_cli.friction.base import Law, Slip
+from fiv_cli.friction.base import HELD, Law, Slip
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import listed
@@ -65,6 +65,11 @@ def _forces_of_law(law: Law) -> Iterator[Fault]:
         yield Fault(("Law", law.name, "rates"), message)
     found |= {f"rate of {n}": (rate, per_second(units[own[n]] or dimension("1")))
               for n, rate in rates.items() if n in own}  # fmt: skip
+    read = set().union(
+        *(sympy.sympify(expression).free_symbols for expression, _ in found.values())
+    )
+    held = {sympy.Symbol(name, real=True): dimension(unit) for name, unit in HELD.items()}
+    units |= {symbol: unit for symbol, unit in held.items() if symbol in read}
     for name, (expression, unit) in found.items():
         yield from _of_law(law, name, sympy.sympify(expression), unit, units)
 

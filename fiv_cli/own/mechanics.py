@@ -16,10 +16,19 @@ ROUNDING = 1e-9
 
 def mechanics(written: Written) -> Iterator[Fault]:
     """Missing inertia, forces that are not affine, friction that drives, loads that vary."""
+    yield from _stops(written)
     yield from _inertia(written)
     yield from _affine(written)
     yield from _friction_opposes_slip(written)
     yield from _constant_load(written)
+
+
+def _stops(written: Written) -> Iterator[Fault]:
+    found = sum(contact.is_stop for contact in written.equations.contacts)
+    if found != written.model.stops:
+        message = f"is {written.model.stops}, and of the contacts {found} are stops"
+        hint = f"write stops={found}: their impacts are counted"
+        yield Fault(("Model", written.model.name, "stops"), message, "", hint)
 
 
 def _inertia(written: Written) -> Iterator[Fault]:

@@ -21,6 +21,7 @@ _TYPES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "states": (callable, "lambda options: (State(...), ...), one alone with a comma behind it"),
     "equations": (callable, "a function equations(symbols, options)"),
     "contacts": (lambda value: isinstance(value, int), "how many contacts the equations return"),
+    "stops": (lambda value: isinstance(value, int), "how many of these are stops"),
 }
 
 

@@ -35,9 +35,10 @@ def axis_label(variable: xr.DataArray, name: str = "") -> str:
     name = name or str(variable.name)
     meaning = str(variable.attrs.get("long_name", ""))
     words = with_symbols(meaning) if 0 < len(meaning) <= LONGEST_MEANING else ""
+    is_formula = bool(words and FORMULA.search(meaning))
     if has_symbol(variable, name):
         own = f"${symbol(variable, name)}$"
-        before, formula, after = words.partition(" $") if words.endswith("$") else (words, "", "")
+        before, formula, after = words.partition(" $") if is_formula else (words, "", "")
         words = f"{before} {own} = ${after}" if formula else f"{words} {own}".strip()
     words = words or name.replace("_", " ")
     unit = unit_text(str(variable.attrs.get("units", "1")))

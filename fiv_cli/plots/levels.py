@@ -7,7 +7,7 @@ interval has a line for each end: the border is known where the two are one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -89,6 +89,16 @@ def _beside(plane: np.ndarray, level: float) -> str:
     if known.max() <= level:
         return "below"
     return "" if known.min() < level else "above"
+
+
+def missed(
+    array: xr.DataArray, planes: Sequence[Sequence[np.ndarray]], levels: Sequence[float]
+) -> Iterator[str]:
+    """Of each level that no plane reaches: why there is no line."""
+    for level in levels:
+        sides = {_beside(plane, level) for ends in planes for plane in ends}
+        if "" not in sides:
+            yield f"no line {_words(array, level)}: {' or '.join(sorted(sides))} everywhere"
 
 
 def overlay(

@@ -41,7 +41,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if settings.get("overlay"):
         return _overlaid(planes, lines, settings)
     refuse_many(planes.panels, planes.array, planes.dims)
-    words = "\n".join(part for part in (points.title(dataset), _how_run(dataset)) if part)
+    points.refuse_empty(dataset, bool(planes.computed.any()), str(planes.array.name))
+    missed = levels.missed(planes.array, [*map(planes.ends, planes.panels)], lines)
+    words = "\n".join(filter(None, (points.title(dataset), _how_run(dataset), *missed)))
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )

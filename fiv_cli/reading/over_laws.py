@@ -9,7 +9,9 @@ import numpy as np
 
 from fiv_cli.analyses.variables import Role
 from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.friction import all_laws
 from fiv_cli.reading import select
+from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import flag_names, numbers, variables_in
 
 if TYPE_CHECKING:
@@ -21,6 +23,8 @@ HEADING = (
     "laws, of the largest magnitude among them):"
 )
 OPEN = (NOT_COMPUTED, "undecided")  # no class
+OF_STICK = ("stick_fraction", "slip_fraction")  # say nothing of a law that never sticks
+NAMED = 4  # stretches of a grid that are named
 
 
 def spread(dataset: xr.Dataset) -> dict[str, Any]:
@@ -29,11 +33,13 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     variable -> of a class: at how many ``points`` it is known under every law, at how many of
-    these it is the ``same``, and law -> ``counts`` of the classes there, and at how many of them
-    it stands ``alone`` against all others, which agree; of a number: at how many ``points`` it is
-    known under every law, the ``median`` and ``greatest`` spread there (greatest less least over
-    the laws, relative to the largest magnitude among them), and law -> at how many points it gives
-    the ``lowest`` and the ``highest``. Numbers that differ nowhere are left out.
+    these it is the ``same``, where it ``differs``, and law -> ``counts`` of the classes there, and
+    at how many of them it stands ``alone`` against all others, which agree; of a number: at how
+    many ``points`` it is known under every law, the ``median`` and ``greatest`` spread there
+    (greatest less least over the laws, relative to the largest magnitude among them), where the
+    greatest lies (``at``), and law -> at how many points it gives the ``lowest`` and the
+    ``highest``. Numbers that differ nowhere are left out; of shares of stick and slip the laws
+    ``without`` stick are.
     """
     if LAWS not in dataset["status"].dims or dataset.sizes[LAWS] < 2:
         return {}
@@ -41,16 +47,21 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     asked = [v.name for v in variables_in(dataset, Role.CLASS, Role.ANSWER, Role.SHARE)]
     counts = {str(sizes.name) for sizes in select.ragged_dims(dataset).values()}
     held = [dataset[name] for name in asked if name in dataset.keys() - counts]
-    told = {
-        str(variable.name): _of_class(variable)
-        if flag_names(variable.attrs)
-        else _of_number(variable)
-        for variable in held
-        if variable.dims == grid
-    }
+    told = {str(variable.name): _told(variable) for variable in held if variable.dims == grid}
     return {
         name: facts for name, facts in told.items() if facts["points"] and facts.get("greatest", 1)
     }
+
+
+def _told(variable: xr.DataArray) -> dict[str, Any]:
+    if flag_names(variable.attrs):
+        return _of_class(variable)
+    known, laws = all_laws(), variable[LAWS].values.tolist()
+    smooth = [law for law in laws if law in known and known[law].capacity is None]
+    if variable.name not in OF_STICK or not smooth:
+        return _of_number(variable)
+    rest = variable.drop_sel({LAWS: smooth})
+    return (_of_number(rest) if rest.sizes[LAWS] > 1 else {"points": 0}) | {"without": smooth}
 
 
 def _of_class(variable: xr.DataArray) -> dict[str, Any]:
@@ -58,7 +69,9 @@ def _of_class(variable: xr.DataArray) -> dict[str, Any]:
     unknown = [code for code, name in names.items() if name in OPEN]
     known = (~variable.isin(unknown)).all(LAWS)
     facts: dict[str, Any] = {"points": int(known.sum())}
-    facts |= {"same": int((known & _agrees(variable)).sum()), "counts": {}, "alone": {}}
+    differs = known & ~_agrees(variable)
+    facts |= {"same": facts["points"] - int(differs.sum()), "differs": _stretches(differs)}
+    facts |= {"counts": {}, "alone": {}}
     for law in variable[LAWS].values.tolist():
         own, others = variable.sel({LAWS: law}), variable.drop_sel({LAWS: law})
         counts = {name: int((known & (own == code)).sum()) for code, name in names.items()}
@@ -77,12 +90,13 @@ def _of_number(variable: xr.DataArray) -> dict[str, Any]:
     values = numbers(variable)
     low, high = values.min(LAWS, skipna=False), values.max(LAWS, skipna=False)
     scale = abs(values).max(LAWS)
-    relative = ((high - low) / scale.where(scale > 0.0, 1.0)).values.ravel()
-    known = relative[np.isfinite(relative)]
+    relative = (high - low) / scale.where(scale > 0.0, 1.0)
+    known = relative.values[np.isfinite(relative.values)]
     if not known.size:
         return {"points": 0}
     middle, worst = float(np.median(known)), float(known.max())
-    facts = {"points": int(known.size), "median": middle, "greatest": worst}
+    place = point_name(relative, int(np.nanargmax(relative.values)))
+    facts = {"points": int(known.size), "median": middle, "greatest": worst, "at": place}
     return facts | {
         name: {
             law: int((values.sel({LAWS: law}) == end).where(high > low, False).sum())
@@ -90,6 +104,20 @@ def _of_number(variable: xr.DataArray) -> dict[str, Any]:
         }
         for name, end in {"lowest": low, "highest": high}.items()
     }
+
+
+def _stretches(marked: xr.DataArray) -> list[str]:
+    """Names of the marked points; neighbours along the longest axis of numbers are one."""
+    axes = [c for c in marked.coords.values() if c.ndim == 1 and select.is_numeric(c)]
+    if not axes:
+        return [point_name(marked, row) for row in np.flatnonzero(marked.values).tolist()]
+    axis = max(axes, key=lambda axis: axis.size)
+    along = marked.transpose(..., axis.dims[0])
+    edges = np.diff(along.values.reshape(-1, axis.size), prepend=False, append=False)
+    ends = np.argwhere(edges).reshape(-1, 2, 2).tolist()  # (row, begin) and (row, one behind)
+    names = [point_name(along, row * axis.size + begin) for (row, begin), _ in ends]
+    lasts = [f" to {axis.values[end - 1]:g}" * (end - begin > 1) for (_, begin), (_, end) in ends]
+    return [name + last for name, last in zip(names, lasts, strict=True)]
 
 
 def lines(spreads: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -103,11 +131,16 @@ def _lines(name: str, facts: Mapping[str, Any]) -> Iterator[str]:
     """A line for a number; of a class, one more for each law."""
     if "same" not in facts:
         spread = f"spread {facts['median']:.3g} (median), {facts['greatest']:.3g} at most"
+        spread += f" ({facts['at']})" * bool(facts["at"])
         ends = ", ".join(f"{end} under {_most(facts[end])}" for end in ("lowest", "highest"))
-        yield f"    {name:<20} {spread}, at {facts['points']} points; most often {ends}"
+        without = ", ".join(facts.get("without", ()))
+        left = f"; not of {without}, without stick" * bool(without)
+        yield f"    {name:<20} {spread}, at {facts['points']} points; most often {ends}{left}"
         return
     agreed = f"the same at {facts['same']} of {facts['points']} points known under every law"
-    yield f"    {name:<20} {agreed}"
+    named, more = facts["differs"][:NAMED], len(facts["differs"]) - NAMED
+    elsewhere = f"; not at {'; '.join(named)}" + f"; and {more} more" * (more > 0)
+    yield f"    {name:<20} {agreed}{elsewhere * any(named)}"
     for law, counts in facts["counts"].items():
         classes = ", ".join(f"{one} {count}" for one, count in counts.items())
         alone = f"; alone at {facts['alone'][law]}" if facts["alone"][law] else ""

@@ -191,3 +191,36 @@ def row_of_each(sizes: xr.DataArray) -> np.ndarray:
     """Flat (C order) index of the row that each observation belongs to, shape (observations,)."""
     flat = sizes.values.ravel()
     return np.repeat(np.arange(flat.size), flat)
+
+
+def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """The values of the ragged variable `name`, each with the coordinates of its point.
+
+    Where datasets of the same axes were joined along a parameter (``xr.concat``), what fills up
+    the shorter ones is left out.
+
+    Raises
+    ------
+    SelectionError : there is no such variable, it has a value for each point, or the axes of what
+        was joined differed: nothing tells then which values belong where
+    """
+    sizes = row_sizes(dataset, name) if name in dataset else None
+    if sizes is None:
+        ragged = {str(v) for dim in ragged_dims(dataset) for v in dataset if dim in dataset[v].dims}
+        known = ", ".join(sorted(ragged)) or "none here"
+        raise SelectionError(f"{name}: not of any number of values per point\nthese are: {known}")
+    obs = str(sizes.attrs["sample_dimension"])
+    if sizes.isnull().any():
+        each = f'xr.concat([api.observations(run, "{name}") for run in runs], "{obs}")'
+        raise SelectionError(f"the axes of the joined datasets differ\nnext: {each}")
+    joined = [dim for dim in dataset[name].dims if dim != obs]
+    rows = sizes.transpose(*joined, ...).astype(int)
+    counts = rows.values.reshape(*(rows.sizes[dim] for dim in joined), -1).sum(axis=-1)
+    kept = np.arange(dataset.sizes[obs]) < counts[..., None]
+    row = row_of_each(rows)
+    of_points = {
+        str(axis): (obs, xr.broadcast(rows, coord)[1].values.ravel()[row], coord.attrs)
+        for axis, coord in rows.coords.items()
+    }
+    values = dataset[name].transpose(*joined, obs)
+    return xr.DataArray(values.values[kept], of_points, [obs], name, values.attrs)

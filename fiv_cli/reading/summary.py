@@ -11,7 +11,7 @@ import numpy as np
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.data.refined import described
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
-from fiv_cli.reading import over_laws, select
+from fiv_cli.reading import over_laws, select, shares
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import flag_names, is_class, numbers, variables_in
 from fiv_cli.reading.scans import scanned
@@ -49,6 +49,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
             flag.name: _counts(dataset[flag.name], dataset["status"].ndim)
             for flag in variables_in(dataset, Role.STATUS, Role.CLASS)
         },
+        "shares": shares.shares(dataset),
         "advice": _advice(dataset),
         "ranges": _ranges(dataset),
         "trust": {
@@ -165,6 +166,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         f"{name or 'points'}: {dims}",
         *(f"  {axis:<22} {_axis_line(facts)}" for axis, facts in part["axes"].items()),
         *_count_lines(part),
+        *shares.lines(part["shares"]),
         *(f"  {key:<22} {_range_line(facts)}" for key, facts in part["ranges"].items()),
         *_scan_lines(part),
         *over_laws.lines(part["over_laws"]),
@@ -187,6 +189,8 @@ def _axis_line(axis: Mapping[str, Any]) -> str:
         names = axis["values"]
         listed = names if len(names) <= MOST_NAMES else [names[0], "...", names[-1]]
         return ", ".join(listed) + (f", {len(names)} values" if listed != names else "")
+    if axis["size"] == 1:
+        return f"{axis['first']:g}{_unit(axis)}"
     return f"{axis['first']:g} to {axis['last']:g}{_unit(axis)}, {axis['size']} values"
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.analyses.variables import SLIP_BEYOND
 from fiv_cli.flags import REASON, STATUS, TABLES, advice
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ class Answer:
         the end of a chain none
     asked, open : points that were run, and those of them that have no answer
     not_reached : points behind the end of a chain
+    beyond : points whose friction was not measured, in words; empty where there are none
     """
 
     name: str
@@ -38,6 +40,7 @@ class Answer:
     asked: int
     open: int
     not_reached: int
+    beyond: str
 
     def lines(self) -> Iterator[str]:
         """For people."""
@@ -50,6 +53,8 @@ class Answer:
             yield f"    and {len(self.reasons) - MOST_REASONS} reasons more: fiv show"
         if 2 * self.open > self.asked:
             yield f"  WARNING: {self.open} of {self.asked} points of {self.name} have no answer"
+        if self.beyond:
+            yield f"  WARNING: {self.beyond}"
         if self.not_reached:
             yield (
                 f"  WARNING: {self.not_reached} points of {self.name} lie behind the end of what "
@@ -81,6 +86,27 @@ def _answer(journal: Journal, index: int) -> Answer:
         asked=int(asked.sum()),
         open=int((failed | undecided).sum()),
         not_reached=int(behind.sum()),
+        beyond=_beyond(journal, index),
+    )
+
+
+def _beyond(journal: Journal, index: int) -> str:
+    """How many points slip faster than their law is known, and where fastest; or nothing."""
+    analysis = journal.plan.analyses[index]
+    reach, slips = analysis.layout.reach, np.full(analysis.size, np.nan)
+    if reach < np.inf:
+        for positions, block in journal.blocks(index):
+            some, found = positions >= 0, block.values.get(SLIP_BEYOND.name)
+            if found is not None:
+                slips[positions[some]] = found[some]
+    count = int(np.isfinite(slips).sum())
+    if count == 0:
+        return ""
+    fastest = int(np.nanargmax(slips))
+    return (
+        f"{count} of {analysis.size} points of {analysis.layout.name} slip faster than friction "
+        f"was measured, {reach:g} m/s, the fastest at {slips[fastest]:.3g} m/s "
+        f"(at {analysis.named(fastest)}); there it is that of the last row"
     )
 
 

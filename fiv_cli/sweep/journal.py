@@ -65,12 +65,15 @@ class Shard:
     path : its file
     positions : of its rows; -1: not a point of this plan
     nbytes : that its arrays take
+    row_sizes, shapes : of the block
     kept : the block itself; None where it is read again when it is needed
     """
 
     path: Path
     positions: Positions
     nbytes: int
+    row_sizes: Mapping[str, NDArray[np.int32]]
+    shapes: Mapping[str, tuple[int, ...]]
     kept: Block | None
 
     def block(self) -> Block:
@@ -293,7 +296,8 @@ class Journal:
         placed = positions >= 0
         kept = block if self._kept + block.nbytes <= KEPT else None
         self._kept += 0 if kept is None else block.nbytes
-        record.shards.append(Shard(path, positions, block.nbytes, kept))
+        sizes = {group: sizes.copy() for group, sizes in block.row_sizes.items()}
+        record.shards.append(Shard(path, positions, block.nbytes, sizes, block.shapes, kept))
         record.status[positions[placed]] = block.status[placed]
         record.reason[positions[placed]] = block.reason[placed]
         layout, maps = self.plan.analyses[index].layout, self.plan.analyses[index].maps
@@ -314,15 +318,20 @@ class Journal:
         filled = np.full(count, STATUS.codes[NOT_COMPUTED], np.int8)
         return np.concatenate([record.status[record.wanted()], filled])
 
-    def blocks(self, index: int) -> Iterator[Placed]:
-        """The stored blocks of an analysis with the positions of their rows, in order.
+    def blocks(self, index: int) -> Iterator[tuple[Positions, Block]]:
+        """The stored blocks of an analysis with the positions of their rows, in order."""
+        for positions, stored in self.stored(index):
+            yield positions, stored.block()
+
+    def stored(self, index: int) -> Iterator[Placed]:
+        """The same with the blocks as they are stored.
 
         What a refined analysis did not ask for (of a full grid that was run before) is left out.
         """
         wanted = self.records[index].wanted()
         for shard in self.records[index].shards:
             positions = shard.positions
-            yield np.where((positions >= 0) & wanted[positions], positions, -1), shard.block()
+            yield np.where((positions >= 0) & wanted[positions], positions, -1), shard
 
     def costs(self, index: int) -> NDArray[np.float32]:
         """What each point that is left will take, s: as those do that are known on either side."""

@@ -309,6 +309,7 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
         varying=case.varying,
         fixed=_fixed(template),
         internal=case.internal,
+        reach=case.reach,
     )
     maps = None if case.refinement is None else maps_of(layout, case.refinement)
     return AnalysisPlan(template, layout, maps)

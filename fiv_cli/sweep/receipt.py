@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import fiv_cli
-from fiv_cli.data.shard import write_atomically
+from fiv_cli.data.shard import digest_of, write_atomically
 from fiv_cli.errors import StorageError
 
 NAME = "dataset.json"
@@ -22,8 +22,8 @@ NAME = "dataset.json"
 def made_from(shards: Iterable[Path], attributes: Mapping[str, Any]) -> str:
     """Digest of all that decides a dataset: shards, global attributes, the program itself."""
     digest = hashlib.sha256(json.dumps(attributes, default=str).encode())
-    program = sorted(Path(fiv_cli.__file__).parent.rglob("*.py"))
-    for path in (*shards, *program):
+    digest.update(b"".join(map(digest_of, shards)))
+    for path in sorted(Path(fiv_cli.__file__).parent.rglob("*.py")):
         digest.update(f"{path.name}|".encode() + hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()
 
@@ -33,8 +33,9 @@ def is_made(folder: Path, output: Path, sources: str) -> bool:
     path = folder / NAME
     try:
         receipt = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
-        return bool(receipt == _receipt(output, sources))
-    except (OSError, ValueError, RecursionError):
+        is_same = receipt is not None and receipt["made_from"] == sources
+        return bool(is_same and receipt == _receipt(output, sources))
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return False
 
 

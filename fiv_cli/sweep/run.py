@@ -234,7 +234,7 @@ def _assembled(journal: Journal, index: int) -> xr.Dataset:
     from fiv_cli.data.refined import fill_in
 
     analysis, stage = journal.plan.analyses[index], journal.records[index].stage
-    dataset = assemble(analysis.layout, partial(journal.blocks, index), journal.folder)
+    dataset = assemble(analysis.layout, partial(journal.stored, index), journal.folder)
     maps = analysis.maps
     if maps is None or stage is None:
         return dataset

@@ -20,6 +20,7 @@ from fiv_cli.analyses.variables import (
     Variable,
     count,
     extremes,
+    impacts,
     own_section,
     section_value,
     share,
@@ -86,6 +87,7 @@ def variables(subject: Subject) -> list[Variable]:
         *extremes(states, rms=True),
         Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
         *MULTIPLIERS,
+        *impacts(subject, "over a period, or over L_s_window"),
         *_powers(subject),
         *OF_STEADY_STATE,
     ]

@@ -65,9 +65,9 @@ def _is_apart(points: Floats2, scales: Floats, row: int, m: int, tolerance: floa
 
 @native
 def _repetition(points: Floats2, scales: Floats, count: int, m: int) -> float:
-    """Largest difference of the last m points from those m earlier."""
+    """Largest difference of the last m points, of which there is one m earlier, from that."""
     worst = 0.0
-    for back in range(m):
+    for back in range(min(m, count - m)):
         worst = max(worst, _distance(points, scales, count - 1 - back, m))
     return worst
 

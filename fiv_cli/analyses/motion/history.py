@@ -12,6 +12,7 @@ from fiv_cli.analyses.variables import (
     axis,
     count,
     detail,
+    impacts,
     motions,
     trust,
 )
@@ -64,6 +65,7 @@ def variables(subject: Subject) -> list[Variable]:
         Variable("other_work", "J", "work of all other forces"),
         *(Variable(f"{n}_work", "J", f"work of {words}") for n, words in subject.powers.items()),
         Variable("impact_loss", "J", "energy lost in impacts"),
+        *impacts(subject, "up to t_end"),
         *([_FRICTION_LOSS] if STORED in subject.internal else ()),
         *EVENTS,
         INITIAL_STATE,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.base import Outcome, Request, Settings
 from fiv_cli.analyses.common import (
     balance,
+    impacts,
     initial_state,
     rest_of,
     start_motion,
@@ -24,7 +25,7 @@ from fiv_cli.codegen.codes import CODE_PIECE
 from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
 from fiv_cli.dynamics.system import System, Vector
 from fiv_cli.flags import CONTACT_EVENT
-from fiv_cli.friction.base import STORED, Law
+from fiv_cli.friction.base import STORED
 
 DEFAULT_SAMPLES = 2000
 LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
@@ -35,7 +36,8 @@ def record(system: System, request: Request) -> Outcome:
 
     On discs also the displacement w at the points asked for.
     """
-    motion, settings = begun(system, request), request.settings
+    room = LEDGER_ROWS + system.n_contacts  # several at one instant
+    motion, settings = begun(system, request, room), request.settings
     if isinstance(motion, Outcome):
         return motion
     times = sample_times(settings)
@@ -48,8 +50,9 @@ def record(system: System, request: Request) -> Outcome:
     outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
     if settings["points"]:
         outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
-    codes = _codes_of_events(system.setup.law)
-    outcome.values |= initial | trust(motion) | _works(motion, energy_before, stored_before)
+    codes = _codes_of_events(system)
+    outcome.values |= initial | trust(motion) | impacts(motion)
+    outcome.values |= _works(motion, energy_before, stored_before)
     outcome.ragged |= {
         "event_time": ledger.times,
         "event_from": codes[ledger.before],
@@ -61,9 +64,10 @@ def record(system: System, request: Request) -> Outcome:
 
 
 @cache
-def _codes_of_events(law: Law) -> NDArray[np.int64]:
-    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of the law."""
-    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in law.events)])
+def _codes_of_events(system: System) -> NDArray[np.int64]:
+    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of laws."""
+    words = system.pieces.events
+    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)])
 
 
 def sample_times(settings: Settings) -> Vector:
@@ -78,28 +82,32 @@ def sample_times(settings: Settings) -> Vector:
     return times if reached else np.append(times, t_end)
 
 
-def begun(system: System, request: Request) -> Motion | Outcome:
-    """The motion from the start; an equilibrium is looked for only where it needs one."""
+def begun(system: System, request: Request, events: int = 0) -> Motion | Outcome:
+    """The motion from the start; an equilibrium is looked for only where it needs one.
+
+    `events` : room for a ledger that is kept from the start
+    """
     assert request.start is not None
     given = request.start.kind == "state"
     solutions = [] if given else rest_of(system, request)[1]
-    return start_motion(system, request, solutions[0] if solutions else None)
+    return start_motion(system, request, solutions[0] if solutions else None, events)
 
 
 def _run_with_ledger(
     motion: Motion, t_end: float, samples: Samples
 ) -> tuple[Ledger, Outcome | None]:
-    """Run to `t_end`, stopping whenever the ledger is full to make it longer."""
+    """Run to `t_end`, stopping whenever the ledger is full to go on with an empty one."""
     pages: list[Ledger] = []
     budget = motion.frame.max_events
     while True:
-        motion.keep_ledger(LEDGER_ROWS + motion.system.n_contacts)  # several at one instant
+        motion.frame.n_ledger = 0
         motion.frame.max_events = min(budget, motion.n_events + LEDGER_ROWS)
         stop = motion.run(t_end, samples=samples, measuring=True)
-        pages.append(deepcopy(motion.ledger))  # the next page has the same room
+        pages.append(motion.ledger)
         page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
         if not page_full:
             return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
+        pages[-1] = deepcopy(pages[-1])  # the next page has the same room
 
 
 def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
@@ -115,10 +123,13 @@ def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
 
 def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
     """The states of the friction law over time, and what it has stored."""
-    states = system.setup.law.states
-    own = samples.states[:, len(system.motions) :]
-    by_contact = own.reshape(len(own), system.n_contacts, len(states))
-    found = {s.name: _contact_rows(by_contact[:, :, i]) for i, s in enumerate(states)}
+    found, several = {}, system.n_contacts > 1
+    for state in system.setup.law.states:
+        names = [f"{state.name}_{contact + 1}" for contact in range(system.n_contacts)]
+        places = [system.places.get(name) for name in (names if several else [state.name])]
+        none = np.full(len(samples.times), np.nan)  # of a contact with a law of its own
+        rows = [none if place is None else samples.states[:, place] for place in places]
+        found[state.name] = _contact_rows(np.column_stack(rows))
     return found | ({STORED.name: _contact_rows(samples.stored)} if samples.stored.size else {})
 
 

@@ -1,0 +1,74 @@
+"""What shares of the starts that were drawn at random reach each class, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.case.overrides import apply_overrides, parse_override
+from fiv_cli.case.toml import parse_toml
+from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.reading.datasets import flag_names, is_class
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Share = tuple[float, float]
+"""A share of n starts drawn at random and its standard error, sqrt(p (1 - p) / n)."""
+
+
+def shares(dataset: xr.Dataset) -> dict[str, Any]:
+    """Label of random starts -> class -> its ``least`` and ``greatest`` `Share` over the grid."""
+    if "attractor" not in dataset or "initial" not in dataset.coords:
+        return {}
+    families = [str(label).rpartition("-")[0] for label in dataset["initial"].values]
+    drawn = {label: np.flatnonzero([f == label for f in families]) for label in _drawn(dataset)}
+    return {
+        label: _of_classes(dataset["attractor"].isel(initial=members))
+        for label, members in drawn.items()
+        if members.size
+    }
+
+
+def _drawn(dataset: xr.Dataset) -> Iterator[str]:
+    """Labels of the random starts of the case of a dataset."""
+    case = parse_toml(str(dataset.attrs.get("case", "")))
+    overrides = map(parse_override, str(dataset.attrs.get("overrides", "")).splitlines())
+    changed, *_ = apply_overrides(case, [*overrides])
+    for start in changed.get("initial", ()):
+        if start["kind"] == "random":
+            yield start.get("label", "random")
+
+
+def _of_classes(reached: xr.DataArray) -> dict[str, dict[str, Share]]:
+    count = (~is_class(reached, (NOT_COMPUTED,))).sum("initial")
+    found = {}
+    for code, name in flag_names(reached.attrs).items():
+        share = ((reached == code).sum("initial") / count.where(count > 0)).values.ravel()
+        if name != NOT_COMPUTED and np.nanmax(share, initial=0.0) > 0.0:
+            error = np.sqrt(share * (1.0 - share) / count.values.ravel())
+            ends = {"least": np.nanargmin(share), "greatest": np.nanargmax(share)}
+            found[name] = {end: (float(share[i]), float(error[i])) for end, i in ends.items()}
+    return found
+
+
+def lines(told: Mapping[str, Mapping[str, Mapping[str, Share]]]) -> list[str]:
+    """The same for people, a line for each label."""
+    return [
+        f"  {f'shares of {label}':<22} "
+        + ", ".join(f"{name} {_span(**ends)}" for name, ends in classes.items())
+        + "; ± standard error"
+        for label, classes in told.items()
+        if classes
+    ]
+
+
+def _span(least: Share, greatest: Share) -> str:
+    return " to ".join(map(_shown, dict.fromkeys((least, greatest))))
+
+
+def _shown(share: Share) -> str:
+    """``0.62 ± 0.03``; a sample that is all alike has no error to tell."""
+    return f"{share[0]:.3f} ± {share[1]:.3f}" if share[1] > 0.0 else f"{share[0]:g}"
