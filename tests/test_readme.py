@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import shlex
+import subprocess
+import sys
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -127,3 +130,31 @@ def test_the_analysis_that_help_shows_works() -> None:
     subject = Subject(setup.model.states({}), "", False, {"t_end": 10.0})
     assert set(outcome.values) == {v.name for v in spoken["ANALYSIS"].variables(subject)}
     assert outcome.values["reach"] == pytest.approx([2.0 * parameters["mu_k"] * parameters["N"]])
+
+
+def test_parts_from_batch_queues_join_to_the_dataset_of_one_run(tmp_path: Path) -> None:
+    """The array of Slurm, as `sbatch` would start it, and the rules for make; of three parts."""
+    (job,) = [block for block in blocks("sh") if "#SBATCH" in block]
+    (rules,) = blocks("make")
+    (tmp_path / "fiv").write_text(f'#!/bin/sh\nexec {sys.executable} -m fiv_cli "$@"\n')
+    (tmp_path / "fiv").chmod(0o755)
+    folders = {name: tmp_path / name for name in ("one", "slurm", "make")}
+    for folder in folders.values():
+        folder.mkdir()
+        (folder / "squeal.toml").write_text(blocks("toml")[0])
+    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+
+    def start(name: str, *command: str, **more: str) -> None:
+        subprocess.run(command, cwd=folders[name], env={**environment, **more}, check=True)
+
+    start("one", "fiv", "run", "-q", "squeal.toml")
+    (folders["slurm"] / "job.sh").write_text(job.replace("16", "3"))
+    first, last, cpus = re.findall(r"--array=(\d+)-(\d+) --cpus-per-task=(\d+)", job)[0]
+    assert (first, last) == ("1", "16")
+    for number in "312":
+        start("slurm", "sh", "job.sh", SLURM_ARRAY_TASK_ID=number, SLURM_CPUS_PER_TASK=cpus)
+    start("slurm", "fiv", "assemble", "squeal.toml")
+    (folders["make"] / "Makefile").write_text(rules.replace("16", "3"))
+    start("make", "make", "-s", "-j", "4")
+    made = [(folder / "runs" / "squeal.nc").read_bytes() for folder in folders.values()]
+    assert made == made[:1] * 3

@@ -91,8 +91,9 @@ class Record:
     told : (size,) codes of the class that the analysis tells of each point
     mine : (size,) points that are this journal's business: all of them, or one part
     ran : (size,) points run now; one that failed is tried again in another run, not in this one
+    goes_on : (size,) points that others of their chains begin from
     shards : the stored blocks, in order
-    states : position -> state of the chain after that point
+    states : position -> state of the chain after that point, which goes on from it
     classes : (size,) values of the class along whose borders the analysis is refined; of one that
         is not refined, empty
     stage : how far a refined analysis has come; None: every point is run
@@ -103,6 +104,7 @@ class Record:
     told: NDArray[np.int8]
     mine: NDArray[np.bool_]
     ran: NDArray[np.bool_]
+    goes_on: NDArray[np.bool_]
     classes: NDArray[np.int32]
     shards: list[Shard] = field(default_factory=list)
     states: dict[int, ChainState] = field(default_factory=dict)
@@ -307,7 +309,7 @@ class Journal:
         if maps is not None:
             record.classes[positions[placed]] = maps.classes_of(block)[placed]
         for row, state in states.items():
-            if placed[row]:
+            if placed[row] and record.goes_on[positions[row]]:
                 record.states[int(positions[row])] = state
 
     def statuses(self, index: int) -> NDArray[np.int8]:
@@ -430,12 +432,16 @@ def _first_bytes(keys: NDArray[np.uint8]) -> NDArray[np.uint64]:
 
 def _empty_record(analysis: AnalysisPlan) -> Record:
     size = analysis.size
+    goes_on = np.zeros(size, bool)
+    for chains in analysis.chain_sets():
+        goes_on[chains.positions[:, :-1]] = True
     return Record(
         status=np.full(size, PENDING, np.int8),
         reason=np.zeros(size, np.int8),
         told=np.full(size, -1, np.int8),
         mine=np.ones(size, bool),
         ran=np.zeros(size, bool),
+        goes_on=goes_on,
         classes=np.zeros(0 if analysis.maps is None else size, np.int32),
     )
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from fiv_cli.sweep.worker import ChainState, Result, Segment, Task
 Positions = NDArray[np.int64]
 
 
-@dataclass
+@dataclass(slots=True)
 class Cursor:
     """How far a chain has come.
 
@@ -39,7 +39,7 @@ class Cursor:
     offset: int = 0
     state: ChainState | None = None
     previous: bytes = b""
-    alone: set[int] = field(default_factory=set)
+    alone: frozenset[int] = frozenset()
 
     @property
     def is_alone(self) -> bool:
@@ -176,7 +176,7 @@ def _suspect(pieces: Iterable[tuple[Cursor, int]], row: int) -> None:
     """Of the points of these chains run the one alone that stands in this row."""
     for cursor, count in pieces:
         if row < count:
-            cursor.alone.add(cursor.offset + row)
+            cursor.alone |= {cursor.offset + row}
             return
         row -= count
 
