@@ -91,6 +91,11 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
         None,
     ),
+    "rate-and-state-cutoff": (
+        {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1, "v_c": 1e-4},
+        (0.4 + 0.02 * log(7.001) + 0.03 * log(1 / 7)) * 5,
+        (0.4 + 0.02 * log(1e-3)) * 5,
+    ),
     "linear-regularisation": ({"mu_k": 0.23, "v_tol": 1.4}, 0.5 * 0.23 * 5, None),
     "jenkins": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
     "reset-integrator": (
@@ -302,6 +307,7 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
     [
         ("stribeck", {"mu_s": 0.1}, "coulomb", {"mu_k": 0.1}),
         ("viscous", {"F_V": 0.0}, "coulomb", {}),
+        ("stribeck", {"mu_s": 0.6, "mu_k": 0.35, "delta": 1}, "exponential", {}),
         ("stribeck-viscous", {"F_V": 0.0}, "stribeck", {}),
         ("four-parameter", {"d": 0.0, "e": 0.0}, "hyperbolic", {"delta": 2.0}),
         ("rational", {"mu_k": 0.0, "delta": 1}, "hyperbolic", {"delta": 2.0}),

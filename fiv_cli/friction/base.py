@@ -121,7 +121,8 @@ class Law:
     numerics_version : raised whenever a change of this file changes numbers
     parameters : its parameter table
     force : ``(Slip, parameters) -> F_T`` in N, positive along v
-    capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
+    capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick; of a
+        system it finds the internal states among the parameters
     states : internal states; they begin at zero
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)

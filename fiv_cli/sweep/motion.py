@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.identity import default_output, fingerprint
 from fiv_cli.data.assemble import assemble
+from fiv_cli.data.dataset import Dataset
 from fiv_cli.data.layout import Dim
 from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
@@ -31,6 +31,9 @@ from fiv_cli.sweep.plan import AnalysisPlan, make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.requests import StartEntry, Values, request_at
 from fiv_cli.sweep.worker import ChainState, Result, Segment, Task, imported, run_task
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 NEAR = 1e-9
 """Relative distance within which a number names a value of an axis."""
@@ -159,7 +162,7 @@ def write_motion(
     attributes = provenance(point.case, fingerprint(point.case))
     place = [f"{name}={value}" for name, value in point.place.items()]
     attributes[MARK] = ", ".join([*place, *["settled"] * (steady is not None and steady.settled)])
-    write_datasets(path, {"history": dataset}, attributes)
+    write_datasets(path, {"history": Dataset.of(dataset)}, attributes)
     return outcome
 
 
@@ -209,7 +212,7 @@ def run_motion(
         )
     layout = replace(alone.layout, labels=(label,))
     dataset = assemble(layout, lambda: [(np.zeros(1, np.int64), block)])
-    return dataset, Outcome(status, reason, message=block.messages.get(0, ""))
+    return dataset.to_xarray(), Outcome(status, reason, message=block.messages.get(0, ""))
 
 
 # --- which point ----------------------------------------------------------------------------------
@@ -311,12 +314,12 @@ class _Run:
         prepare = imported(self.policy.preparer)
         prepare(alone.systems(), self.announce)
         analysis = self.point.analysis
-        _, start = analysis.point(self.point.position)
+        own, start = analysis.point(self.point.position)
         values, _ = alone.point(start)
         before = _points_before(self.point, start) if state is None else []
         if before:
             prepare([request_at(analysis.template, values, None)], self.announce)
-            state = _state_after(before, analysis, self.policy.executor)
+            state = _as_begun(before, own, start, analysis, self.policy.executor)
         return run_task(_task(alone, Segment((values,), start, state), self.policy.executor))
 
     def steady_state(self) -> tuple[float, ChainState]:
@@ -388,6 +391,19 @@ def _points_before(point: Point, start: int) -> list[tuple[Values, int]]:
                 before = chain[: int(np.flatnonzero(chain == point.position)[0])]
                 return list(point.analysis.points(before))
     return []
+
+
+def _as_begun(
+    before: Sequence[tuple[Values, int]],
+    own: Values,
+    start: int,
+    analysis: AnalysisPlan,
+    executor: str,
+) -> ChainState | None:
+    """What a point of a branch goes on from: the one before, or a step on the way from there."""
+    state = _state_after(before, analysis, executor)
+    again = run_task(_task(analysis, Segment((own,), start, state), executor)).states[0]
+    return state if state is None or again.begun is None else replace(state, carry=again.begun)
 
 
 def _state_after(
