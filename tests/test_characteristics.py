@@ -57,6 +57,8 @@ def test_the_pre_sliding_loop_of_dahl_has_the_area_of_the_closed_form(amplitude:
         ("dahl", "sigma_0", (1e2, 2e2, 4e2), 1.0, {}),
         ("lugre", "sigma_0", (1e2, 2e2, 4e2), 1.0, {"mu_s": MU, "sigma_1": 0.0}),
         ("simscape", "v_brk", (0.4, 0.2, 0.1), 2.0, {"mu_s": MU, "F_V": 0.0}),
+        ("elasto-plastic", "sigma_0", (1e2, 2e2, 4e2), 1.0, {"mu_s": MU, "sigma_1": 0.0}),
+        ("linear-regularisation", "v_tol", (0.1, 0.05, 0.025), 2.0, {}),
     ],
 )
 def test_steep_laws_tend_to_coulomb_under_a_stated_slip(

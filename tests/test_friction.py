@@ -307,6 +307,7 @@ def test_forces_are_analytic_in_a_contact_state(law: Law) -> None:
     [
         ("stribeck", {"mu_s": 0.1}, "coulomb", {"mu_k": 0.1}),
         ("viscous", {"F_V": 0.0}, "coulomb", {}),
+        ("stribeck", {"mu_s": 0.6, "mu_k": 0.35, "delta": 1}, "exponential", {}),
         ("stribeck-viscous", {"F_V": 0.0}, "stribeck", {}),
         ("four-parameter", {"d": 0.0, "e": 0.0}, "hyperbolic", {"delta": 2.0}),
         ("rational", {"mu_k": 0.0, "delta": 1}, "hyperbolic", {"delta": 2.0}),

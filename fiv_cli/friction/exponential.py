@@ -4,7 +4,8 @@
     |F_T| <= mu_s N                                           sticking
 
 Thesis 4.5 (where mu_k is called mu_1) and 5.18 (where mu_0 = mu_s). With alpha = 0 it is
-Coulomb's law with the coefficient mu_0.
+Coulomb's law with the coefficient mu_0. With mu_0 = mu_s it is Stribeck's of delta = 1 and v_s =
+1/alpha; there is no viscous rise.
 
 Its average over a fast slip velocity V + U cos s (5.51, where a factor r0 is missing in front of
 the velocities of the disc and of the slider) is, while slip does not reverse (U <= |V|),

@@ -3,7 +3,8 @@
     F_T = sgn(v) mu_0 ((1 - d)/(1 + g |v|) + d + e v^2) N     sliding
     |F_T| <= mu_0 N                                           sticking
 
-The hyperbolic law is d = e = 0, Coulomb's d = 1, e = 0.
+The hyperbolic law is d = e = 0, Coulomb's d = 1, e = 0. The static coefficient is the kinetic one
+at rest; e stands for a rise within what was measured, not for one without bound.
 """
 
 from __future__ import annotations

@@ -3,7 +3,8 @@
     F_T = sgn(v) mu_0 / (1 + delta |v|) N     sliding
     |F_T| <= mu_0 N                           sticking
 
-Leine, van Campen, de Kraker & van den Steen, Nonlinear Dynamics 16 (1998) 41-54.
+Leine, van Campen, de Kraker & van den Steen, Nonlinear Dynamics 16 (1998) 41-54. It falls to
+nothing, as 1/|v|: where friction comes to a rest or rises, `four_parameter` or `rational` stands.
 """
 
 from __future__ import annotations

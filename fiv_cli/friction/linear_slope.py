@@ -4,7 +4,8 @@
     |F_T| <= F0                         sticking
 
 The law is a force, not a coefficient: the normal force does not enter. Section 3.1.1 gives no
-static capacity; F0 makes the law continuous at v = 0 (so mu_s N = F0).
+static capacity; F0 makes the law continuous at v = 0 (so mu_s N = F0). A falling one passes zero at
+|v| = F0/(-alpha_0), beyond which it drives: it is for slower slip.
 """
 
 from __future__ import annotations

@@ -4,7 +4,8 @@
     |F_T| <= mu_s N                                                 sticking
 
 Thesis 2.3; 3.12 is delta = 1, v_s = 1 m/s. `delta` is a whole number: any other exponent makes
-the law non-analytic at v = 0, where every slip starts.
+the law non-analytic at v = 0, where every slip starts. There is no viscous rise
+(`stribeck_viscous`), no lag and no pre-sliding (`lugre`).
 """
 
 from __future__ import annotations

@@ -194,12 +194,14 @@ def level_sets(
     """
     values, vectors = np.linalg.eig(jacobians)
     speeds = np.max(np.abs(values), axis=-1)
-    kept = sliding.held[:, None] & (np.abs(values) <= HURWITZ * speeds[:, None])
-    values = np.where(kept, 0.0, values)
-    for row in np.flatnonzero(sliding.held):  # of several zeros `eig` has one vector
-        count = np.count_nonzero(kept[row])
-        vectors[row][:, kept[row]] = np.linalg.svd(jacobians[row])[2][len(kept[row]) - count :].T
-    stable = np.max(np.where(kept, -np.inf, values.real), axis=-1) < -HURWITZ * speeds
+    growths = values.real
+    if sliding.held.any():
+        kept = sliding.held[:, None] & (np.abs(values) <= HURWITZ * speeds[:, None])
+        values, growths = np.where(kept, 0.0, values), np.where(kept, -np.inf, growths)
+        for row in np.flatnonzero(sliding.held):  # of several zeros `eig` has one vector
+            last = np.linalg.svd(jacobians[row])[2][np.count_nonzero(~kept[row]) :]
+            vectors[row][:, kept[row]] = last.T
+    stable = np.max(growths, axis=-1) < -HURWITZ * speeds
     inverses = _inverses(values, vectors)
     stable &= ~np.isnan(inverses).any(axis=(1, 2))
     margins, slopes = _guards(sliding, equilibria, speeds)

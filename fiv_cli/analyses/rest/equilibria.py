@@ -182,8 +182,9 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
         vectors[:, system.n_own_parameters : first] = rows
         coefficients = system.coefficients(vectors)
     state = Sliding(system, vectors, coefficients, index, moving, none)
-    stopped = ~moving & (velocities == 0.0).all(axis=-1)
-    return replace(state, held=stopped & _are_springs(state)) if stopped.any() else state
+    if moving.all():
+        return state
+    return replace(state, held=(velocities == 0.0).all(axis=-1) & ~moving & _are_springs(state))
 
 
 def _are_springs(state: Sliding) -> NDArray[np.bool_]:
