@@ -190,10 +190,19 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([('p("k") * x +', '9.81 * p("m") + p("k") * x +')], "accelerations", "the bare number"),
         ([("states=lambda options: (State", "states=(State")], "states=", "one alone with a comma"),
         ([('"""A mass', 'raise SystemExit(0)\n"""A mass')], "SystemExit", "SystemExit"),
+        ([("    return Equations(", "    Equations(")], "MODEL = Model(", "returns NoneType, not"),
+        ([('p("k") * x +', 'p("k") * abs(x) +')], "accelerations", r"Abs\(x\) has no series"),
+        ([('p("N")),', '-p("N")),')], "Contact(", "pulls where nothing has moved"),
+        ([("constant_load=True", 'base=("z",)')], 'base=("z",)', "there is no state 'z'"),
+        ([("constant_load=True", 'forcings=(Forcing("k3", lambda p: p["w"], "pumping"),)'),
+          ("Model, Parameter", "Forcing, Model, Parameter")], "Forcing(", "no parameter 'w'"),
+        ([('slip.sign * p["mu_0"]', 'p["mu_0"]')], "force=", "drives the slip"),
+        ([('p["mu_0"] * N', 'p["mu_0"] * N / 2')], "capacity=", "bears 0.2 N where slip"),
     ],
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
          "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
-         "companion", "contacts", "load", "default of a law", "number", "comma", "exit"],
+         "companion", "contacts", "load", "default of a law", "number", "comma", "exit", "return",
+         "series", "pull", "base", "frequency", "one way", "capacity"],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_line(changes, part, said):
     error = mistaken(*changes)

@@ -8,6 +8,8 @@ from typing import Any
 import sympy
 from sympy import Expr
 
+from fiv_cli.codegen.setup import default_parameters
+from fiv_cli.friction import get_law
 from fiv_cli.own.fault import Fault, shown
 from fiv_cli.own.written import Written, number_of, values_of
 
@@ -21,6 +23,7 @@ def mechanics(written: Written) -> Iterator[Fault]:
     yield from _affine(written)
     yield from _friction_opposes_slip(written)
     yield from _constant_load(written)
+    yield from _contacts_press(written)
 
 
 def _stops(written: Written) -> Iterator[Fault]:
@@ -46,6 +49,25 @@ def _constant_load(written: Written) -> Iterator[Fault]:
         if not contact.is_stop and (load is None or sympy.sympify(load).free_symbols - known):
             message = f"the normal force of contact {i + 1} is not constant"
             yield Fault(("Model", written.model.name, "constant_load"), message, "", "leave it out")
+
+
+def _contacts_press(written: Written) -> Iterator[Fault]:
+    """What cannot open is pressed together where nothing has moved; a stop gives back no more."""
+    symbols, model = written.symbols, written.model
+    known = default_parameters(model, get_law(model.default_law))
+    fixed: dict[Expr, float] = {symbols.parameter(name): value for name, value in known.items()}
+    for name in written.states:
+        fixed |= {symbols.coordinate(name): 0.0, symbols.velocity(name): 0.0}
+    at_rest = values_of(written, {symbols.time: 0.0, **fixed})
+    for i, contact in enumerate(written.equations.contacts):
+        load = sympy.sympify(contact.normal_force if contact.gap is None else 0)
+        if number_of(load, at_rest) < 0.0:
+            message = f"is {shown(load)}, which pulls where nothing has moved: F_N presses"
+            yield Fault(("Contact", i, "normal_force"), message)
+        share = number_of(sympy.sympify(contact.restitution), at_rest)
+        if not 0.0 <= share <= 1.0:
+            message = f"an impact gives back {share:g} of what it takes"
+            yield Fault(("stop", i, "restitution"), message, "0 to 1")
 
 
 def _affine(written: Written) -> Iterator[Fault]:
