@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import own_models
 import pytest
 import sweep_fakes
 from clusters import Dask, LoopbackCluster
@@ -21,14 +22,18 @@ from disturbed import Run, wait_for
 from small_cases import FAR
 
 import fiv_cli
-from fiv_cli.errors import ClusterError
+from fiv_cli.case.case import Case
+from fiv_cli.case.load import load_case
+from fiv_cli.errors import ClusterError, StoreMismatchError
+from fiv_cli.own.probe import use_files
 from fiv_cli.sweep import cluster as clusters
 from fiv_cli.sweep.journal import Journal
+from fiv_cli.sweep.parts import Part
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.queue import Queue
-from fiv_cli.sweep.run import Summary, run_case
+from fiv_cli.sweep.run import Summary, assemble_case, run_case
 
 PATIENCE = 60.0
 DEADLY = "sweep_fakes:deadly_once"
@@ -106,6 +111,45 @@ def test_a_wall_clock_limit_ends_one_point(tmp_path: Path, cluster: LoopbackClus
     assert "longer than 0.5 s" in summary.errors[0][0]
 
 
+def own_case(folder: Path, text: str) -> Case:
+    """A case of a model in a file that is gone before anything runs."""
+    file, case = folder / "my.py", folder / "case.toml"
+    file.write_text(text)
+    case.write_text(own_models.CASE)
+    use_files([file])
+    file.unlink()
+    return load_case(case)
+
+
+def test_a_model_of_ones_own_runs_on_a_cluster_and_in_parts_and_meets_no_older_text(
+    tmp_path: Path, cluster: LoopbackCluster
+) -> None:
+    """Workers have no file of it, and go on living when its text has changed."""
+    stiffer = own_models.MODEL.replace('p("k3") *', '2 * p("k3") *')
+    found, parts = [], tmp_path / "parts.nc"
+    for text in (own_models.MODEL, stiffer):
+        case = own_case(tmp_path, text)
+        one, far = (tmp_path / f"{len(found)}-{place}.nc" for place in ("one", "far"))
+        run_case(case, one, Policy(workers=1), Silent())
+        run_case(case, far, Policy(cluster=cluster.address, chunk_points=1), Silent())
+        run_case(case, parts, Policy(workers=1, part=Part(2, 2)), Silent())
+        run_case(case, parts, Policy(workers=1, part=Part(1, 2)), Silent())
+        assert assemble_case(case, parts)[0].complete
+        found.append(one.read_bytes())
+        assert far.read_bytes() == parts.read_bytes() == found[-1]
+        parts.unlink()
+        shutil.move(parts.with_suffix(".run"), tmp_path / f"{len(found)}.run")
+    use_files(())
+    assert found[0] != found[1]
+    shutil.move(tmp_path / "1.run", parts.with_suffix(".run"))  # of the text before
+    for refused in (
+        lambda: run_case(case, parts, Policy(workers=1, part=Part(1, 2)), Silent()),
+        lambda: assemble_case(case, parts),
+    ):
+        with pytest.raises(StoreMismatchError, match=r"own\.my-belt"):
+            refused()
+
+
 def test_workers_of_another_version_are_refused(tmp_path: Path) -> None:
     other = tmp_path / "other"
     package = Path(fiv_cli.__file__).parent
@@ -150,6 +194,26 @@ def test_workers_join_and_die_and_the_scheduler_comes_back(tmp_path: Path) -> No
         run.join(PATIENCE)
         assert not run.is_alive()
     assert output.read_bytes() == (tmp_path / "a.nc").read_bytes()
+
+
+def test_a_result_that_went_with_its_worker_is_computed_again(tmp_path: Path) -> None:
+    """It was waited for as long as for a scheduler, and sent to nobody meanwhile."""
+    journal = Journal(tmp_path, make_plan(sweep_fakes.case()))
+    queue = Queue(journal.plan.analyses[0], journal.records[0], "sweep_fakes:answer")
+    job = queue.next_job(2)
+    assert job is not None
+    with LoopbackCluster(tmp_path) as running:
+        holding = running.start_worker("--no-nanny")
+        wait_for(lambda: "Registered to" in holding.said, "no worker")
+        workers = clusters.Cluster(running.address, lambda text: None)
+        number = workers.submit(job.task)
+        wait_for(lambda: workers._status(number) == "finished", "it is not computed")
+        kill(holding)
+        running.start_worker("--no-nanny")
+        found: list[Any] = []
+        wait_for(lambda: found.extend(workers.completed(0.1)) or found, "it is not computed again")
+        workers.close()
+    assert [one for one, _ in found] == [number]
 
 
 def test_a_scheduler_that_stays_away_ends_the_run(

@@ -15,8 +15,10 @@ from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Outcome, Varied
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.case.case import Axis
-from fiv_cli.data.assemble import assemble
+from fiv_cli.data.assemble import Blocks
+from fiv_cli.data.assemble import assemble as assembled
 from fiv_cli.data.block import Block, pack
+from fiv_cli.data.dataset import Dataset
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.modes import follow_modes
 from fiv_cli.data.netcdf import read_datasets, to_attribute, write_datasets
@@ -41,6 +43,11 @@ def packed(what: Layout, *outcomes: Outcome) -> Block:
 def at(*positions: int) -> np.ndarray:
     """Positions of rows."""
     return np.array(positions, np.int64)
+
+
+def assemble(what: Layout, blocks: Blocks) -> xr.Dataset:
+    """The dataset of blocks, for what is asked of it here."""
+    return assembled(what, blocks).to_xarray()
 
 
 def test_blocks_in_any_order_give_the_same_dataset() -> None:
@@ -177,13 +184,15 @@ def test_modes_are_followed_through_a_crossing() -> None:
 
 def test_following_twice_changes_nothing() -> None:
     dataset = crossing_modes()
-    assert follow_modes(dataset).identical(dataset)
+    assert follow_modes(Dataset.of(dataset)).to_xarray().identical(dataset)
 
 
 def test_a_file_reads_back_and_is_the_same_twice(tmp_path: Path) -> None:
     dataset = crossing_modes()
     for name in ("a.nc", "b.nc"):
-        write_datasets(tmp_path / name, {"eigenvalues": dataset}, {"title": "x", "extra": {"k": 1}})
+        write_datasets(
+            tmp_path / name, {"eigenvalues": Dataset.of(dataset)}, {"title": "x", "extra": {"k": 1}}
+        )
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
     back = read_datasets(tmp_path / "a.nc")[""]
     form = json.loads(back.attrs.pop("variables_json"))["eigenvalues"]
@@ -193,7 +202,7 @@ def test_a_file_reads_back_and_is_the_same_twice(tmp_path: Path) -> None:
 
 
 def test_several_analyses_are_groups_with_common_attributes(tmp_path: Path) -> None:
-    dataset = crossing_modes()
+    dataset = Dataset.of(crossing_modes())
     write_datasets(tmp_path / "a.nc", {"first": dataset, "second": dataset}, {"title": "x"})
     groups = read_datasets(tmp_path / "a.nc")
     assert list(groups) == ["first", "second"]
@@ -204,16 +213,16 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "a.nc"
-    write_datasets(path, {"x": crossing_modes()}, {"title": "old"})
+    write_datasets(path, {"x": Dataset.of(crossing_modes())}, {"title": "old"})
     before = path.read_bytes()
 
     def full(*arguments: object, **named: object) -> None:
         assert len(list(tmp_path.iterdir())) == 2  # the new file is open
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(xr.Dataset, "dump_to_store", full)
+    monkeypatch.setattr("fiv_cli.data.netcdf._define", full)
     with pytest.raises(StorageError, match="No space left"):
-        write_datasets(path, {"x": crossing_modes()}, {"title": "new"})
+        write_datasets(path, {"x": Dataset.of(crossing_modes())}, {"title": "new"})
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 
@@ -224,7 +233,7 @@ def test_a_disk_that_refuses_more_is_a_storage_error(tmp_path: Path) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
     try:
         with pytest.raises(StorageError, match="disk full"):
-            write_datasets(tmp_path / "a.nc", {"x": crossing_modes()}, {"title": "new"})
+            write_datasets(tmp_path / "a.nc", {"x": Dataset.of(crossing_modes())}, {"title": "new"})
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert not list(tmp_path.iterdir())

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from fiv_cli.analyses.rest.modes import followed as matched
 from fiv_cli.analyses.rest.modes import modes_of
 from fiv_cli.api import analyse, load, run
-from fiv_cli.data.modes import coupling_points, follow_grid, follow_modes
+from fiv_cli.data.dataset import Dataset
+from fiv_cli.data.modes import coupling_points, follow_grid
+from fiv_cli.data.modes import follow_modes as follow
 
 Complex = NDArray[np.complex128]
 FLUTTER = 5 / 2 + sqrt(3)
@@ -156,6 +158,11 @@ def as_dataset(
         },
         coords={"kind": np.array(["one", "other"]), "x": x, "y": y},
     )
+
+
+def follow_modes(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with its modes followed."""
+    return follow(Dataset.of(dataset)).to_xarray()
 
 
 def test_datasets_are_renumbered_on_every_numeric_axis() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
-from motions import TIGHT, motion
+from motions import TIGHT, booked, motion, transitions
 from scipy.linalg import expm
 
 from fiv_cli import api
@@ -238,3 +238,52 @@ def test_rate_and_state_friction_after_a_step_of_the_slip_speed() -> None:
         assert begun.y[2] + 1.0 == pytest.approx(age, rel=1e-12)
         (force,) = begun.system.field(0, begun.coefficients, time, begun.y).contacts[:, 1]
         assert force == pytest.approx(coefficient, rel=1e-12)
+
+
+AGEING = {
+    "mu_0": 0.4,
+    "a_rate": 0.01,
+    "b_state": 0.02,
+    "D_c": 1e-2,
+    "v_0": 1e-2,
+    "c": 0.1,
+    "N": 5.0,
+}
+
+
+@pytest.mark.parametrize("speed", [1e-2, 1e-3])
+def test_a_contact_that_is_held_bears_the_more_the_longer_it_is(speed: float) -> None:
+    """The spring k v t of a mass on a slow belt meets what stick has grown to, as b ln t."""
+    begun = motion("belt-1dof", "rate-and-state-cutoff", {"x_dot": speed}, **AGEING, v=speed)
+    begun.keep_ledger(10)
+    begun.run(300.0 * 1e-2 / speed)
+    released = begun.ledger[0][0]
+    held = 0.4 + 0.01 * np.log(1e-4 / 1e-2) + 0.02 * np.log(1.0 + released)  # v_0/D_c = 1/s
+    assert speed * (released + 0.1) == pytest.approx(5.0 * held, rel=1e-10)  # k v t + c v
+
+
+def test_a_cut_off_tends_to_rate_and_state_and_lets_slip_turn() -> None:
+    one_way = motion("belt-1dof", "rate-and-state", {}, **AGEING, v=3.0)
+    one_way.run(10.0)
+    errors = []
+    for cutoff in (1e-3, 1e-4, 1e-5):
+        begun = motion("belt-1dof", "rate-and-state-cutoff", {}, **AGEING, v=3.0, v_c=cutoff)
+        begun.run(10.0)
+        errors.append(np.abs(begun.y - one_way.y).max())
+    assert np.log10(np.divide(errors[:-1], errors[1:])) == pytest.approx([1.0, 1.0], abs=0.01)
+    shaken = AGEING | {"v": 0.0, "u0": 4.0, "omega": 0.5}
+    begun = motion("belt-1dof", "rate-and-state-cutoff", {}, **shaken)
+    assert booked(begun, 60.0).residual < 1e-11
+    assert {"stick->slip+", "stick->slip-", "slip+->slip-"} <= set(transitions(begun))
+
+
+def test_about_steady_sliding_the_sign_of_the_acceleration_is_a_mass() -> None:
+    """(mu_s - mu_k) exp(-v/v_s) N/a_0 of it; the lag damps by a share of the order tau."""
+    p = {"v": 0.4, "N": 5.0, "mu_s": 0.8, "mu_k": 0.4, "v_s": 1.0, "a_0": 0.1}
+    heavier = 1.0 + 0.4 * np.exp(-0.4) * 5.0 / 0.1
+    found = [
+        api.analyse(BELT, "stefanski", "eigenvalues", **p, tau=tau).values for tau in (0.01, 0.005)
+    ]
+    rates = [one["growth_rate"] for one in found]
+    assert np.max(found[1]["eigenvalue_imag"]) == pytest.approx(heavier**-0.5, rel=1e-6)
+    assert rates[0] < 0.0 and rates[0] / rates[1] == pytest.approx(2.0, rel=1e-3)

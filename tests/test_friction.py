@@ -91,6 +91,11 @@ ROWS: dict[str, tuple[dict[str, float], float, float | None]] = {
         0.02 * asinh(3.5 * exp((0.4 + 0.03 * log(1 / 7)) / 0.02)) * 5,
         None,
     ),
+    "rate-and-state-cutoff": (
+        {"mu_0": 0.4, "a_rate": 0.02, "b_state": 0.03, "D_c": 1e-3, "v_0": 0.1, "v_c": 1e-4},
+        (0.4 + 0.02 * log(7.001) + 0.03 * log(1 / 7)) * 5,
+        (0.4 + 0.02 * log(1e-3)) * 5,
+    ),
     "linear-regularisation": ({"mu_k": 0.23, "v_tol": 1.4}, 0.5 * 0.23 * 5, None),
     "jenkins": ({"mu_k": 0.23, "sigma_0": 100.0}, 0.23 * 5, None),
     "reset-integrator": (

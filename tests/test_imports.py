@@ -49,7 +49,7 @@ def test_what_was_compiled_before_is_run_without_a_compiler(tmp_path: Path) -> N
     (tmp_path / "case.toml").write_text(CASE)
     loaded_by("from fiv_cli.cli.main import run\nrun(['run', 'case.toml', '-q'])", tmp_path)
     arguments = ["run", "case.toml", "-q", "--fresh"]
-    assert_loads_none(("numba", "sympy", "joblib"), arguments, tmp_path)
+    assert_loads_none(("numba", "sympy", "joblib", "xarray"), arguments, tmp_path)
 
 
 def test_what_runs_on_this_machine_loads_no_cluster(tmp_path: Path) -> None:

@@ -238,6 +238,51 @@ def test_friction_gives_back_no_more_than_it_has_stored(law: str) -> None:
     assert np.diff(taken).min() > -1e-12 * taken[-1] and taken[-1] > 0.05
 
 
+# --- at a standstill ------------------------------------------------------------------------------
+BENDING = ("dahl", "lugre", "jenkins", "gms", "elasto-plastic", "reset-integrator", "bristle")
+HELD = {"jenkins": {"sigma_0": 20.0}, "reset-integrator": {"sigma_0": 20.0, "sigma_1": 0.1},
+        "bristle": {"delta_b": 0.02}}  # fmt: skip
+
+
+@pytest.mark.parametrize("law", BENDING)
+def test_bristles_that_hold_are_springs(law: str) -> None:
+    """Upright where the drive stands still: a frequency of theirs, and zeros, as any bend holds."""
+    given = {"v": 0.0, "c": 0.1, "N": 5.0, "k": 2.0, "m": 3.0}
+    rest = api.analyse("belt-1dof", law, "equilibrium", **given)
+    assert rest.status == "ok" and rest.values["equilibrium"].item() == 0.0
+    p = defaults("belt-1dof", law, **given)
+    bent = {
+        "gms": sum(p.get(f"k_{i}", 0.0) for i in range(1, 5)),
+        "bristle": sum(0.5 * p["mu_k"] / p.get("delta_b", 1.0) / (1 + 0.3 * s / 3)
+                       for s in (-3, -1, 1, 3)),
+        "reset-integrator": p.get("sigma_0", 0.0) * (1 + p.get("a_stick", 0.0)),
+    }.get(law, p.get("sigma_0", 0.0))  # fmt: skip
+    stiffness, damping = 2.0 + 5.0 * bent, 0.1 + 5.0 * p.get("sigma_1", 0.0)
+    found = api.analyse("belt-1dof", law, "eigenvalues", **given).values
+    values = found["eigenvalue_real"] + 1j * found["eigenvalue_imag"]
+    expected = np.roots([3.0, damping, stiffness])
+    assert sorted(values, key=abs)[-2:] == pytest.approx(sorted(expected, key=abs), rel=1e-9)
+    assert np.count_nonzero(np.abs(values) < 1e-9) == len(get_law(law).states)
+    assert found["stable"] == "neutral"
+
+
+@pytest.mark.parametrize("x", [0.0, 0.3, 5.0])
+@pytest.mark.parametrize("law", HELD)
+def test_where_a_motion_is_held_by_springs_is_told_before_it_is_there(law: str, x: float) -> None:
+    given = {"v": 0.0, "c": 0.2, "N": 5.0, "mu_k": 0.2, **HELD[law]}
+    told = api.analyse("belt-1dof", law, "response", {"x": x}, **given).values
+    assert told["attractor"] == "equilibrium" and told["transient_used"] < 20.0
+    begun = motion("belt-1dof", law, {"x": x}, **given)
+    begun.run(400.0)
+    assert told["x_max"] == pytest.approx(float(begun.y[0]), abs=1e-9)
+
+
+def test_a_drive_that_stands_still_is_no_error() -> None:
+    """The period of a revolution was divided by."""
+    found = api.analyse("disc-rigid-contact", "coulomb", "response", {"phi_dot": 1.0}, Omega=0.0)
+    assert found.status == "ok"
+
+
 # --- at rest --------------------------------------------------------------------------------------
 @pytest.mark.parametrize("law", RESTING)
 def test_steady_sliding_is_that_of_coulomb(law: str) -> None:

@@ -1254,10 +1254,11 @@ def test_plot_writes_several_figures_beside_the_path_given(stored):
 
 
 def test_plot_draws_every_analysis_of_a_file_with_several(stored):
+    from fiv_cli.data.dataset import Dataset
     from fiv_cli.data.netcdf import write_datasets
 
     analyses = {"modes": data.eigenvalues(), "steady": data.bifurcation()}
-    bare = {name: dataset.drop_attrs(deep=False) for name, dataset in analyses.items()}
+    bare = {n: Dataset.of(one.drop_attrs(deep=False)) for n, one in analyses.items()}
     write_datasets(stored / "two.nc", bare, data.attributes())
     assert run(plot_command, "two.nc").stdout.split() == [
         "two-eigenvalues.png",

@@ -29,6 +29,7 @@ def steps(model: str, law: str, t_end: float, **given: float) -> int:
         ("belt-1dof", "dahl", 60.0, {"sigma_0": 1e3, "v": 0.5, "N": 1.0}),
         ("belt-1dof", "lugre", 60.0, {"sigma_0": 1e4, "sigma_1": 30.0, "v_s": 0.1, "v": 0.5}),
         ("belt-2mass", "lugre", 30.0, {"sigma_0": 1e3, "v_s": 0.1}),
+        ("belt-1dof", "bristle", 60.0, {"delta_b": 1e-3, "v": 0.5, "N": 1.0}),
         ("pin-on-disc", "dahl", 0.3, {"sigma_0": 1e5, "Omega": 5.0, "mu_k": 0.2}),
     ],
 )

@@ -581,7 +581,8 @@ class _Deriver:
             first = [piece.row for piece in law.pieces[:1]]
             at_rest = Slip(sympy.Integer(0), sympy.Integer(1), sympy.Integer(0), normal, rows=first)
             return self.graph.build(law.force(at_rest, parameters), names)
-        return self.graph.build(law.capacity(normal, parameters), names)
+        known = {**parameters, **self._slip(contact).states}
+        return self.graph.build(law.capacity(normal, known), names)
 
     def _angle(self, kinds: tuple[int, ...], names: Mapping[Expr, Node]) -> Node | None:
         zone = self.equations.zone

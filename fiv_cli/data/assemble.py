@@ -7,17 +7,17 @@ point: workers, chunks and order leave no trace, and memory is that of the datas
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import Role, Variable, motions
 from fiv_cli.case.case import Axis
 from fiv_cli.data.block import Array, Block, dtype_of, fill_value, padded
+from fiv_cli.data.dataset import Dataset, Labelled
 from fiv_cli.data.layout import Layout
 from fiv_cli.data.mapped import let_go, mapped
 from fiv_cli.data.modes import follow_modes
@@ -69,7 +69,7 @@ class _Survey:
     own_shapes: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
 
-def assemble(layout: Layout, blocks: Blocks, scratch: Path | None = None) -> xr.Dataset:
+def assemble(layout: Layout, blocks: Blocks, scratch: Path | None = None) -> Dataset:
     """The dataset of one analysis.
 
     Parameters
@@ -81,7 +81,7 @@ def assemble(layout: Layout, blocks: Blocks, scratch: Path | None = None) -> xr.
 
     Returns
     -------
-    xarray.Dataset without global attributes; points that no block holds are ``pending``
+    the dataset without global attributes; points that no block holds are ``pending``
     """
     assembly = _Assembly(layout, _survey(layout, blocks), scratch)
     for number, (positions, stored) in enumerate(blocks()):
@@ -182,7 +182,7 @@ class _Assembly:
             begin = self.starts[variable.ragged][position]
             target[begin : begin + len(piece)] = piece
 
-    def dataset(self) -> xr.Dataset:
+    def dataset(self) -> Dataset:
         """The dataset."""
         variables = {v.name: self._variable(v) for v in self.layout.variables}
         coordinates = _coordinates(self.layout) | self._own_coordinates()
@@ -194,24 +194,25 @@ class _Assembly:
         for variable in self.layout.variables:
             if variable.role is Role.ALONG:
                 coordinates[variable.name] = variables.pop(variable.name)
-        return xr.Dataset(variables, coords=coordinates)
+        return Dataset({**variables, **coordinates}, frozenset(coordinates))
 
-    def _aside(self, made: xr.Variable) -> xr.Variable:
+    def _aside(self, made: Labelled) -> Labelled:
         """What takes much memory, where the other arrays are."""
         if self.scratch is None:
             return made
-        return made.copy(data=mapped(made.values, made.shape, made.dtype, self.scratch))
+        values = mapped(made.values, made.values.shape, made.dtype, self.scratch)
+        return replace(made, values=values)
 
-    def _variable(self, variable: Variable) -> xr.Variable:
+    def _variable(self, variable: Variable) -> Labelled:
         array, attributes = self.arrays[variable.name], attributes_of(variable)
         if variable.ragged:
-            return xr.Variable((variable.sample_dim,), array, attributes)
+            return Labelled((variable.sample_dim,), array, attributes)
         if variable.role is Role.ALONG:
-            return xr.Variable(variable.dims, array, attributes)
+            return Labelled(variable.dims, array, attributes)
         shaped = array.reshape((*self.layout.shape, *array.shape[1:]))
-        return xr.Variable((*self.layout.dim_names, *variable.dims), shaped, attributes)
+        return Labelled((*self.layout.dim_names, *variable.dims), shaped, attributes)
 
-    def _own_coordinates(self) -> dict[str, xr.Variable]:
+    def _own_coordinates(self) -> dict[str, Labelled]:
         """Of states their names and units, of contacts and all else their numbers."""
         dims = dict.fromkeys(dim for variable in self.layout.variables for dim in variable.dims)
         named = {"state", "contact", *(v.name for v in self.layout.variables)}
@@ -223,7 +224,7 @@ class _Assembly:
         if "contact" in dims:
             numbers = np.arange(1, self._dim_size("contact") + 1, dtype=np.int32)
             attributes = {"units": "1", "long_name": "contact, counted from 1"}
-            coordinates["contact"] = xr.Variable(("contact",), numbers, attributes)
+            coordinates["contact"] = Labelled(("contact",), numbers, attributes)
         return coordinates
 
 
@@ -234,16 +235,16 @@ def _fill_coordinate(target: Array, candidates: Array) -> None:
         target[: len(candidate)][known] = candidate[known]
 
 
-def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variable:
+def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> Labelled:
     attributes = {
         "units": "1",
         "long_name": f"number of values along {group}_obs that belong to the point",
         "sample_dimension": f"{group}_obs",
     }
-    return xr.Variable(layout.dim_names, sizes.reshape(layout.shape), attributes)
+    return Labelled(layout.dim_names, sizes.reshape(layout.shape), attributes)
 
 
-def _point(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variable:
+def _point(group: str, layout: Layout, sizes: NDArray[np.int32]) -> Labelled:
     """The point that each value of a ragged group belongs to."""
     attributes = {
         "units": "1",
@@ -251,13 +252,13 @@ def _point(group: str, layout: Layout, sizes: NDArray[np.int32]) -> xr.Variable:
         "comment": f"flat (C order) index over ({', '.join(layout.dim_names)}), from 0",
     }
     points = np.repeat(np.arange(layout.size, dtype=np.int32), sizes)
-    return xr.Variable((f"{group}_obs",), points, attributes)
+    return Labelled((f"{group}_obs",), points, attributes)
 
 
-def _numbers(dim: str, count: int) -> xr.Variable:
+def _numbers(dim: str, count: int) -> Labelled:
     """Counts along a dim, by which two datasets are aligned."""
     attributes = {"units": "1", "long_name": f"number along {dim}, counted from 0"}
-    return xr.Variable((dim,), np.arange(count, dtype=np.int32), attributes)
+    return Labelled((dim,), np.arange(count, dtype=np.int32), attributes)
 
 
 def attributes_of(variable: Variable) -> dict[str, object]:
@@ -286,8 +287,8 @@ def _flag_attributes(table: str) -> dict[str, object]:
     return attributes
 
 
-def _coordinates(layout: Layout) -> dict[str, xr.Variable]:
-    coordinates: dict[str, xr.Variable] = {}
+def _coordinates(layout: Layout) -> dict[str, Labelled]:
+    coordinates: dict[str, Labelled] = {}
     for dim in layout.dims:
         for axis in dim.axes:
             coordinates[axis.dim] = _axis_coordinate(axis, dim.name, layout.model)
@@ -295,13 +296,13 @@ def _coordinates(layout: Layout) -> dict[str, xr.Variable]:
         coordinates["initial"] = _texts("initial", layout.labels, "start of the run")
     for name, value in layout.fixed.items():
         attributes = _axis_attributes(Axis(name, "parameter", ()), layout.model)
-        coordinates[name] = xr.Variable((), value, attributes)
+        coordinates[name] = Labelled((), np.array(value), attributes)
     return coordinates
 
 
-def _axis_coordinate(axis: Axis, dim: str, model: str) -> xr.Variable:
+def _axis_coordinate(axis: Axis, dim: str, model: str) -> Labelled:
     values = _text(axis.values) if axis.kind in ("option", "law") else np.array(axis.values, float)
-    return xr.Variable((dim,), values, _axis_attributes(axis, model))
+    return Labelled((dim,), values, _axis_attributes(axis, model))
 
 
 def _axis_attributes(axis: Axis, model: str) -> dict[str, str]:
@@ -331,8 +332,8 @@ def _parameter(name: str, model: str) -> Parameter:
     return next(p for table in tables for p in table if p.name == name)
 
 
-def _texts(dim: str, names: Iterable[str], meaning: str) -> xr.Variable:
-    return xr.Variable((dim,), _text(names), {"long_name": meaning})
+def _texts(dim: str, names: Iterable[str], meaning: str) -> Labelled:
+    return Labelled((dim,), _text(names), {"long_name": meaning})
 
 
 def _text(names: Iterable[str]) -> Array:

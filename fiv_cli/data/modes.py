@@ -11,12 +11,11 @@ its own there.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.rest.modes import (
@@ -29,6 +28,7 @@ from fiv_cli.analyses.rest.modes import (
     modes_of,
 )
 from fiv_cli.analyses.variables import INT_FILL
+from fiv_cli.data.dataset import Dataset, Labelled
 
 # Two modes merge where they come to differ more in growth than in frequency, if they then differ
 # in both by less than this share of the frequency: with much damping they pass at a distance.
@@ -37,7 +37,7 @@ MERGED = 0.01
 Index = tuple[int, ...]
 
 
-def follow_modes(dataset: xr.Dataset) -> xr.Dataset:
+def follow_modes(dataset: Dataset) -> Dataset:
     """Renumber modes so that each continues its neighbours', and mark where two merge.
 
     Parameters
@@ -56,12 +56,13 @@ def follow_modes(dataset: xr.Dataset) -> xr.Dataset:
         dataset = _followed(dataset, axes) if axes else dataset
     except np.linalg.LinAlgError as error:  # the numbers of modes are not worth the eigenvalues
         comment = f"the modes of each point are numbered on their own: {error}"
-        real = dataset["eigenvalue_real"].assign_attrs(comment=comment)
-        dataset = dataset.assign(eigenvalue_real=real)
+        real = dataset.variables["eigenvalue_real"]
+        told = replace(real, attrs={**real.attrs, "comment": comment})
+        dataset = dataset.assign({"eigenvalue_real": told})
     return _with_numbers(dataset)
 
 
-def _followed(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
+def _followed(dataset: Dataset, axes: list[str]) -> Dataset:
     """The dataset with its modes renumbered along these dims."""
     values = _complex(dataset, "eigenvalue", axes, ("mode",))
     vectors = _complex(dataset, "eigenvector", axes, ("mode", "state"))
@@ -69,7 +70,8 @@ def _followed(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
     for block in np.ndindex(values.shape[: -len(axes) - 1]):
         orders[block] = follow_grid(values[block], vectors[block])
     followed = _renumbered(dataset, orders, axes)
-    return _with_coupling_points(followed, axes) if "coupling_point" in dataset else followed
+    pointed = "coupling_point" in dataset.variables
+    return _with_coupling_points(followed, axes) if pointed else followed
 
 
 # --- one grid -------------------------------------------------------------------------------------
@@ -155,17 +157,18 @@ class _Row:
 
 
 # --- the dataset's axes ---------------------------------------------------------------------------
-def _axes_to_follow(dataset: xr.Dataset) -> list[str]:
+def _axes_to_follow(dataset: Dataset) -> list[str]:
     """The dims with more than one value along which an axis is ordered, the longest first."""
-    dims = [str(name) for name in dataset["eigenvalue_real"].dims[:-1]]
-    ordered = [d for d in dims if dataset.sizes[d] > 1 and _ordered_axes(dataset, d)]
-    return sorted(ordered, key=lambda name: -dataset.sizes[name])
+    dims, sizes = dataset.variables["eigenvalue_real"].dims[:-1], dataset.sizes
+    ordered = [dim for dim in dims if sizes[dim] > 1 and _ordered_axes(dataset, dim)]
+    return sorted(ordered, key=lambda name: -sizes[name])
 
 
-def _ordered_axes(dataset: xr.Dataset, dim: str) -> list[xr.DataArray]:
+def _ordered_axes(dataset: Dataset, dim: str) -> list[str]:
     """Of the numeric axes along `dim`, one or several that advance together, those in order."""
-    along = [coord for coord in dataset.coords.values() if coord.dims == (dim,)]
-    return [axis for axis in along if axis.dtype.kind == "f" and _is_ordered(axis.values)]
+    found = dataset.variables.items()
+    along = {n: axis for n, axis in found if n in dataset.coords and axis.dims == (dim,)}
+    return [n for n, axis in along.items() if axis.dtype.kind == "f" and _is_ordered(axis.values)]
 
 
 def _is_ordered(values: NDArray[np.float64]) -> bool:
@@ -174,51 +177,52 @@ def _is_ordered(values: NDArray[np.float64]) -> bool:
     return bool(np.all(steps > 0.0) or np.all(steps < 0.0))
 
 
-def _arranged(variable: xr.Variable, axes: list[str], last: tuple[str, ...]) -> tuple[str, ...]:
+def _arranged(variable: Labelled, axes: list[str], last: tuple[str, ...]) -> tuple[str, ...]:
     """Dims in which other dims come first and rows, along the first of `axes`, last."""
-    others = [str(dim) for dim in variable.dims if dim not in (*axes, *last)]
+    others = [dim for dim in variable.dims if dim not in (*axes, *last)]
     return (*others, *axes[1:], *axes[:1], *last)
 
 
-def _complex(dataset: xr.Dataset, stem: str, axes: list[str], last: tuple[str, ...]) -> Complex:
+def _complex(dataset: Dataset, stem: str, axes: list[str], last: tuple[str, ...]) -> Complex:
     """Real and imaginary parts, with the followed axes before `last`."""
     parts = (dataset.variables[f"{stem}_{part}"] for part in ("real", "imag"))
-    real, imag = (part.transpose(*_arranged(part, axes, last)).values for part in parts)
+    real, imag = (part.arranged(_arranged(part, axes, last)) for part in parts)
     result: Complex = real + 1j * imag
     return result
 
 
-def _renumbered(dataset: xr.Dataset, orders: Order, axes: list[str]) -> xr.Dataset:
-    along = [str(name) for name, one in dataset.data_vars.items() if "mode" in one.dims]
-    renumbered = {name: _taken(dataset.variables[name], orders, axes) for name in along}
-    return dataset.assign(renumbered)
+def _renumbered(dataset: Dataset, orders: Order, axes: list[str]) -> Dataset:
+    along = {n: v for n, v in dataset.variables.items() if n not in dataset.coords}
+    found = {n: _taken(v, orders, axes) for n, v in along.items() if "mode" in v.dims}
+    return dataset.assign(found)
 
 
-def _taken(variable: xr.Variable, orders: Order, axes: list[str]) -> xr.Variable:
+def _taken(variable: Labelled, orders: Order, axes: list[str]) -> Labelled:
     """One variable with its modes in the new order."""
-    behind = tuple(str(d) for d in variable.dims[variable.dims.index("mode") + 1 :])
-    arranged = variable.transpose(*_arranged(variable, axes, ("mode", *behind)))
+    behind = variable.dims[variable.dims.index("mode") + 1 :]
+    dims = _arranged(variable, axes, ("mode", *behind))
     index = orders.reshape(*orders.shape, *(1 for _ in behind))
-    taken = np.take_along_axis(arranged.values, index, axis=orders.ndim - 1)
-    return arranged.copy(data=taken).transpose(*variable.dims)
+    taken = np.take_along_axis(variable.arranged(dims), index, axis=orders.ndim - 1)
+    return replace(variable, values=Labelled(dims, taken, {}).arranged(variable.dims))
 
 
 # --- modes by number ------------------------------------------------------------------------------
-def _with_numbers(dataset: xr.Dataset) -> xr.Dataset:
+def _with_numbers(dataset: Dataset) -> Dataset:
     """The dataset with ``mode_number``, and in ``coupled_with`` the numbers of the partners."""
     values = _complex(dataset, "eigenvalue", [], ("mode",))
     numbers = mode_numbers(values.reshape(-1, values.shape[-1]))
     named = {"units": "1", "long_name": "mode, counted from 1; a conjugate pair is one"}
-    dataset = dataset.assign_coords(mode_number=("mode", numbers, named))
-    if "coupled_with" not in dataset:
+    coordinate = {"mode_number": Labelled(("mode",), numbers, named)}
+    dataset = dataset.assign(coordinate, coords=("mode_number",))
+    if "coupled_with" not in dataset.variables:
         return dataset
-    coupled = dataset["coupled_with"]
+    coupled = dataset.variables["coupled_with"]
     numbered = np.append(numbers, -1)
     found = np.full(values.shape, INT_FILL, coupled.dtype)
     for row in np.ndindex(values.shape[:-2]):
         known = np.isfinite(values[row])
         found[row] = np.where(known, numbered[coupled_modes(values[row])], INT_FILL)
-    return dataset.assign(coupled_with=coupled.copy(data=found))
+    return dataset.assign({"coupled_with": replace(coupled, values=found)})
 
 
 def mode_numbers(values: Complex) -> NDArray[np.int32]:
@@ -239,22 +243,23 @@ def mode_numbers(values: Complex) -> NDArray[np.int32]:
 
 
 # --- where modes merge ----------------------------------------------------------------------------
-def _with_coupling_points(dataset: xr.Dataset, axes: list[str]) -> xr.Dataset:
-    coordinate = _ordered_axes(dataset, axes[0])[0]
+def _with_coupling_points(dataset: Dataset, axes: list[str]) -> Dataset:
+    along = _ordered_axes(dataset, axes[0])[0]
+    coordinate = dataset.variables[along]
     values = _complex(dataset, "eigenvalue", axes, ("mode",))
     points = np.full(values.shape, np.nan)
     for row in np.ndindex(values.shape[:-2]):
         points[row] = coupling_points(coordinate.values.astype(float), values[row])
-    variable = dataset["coupling_point"]
-    dims = _arranged(variable.variable, axes, ("mode",))
-    filled = xr.DataArray(points, dims=dims).transpose(*variable.dims)
-    marked = variable.copy(data=filled.values)
-    marked.attrs["units"] = coordinate.attrs.get("units", "1")
-    marked.attrs["along"] = str(coordinate.name)
-    marked.attrs["long_name"] = (
-        f"{coordinate.name} at which the mode merges with another, before the next point"
-    )
-    return dataset.assign(coupling_point=marked)
+    variable = dataset.variables["coupling_point"]
+    dims = _arranged(variable, axes, ("mode",))
+    attributes = {
+        **variable.attrs,
+        "units": coordinate.attrs.get("units", "1"),
+        "along": along,
+        "long_name": f"{along} at which the mode merges with another, before the next point",
+    }
+    filled = Labelled(dims, points, attributes).arranged(variable.dims)
+    return dataset.assign({"coupling_point": Labelled(variable.dims, filled, attributes)})
 
 
 def coupling_points(axis: NDArray[np.float64], values: Complex) -> NDArray[np.float64]:

@@ -9,6 +9,7 @@ import shutil
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from fiv_cli import ending
 from fiv_cli.analyses.variables import INT_FILL
 from fiv_cli.case.identity import output_of
+from fiv_cli.data.dataset import Dataset, Labelled
 from fiv_cli.data.hdf5 import read_attributes, read_groups
 from fiv_cli.data.mapped import let_go
 from fiv_cli.data.sound import form_of
@@ -53,7 +55,7 @@ CACHE = 2**20
 
 
 def write_datasets(
-    path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]
+    path: Path, datasets: Mapping[str, Dataset], attributes: Mapping[str, Any]
 ) -> None:
     """Write the datasets of a run: at the root when there is one, as groups when several.
 
@@ -152,12 +154,12 @@ class _Later:
     time: hundreds of groups would take minutes.
     """
 
-    def __init__(self, datasets: Mapping[str, xr.Dataset]) -> None:
-        self._parts: list[tuple[Any, Any]] = []
+    def __init__(self, datasets: Mapping[str, Dataset]) -> None:
+        self._parts: list[tuple[netCDF4.Variable, NDArray[Any]]] = []
         self._all = [v.values for one in datasets.values() for v in one.variables.values()]
 
-    def add(self, source: Any, target: Any, region: Any = None) -> None:
-        """As xarray's writers: `target` is where `source` goes."""
+    def add(self, target: netCDF4.Variable, source: NDArray[Any]) -> None:
+        """What goes where."""
         if source.nbytes > SLAB:
             for array in self._all:  # of one of them `source` was made
                 let_go(array)
@@ -171,9 +173,9 @@ class _Later:
             target[...] = source
 
 
-def _fill_in_slabs(target: Any, source: Any) -> None:
+def _fill_in_slabs(target: netCDF4.Variable, source: NDArray[Any]) -> None:
     """Write a large array piece by piece: the library copies what it is given, more than once."""
-    for slab in _slabs(source, target.get_array().chunking()):
+    for slab in _slabs(source, target.chunking()):
         target[slab] = source[slab]
 
 
@@ -184,19 +186,18 @@ def _slabs(array: Any, chunks: Sequence[int] | str) -> Iterator[slice]:
     return (slice(begin, begin + step) for begin in range(0, len(array), step))
 
 
-def _write(path: Path, datasets: Mapping[str, xr.Dataset], attributes: Mapping[str, Any]) -> None:
+def _write(path: Path, datasets: Mapping[str, Dataset], attributes: Mapping[str, Any]) -> None:
     """All groups into one file that is opened once: each opening reads all that it has."""
     import netCDF4
-    import xarray as xr
 
     clean = {name: to_attribute(v) for name, v in attributes.items() if v is not None}
     later = _Later(datasets)
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
         if len(datasets) == 1:
             (dataset,) = datasets.values()
-            _define(file, dataset.assign_attrs(clean), later)
+            _define(file, replace(dataset, attrs={**dataset.attrs, **clean}), later)
         else:
-            _define(file, xr.Dataset(attrs=clean), later)
+            _define(file, Dataset({}, frozenset(), clean), later)
             for name, dataset in datasets.items():
                 _define(file.createGroup(name), dataset, later)
         later.write()
@@ -216,20 +217,58 @@ def _caches(small: bool) -> Iterator[None]:
         netCDF4.set_chunk_cache(*usual)
 
 
-def _define(group: netCDF4.Dataset, dataset: xr.Dataset, later: _Later) -> None:
-    from xarray.backends import NetCDF4DataStore
+def _define(group: netCDF4.Dataset, dataset: Dataset, later: _Later) -> None:
+    """All that a group holds, as xarray would write it and reads it."""
+    coordinates = _coordinates(dataset)
+    none = dataset.coords.difference(*map(str.split, coordinates.values()), dataset.sizes)
+    apart = {"coordinates": " ".join(sorted(none))} if none else {}
+    group.setncatts({**dataset.attrs, **apart})
+    stored = {
+        name: _as_characters(replace(one, attrs={**one.attrs, **_named(coordinates.get(name))}))
+        for name, one in dataset.variables.items()
+    }
+    for dim, size in replace(dataset, variables=stored).sizes.items():
+        group.createDimension(dim, size)
+    for name, one in stored.items():
+        target = group.createVariable(
+            name, one.dtype, one.dims, fill_value=_fill(one), shuffle=True, **_compression(one)
+        )
+        target.set_auto_maskandscale(False)
+        target.set_auto_chartostring(False)
+        target.setncatts(one.attrs)
+        later.add(target, one.values)
 
-    encoding = {str(name): _encoding(variable) for name, variable in dataset.variables.items()}
-    dataset.dump_to_store(NetCDF4DataStore(group), encoding=encoding, writer=later)
+
+def _coordinates(dataset: Dataset) -> dict[str, str]:
+    """Variable -> coordinates of its points beside those of its dims."""
+    own = sorted(dataset.coords.difference(dataset.sizes))
+    found = {
+        name: [c for c in own if set(dataset.variables[c].dims) <= set(one.dims)]
+        for name, one in dataset.variables.items()
+        if name not in own and name not in one.dims
+    }
+    return {name: " ".join(names) for name, names in found.items() if names}
 
 
-def _encoding(variable: xr.Variable) -> dict[str, object]:
-    if variable.dtype.kind == "U":
-        return {"dtype": "S1"}  # fixed-width characters: readable everywhere
-    encoding: dict[str, object] = {"_FillValue": _fill(variable)}
-    if variable.nbytes > LARGE and _shrinks(variable.values):
-        encoding |= {"zlib": True, "complevel": LEVEL, "shuffle": True}
-    return encoding
+def _named(coordinates: str | None) -> dict[str, str]:
+    return {} if coordinates is None else {"coordinates": coordinates}
+
+
+def _as_characters(variable: Labelled) -> Labelled:
+    """Texts as characters of a fixed width, readable everywhere; anything else as it is."""
+    if variable.dtype.kind != "U":
+        return variable
+    texts = np.char.encode(variable.values, "utf-8")
+    width = texts.dtype.itemsize
+    characters = np.ascontiguousarray(texts).view("S1").reshape(*texts.shape, width)
+    attributes = {**variable.attrs, "_Encoding": "utf-8"}
+    return Labelled((*variable.dims, f"string{width}"), characters, attributes)
+
+
+def _compression(variable: Labelled) -> dict[str, Any]:
+    if variable.values.nbytes <= LARGE or not _shrinks(variable.values):
+        return {}
+    return {"zlib": True, "complevel": LEVEL}
 
 
 def _shrinks(array: NDArray[Any]) -> bool:
@@ -243,7 +282,7 @@ def _shrinks(array: NDArray[Any]) -> bool:
     return len(zlib.compress(shuffled, LEVEL)) < WORTH * len(shuffled)
 
 
-def _fill(variable: xr.Variable) -> float | np.int32 | None:
+def _fill(variable: Labelled) -> float | np.int32 | None:
     """NaN for numbers; counts carry a missing value; flags, sizes and coordinates none."""
     if variable.dtype.kind == "f" and "ancillary_variables" in variable.attrs:
         return np.nan
@@ -252,7 +291,7 @@ def _fill(variable: xr.Variable) -> float | np.int32 | None:
     return None
 
 
-def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
+def _check(path: Path, datasets: Mapping[str, Dataset]) -> None:
     """Read back what was written, one variable at a time."""
     import netCDF4
 
@@ -263,11 +302,11 @@ def _check(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
             _check_group(group.variables, dataset)
 
 
-def _check_group(written: Mapping[str, netCDF4.Variable], dataset: xr.Dataset) -> None:
+def _check_group(written: Mapping[str, netCDF4.Variable], dataset: Dataset) -> None:
     for name, variable in dataset.variables.items():
         if name not in written:
             raise RuntimeError(f"{name} is missing after writing")
-        back, values = written[str(name)], variable.values
+        back, values = written[name], variable.values
         for part in _slabs(values, back.chunking()) if values.nbytes > SLAB else (...,):
             if not _same(back[part], values[part]):
                 raise RuntimeError(f"{name} reads back differently")
@@ -282,7 +321,7 @@ def _same(back: NDArray[Any], values: NDArray[Any]) -> bool:
     return np.array_equal(*bits)
 
 
-def _check_space(path: Path, datasets: Mapping[str, xr.Dataset]) -> None:
+def _check_space(path: Path, datasets: Mapping[str, Dataset]) -> None:
     """Refuse early what cannot fit even well compressed."""
     needed = sum(dataset.nbytes for dataset in datasets.values()) // 20
     if shutil.disk_usage(path.parent).free < needed:

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import COMPUTED as RUN
+from fiv_cli.data.dataset import Dataset, Labelled
 from fiv_cli.flags import COMPUTED, NOT_COMPUTED, STATUS, reason_code
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 _SAMPLED = [COMPUTED.codes["sampled"], COMPUTED.codes["sampled_and_mislabelled"]]
 
 
-def fill_in(
-    dataset: xr.Dataset, of: str, classes: NDArray[Any], origins: NDArray[np.int8]
-) -> xr.Dataset:
+def fill_in(dataset: Dataset, of: str, classes: NDArray[Any], origins: NDArray[np.int8]) -> Dataset:
     """The dataset with the class of points that were not run.
 
     Only that class is given; the status of such a point is ``not_computed``, its reason
@@ -34,18 +31,19 @@ def fill_in(
     """
     from fiv_cli.data.assemble import attributes_of
 
-    filled = (origins == COMPUTED.codes["filled_in"]).reshape(dataset["status"].shape)
-    filled_in = dataset.copy()
+    points = dataset.variables["status"]
+    filled = (origins == COMPUTED.codes["filled_in"]).reshape(points.values.shape)
+    which = origins.reshape(filled.shape)
+    changed = {RUN.name: Labelled(points.dims, which, attributes_of(RUN))}
     for name, value in (
         (of, classes.reshape(filled.shape)),
         ("status", STATUS.codes[NOT_COMPUTED]),
         ("reason", reason_code("filled_in")),
     ):
-        known = dataset[name]
-        filled_in[name] = known.copy(data=np.where(filled, value, known.values).astype(known.dtype))
-    which = origins.reshape(filled.shape)
-    filled_in[RUN.name] = (dataset["status"].dims, which, attributes_of(RUN))
-    return filled_in
+        known = dataset.variables[name]
+        values = np.where(filled, value, known.values).astype(known.dtype)
+        changed[name] = replace(known, values=values)
+    return dataset.assign(changed)
 
 
 def refinement_attributes(

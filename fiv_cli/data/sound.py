@@ -22,6 +22,8 @@ from fiv_cli.notation.names import can_name_a_file
 if TYPE_CHECKING:
     import xarray as xr
 
+    from fiv_cli.data.dataset import Dataset, Labelled
+
 TEXTS = ("case", "title", "reference", "fingerprint", "source", "model", "law", "overrides")
 WORDS = ("units", "long_name", "symbol", "comment", "flag_meanings", "sample_dimension", "along")
 COUNTS = ("refined_levels", "points_run", "points_filled_in", "sample_size", "sample_mislabelled")
@@ -38,7 +40,7 @@ def fault_of(dataset: xr.Dataset, name: str) -> str:
     return next(_faults(dataset, name), "")
 
 
-def form_of(dataset: xr.Dataset) -> dict[str, list[str]]:
+def form_of(dataset: xr.Dataset | Dataset) -> dict[str, list[str]]:
     """Variable -> its kind and dims: by this a reader sees whether a file is as it was written."""
     return {
         str(name): [_kind(variable), *map(str, variable.dims)]
@@ -46,7 +48,7 @@ def form_of(dataset: xr.Dataset) -> dict[str, list[str]]:
     }
 
 
-def _kind(variable: xr.Variable) -> str:
+def _kind(variable: xr.Variable | Labelled) -> str:
     """What a variable holds; a count with gaps is read as a number."""
     if _is_flag(variable):
         return "classes"
@@ -165,7 +167,7 @@ def _holds_texts(variable: xr.Variable) -> bool:
     return variable.dtype.kind == "O" and all(isinstance(v, str) for v in variable.values.flat)
 
 
-def _is_flag(variable: xr.Variable) -> bool:
+def _is_flag(variable: xr.Variable | Labelled) -> bool:
     """Whether it is to be read as classes: they alone are stored in one byte."""
     named = {"flag_values", "flag_meanings"} & set(variable.attrs)
     return bool(named) or variable.dtype == np.int8

@@ -121,7 +121,8 @@ class Law:
     numerics_version : raised whenever a change of this file changes numbers
     parameters : its parameter table
     force : ``(Slip, parameters) -> F_T`` in N, positive along v
-    capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick
+    capacity : ``(N, parameters) -> static capacity`` in N; None for a law that cannot stick; of a
+        system it finds the internal states among the parameters
     states : internal states; they begin at zero
     rates : ``(Slip, parameters) -> {state: rate}``
     structural : parameters whose value is written into the generated code (exponents)
@@ -140,6 +141,7 @@ class Law:
     guards : ``(Slip, parameters) -> the guards of each element``, positive inside a piece
     resting : ``(v, parameters) -> name of the piece of each element`` in steady sliding; None: of
         a law by pieces, whose states never rest, so that there is no equilibrium
+    snaps : parameters -> events that a metre of steady slip brings; None: none
     surface : how it varies from place to place; None: it does not
     reach : slip speed up to which it is known, m/s; beyond, it is assumed
     origin : where it stands, if not in the box
@@ -165,6 +167,7 @@ class Law:
     elements: int = 1
     guards: Callable[[Slip, Mapping[str, Expr]], Sequence[Sequence[Expr]]] | None = None
     resting: Callable[[float, Mapping[str, float]], Sequence[str]] | None = None
+    snaps: Callable[[Mapping[str, float]], float] | None = None
     surface: Surface | None = None
     reach: float = float("inf")
     origin: Origin | None = None
@@ -215,9 +218,9 @@ class Law:
     def at_rest(self, v: float, parameters: Mapping[str, float]) -> list[int]:
         """Number of the piece that each element is in while it slides steadily at v, m/s.
 
-        The first one where there is no such state.
+        The first one where there is no such state, or nothing slides.
         """
-        if self.resting is None:
+        if self.resting is None or v == 0.0:
             return [0] * self.shape[0]
         return [self.places[name] for name in self.resting(v, parameters)]
 

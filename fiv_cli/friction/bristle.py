@@ -6,16 +6,17 @@
 delta_i = delta (1 +- spread/3, 1 +- spread) each has the stiffness sigma_i that lets its mean force
 in steady sliding be a quarter of mu_k N: sigma_i = mu_k/(2 delta_i). The original places new bonds
 at random; here they are where the bristle is, so that a motion can be repeated. The force of steady
-sliding is a sawtooth about mu_k N that never ends: there is no equilibrium, and every bond that
-snaps is an event. The thesis calls it inefficient; it is here to be compared with the laws that
-stand for its mean. Haessig & Friedland, ASME J. Dynamic Systems, Measurement and Control 113 (1991)
-354-362. While the contact is open the bristles stay as they were.
+sliding is a sawtooth about mu_k N that never ends: there is no equilibrium but at a standstill,
+where the bristles are springs, and every bond that snaps is an event. The thesis calls it
+inefficient; it is here to be compared with the laws that stand for its mean. Haessig & Friedland,
+ASME J. Dynamic Systems, Measurement and Control 113 (1991) 354-362. While the contact is open the
+bristles stay as they were.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fiv_cli.friction.base import Exit, Law, Piece, Slip
 from fiv_cli.friction.coulomb import MU_K
@@ -31,7 +32,7 @@ ANEW = Exit("bonded", (0, 0), begins_anew=True)
 BONDED = Piece("bonded", (1.0,), (ANEW, ANEW))
 
 
-def _thresholds(p: Mapping[str, Expr]) -> list[Expr]:
+def _thresholds(p: Mapping[str, Any]) -> list[Any]:
     return [p["delta_b"] * (1 + p["spread"] * third / 3) for third in THIRDS]
 
 
@@ -78,4 +79,5 @@ LAW = Law(
     pieces=(BONDED,),
     elements=len(NAMES),
     guards=guards,
+    snaps=lambda p: sum(1 / limit for limit in _thresholds(p)),
 )  # fmt: skip

@@ -15,7 +15,7 @@ unsteadily where its stiffness is below (b - a) N/D_c (1 + m v^2/(a N D_c)).
 It never sticks: it creeps, at speeds below v_0 by powers of ten. There the force is stiff, with a
 rate of a N/(m |v|). About v = 0 it turns from one sense to the other within v_0 exp(-mu_0/a), which
 no step resolves: the law is for slip that goes on one way. A motion whose slip turns round ends in
-`no_number`, or runs out of steps.
+`no_number`, or runs out of steps; `rate-and-state-cutoff` can turn.
 """
 
 from __future__ import annotations

@@ -8,8 +8,11 @@ Thesis 2.6; Stefanski, Wojewoda, Wiercigroch & Kapitaniak, Chaos, Solitons & Fra
 There exp(-|v|) has no velocity scale, so v_s = 1 m/s, and the law asks for the sign of the slip
 acceleration. A force that jumps with an acceleration which follows from the force has no answer
 where either sign contradicts itself; so it is told here from u, the slip velocity a time tau late,
-and its sign is reached over the acceleration a_0. As tau and a_0 tend to zero this is 2.6. In
-steady sliding F_T = mu_k N.
+and its sign is reached over the acceleration a_0. As tau and a_0 tend to zero this is 2.6: of a
+slip that is stated at the orders 1 and 2, and periods of stick-slip at the order 1 in tau. In
+steady sliding F_T = mu_k N. About it the force resists accelerations below a_0 as a mass
+M = (mu_s - mu_k) exp(-|v|/v_s) N/a_0 would, beside tau ever so short: motions that come near it
+slow down as a_0 shrinks, without a limit, and may end there. a_0 is physics, and no small number.
 
 While slip slows down friction falls to (2 mu_k - mu_s) N: where mu_s > 2 mu_k it drives, as the
 formula says. tau is to be short against what the motion does; steps are of the order of it.

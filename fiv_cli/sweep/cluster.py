@@ -15,6 +15,7 @@ import secrets
 import sys
 import threading
 import time
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
 from concurrent import futures
 from contextlib import contextmanager
@@ -33,7 +34,7 @@ PATIENCE = 60.0
 """Seconds in which a scheduler must answer, also again after it was lost."""
 
 ROUND = 1.0
-"""Seconds after which is looked again who has joined."""
+"""Seconds after which is looked again who has joined, and that a result may take at first."""
 
 
 class Cluster:
@@ -57,6 +58,7 @@ class Cluster:
         self._numbers = count(1)
         self._tasks: dict[int, Task] = {}
         self._futures: dict[int, Any] = {}
+        self._patience: defaultdict[int, float] = defaultdict(lambda: ROUND)
         self._died: dict[int, Beat | None] = {}
         self._idle: set[int] = set()
         self._admitted: dict[str, bool] = {}
@@ -158,9 +160,10 @@ class Cluster:
         results: list[tuple[int, Result]] = []
         for number in [n for n in self._tasks if self._status(n) == "finished"]:
             try:
-                answer = self._futures[number].result(timeout=PATIENCE)
+                answer = self._futures[number].result(timeout=self._patience[number])
             except (OSError, asyncio.CancelledError, futures.CancelledError):
-                break  # it went with its worker, or the scheduler, and is computed again
+                self._patience[number] *= 2
+                break  # it went with its worker, or the scheduler, and is to be sent again
             self._forget(number)
             if isinstance(answer, Died):
                 self._died[number] = answer.beat
@@ -170,6 +173,7 @@ class Cluster:
 
     def _forget(self, number: int) -> None:
         del self._tasks[number], self._futures[number]
+        self._patience.pop(number, None)
 
     def _look_round(self) -> None:
         """See who has joined, and who has left."""

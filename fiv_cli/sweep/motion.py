@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.identity import default_output, fingerprint
 from fiv_cli.data.assemble import assemble
+from fiv_cli.data.dataset import Dataset
 from fiv_cli.data.layout import Dim
 from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
@@ -31,6 +31,9 @@ from fiv_cli.sweep.plan import AnalysisPlan, make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.requests import StartEntry, Values, request_at
 from fiv_cli.sweep.worker import ChainState, Result, Segment, Task, imported, run_task
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 NEAR = 1e-9
 """Relative distance within which a number names a value of an axis."""
@@ -159,7 +162,7 @@ def write_motion(
     attributes = provenance(point.case, fingerprint(point.case))
     place = [f"{name}={value}" for name, value in point.place.items()]
     attributes[MARK] = ", ".join([*place, *["settled"] * (steady is not None and steady.settled)])
-    write_datasets(path, {"history": dataset}, attributes)
+    write_datasets(path, {"history": Dataset.of(dataset)}, attributes)
     return outcome
 
 
@@ -209,7 +212,7 @@ def run_motion(
         )
     layout = replace(alone.layout, labels=(label,))
     dataset = assemble(layout, lambda: [(np.zeros(1, np.int64), block)])
-    return dataset, Outcome(status, reason, message=block.messages.get(0, ""))
+    return dataset.to_xarray(), Outcome(status, reason, message=block.messages.get(0, ""))
 
 
 # --- which point ----------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,7 +35,7 @@ from fiv_cli.sweep.receipt import is_made, made_from, write_receipt
 from fiv_cli.sweep.scheduler import Scheduler
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from fiv_cli.data.dataset import Dataset
 
 SHOWN_ERRORS = 3
 PENDING = "pending"
@@ -228,9 +228,9 @@ def _done(counts: Mapping[str, int]) -> str:
     return f"{total - counts[PENDING]} of {counted(total)}"
 
 
-def _assembled(journal: Journal, index: int) -> xr.Dataset:
+def _assembled(journal: Journal, index: int) -> Dataset:
     """The dataset of one analysis, what its borders enclose filled in."""
-    from fiv_cli.data.assemble import assemble  # xarray: imported when all is computed
+    from fiv_cli.data.assemble import assemble
     from fiv_cli.data.refined import fill_in
 
     analysis, stage = journal.plan.analyses[index], journal.records[index].stage
@@ -240,7 +240,7 @@ def _assembled(journal: Journal, index: int) -> xr.Dataset:
         return dataset
     classes = stage.filled_classes(maps.fill)
     filled = fill_in(dataset, maps.refinement.of, classes, stage.origins())
-    return filled.assign_attrs(maps.attributes(stage))
+    return replace(filled, attrs=maps.attributes(stage))
 
 
 def refinements(journal: Journal) -> list[str]:

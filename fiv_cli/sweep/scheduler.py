@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import import_module
 
 import numpy as np
 
@@ -285,7 +283,6 @@ class Scheduler:
     def _run_in_workers(self, index: int, queue: Queue, pace: Pace, workers: Workers) -> None:
         """Keep the workers busy, take what is finished, take back what was lost."""
         self._submit_jobs(queue, pace, workers)
-        _import_ahead()
         completed = workers.completed(GLANCE)
         ending.heed()  # before workers that were ended with this process count as dead
         for number, result in completed:
@@ -346,9 +343,3 @@ class Scheduler:
             self._workers.close()
             self._workers = None
         self._flights.clear()
-
-
-@cache
-def _import_ahead() -> None:
-    """While workers compute: what the dataset is made with."""
-    import_module("fiv_cli.data.assemble")

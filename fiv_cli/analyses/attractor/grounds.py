@@ -19,7 +19,10 @@ linear sliding never leaves it, since every |a_i| falls. So:
   rate is that of the linear system times 1 - (a/a_cycle)^2: `AGREEMENT` is met at half the
   amplitude of the cycle, inside of which all motions fall.
 
-Every stable equilibrium of the point is asked. A state in which all contacts stick and nothing
+Every stable equilibrium of the point is asked. Where the drive stands still and friction is a
+spring until it yields, each state of the springs has a place of rest of its own: the one that the
+linear slide from here leads to is asked, and its modes that neither grow nor decay count as kept.
+A state in which all contacts stick and nothing
 moves, without excitation, is one too. `decay_margin` is 1 - V/c when it was told.
 
 *Periodic.* The section repeats to `NEARLY` and ever closer; then Newton's method on the return map

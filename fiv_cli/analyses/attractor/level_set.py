@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.grounds import HURWITZ, LINEAR, SAMPLES
 from fiv_cli.analyses.rest.equilibria import Sliding
-from fiv_cli.analyses.rest.linearisation import free_states, inverted
+from fiv_cli.analyses.rest.linearisation import free_jacobian, free_states, inverted
 from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import System, Vector
 
@@ -83,7 +83,22 @@ class LevelSet:
     @cached_property
     def slowest(self) -> Vector:
         """Rate of the slowest decay, 1/s."""
-        return np.asarray(-np.max(self.eigenvalues.real, axis=-1))
+        falling = np.where(self.eigenvalues == 0.0, -np.inf, self.eigenvalues.real)
+        return np.asarray(-np.max(falling, axis=-1))
+
+    @property
+    def keeps(self) -> bool:
+        """Whether springs hold it: where a slide ends depends on where it begins."""
+        return bool(self.sliding.held)
+
+    def where_it_ends(self, state: Vector) -> tuple[LevelSet, float] | None:
+        """The level sets about the place where a slide from a state ends, and its margin there."""
+        kept = self.eigenvalues == 0.0
+        amplitudes = self.inverse @ (state - self.equilibrium)[self.free]
+        rest, here = self.equilibrium.copy()[None], self.sliding[None]
+        rest[0, self.free] += (self.vectors[:, kept] @ amplitudes[kept]).real
+        rows, found = level_sets(here, rest, free_jacobian(here, rest), self.number[None])
+        return (found[0], float(found.margins(state[None])[0])) if len(rows) > 0 else None
 
     # --- the level --------------------------------------------------------------------------------
     @cached_property
@@ -120,7 +135,8 @@ class LevelSet:
         """Weighted amplitude below which rounding of the rates passes for their nonlinear part."""
         whole = np.abs(_times(self.inverse, self.equilibrium[..., self.free]))
         fastest = np.max(np.abs(self.eigenvalues), axis=-1)
-        return ROUNDING * np.sum(self.weights * whole, axis=-1) * fastest / self.slowest
+        found = ROUNDING * np.sum(self.weights * whole, axis=-1) * fastest / self.slowest
+        return np.asarray(np.maximum(found, np.finfo(float).tiny))
 
     def margins(self, states: NDArray[np.float64]) -> Vector:
         """1 - V/c where sliding from a state is linear and meets nothing; NaN where it is not."""
@@ -168,7 +184,8 @@ def level_sets(
 ) -> tuple[NDArray[np.intp], LevelSet]:
     """The level sets about equilibria, in rows: which have some, and these.
 
-    One that is not stable, or on a border, has none.
+    One that is not stable, or on a border, has none. Modes of springs that hold, which neither grow
+    nor decay, have the eigenvalue zero.
 
     Parameters
     ----------
@@ -177,7 +194,12 @@ def level_sets(
     """
     values, vectors = np.linalg.eig(jacobians)
     speeds = np.max(np.abs(values), axis=-1)
-    stable = np.max(values.real, axis=-1) < -HURWITZ * speeds
+    kept = sliding.held[:, None] & (np.abs(values) <= HURWITZ * speeds[:, None])
+    values = np.where(kept, 0.0, values)
+    for row in np.flatnonzero(sliding.held):  # of several zeros `eig` has one vector
+        count = np.count_nonzero(kept[row])
+        vectors[row][:, kept[row]] = np.linalg.svd(jacobians[row])[2][len(kept[row]) - count :].T
+    stable = np.max(np.where(kept, -np.inf, values.real), axis=-1) < -HURWITZ * speeds
     inverses = _inverses(values, vectors)
     stable &= ~np.isnan(inverses).any(axis=(1, 2))
     margins, slopes = _guards(sliding, equilibria, speeds)

@@ -160,7 +160,10 @@ class Rests:
         if self.eigenvalues is None:
             return False
         frequency = float(np.max(np.abs(self.eigenvalues)))
-        return abs(float(np.max(self.eigenvalues.real))) <= HURWITZ * frequency
+        values = self.eigenvalues
+        if self.unexcited.held:
+            values = values[np.abs(values) > HURWITZ * frequency]
+        return abs(float(np.max(values.real))) <= HURWITZ * frequency
 
 
 def rests_at(system: System, requests: Sequence[Request]) -> list[Rests]:
@@ -242,8 +245,9 @@ class _Response:
         """The longest of 4 s, three revolutions of disc or excitation, three natural periods, s."""
         turning = self.system.setup.model.revolution
         spans = [PATIENCE]
-        if turning is not None:
-            spans.append(REVOLUTIONS * 2 * np.pi / abs(turning(self.problem.parameters)))
+        speed = 0.0 if turning is None else abs(turning(self.problem.parameters))
+        if speed > 0.0:
+            spans.append(REVOLUTIONS * 2 * np.pi / speed)
         if self.excitation is not None:
             spans.append(REVOLUTIONS * self.excitation)
         if np.isfinite(self.rests.natural_period):
@@ -263,7 +267,7 @@ class _Response:
         """Slides down to the stable equilibria, of which an excitation leaves nothing but those
         that do not feel it."""
         parameters = self.problem.parameters
-        targets = self.rests.level_sets
+        targets = [target for target in self.rests.level_sets if not target.keeps]
         if self.excitation is not None:
             felt = [under_excitation(self.system, parameters, target) for target in targets]
             targets = [target for target in felt if target is not None]
@@ -378,11 +382,27 @@ class _Response:
                 margin = descent.margin(self.motion.time, self.motion.y)
                 if not math.isnan(margin):
                     return self._at_equilibrium(descent.target, margin)
+            if self.springs:
+                return self._held_by_springs()
             if not self.watch.knows_slides:
                 slides = [descent.slide.address for descent in self.descents]
                 self.watch.show("slides", np.array(slides, np.int64))
                 self.watch.knows_slides = 1
         return self._stuck()
+
+    @cached_property
+    def springs(self) -> list[LevelSet]:
+        """Those that springs hold, where no excitation moves them."""
+        targets = self.rests.level_sets if self.excitation is None else ()
+        return [target for target in targets if target.keeps]
+
+    def _held_by_springs(self) -> Outcome | None:
+        """The place of rest that friction, a spring there, will not be torn off from."""
+        for target in self.springs:
+            there = target.where_it_ends(self.motion.y)
+            if there is not None and not math.isnan(there[1]):
+                return self._at_equilibrium(*there)
+        return None
 
     def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
         outcome = self._resting_values(target.equilibrium)

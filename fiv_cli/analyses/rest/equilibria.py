@@ -54,6 +54,7 @@ class Sliding:
     coefficients : generated coefficients; shape (..., n_coefficients)
     index : contact state "all slip", stops open
     moving : whether every contact has slip velocity at rest, as a sliding equilibrium needs
+    held : whether none has, and friction is that of springs, which stand upright at one
     """
 
     system: System
@@ -61,11 +62,12 @@ class Sliding:
     coefficients: Vector
     index: int
     moving: NDArray[np.bool_]
+    held: NDArray[np.bool_]
 
     def __getitem__(self, rows: Any) -> Sliding:
         """At some of the points."""
-        taken = self.parameters[rows], self.coefficients[rows], self.index, self.moving[rows]
-        return Sliding(self.system, *taken)
+        taken = self.parameters[rows], self.coefficients[rows], self.index
+        return type(self)(self.system, *taken, self.moving[rows], self.held[rows])
 
     def field(self, y: Vector) -> FieldOutput:
         """Rates, forces and switching functions at y."""
@@ -102,6 +104,20 @@ class Sliding:
     def free_rates(self) -> NDArray[np.intp]:
         """Places of their accelerations, and of the laws' rates, among `rates`."""
         return _free_rates(self.system)
+
+
+class Upright(Sliding):
+    """The same with the states of laws kept at zero."""
+
+    @property
+    def free(self) -> list[int]:
+        """Places of coordinates alone."""
+        return free_coordinates(self.system)
+
+    @property
+    def free_rates(self) -> NDArray[np.intp]:
+        """Places of their accelerations."""
+        return np.array(self.free, np.intp) + len(self.system.coordinates)
 
 
 @cache
@@ -150,7 +166,8 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     vectors = np.array([system.parameter_vector(unexcited(point)) for point in points])
     coefficients = system.coefficients(vectors)
     index = system.sliding_index
-    state = Sliding(system, vectors, coefficients, index, np.ones(len(points), bool))
+    none = np.zeros(len(points), bool)
+    state = Sliding(system, vectors, coefficients, index, ~none, none)
     at_rest = np.zeros((len(points), len(system.state_names)))
     velocities = state.contact_forces(at_rest)[..., 2]
     laws = system.pieces.laws
@@ -164,7 +181,20 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
         rows = [_rows(system, *point) for point in zip(slips, points, strict=True)]
         vectors[:, system.n_own_parameters : first] = rows
         coefficients = system.coefficients(vectors)
-    return Sliding(system, vectors, coefficients, index, moving)
+    state = Sliding(system, vectors, coefficients, index, moving, none)
+    stopped = ~moving & (velocities == 0.0).all(axis=-1)
+    return replace(state, held=stopped & _are_springs(state)) if stopped.any() else state
+
+
+def _are_springs(state: Sliding) -> NDArray[np.bool_]:
+    """Whether the states of laws move with the slip alone where they stand upright."""
+    places = list(_internal(state.system))
+    upright = np.zeros((len(state.moving), len(state.system.state_names)))
+    if not places:
+        return np.zeros(len(upright), bool)
+    own = state.slopes(upright, places)[:, places]
+    moved = np.any(state.rates(upright)[:, places], axis=-1) | np.any(own, axis=(1, 2))
+    return np.asarray(~moved)
 
 
 def slip_at_rest(system: System, parameters: Mapping[str, float]) -> float:
@@ -223,10 +253,14 @@ Found = TypeVar("Found")
 
 def equilibria_at(points: Sliding) -> list[Equilibria]:
     """`all_equilibria` at each of several points."""
-    if not all(law.rests for law in points.system.pieces.laws.values()):
-        return [Equilibria(reason="no_equilibrium")] * len(points.moving)
     found = [Equilibria(reason="no_drive")] * len(points.moving)
-    left = np.flatnonzero(points.moving)
+    held, left = np.flatnonzero(points.held), np.flatnonzero(points.moving)
+    if len(held) > 0:
+        upright = Upright(**vars(points[held]))
+        _enter(found, held, _search(upright))
+    if not all(law.rests for law in points.system.pieces.laws.values()):
+        _enter(found, left, [Equilibria(reason="no_equilibrium")] * len(left))
+        return _held(points, found)
     for polynomial in _polynomials(points.system):
         if len(left) > 0:
             left = _enter(found, left, _reduced(points[left], polynomial))
@@ -555,9 +589,10 @@ def _deflation(step: Vector, at: Vector, known: Iterable[Vector]) -> float:
     for solution in known:
         away = at - solution
         square, size = float(away @ away), float(solution @ solution)
-        if square == 0.0:
+        scale = square * (square + size)
+        if scale == 0.0:
             return 1.0
-        slope += -2.0 * size * float(away @ step) / (square * (square + size))
+        slope += -2.0 * size * float(away @ step) / scale
     return 1.0 / (1.0 + slope) if slope != -1.0 else 1.0
 
 

@@ -3,7 +3,8 @@
 The fastest rate of the linearised motion bounds the steps of an explicit method. A law that is
 smooth, or has states of its own, brings rates that the model does not have: bristles relax at
 sigma_0 |v|/g in sliding, the slope of a regularised sign is felt while a contact nearly rests. Both
-are looked at: the sliding equilibrium, and the same place with all contacts at rest.
+are looked at: the sliding equilibrium, and the same place with all contacts at rest. Where bonds
+snap, each is a step at least.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from fiv_cli.friction import get_law
 
 Points = Sequence[Mapping[str, float]]
 Real = NDArray[np.float64]
+Snaps = Callable[[Mapping[str, float]], float]
 Announce = Callable[[str], None]
 
 REFERENCE = "coulomb"
@@ -49,10 +51,22 @@ def cost_of(setup: Setup, points: Points, announce: Announce = lambda sentence: 
     `announce` is told when code must be generated or compiled.
     """
     coulomb, adopted = _under_coulomb(setup, points)
-    own = _fastest(build_system(setup, announce), points)
+    system = build_system(setup, announce)
+    own = _fastest(system, points)
+    if setup.law.snaps is not None:
+        own[0] = np.maximum(own[0], DEAD * _snapping(system, setup.law.snaps, points))
     reference = _fastest(build_system(coulomb, announce), adopted)
     known = np.where(reference[0] > 0.0, reference[0], np.nan)
     return Cost(*(ALIVE / DEAD * own / known))
+
+
+def _snapping(system: System, snaps: Snaps, points: Points) -> Real:
+    """Events, 1/s, of contacts that slide as fast as they are driven."""
+    slips = sliding_at(system, points).contact_forces(
+        np.zeros((len(points), len(system.state_names)))
+    )
+    fast: Real = np.abs(slips[:, list(system.pieces.laws), 2]).sum(axis=-1)
+    return fast * [snaps(point) for point in points]
 
 
 def _under_coulomb(setup: Setup, points: Points) -> tuple[Setup, Points]:
