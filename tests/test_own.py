@@ -297,6 +297,17 @@ def test_a_new_model_passes_its_own_test_as_does_a_new_law(capsys):
     assert run(["new-model", "a model"]) == 2
 
 
+def test_what_a_file_cannot_compute_is_told_with_its_line(capsys):
+    assert run(["new-model", "a-model"]) == 0
+    text = capsys.readouterr().out.replace('cycle.values["period"]', 'cycle.values["perod"]')
+    Path("model.py").write_text(text)
+    assert run(["verify", "--with", "model.py"]) == 5
+    (line,) = (n for n, row in enumerate(text.splitlines(), 1) if "perod" in row)
+    told = capsys.readouterr()
+    assert f"model.py:{line}: verify: there is no 'perod'" in told.out
+    assert "5 of 6 checks passed" in told.err
+
+
 def test_what_a_file_holds_to_be_known_is_checked(capsys):
     assert run(["new-model", "a-model"]) == 0
     wrong = capsys.readouterr().out.replace("x, 0.5, 1e-12", "x, 0.6, 1e-12")
