@@ -25,6 +25,19 @@ def command(case: str, output: Path | None, overrides: tuple[str, ...]) -> int:
     Examples:
       fiv run a.toml --shard 1/2; fiv run a.toml --shard 2/2; fiv assemble a.toml
       fiv assemble a.toml --set grid.mu_k=[0.3] -o one.nc
+
+    \b
+    An array of Slurm (sbatch job.sh):
+      #!/bin/sh
+      #SBATCH --array=1-16 --cpus-per-task=4 --time=12:00:00
+      export FIV_RUN_SHARD="$SLURM_ARRAY_TASK_ID/16" FIV_RUN_WORKERS="$SLURM_CPUS_PER_TASK"
+      fiv run a.toml
+    \b
+    GNU make as the queue (-j 4):
+      runs/a.nc: $(addsuffix .part,$(shell seq 16)) ; fiv assemble a.toml
+      %.part: ; fiv run a.toml --shard $*/16 --workers 1
+    \b
+    In CI keep ~/.cache/fiv (or FIV_CACHE_DIR) between jobs: nothing is compiled twice.
     """
     from fiv_cli import api
     from fiv_cli.case.identity import default_output
