@@ -126,6 +126,21 @@ def counted(request: Request) -> Outcome:
     return answer(request)
 
 
+def slippery(request: Request) -> Outcome:
+    """`answer`, on a branch up to FIV_TEST_END that a step longer than 0.3 falls off."""
+    outcome, N, start = answer(request), request.parameters["N"], request.start
+    carried = {"N": N} if start is None or start.carried is None else start.carried
+    on_it = abs(N - carried["N"]) <= 0.3 and float(os.environ["FIV_TEST_END"]) >= N
+    outcome.values["attractor"] = "periodic" if on_it else "equilibrium"
+    outcome.carry = {"N": N, "x": outcome.values["L_s"]}
+    return outcome
+
+
+def slipping(request: Request) -> Outcome:
+    """`motion` of what `slippery` answers."""
+    return motion(request) if request.analysis == "history" else slippery(request)
+
+
 def hazy(request: Request) -> Outcome:
     """`answer`, which cannot be told where N is 1, 4 or 5; there the motion goes on."""
     outcome = answer(request)

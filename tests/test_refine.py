@@ -246,7 +246,7 @@ def test_the_bar_grows_with_it() -> None:
     ("change", "message"),
     [
         (('of = "attractor"', 'of = "atractor"'), "did you mean 'attractor'"),
-        (('of = "attractor"', 'of = "L_s"'), "has no class 'L_s'"),
+        (('of = "attractor"', 'of = "L_s"'), "has a class 'L_s'"),
         (("levels = 3", "levels = 0"), "0 is out of range"),
         (("levels = 3", "levels = 40"), "40 is out of range"),
         (('of = "attractor"', 'along = ["w"]'), "nothing called 'w'"),
@@ -257,7 +257,7 @@ def test_the_bar_grows_with_it() -> None:
         (
             ('kind = "state"\nstate = { x_dot = "v" }',
              'kind = "continue"\nalong = "v"\nfrom = "near"'),
-            "refine leaves some out",
+            'follows every point of \'v\'; refine leaves some out',
         ),
     ],
 )  # fmt: skip

@@ -9,19 +9,22 @@ import pytest
 from clusters import LoopbackCluster
 
 from fiv_cli.case.load import parse_case
+from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.sweep.parts import Part
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.run import assemble_case, run_case
 
-FOLLOWED = """
+CASE = """
 schema = 1
 [model]
 name = "pin-on-disc"
 parameters = { Omega = 5.0 }
 [grid]
 N0 = [20.0, 30.0, 40.0]
-mu_k = [0.05, 0.1]
+mu_k = { start = 0.05, stop = 0.37, num = 3 }
+[sweep]
+refine = { levels = 2, of = "attractor", along = ["mu_k"], sample = 1 }
 [[initial]]
 label = "disc-speed"
 kind = "state"
@@ -47,32 +50,7 @@ section = { event = "slip->stick" }
 observe = "phi"
 t_max = 50.0
 """
-"""Branches of cycles, each from the cycle of its neighbour, and chains of responses."""
-
-REFINED = """
-schema = 1
-[model]
-name = "pin-on-disc"
-[grid]
-Omega = { start = 3.0, stop = 15.0, num = 3 }
-N0 = { start = 8.0, stop = 40.0, num = 3 }
-[sweep]
-refine = { levels = 2, of = "attractor", sample = 5 }
-[[initial]]
-label = "disc-speed"
-kind = "state"
-state = { phi_dot = "Omega" }
-[[initial]]
-label = "rest"
-kind = "equilibrium"
-offset = { phi = 1e-4 }
-[[analysis]]
-kind = "response"
-section = { event = "stick->slip" }
-observe = "phi"
-t_max = 50.0
-lyapunov = "never"
-"""
+"""Followed branches of cycles; maps of responses that are refined across chains."""
 
 
 @pytest.fixture(scope="module")
@@ -83,9 +61,8 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LoopbackCluste
         yield running
 
 
-@pytest.mark.parametrize("text", [FOLLOWED, REFINED], ids=["followed", "refined"])
-def test_however_it_is_run(tmp_path: Path, cluster: LoopbackCluster, text: str) -> None:
-    case = parse_case(text, "case.toml")
+def test_however_it_is_run(tmp_path: Path, cluster: LoopbackCluster) -> None:
+    case = parse_case(CASE, "case.toml")
 
     def run(name: str, **policy: object) -> None:
         own = {"workers": 1, "in_process_below": 0.0, **policy}
@@ -106,3 +83,19 @@ def test_however_it_is_run(tmp_path: Path, cluster: LoopbackCluster, text: str) 
     found = {path.stem: path.read_bytes() == expected for path in tmp_path.glob("*.nc")}
     assert len(found) == 5
     assert all(found.values()), found
+
+
+def test_a_chain_is_run_whole_and_as_in_the_full_grid(tmp_path: Path) -> None:
+    full = CASE.replace("num = 3 }", "num = 9 }").replace("refine = {", "# refine = {")
+    found = {}
+    for name, text in (("refined", CASE), ("full", full)):
+        policy = Policy(workers=1, in_process_below=0.0)
+        run_case(parse_case(text, "case.toml"), tmp_path / f"{name}.nc", policy, Silent())
+        found[name] = read_datasets(tmp_path / f"{name}.nc")["response"]
+    was_run = found["refined"]["computed"] > 0
+    followed = was_run.sel(initial="followed")
+    assert (followed.any("N0") == followed.all("N0")).all()
+    assert 0 < int(was_run.sum()) < was_run.size
+    for name in ("status", "attractor", "period", "n_steps"):
+        here, there = (found[one][name].where(was_run) for one in ("refined", "full"))
+        assert here.equals(there), name

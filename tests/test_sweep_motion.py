@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,17 @@ def test_a_continued_start_is_followed_to_the_point(seen: list[Request]) -> None
     first = np.sin(1.7 + 1.0) + 0.3
     assert start.kind == "continue"
     assert start.carried["x"] == pytest.approx(np.sin(2 * 1.7 + 1.0) + 0.1 * first, rel=1e-15)
+
+
+def test_a_continued_start_is_followed_through_the_steps_between_points(
+    seen: list[Request], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIV_TEST_END", "8.0")
+    point = find_point(sweep_fakes.case(sweep_fakes.CHAIN), {"N": "3", "v": "1.0", "initial": "up"})
+    run_motion(point, {}, lambda text: None, replace(POLICY, executor="sweep_fakes:slipping"))
+    start = seen[0].start
+    assert start is not None and start.carried is not None
+    assert 2.7 <= start.carried["N"] < 3.0
 
 
 def test_a_chain_that_begins_where_another_ended_is_followed_through_both(

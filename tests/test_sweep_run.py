@@ -138,7 +138,9 @@ def test_a_chain_goes_on_at_its_far_end(tmp_path: Path, count_file: Path) -> Non
     sweep(tmp_path / "a.nc", shorter, executor="sweep_fakes:counted")
     count_file.unlink()
     sweep(tmp_path / "a.nc", sweep_fakes.CHAIN, executor="sweep_fakes:counted")
-    assert {float(line.split()[0]) for line in runs(count_file)} == {6.0, 7.0, 8.0}
+    ran = {float(line.split()[0]) for line in runs(count_file)}
+    assert {N for N in ran if N.is_integer()} == {6.0, 7.0, 8.0}
+    assert all(6.0 < N < 7.0 for N in ran if not N.is_integer())  # the way on which it is lost
     sweep(tmp_path / "b.nc", sweep_fakes.CHAIN)
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
@@ -154,6 +156,22 @@ def test_a_chain_carries_and_stops_where_its_class_changes(tmp_path: Path) -> No
             x = np.sin(N * 1.7 + 1.0) + 0.1 * x
         if i < 7:
             assert float(up["L_s"][i]) == pytest.approx(x * x, rel=1e-14)
+
+
+@pytest.mark.parametrize(("end", "last"), [(6.4, 6.0), (5.999, 5.0), (20.0, 8.0)])
+def test_a_chain_is_lost_where_its_branch_ends_and_not_by_its_steps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: float, last: float
+) -> None:
+    """Steps of 1 throw the motion off everywhere; steps of 0.3 do nowhere before the end."""
+    monkeypatch.setenv("FIV_TEST_END", f"{end}")
+    sweep(tmp_path / "a.nc", sweep_fakes.CHAIN, executor="sweep_fakes:slippery")
+    up = read_datasets(tmp_path / "a.nc")[""].sel(initial="up")
+    on_it = (up["attractor"] == 1).sum("N").values.tolist()
+    assert on_it == [last, last]
+    assert up["attractor"].sel(N=slice(last + 1, None)).isin([0, -1]).all()
+    sweep(tmp_path / "b.nc", sweep_fakes.CHAIN, executor="sweep_fakes:slippery", max_points=11)
+    sweep(tmp_path / "b.nc", sweep_fakes.CHAIN, executor="sweep_fakes:slippery")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
 def test_a_chain_may_start_again_where_it_was_lost(tmp_path: Path) -> None:

@@ -144,15 +144,15 @@ def _places(case: Case, held: Held, analysis: str | None, variable: str) -> Plac
 
 
 def _check_refined(case: Case, held: Held, report: Report) -> None:
-    """Note an analysis without the class whose borders are refined."""
-    if case.refinement is None:
+    """Note that no analysis has the class whose borders are refined."""
+    if case.refinement is None or None in held.values():
         return
     name = case.refinement.of
-    for analysis, variables in held.items():
-        classes = [variable.name for variable in variables or () if variable.is_class]
-        if variables is not None and name not in classes:
-            message = f"the analysis {analysis!r} has no class {name!r}"
-            report.unknown(("sweep", "refine", "of"), message, name, classes)
+    told = [variable for variables in held.values() for variable in variables or ()]
+    classes = sorted({variable.name for variable in told if variable.is_class})
+    if name not in classes:
+        message = f"no analysis of this case has a class {name!r}"
+        report.unknown(("sweep", "refine", "of"), message, name, classes)
 
 
 def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Variable] | None:

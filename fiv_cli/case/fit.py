@@ -10,7 +10,7 @@ from fiv_cli.case.case import SEVERAL, AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.form import Form
 from fiv_cli.case.grid import MOST_POINTS, count_points
 from fiv_cli.case.physics import Physics
-from fiv_cli.case.refinement import refuse_chains
+from fiv_cli.case.refinement import refuse_along_chains
 from fiv_cli.case.report import Report
 from fiv_cli.case.schedule import refuse_unsuited_analyses
 from fiv_cli.friction.base import Law
@@ -22,7 +22,7 @@ def refuse_what_does_not_fit(case: Case, form: Form, physics: Physics, report: R
     """Note analyses, starts, axes and parameters that exclude one another."""
     _refuse_unused_start_axes(case.axes, case.analyses, report)
     _refuse_needless_chains(case.analyses, case.starts, report)
-    refuse_chains(case.refinement, case.starts, report)
+    refuse_along_chains(case.refinement, case.starts, report)
     refuse_unsuited_analyses(form, case.schedule, case.analyses, report)
     _refuse_too_many_runs(case.axes, case.zips, case.starts, report)
     _refuse_unmet_requirements(case, form, physics, report)

@@ -122,9 +122,16 @@ def _numerics(case: Case, analyses: Sequence[AnalysisSpec]) -> dict[str, int]:
     """The numerics versions that these analyses of the case depend on."""
     laws = () if _law_varies(case) else (case.law,)
     own = {"engine": NUMERICS_VERSION, "model": get_model(case.model).numerics_version}
-    if any(spec.settings.get("follow", "none") != "none" for spec in analyses):
+    if any(_follows(case, spec) for spec in analyses):
         own["following"] = FOLLOWING_VERSION
     return own | {law: get_law(law).numerics_version for law in laws}
+
+
+def _follows(case: Case, spec: AnalysisSpec) -> bool:
+    """Whether an analysis follows a class in steps, along its bracket or along the grid."""
+    chains = any(one.kind == "continue" and one.on_loss != "go-on" for one in case.starts)
+    along_grid = chains and get_analysis(spec.kind).uses_starts
+    return along_grid or spec.settings.get("follow", "none") != "none"
 
 
 def _hash(facts: object) -> str:

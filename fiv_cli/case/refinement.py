@@ -74,16 +74,18 @@ def _halved(axis: Candidate, levels: int, report: Report) -> Candidate:
     return axis
 
 
-def refuse_chains(
+def refuse_along_chains(
     refinement: Refinement | None, starts: Sequence[StartSpec], report: Report
 ) -> None:
     """A point that goes on from its neighbour cannot be run where the neighbour is not."""
+    axes = () if refinement is None else refinement.axes
     for index, start in enumerate(starts):
-        if refinement is not None and start.kind == "continue":
+        if start.along in axes:
+            others = ", ".join(f'"{name}"' for name in axes if name != start.along)
             report.add(
                 ("initial", index),
-                f"the start {start.label!r} follows every point of an axis; refine leaves some out",
-                'kind = "equilibrium", "state", "random" or "table"',
+                f"{start.label!r} follows every point of {start.along!r}; refine leaves some out",
+                f"refine = {{ ..., along = [{others}] }}" if others else "",
                 "or remove [sweep] refine; the analysis boundary finds the end of a branch",
             )
 

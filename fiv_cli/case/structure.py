@@ -196,7 +196,8 @@ class RefineTable(Table):
     )
     of: str = Field(default="attractor", description="class whose borders are followed")
     along: list[str] | None = Field(
-        default=None, description="axes that are halved; default: all numeric ones, zips left out"
+        default=None,
+        description="axes that are halved (none that a start follows); default: numbers, no zips",
     )
     sample: int | None = Field(
         default=None,

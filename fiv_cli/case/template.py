@@ -199,7 +199,7 @@ class _Template:
         told = next((v.name for v in self.variables() if v.is_class and not v.ragged), None)
         if told is not None:
             refine = f'refine = {{ levels = 2, of = "{told}" }}'
-            only = "more points where the class changes; without starts that continue"
+            only = "more points where the class changes, not along what a start follows"
             lines.append(_behind("## ", _with_comment(refine, only)))
         return lines
 

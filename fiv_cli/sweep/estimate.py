@@ -189,6 +189,9 @@ def _of_maps(analysis: AnalysisPlan, maps: Maps) -> Sample:
             break
     costs, many = [drawing.cost() for drawing in drawings], len(maps.numbers)
     cost = Cost(*(tuple(np.mean(pairs, axis=0) * many) for pairs in zip(*costs, strict=True)))
+    if analysis.chain_sets():  # run whole where any map asks for a point of them
+        most = analysis.size / cost.points[1]
+        cost = Cost(*((least, high * most) for least, high in cost))
     seconds = [high for _, (_, high) in costs]
     apart = float(np.std(seconds, ddof=1) / np.mean(seconds)) if len(costs) > 1 else 1.0
     error = apart * sqrt((1.0 - len(costs) / many) / len(costs))

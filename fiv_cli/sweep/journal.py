@@ -227,7 +227,8 @@ class Journal:
         """Settle what is to be run, from what has been found."""
         for analysis, record in zip(self.plan.analyses, self.records, strict=True):
             if analysis.maps is not None:
-                record.stage = analysis.maps.stage(record.told_classes(), record.stored())
+                chains = [chains.positions for chains in analysis.chain_sets()]
+                record.stage = analysis.maps.stage(record.told_classes(), record.stored(), chains)
 
     def write(self, index: int, positions: Positions, block: Block) -> None:
         """Store a finished block of the analysis with this index.

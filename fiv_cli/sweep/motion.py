@@ -314,12 +314,12 @@ class _Run:
         prepare = imported(self.policy.preparer)
         prepare(alone.systems(), self.announce)
         analysis = self.point.analysis
-        _, start = analysis.point(self.point.position)
+        own, start = analysis.point(self.point.position)
         values, _ = alone.point(start)
         before = _points_before(self.point, start) if state is None else []
         if before:
             prepare([request_at(analysis.template, values, None)], self.announce)
-            state = _state_after(before, analysis, self.policy.executor)
+            state = _as_begun(before, own, start, analysis, self.policy.executor)
         return run_task(_task(alone, Segment((values,), start, state), self.policy.executor))
 
     def steady_state(self) -> tuple[float, ChainState]:
@@ -391,6 +391,19 @@ def _points_before(point: Point, start: int) -> list[tuple[Values, int]]:
                 before = chain[: int(np.flatnonzero(chain == point.position)[0])]
                 return list(point.analysis.points(before))
     return []
+
+
+def _as_begun(
+    before: Sequence[tuple[Values, int]],
+    own: Values,
+    start: int,
+    analysis: AnalysisPlan,
+    executor: str,
+) -> ChainState | None:
+    """What a point of a branch goes on from: the one before, or a step on the way from there."""
+    state = _state_after(before, analysis, executor)
+    again = run_task(_task(analysis, Segment((own,), start, state), executor)).states[0]
+    return state if state is None or again.begun is None else replace(state, carry=again.begun)
 
 
 def _state_after(

@@ -4,8 +4,9 @@
                       03/                   the run directory of part 3 of 16 (see `journal`)
 
 What is dealt out are units that no two parts can share: points that start on their own, chains, and
-the maps of a refined analysis. The first part that begins deals them, by what points have cost so
-far, and all others keep to it. Nothing depends on it: who joins the parts sees points, not parts.
+the maps of a refined analysis, those as one that chains go through. The first part that begins
+deals them, by what points have cost so far, and all others keep to it. Nothing depends on it: who
+joins the parts sees points, not parts.
 """
 
 from __future__ import annotations
@@ -86,6 +87,8 @@ def _units(analysis: AnalysisPlan) -> NDArray[np.int64]:
     if analysis.maps is not None:
         numbers = analysis.maps.numbers
         units[numbers.reshape(len(numbers), -1).T] = np.arange(len(numbers))
+        for chains in analysis.chain_sets():
+            units[chains.positions] = units[chains.positions].min(axis=1, keepdims=True)
         return units
     singles = analysis.single_positions()
     units[singles] = np.arange(len(singles))

@@ -1,7 +1,8 @@
 """A refined analysis: which points of its finest lattice are run, and what the others are given.
 
 Each start and each combination of the axes that are not halved is a map of its own, refined along
-its own borders (see `borders`). What decides is the stored results alone, and of these only the
+its own borders (see `borders`). A chain goes through several maps, and is run whole where any of
+them asks for a point of it. What decides is the stored results alone, and of these only the
 points that the refinement itself asks for: how often a run was interrupted, or what else the store
 holds, changes nothing. The points are those of the full grid, with the same keys, so a run of the
 full grid goes on from a refined one.
@@ -9,7 +10,7 @@ full grid goes on from a refined one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,13 +106,14 @@ class Maps:
             return described(self.attributes(stage))
         return f"halved {stage.level} of {self.refinement.levels} times so far"
 
-    def stage(self, classes: Classes, known: Mask) -> Stage:
+    def stage(self, classes: Classes, known: Mask, chains: Iterable[Numbers] = ()) -> Stage:
         """How far the maps have come.
 
         Parameters
         ----------
         classes : (size,) class of each point, where known
         known : (size,) points with a stored result
+        chains : positions of the points of chains, shape (chains, points of each)
         """
         size, levels = self.numbers.size, self.refinement.levels
         wanted, sampled = np.zeros(size, bool), np.zeros(size, bool)
@@ -125,6 +127,8 @@ class Maps:
             if picture.complete:
                 sampled[numbers] = self._sample(~picture.wanted)
         wanted |= sampled
+        for numbers in chains:
+            wanted[numbers] |= wanted[numbers].any(axis=1, keepdims=True)
         complete = not (wanted & ~known).any()
         return Stage(classes, known, wanted, sampled, drawn, complete, reached)
 
@@ -136,13 +140,14 @@ class Maps:
 
 
 def maps_of(layout: Layout, refinement: Refinement) -> Maps | None:
-    """The maps of an analysis; None where none of its axes is halved."""
+    """The maps of an analysis; None where none of its axes is halved, or it has no such class."""
+    told = [one for one in layout.variables if one.name == refinement.of and one.is_class]
     places = [
         place
         for place, dim in enumerate(layout.dims)
         if dim.size > 1 and all(axis.name in refinement.axes for axis in dim.axes)
     ]
-    if not places:
+    if not (places and told):
         return None
     numbers = np.moveaxis(
         np.arange(layout.size).reshape(layout.shape), places, range(-len(places), 0)
@@ -152,5 +157,5 @@ def maps_of(layout: Layout, refinement: Refinement) -> Maps | None:
         refinement,
         numbers.reshape(-1, *(dim.size for dim in halved)),
         {dim.name: coarse_size(dim.size, refinement.levels) for dim in halved},
-        int(fill_value(next(v for v in layout.variables if v.name == refinement.of))),
+        int(fill_value(told[0])),
     )

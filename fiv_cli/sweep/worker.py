@@ -9,31 +9,29 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import importlib
-import json
 import os
 import signal
 import sys
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field
 from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
 from fiv_cli import ending
-from fiv_cli.analyses.base import AT_ONCE, Batch, Outcome, Request, Start
+from fiv_cli.analyses.base import AT_ONCE, Batch, Outcome, Request
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
-from fiv_cli.data.block import Block, from_plain, pack, to_plain
+from fiv_cli.data.block import Block, pack
 from fiv_cli.data.states import on_all_states
-from fiv_cli.flags import is_retried
 from fiv_cli.own.load import know
+from fiv_cli.sweep.chain import Chain, ChainState, state_after
 from fiv_cli.sweep.requests import (
     StartEntry,
     Template,
     Values,
-    continued_start,
     exclusion,
     point_key,
     request_at,
@@ -42,37 +40,9 @@ from fiv_cli.sweep.requests import (
 
 EXECUTOR = "fiv_cli.analyses.execute:execute"
 EXECUTOR_OF_BLOCKS = "fiv_cli.analyses.execute:execute_all"
-UNDECIDED = "undecided"  # the class of a motion that could not be told
 
 _PR_SET_PDEATHSIG = 1
 _KEPT = (-3, 32 * 2**20), (-1, 128 * 2**20)  # M_MMAP_THRESHOLD and M_TRIM_THRESHOLD of mallopt
-
-
-@dataclass(frozen=True)
-class ChainState:
-    """What the next point of a chain needs to know of the one before.
-
-    Attributes
-    ----------
-    lost : the class that is followed was lost
-    carry : `Outcome.carry` of the neighbour; None where it was lost
-    attractor : class that is followed, of the last point that could be told; empty: none yet
-    blocked : reason why nothing after it can be run now (an outer circumstance); empty: none
-    """
-
-    lost: bool
-    carry: dict[str, Any] | None
-    attractor: str
-    blocked: str = ""
-
-    def is_sound(self) -> bool:
-        """Whether it has the form that `plain` stores (a shard may be made by hand)."""
-        words = isinstance(self.attractor, str) and isinstance(self.blocked, str)
-        return words and isinstance(self.lost, bool) and isinstance(self.carry, dict | None)
-
-    def plain(self) -> dict[str, Any]:
-        """As plain data, for a shard."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 @dataclass(frozen=True)
@@ -232,7 +202,7 @@ def lost_point(task: Task, reason: str, message: str) -> Result:
     outcome = Outcome("failed", reason, message=message)
     state = None
     if entry is not None and entry.spec.kind == "continue":
-        state = _next_state(outcome, segment.state, entry)
+        state = state_after(outcome, segment.values[0], segment.state, entry)
     carries = {} if state is None else {0: state.plain()}
     states = {} if state is None else {0: state}
     return Result(pack([outcome], [key], task.variables, carries), 0.0, states=states)
@@ -272,57 +242,34 @@ def _run_segment(
 ) -> Iterator[tuple[Outcome, bytes, ChainState | None]]:
     entry = template.entries[segment.entry]
     state, previous = segment.state, segment.previous
+
+    def run(request: Request) -> Outcome:
+        pulse.allow()
+        return _outcome_of(template, execute, request)
+
     for values, request in zip(segment.values, requests, strict=False):
         ending.heed()
         pulse.beat()
         key = point_key(template, values, entry, previous)
-        outcome = _outcome_of(template, values, request, entry, state, execute)
         if entry is None or entry.spec.kind != "continue":
-            yield outcome, key, None
+            yield run(request), key, None
             continue
-        state, previous = _next_state(outcome, state, entry), key
+        outcome, state = Chain(template, entry, run).point(request, values, state)
+        previous = key
         yield outcome, key, state
 
 
 def _outcome_of(
-    template: Template,
-    values: Values,
-    request: Request,
-    entry: StartEntry | None,
-    state: ChainState | None,
-    execute: Callable[[Request], Outcome],
+    template: Template, execute: Callable[[Request], Outcome], request: Request
 ) -> Outcome:
     """The outcome of a point; an exception is a failed point, never a lost task."""
-    barrier = _barrier(entry, state)
-    if barrier:
-        return Outcome("not_reached", barrier)
     try:
-        if entry is not None and entry.spec.kind == "continue":
-            request = replace(request, start=_start_of(template, values, entry, state))
         unmet = exclusion(request, template.linear)
         if unmet is not None:
             return Outcome("not_computed", unmet.reason)
         return _placed(execute(request), request, template)
     except Exception as error:
         return _internal_error(error)
-
-
-def _barrier(entry: StartEntry | None, state: ChainState | None) -> str:
-    """Why a point cannot be reached along its chain; empty where it can, or is on no chain."""
-    if entry is None or state is None:
-        return ""
-    restarted = state.lost and entry.spec.on_loss == "restart"
-    ended = "class_changed" if state.lost or state.carry is None else ""
-    return state.blocked or ("" if restarted else ended)
-
-
-def _start_of(
-    template: Template, values: Values, entry: StartEntry, state: ChainState | None
-) -> Start:
-    """Where a point of a chain starts: where the one before it ended, if it follows one."""
-    if state is None or state.lost or state.carry is None:
-        return resolve_start(template, values, entry)
-    return continued_start(entry, state.carry)
 
 
 def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
@@ -332,34 +279,6 @@ def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
         return outcome
     variables = variables_of(request.analysis, model, template.options, request.settings)
     return on_all_states(outcome, model, options, template.options, variables)
-
-
-def _next_state(outcome: Outcome, before: ChainState | None, entry: StartEntry) -> ChainState:
-    """State of a chain after a point; the class is lost when it changes or nothing is carried.
-
-    A chain that goes on whatever its class ends only where nothing is carried.
-    A point that is undecided, its motion going on when its time was up, ends nothing: the class
-    followed stays that of the points before it. A point that failed for an outer reason is run
-    again on resume; until then nothing behind it is run, so that what stands behind it never
-    depends on that failure.
-    """
-    attractor = str(outcome.values.get("attractor", ""))
-    told = "" if attractor == UNDECIDED else attractor
-    followed = "" if before is None or before.lost else before.attractor
-    follows = entry.spec.on_loss != "go-on"
-    changed = follows and told != followed and "" not in (told, followed)
-    lost = outcome.status != "ok" or outcome.carry is None or changed
-    blocked = "" if before is None else before.blocked
-    if outcome.status == "failed" and is_retried(outcome.reason):
-        blocked = outcome.reason
-    carry = None if lost else _stored_form(outcome.carry)
-    return ChainState(lost, carry, told or followed, blocked)
-
-
-def _stored_form(carry: Any) -> dict[str, Any]:
-    """`carry` as it would come back from a shard, so that resuming changes nothing."""
-    form: dict[str, Any] = from_plain(json.loads(json.dumps(to_plain(carry))))
-    return form
 
 
 def imported(path: str) -> Callable[..., Any]:
@@ -409,6 +328,9 @@ class _Pulse:
         if self._file >= 0:
             with contextlib.suppress(OSError):
                 os.pwrite(self._file, self._row.to_bytes(8, "little"), 0)
+
+    def allow(self) -> None:
+        """A run begins, which may take as long as a point may."""
         if self._limit is not None:
             signal.setitimer(signal.ITIMER_REAL, self._limit)
 

@@ -149,6 +149,7 @@ def branch_end(
     look: Looking,
     width: float,
     foresee: Foreseeing = unforeseen,
+    most: int = MOST_LOOKS,
 ) -> Change | Look:
     """The end of a branch that was left on the way to `target`, or a look there that is on it.
 
@@ -156,7 +157,7 @@ def branch_end(
     end, mostly in proportion to what is left; so by how many times the length of a step that fell
     off the branch went on after it, it may go on after the last one, too. The end is approached by
     ever shorter steps, from the last look on the branch and from where the branch is foreseen,
-    until what may be left of it is within `width`, or `MOST_LOOKS` are taken. It is said to lie
+    until what may be left of it is within `width`, or `most` looks are taken. It is said to lie
     within that.
 
     Parameters
@@ -164,7 +165,7 @@ def branch_end(
     looks : those before, in turn; the last decided one is on the branch
     limit : nothing is looked at beyond it
     """
-    return _Branch(looks, target, limit, look, width, foresee).end()
+    return _Branch(looks, target, limit, look, width, foresee).end(most)
 
 
 def _last_decided(looks: Sequence[Look]) -> int | None:
@@ -237,11 +238,20 @@ class _Branch:
         self.falls = [self._step_to(target.value)]  # what fell off: from where, by how long a step
         self.has_moved = False  # whether a look has gone on since
 
-    def end(self) -> Change | Look:
+    def end(self, most: int) -> Change | Look:
         """The end of the branch, or a look at the target where it has none on the way."""
-        for left in reversed(range(MOST_LOOKS)):
+        ahead = None if self.inside else self._foreseen(self.target.value)
+        if ahead is not None:
+            reached = self.look(self.target.value, ahead)
+            if reached.answer == self.before.answer:
+                return reached
+        for left in reversed(range(most)):
             value = self._next_value() if left else None
-            here = self._look_on(self._beyond() if value is None else value)
+            place = self._beyond() if value is None else value
+            if value is None and self._step_to(place) in self.falls:  # the target, looked at first
+                self.off.append(self.target)
+                break
+            here = self._look_on(place)
             self._take(here)
             if not self.off:
                 is_there = here.value == self.target.value
@@ -255,10 +265,14 @@ class _Branch:
         if self.has_moved:  # a step from nearer by may not fall off there
             return self.off[-1].value
         value = _next_value(self.before, self.inside, self.off[-1], self.finest)
-        if value is None and self._rest() > self.width:
+        if value is None and self._may_go_on():
             self.finest = 0.5 * self._step_to(self.off[-1].value)[1]
             value = _next_value(self.before, self.inside, self.off[-1], self.finest)
         return value
+
+    def _may_go_on(self) -> bool:
+        """Whether the branch may go on for longer than the width, or up to the limit."""
+        return self._rest() > self.width or self._rest() >= self._step_to(self.limit)[1]
 
     def _rest(self) -> float:
         """How far the branch may go on, see `branch_end`."""
@@ -284,15 +298,21 @@ class _Branch:
         return next((one for one in reversed(behind) if one.carry is not None), self.origin)
 
     def _look_on(self, value: float) -> Look:
-        """A look that goes on along the branch, again from where it is foreseen if it falls off."""
+        """A look that goes on along the branch: from where it is foreseen, or from the last one."""
         origin = self._origin_of(value)
+        ahead = self._foreseen(value) if origin is self.origin else None
+        first = None if ahead is None else self.look(value, ahead)
+        if first is not None and first.answer == self.before.answer:
+            return first
         here = self.look(value, origin)
-        if here.answer == self.before.answer or origin is not self.origin is not self.earlier:
-            return here
-        ahead = self.foresee(self.earlier, origin, value)
-        again = here if ahead is None else self.look(value, ahead)
-        falls = again.answer not in (None, self.before.answer)
-        return here if falls or here.answer == again.answer else again
+        falls = here.answer not in (None, self.before.answer)
+        return first if first is not None and first.answer is None and falls else here
+
+    def _foreseen(self, value: float) -> Look | None:
+        """What a look foresees to go on from."""
+        if self.earlier is self.origin:
+            return None
+        return self.foresee(self.earlier, self.origin, value)
 
     def _take(self, here: Look) -> None:
         """Book a look on the way."""

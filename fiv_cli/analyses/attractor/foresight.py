@@ -17,7 +17,7 @@ def foreseen(earlier: Look, last: Look, value: float) -> Look | None:
     None where they left no states to draw it through: of rest, or of cycles, in one contact state.
     """
     one, other = earlier.carry, last.carry
-    if one is None or one["attractor"] not in REPEATING or earlier.value == last.value:
+    if one is None or one.get("attractor") not in REPEATING or earlier.value == last.value:
         return None
     if any(one[name] != other[name] for name in ("attractor", "sticking")):
         return None
