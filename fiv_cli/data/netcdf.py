@@ -177,6 +177,7 @@ def _fill_in_slabs(target: netCDF4.Variable, source: NDArray[Any]) -> None:
     """Write a large array piece by piece: the library copies what it is given, more than once."""
     for slab in _slabs(source, target.chunking()):
         target[slab] = source[slab]
+        let_go(source)
 
 
 def _slabs(array: Any, chunks: Sequence[int] | str) -> Iterator[slice]:

@@ -401,7 +401,10 @@ class _Response:
         for target in self.springs:
             there = target.where_it_ends(self.motion.y)
             if there is not None and not math.isnan(there[1]):
-                return self._at_equilibrium(*there)
+                outcome = self._at_equilibrium(*there)
+                rest = there[0].equilibrium[: len(self.system.coordinates)]
+                outcome.values["L_s_reference"] = rest
+                return outcome
         return None
 
     def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
@@ -774,4 +777,4 @@ class _Response:
             return
         number = outcome.values.setdefault("L_s_reference_index", 1)
         reference = self.rests.solutions[number - 1][: len(self.system.coordinates)]
-        outcome.values["L_s_reference"] = reference
+        outcome.values.setdefault("L_s_reference", reference)
