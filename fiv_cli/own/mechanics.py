@@ -22,6 +22,7 @@ def mechanics(written: Written) -> Iterator[Fault]:
     yield from _inertia(written)
     yield from _affine(written)
     yield from _friction_opposes_slip(written)
+    yield from _force_opens_gap(written)
     yield from _constant_load(written)
     yield from _contacts_press(written)
 
@@ -94,6 +95,25 @@ def _friction_opposes_slip(written: Written) -> Iterator[Fault]:
             message = f"F_T of contact {i + 1} {way} its slip: it acts along v_rel on the model"
             hint = "v_rel is the velocity of the drive less that of the body"
             yield Fault(("Contact", i, "slip_velocity"), message, "", hint)
+
+
+def _force_opens_gap(written: Written) -> Iterator[Fault]:
+    """That of a contact that holds its gap closed; a force given as a function acts as it is."""
+    symbols, equations = written.symbols, written.equations
+    for i, contact in enumerate(equations.contacts):
+        if contact.gap is None or contact.normal_force is not None:
+            continue
+        force = symbols.normal_force(i)
+        response: Any = sum(
+            sympy.diff(contact.gap, symbols.coordinate(name)) * sympy.diff(a, force)
+            for name, a in equations.accelerations.items()
+        )
+        effect = number_of(sympy.sympify(response), values_of(written, {}))
+        if effect <= 0.0:
+            way = "closes" if effect else "does not act on"
+            message = f"F_N of contact {i + 1} {way} its gap, which it is to open"
+            hint = f"add or subtract symbols.normal_force({i}) where it pushes the model away"
+            yield Fault(("Equations", 0, "accelerations"), message, "", hint)
 
 
 def energies(written: Written) -> Iterator[Fault]:

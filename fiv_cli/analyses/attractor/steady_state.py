@@ -704,15 +704,12 @@ class _Response:
         if exponent is not None:
             values |= {"lyapunov": exponent.mean} if np.isfinite(exponent.mean) else {}
             self.exponent_error = exponent.error
-        passed = self._passed(self._points, self._works_since(begun))
+        # Of works only the points are told up to which they have been measured from one before.
+        first = np.searchsorted(self._times, begun, side="right") if self.tells_works else -1
+        works = np.diff(self.watch.works[: self.watch.count][first:], axis=0)
+        passed = self._passed(self._points[first + 1 :], works)
         shown = {name: found[-SHOWN:].copy() for name, found in passed.items()}
         return Outcome(values=values, ragged=shown)
-
-    def _works_since(self, begun: float) -> NDArray[np.float64]:
-        """Works between section points; NaN up to the first one that has been measured whole."""
-        works = self.watch.works[: self.watch.count].copy()
-        works[self._times[: len(works)] <= begun] = np.nan
-        return np.diff(works, axis=0, prepend=np.nan)
 
     def _measure_to(self, goals: Vector, exponent: Exponent | None) -> Outcome | None:
         """Measure up to the last goal, keeping section points; the class as soon as it is known."""
