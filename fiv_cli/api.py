@@ -570,13 +570,14 @@ def _analyses_of(data: str | Path | Results) -> dict[str, xr.Dataset]:
     from xarray import DataTree
 
     from fiv_cli.reading.datasets import read_analyses
+    from fiv_cli.reading.select import contiguous
 
     if isinstance(data, str | Path):
         with _ALONE:
             return read_analyses(data)
     if isinstance(data, DataTree):
         return {name: child.to_dataset() for name, child in data.children.items()}
-    return {"": data}
+    return {"": contiguous(data)}
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from fiv_cli.models import all_models
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
 from fiv_cli.own.check import problems_of
+from fiv_cli.own.lines import Lines
 from fiv_cli.own.load import module_of
 from fiv_cli.verify import RTOL, Bench, Check, solve
 
@@ -47,8 +49,13 @@ def try_own(announce: Callable[[str], None] = lambda message: None) -> list[Chec
 
 
 def _of_file(origin: Origin, bench: Bench) -> Iterator[Check]:
-    """What a file holds to be known."""
-    yield from getattr(module_of(origin), "verify", lambda bench: ())(bench)
+    """What a file holds to be known; of what cannot be computed, the line."""
+    try:
+        yield from getattr(module_of(origin), "verify", lambda bench: ())(bench)
+    except Exception as error:
+        wrong = Lines(origin.text).problem(error, origin.path)
+        what = f"{origin.path}:{wrong.line}: {wrong.path}: {wrong.message}"
+        yield Check(what, "not computed", nan, nan, 0.0)
 
 
 def _trial(thing: Model | Law, bench: Bench) -> Iterator[Check]:

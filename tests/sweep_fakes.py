@@ -136,6 +136,14 @@ def slippery(request: Request) -> Outcome:
     return outcome
 
 
+def turning(request: Request) -> Outcome:
+    """`answer`, of another class on the way down."""
+    outcome, start = answer(request), request.start
+    down = start is not None and start.label == "down"
+    outcome.values["attractor"] = "equilibrium" if down else "periodic"
+    return outcome
+
+
 def slipping(request: Request) -> Outcome:
     """`motion` of what `slippery` answers."""
     return motion(request) if request.analysis == "history" else slippery(request)

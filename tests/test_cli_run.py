@@ -150,6 +150,8 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert fiv(["run", "pin.toml", "--max-points", "3", "-q"]) == 8
     capsys.readouterr()
     assert fiv(["status", "pin.toml", "--exit-code"]) == 8
+    told = capsys.readouterr().out
+    assert "runs/pin.nc (partial)\n  nobody is running it; the same `fiv run` goes on" in told
     with hold(Path("runs/pin.run")):  # as a run that began a while ago
         os.utime("runs/pin.run/lock", (time.time() - 100.0,) * 2)
         assert fiv(["status", "pin.toml"]) == 0

@@ -137,6 +137,11 @@ def test_values_of_any_number_are_found_with_their_points_in_joined_runs_too() -
         assert joined["v"].values.tolist() == [v for one in alone for v in one["v"].values]
         assert joined["N"].values.tolist() == [5.0] * alone[0].size + [60.0] * alone[1].size
         np.testing.assert_array_equal(joined, np.concatenate(alone))
+    drawn = api.figure(xr.concat(runs, "N", join="outer"), "bifurcation").axes[0]
+    points = [line.get_xydata() for line in drawn.lines if line.get_marker() not in ("None", "")]
+    assert {*map(tuple, np.concatenate(points))} >= {
+        *zip(whole["v"].values, whole.values, strict=True)
+    }
     with pytest.raises(api.UsageError, match="for run in runs"):
         api.observations(xr.concat([runs[0], other], "N", join="outer"), "section_value")
     with pytest.raises(api.UsageError, match="section_point, section_value"):

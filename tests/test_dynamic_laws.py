@@ -254,7 +254,8 @@ AGEING = {
 @pytest.mark.parametrize("speed", [1e-2, 1e-3])
 def test_a_contact_that_is_held_bears_the_more_the_longer_it_is(speed: float) -> None:
     """The spring k v t of a mass on a slow belt meets what stick has grown to, as b ln t."""
-    begun = motion("belt-1dof", "rate-and-state-cutoff", {"x_dot": speed}, **AGEING, v=speed)
+    given = AGEING | {"v": speed, "v_c": 1e-4}
+    begun = motion("belt-1dof", "rate-and-state-cutoff", {"x_dot": speed}, **given)
     begun.keep_ledger(10)
     begun.run(300.0 * 1e-2 / speed)
     released = begun.ledger[0][0]
@@ -271,7 +272,7 @@ def test_a_cut_off_tends_to_rate_and_state_and_lets_slip_turn() -> None:
         begun.run(10.0)
         errors.append(np.abs(begun.y - one_way.y).max())
     assert np.log10(np.divide(errors[:-1], errors[1:])) == pytest.approx([1.0, 1.0], abs=0.01)
-    shaken = AGEING | {"v": 0.0, "u0": 4.0, "omega": 0.5}
+    shaken = AGEING | {"v": 0.0, "u0": 4.0, "omega": 0.5, "v_c": 1e-4}
     begun = motion("belt-1dof", "rate-and-state-cutoff", {}, **shaken)
     assert booked(begun, 60.0).residual < 1e-11
     assert {"stick->slip+", "stick->slip-", "slip+->slip-"} <= set(transitions(begun))

@@ -315,6 +315,14 @@ def test_what_leaves_forces_over_is_no_equilibrium(monkeypatch: pytest.MonkeyPat
     assert left > 1e-9
 
 
+def test_where_what_a_displacement_contributes_vanishes_rounding_is_none_the_less() -> None:
+    """Figure 6.22 at mu_k = 0.6: what pulls sideways is equal, and the slider stays in place."""
+    point = {"mu_k": 0.6, "mu_s": 4.0, "k_nl": 0.0, "F": 1e4}
+    options = {"geometry": "linear"}
+    found = analyse("disc-nonlinear-contact", "coulomb", "equilibrium", options=options, **point)
+    assert found.status == "ok" and found.values["residual"] < 1e-9
+
+
 @pytest.mark.parametrize(
     "model", ["belt-5dof", "pin-on-disc", "flutter-2dof", "disc-rigid-contact"]
 )

@@ -22,6 +22,7 @@ from fiv_cli.models.origin import Origin
 from fiv_cli.own import load
 from fiv_cli.own.check import problems_of
 from fiv_cli.own.probe import examine, use_files
+from fiv_cli.own.template import model_template
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import for_stderr
 from fiv_cli.sweep.run import run_case
@@ -190,10 +191,19 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([('p("k") * x +', '9.81 * p("m") + p("k") * x +')], "accelerations", "the bare number"),
         ([("states=lambda options: (State", "states=(State")], "states=", "one alone with a comma"),
         ([('"""A mass', 'raise SystemExit(0)\n"""A mass')], "SystemExit", "SystemExit"),
+        ([("    return Equations(", "    Equations(")], "MODEL = Model(", "returns NoneType, not"),
+        ([('p("k") * x +', 'p("k") * abs(x) +')], "accelerations", r"Abs\(x\) has no series"),
+        ([('p("N")),', '-p("N")),')], "Contact(", "pulls where nothing has moved"),
+        ([("constant_load=True", 'base=("z",)')], 'base=("z",)', "there is no state 'z'"),
+        ([("constant_load=True", 'forcings=(Forcing("k3", lambda p: p["w"], "pumping"),)'),
+          ("Model, Parameter", "Forcing, Model, Parameter")], "Forcing(", "no parameter 'w'"),
+        ([('slip.sign * p["mu_0"]', 'p["mu_0"]')], "force=", "drives the slip"),
+        ([('p["mu_0"] * N', 'p["mu_0"] * N / 2')], "capacity=", "bears 0.2 N where slip"),
     ],
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
          "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
-         "companion", "contacts", "load", "default of a law", "number", "comma", "exit"],
+         "companion", "contacts", "load", "default of a law", "number", "comma", "exit", "return",
+         "series", "pull", "base", "frequency", "one way", "capacity"],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_line(changes, part, said):
     error = mistaken(*changes)
@@ -217,6 +227,33 @@ def test_two_contacts_solved_for_one_coordinate_are_refused_where_the_second_sta
     )
     assert "contacts 1 and 2 are both solved for 'x'" in str(error)
     line_of(error, "-y_dot - x_dot")
+
+
+@pytest.mark.parametrize(
+    ("force", "said"),
+    [("", "does not act on its gap"), (" + symbols.normal_force(1)", "closes its gap"),
+     (" - symbols.normal_force(1)", "")],
+)  # fmt: skip
+def test_the_force_of_a_stop_opens_its_gap(force, said):
+    """As the file to start from says a stop is written."""
+    text = model_template("my-osc")
+    stop, *_ = re.findall(r"stop\(gap.*\)\)", text)
+    changes = {
+        "Parameter, State\n": "Parameter, State, stop\n",
+        "PARAMETERS = (\n": 'PARAMETERS = (Parameter("d", "d", "m", 1.0, "place"),\n'
+        'Parameter("e", "e", "1", 0.5, "restitution", minimum=0.0, maximum=1.0),\n',
+        "            # A stop at x": f"            {stop},\n            # A stop at x",
+        "(friction - spring": f"(friction{force} - spring",
+        "    default_law=": "    contacts=2, stops=1, default_law=",
+    }
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new, 1)
+    if not said:
+        examine([Origin("osc.py", text)])
+        return
+    with pytest.raises(ModelFileError, match=said):
+        examine([Origin("osc.py", text)])
 
 
 @pytest.mark.parametrize("hang", ["while True:\n    pass", "sum(range(10**15))"])
@@ -267,6 +304,17 @@ def test_a_new_model_passes_its_own_test_as_does_a_new_law(capsys):
     assert any("derivatives" in check["name"] for check in checks)
     assert run(["new-model", "belt-1dof"]) == 2
     assert run(["new-model", "a model"]) == 2
+
+
+def test_what_a_file_cannot_compute_is_told_with_its_line(capsys):
+    assert run(["new-model", "a-model"]) == 0
+    text = capsys.readouterr().out.replace('cycle.values["period"]', 'cycle.values["perod"]')
+    Path("model.py").write_text(text)
+    assert run(["verify", "--with", "model.py"]) == 5
+    (line,) = (n for n, row in enumerate(text.splitlines(), 1) if "perod" in row)
+    told = capsys.readouterr()
+    assert f"model.py:{line}: verify: there is no 'perod'" in told.out
+    assert "5 of 6 checks passed" in told.err
 
 
 def test_what_a_file_holds_to_be_known_is_checked(capsys):

@@ -275,6 +275,7 @@ def test_where_a_motion_is_held_by_springs_is_told_before_it_is_there(law: str, 
     begun = motion("belt-1dof", law, {"x": x}, **given)
     begun.run(400.0)
     assert told["x_max"] == pytest.approx(float(begun.y[0]), abs=1e-9)
+    assert (told["L_s"], told["L_s_reference"].item()) == (0.0, told["x_max"])
 
 
 def test_a_drive_that_stands_still_is_no_error() -> None:

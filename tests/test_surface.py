@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from math import exp, pi
 from typing import Any
 
@@ -29,11 +30,16 @@ GIVEN |= {"roughness": 0.2, "correlation_length": 0.3, "seed": 4.0}
 PULLED = {"c": 0.2, "v": 0.1, "N": 5.0, **GIVEN}
 
 
+@cache
+def _written() -> Any:
+    way, seed = sympy.symbols("way seed")
+    told = roughness_at(way, {"seed": seed, "correlation_length": 1.0})
+    return sympy.lambdify((way, seed), told, "numpy")
+
+
 def surface(ways: NDArray[np.float64], seed: float) -> NDArray[np.float64]:
     """r for a correlation length of 1 m."""
-    way = sympy.Symbol("way")
-    told = roughness_at(way, {"seed": seed, "correlation_length": 1.0})
-    return np.asarray(sympy.lambdify(way, told, "numpy")(ways))
+    return np.asarray(_written()(ways, seed))
 
 
 def test_the_surface_has_the_variance_and_the_correlation_that_it_states() -> None:

@@ -142,7 +142,7 @@ def test_a_settled_motion_repeats_itself_after_each_of_its_periods() -> None:
 def test_what_has_no_period_is_told_and_may_be_recorded_all_the_same() -> None:
     """With damping 2 N s/m the belt slides steadily; without `settled` the motion still decays."""
     case = api.load(BELT, overrides={"grid.c": [2.0]})
-    with pytest.raises(UsageError, match="no period"):
+    with pytest.raises(UsageError, match="no period: its class is equilibrium"):
         api.history(case, periods=3, settled=True)
     still, begun = (api.history(case, t_end=1.0, settled=settled) for settled in (True, False))
     assert np.ptp(still["x"].values) < 1e-3 * np.ptp(begun["x"].values)

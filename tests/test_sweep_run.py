@@ -174,6 +174,14 @@ def test_a_chain_is_lost_where_its_branch_ends_and_not_by_its_steps(
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+def test_a_chain_that_is_lost_where_it_turns_is_lost(tmp_path: Path) -> None:
+    """There is no way from the point before that could be gone in shorter steps."""
+    text = sweep_fakes.LOOP.replace('on_loss = "go-on"', 'on_loss = "stop"')
+    sweep(tmp_path / "a.nc", text, executor="sweep_fakes:turning")
+    down = read_datasets(tmp_path / "a.nc")[""].sel(initial="down", v=1.0)
+    assert down["attractor"].values.tolist() == [-1] * 7 + [0]
+
+
 def test_a_chain_may_start_again_where_it_was_lost(tmp_path: Path) -> None:
     text = sweep_fakes.CHAIN.replace('from = "far"', 'from = "far"\non_loss = "restart"')
     sweep(tmp_path / "a.nc", text)

@@ -3,9 +3,9 @@
     m x'' + k x = F_T,    v_rel = v - x',    x <= d,    x'(+) = -e x'(-) at the stop
 
 Friction oscillators with a stop: Hinrichs, Oestreich and Popp, Chaos, Solitons & Fractals 8 (1997)
-535; Popp, Journal of Applied Mathematics and Mechanics 64 (2000) 765; Pascal, Nonlinear Dynamics 91
-(2018). Slip about x_e = mu_k N / k keeps (x - x_e)^2 + (x'/omega)^2, so the mass that hits the stop
-at the speed of the belt comes back
+535; Popp, Journal of Applied Mathematics and Mechanics 64 (2000) 765. Slip about
+x_e = mu_k N / k keeps (x - x_e)^2 + (x'/omega)^2, so the mass that hits the stop at the speed of
+the belt comes back
 
 - where d < x_e (or k = 0) to the stop, at e times its speed: its flights add up like those of a
   bouncing ball, to 2 e v / (a (1 - e)) for k = 0, a = mu_k N / m; then it stays;

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -129,8 +128,7 @@ def stopped(stop: Stop) -> Outcome | None:
     return Outcome(status="failed", reason=reason)
 
 
-@dataclass(frozen=True)
-class Balance:
+class Balance(NamedTuple):
     """Energy balance over a measured stretch, J."""
 
     kinetic_potential_before: float
@@ -144,30 +142,16 @@ class Balance:
     def residual(self) -> float:
         """What the balance leaves over, relative to its largest term."""
         change = self.kinetic_potential_after - self.kinetic_potential_before
-        terms = (
-            self.kinetic_potential_before,
-            self.kinetic_potential_after,
-            self.other,
-            self.friction,
-            self.drive,
-            self.impact,
-        )
-        largest = max(abs(term) for term in terms)
+        largest = max(map(abs, self))
         rest = change - self.other - self.friction + self.impact
         return abs(rest) / largest if largest != 0.0 else 0.0  # NaN stays
 
 
 def balance(motion: Motion, energy_before: float) -> Balance:
     """Energy balance of what `motion` has measured."""
-    measures = motion.measures
-    return Balance(
-        energy_before,
-        motion.energy(),
-        measures.other_work,
-        measures.friction_work,
-        measures.drive_work,
-        measures.impact_loss,
-    )
+    after, frame = motion.energy(), motion.frame
+    works = frame.other_work, frame.friction_work, frame.drive_work, frame.impact_loss
+    return Balance(energy_before, after, *works)
 
 
 def impacts(motion: Motion) -> dict[str, int]:

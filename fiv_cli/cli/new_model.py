@@ -10,7 +10,10 @@ import click
 def command(name: str) -> None:
     """Write a commented file of a model called NAME to stdout: a mass on a belt, to be changed.
 
-    It runs as it stands, and has a test of its own, which `fiv verify --with FILE.py` runs.
+    It runs as it stands. What you write is checked as what is in the box: names, units, that the
+    energies fit the accelerations, that friction opposes slip. `fiv verify --with FILE.py` adds
+    derivatives against differences, the energy of a motion, two ways of integrating, and what the
+    function verify(bench) in the file knows.
 
     \b
     Examples:

@@ -55,9 +55,12 @@ class Standing:
 
     def lines(self) -> list[str]:
         """For people."""
-        done = self.points - self.counts["pending"]
-        written = "" if self.dataset_exists else " (not written yet)"
+        left = self.counts["pending"]
+        done = self.points - left
+        written = " (partial)" * (left > 0) if self.dataset_exists else " (not written yet)"
         running = [f"  process {self.running} is running it{self.pace}"] if self.running else []
+        if left and done and not (running or self.running_parts):
+            running = ["  nobody is running it; the same `fiv run` goes on from here"]
         lines = [
             f"{self.case}: {done} of {self.points} points done",
             *(f"  {count} {status}" for status, count in self.counts.items() if count),

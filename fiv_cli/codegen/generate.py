@@ -272,6 +272,9 @@ def _flow_text(
     ]  # fmt: skip
     name = f"{state.name}_field"
     lines += pointwise(graph, name, f"{state.name}: rates and forces", outputs, coefficients)
+    outputs = [*state.values, *switching]
+    name = f"{state.name}_guards"
+    lines += pointwise(graph, name, f"{state.name}: switching functions", outputs, coefficients)
     outputs = [*state.values, *state.rates, *state.energies[OTHER_POWER:]]
     name = f"{state.name}_measured"
     lines += along_series(graph, name, "what is measured", outputs, order, coefficients)

@@ -36,12 +36,11 @@ FIRST_STRIDE = 4000
 def blank_frame(system: System, solver: SolverSettings, events: int = 0) -> Run:
     """What a system's new motions copy (their scratch arrays are shared: one runs at a time).
 
-    With room for so many `events`, shared too, it is at hand for short motions one after another,
-    and what carries tangents too, where that is loaded.
+    With room for so many `events`, shared too, it is at hand for short motions one after another.
+    What carries tangents is there where it is loaded.
     """
     shown = _tables(system, solver) | _scratch(system) | _not_asked_for(system)
-    if events:
-        shown |= {**ledger_of(events), **vars(system).get("tangent_tables", {})}
+    shown |= vars(system).get("tangent_tables", {}) | (ledger_of(events) if events else {})
     frame = Run.holding(shown, _own_lengths(system))
     for name, number in system.tables.numbers.items():
         setattr(frame, name, number)

@@ -122,6 +122,7 @@ class Run(Search):
     sum_tangent: FixedInt
     taylor: Ints
     field: Ints
+    guards: Ints  # of it, the state and the switching functions
     measured: Ints  # states, rates and powers at several times of a step
     followed: Ints  # the same series as `taylor`, and what tangents need of the motion's
     tangent: Ints
@@ -881,10 +882,10 @@ def touched(
     """Where a switching function that barely falls is least, if it only touches zero there.
 
     Its series may dip below zero by the error of the series, and pass zero a little before. What
-    the function itself is where it turns decides. Otherwise `tau`, where it passes. The field
-    output is left as it is at the time returned.
+    the function itself is where it turns decides. Otherwise `tau`, where it passes. `outputs`
+    is left as it is at the time returned.
     """
-    n, order, field = run.n_states, run.order, run.outputs
+    n, order, found = run.n_states, run.order, run.outputs
     offset = (n + hit) * (order + 1)
     slope, bend, power = run.series[offset + 1], 0.0, 1.0
     for k in range(2, order + 1):
@@ -896,11 +897,11 @@ def touched(
     least = tau - slope / bend
     t = run.time
     call_generated(run.sum_series, run.coefficients, least, run.series, out)
-    call_generated(run.field[index], run.coefficients, t + least, out, field)
-    if field[2 * n + hit] >= -ZERO * scale:
+    call_generated(run.guards[index], run.coefficients, t + least, out, found)
+    if found[n + hit] >= -ZERO * scale:
         return least
     call_generated(run.sum_series, run.coefficients, tau, run.series, out)
-    call_generated(run.field[index], run.coefficients, t + tau, out, field)
+    call_generated(run.guards[index], run.coefficients, t + tau, out, found)
     return tau
 
 
@@ -1452,14 +1453,14 @@ def polished(
     The root that was found is that of the switching function's series; Newton steps on the
     function itself, along the state's series, take it to rounding. `out` becomes the state there.
     """
-    n, order, field, t = run.n_states, run.order, run.outputs, run.time
+    n, order, found, t = run.n_states, run.order, run.outputs, run.time
     residual = 0.0
     scale, fall = scale_and_slope(run.series, (n + hit) * (order + 1), order, step, tau)
     grazing = scale == 0.0 or fall * step > -GRAZING * scale
     enough = max(ROUNDING, EXACT * run.rtol)
     for polish in range(POLISHES):
-        call_generated(run.field[index], run.coefficients, t + tau, out, field)
-        value = field[2 * n + hit]
+        call_generated(run.guards[index], run.coefficients, t + tau, out, found)
+        value = found[n + hit]
         residual = abs(value) / scale if scale > 0.0 else 0.0
         if grazing or residual <= enough or polish == POLISHES - 1:
             break
@@ -1468,7 +1469,7 @@ def polished(
     if grazing and scale > 0.0:
         tau = touched(run, index, hit, tau, step, scale, out)
     for i in range(n):
-        out[i] = field[i]  # entries that the contact determines: exactly
+        out[i] = found[i]  # entries that the contact determines: exactly
     return tau, residual, grazing
 
 

@@ -454,6 +454,11 @@ class Model:
         The table alone says how many contacts the results of a case have.
         """
         found = self.equations(symbols, options)
+        if not isinstance(found, Equations):
+            raise UsageError(
+                f"equations of {self.name} returns {type(found).__name__}, not Equations(...)\n"
+                "next: end it with return Equations(...)"
+            )
         count = len(found.contacts)
         if count != self.contacts:
             contacts = "contact" if count == 1 else "contacts"

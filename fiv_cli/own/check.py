@@ -19,7 +19,7 @@ from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import listed
 from fiv_cli.own.dimensions import Dimension, MixedUnitsError, dimension, dimension_of, spoken
-from fiv_cli.own.equations import names_of_equations, units_of_equations
+from fiv_cli.own.equations import names_of_equations, units_of_equations, without_series
 from fiv_cli.own.fault import Fault, named, none_called
 from fiv_cli.own.lines import Lines
 from fiv_cli.own.mechanics import energies, mechanics
@@ -28,6 +28,9 @@ from fiv_cli.own.written import each_option, per_second, some_option
 
 _SLIP = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
 """What a law is written in."""
+
+SLOW = 1e-3  # m/s, of a slip that no law is known to drive
+ROUNDING = 1e-12
 
 
 def problems_of(thing: Model | Law, origin: Origin) -> list[Problem]:
@@ -109,6 +112,29 @@ def _guards_of_law(law: Law, elements: int, ways: int) -> Iterator[Fault]:
         yield none_called("Law", law.name, "resting", "piece", law.places, name)
 
 
+def _opposes_slip(law: Law) -> Iterator[Fault]:
+    """A force without memory is along v_rel, and stick bears what slip begins with."""
+    if law.states or law.pieces:
+        return
+    drives = [v for v in (-SLOW, SLOW) if _force_at(law, v) * v < 0.0]
+    if drives:
+        message = f"at v = {drives[0]:g} m/s it drives the slip: F_T is along v, which turns"
+        hint = "friction that turns with slip is slip.sign * ..., or an odd function of slip.v"
+        yield Fault(("Law", law.name, "force"), message, "", hint)
+    elif law.capacity is not None:
+        borne, begun = float(law.capacity(1.0, law.defaults)), abs(_force_at(law, 0.0))
+        if borne < begun * (1.0 - ROUNDING):
+            message = f"stick bears {borne:g} N where slip begins with {begun:g} N (N = 1 N)"
+            hint = "what sticks would have no state to go on in"
+            yield Fault(("Law", law.name, "capacity"), message, "", hint)
+
+
+def _force_at(law: Law, v: float) -> float:
+    sign = -1.0 if v < 0.0 else 1.0
+    at = Slip(*map(sympy.Float, (v, sign, abs(v), 1.0)))
+    return float(sympy.sympify(law.force(at, law.defaults)))
+
+
 def _of_law(
     law: Law,
     name: str,
@@ -124,6 +150,8 @@ def _of_law(
         )
         yield Fault(place, message, listed([named(symbol.name) for symbol in units]))
         return
+    structural = [sympy.Symbol(f"p.{name}", real=True) for name in law.structural]
+    yield from without_series(place, expression, structural)
     try:
         found = dimension_of(expression, units)
     except MixedUnitsError as error:
@@ -139,4 +167,4 @@ _OF_MODELS = (
     *(partial(each_option, check) for check in (names_of_equations, units_of_equations, mechanics)),
     partial(some_option, energies),
 )
-_OF_LAWS = (tables_of_law, _pieces_of_law, _forces_of_law)
+_OF_LAWS = (tables_of_law, _pieces_of_law, _forces_of_law, _opposes_slip)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import sympy
 from sympy import Expr
+from sympy.core.function import Application
 
+from fiv_cli.codegen.graph import UNARY
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.models.base import Contact, Model
 from fiv_cli.notation.names import listed, suggest
@@ -29,8 +31,21 @@ def names_of_equations(written: Written) -> Iterator[Fault]:
     for place, expression, _ in written.named():
         for symbol in sorted(expression.free_symbols - written.units.keys(), key=str):
             yield _unknown_symbol(place, symbol, written)
+        yield from without_series(place, expression)
     for i, contact in enumerate(equations.contacts):
         yield from _of_contact(i, contact, written)
+
+
+def without_series(
+    place: Place, expression: Expr, structural: Collection[Expr] = ()
+) -> Iterator[Fault]:
+    """What no step of a Taylor series can be taken of; `structural`: numbers, once it is."""
+    found = {one for one in expression.atoms(Application) if one.func.__name__ not in UNARY}
+    powers = expression.atoms(sympy.Pow)
+    found |= {one for one in powers if one.exp.free_symbols - {*structural}}
+    for one in sorted(found, key=str):
+        hint = "what changes from one side to the other is a contact, or smooth: tanh"
+        yield Fault(place, f"{shown(one)} has no series", f"+ - * / **, {listed(UNARY)}", hint)
 
 
 def _unknown_symbol(place: Place, symbol: Expr, written: Written) -> Fault:

@@ -60,7 +60,8 @@ class Lines:
         frames = traceback.extract_tb(error.__traceback__)
         line = next((f.lineno for f in reversed(frames) if f.filename == path), None)
         place = next((f.name for f in reversed(frames) if f.filename == path), "file")
-        return Problem(place.strip("<>"), _said(error), line=line or self.of("Model"))
+        advice = str(error).partition("\nnext: ")[2]
+        return Problem(place.strip("<>"), _said(error), "", advice, line or self.of("Model"))
 
     def _calls(self, name: str) -> Iterator[ast.Call]:
         for node in self._nodes:

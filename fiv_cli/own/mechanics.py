@@ -8,6 +8,8 @@ from typing import Any
 import sympy
 from sympy import Expr
 
+from fiv_cli.codegen.setup import default_parameters
+from fiv_cli.friction import get_law
 from fiv_cli.own.fault import Fault, shown
 from fiv_cli.own.written import Written, number_of, values_of
 
@@ -20,7 +22,9 @@ def mechanics(written: Written) -> Iterator[Fault]:
     yield from _inertia(written)
     yield from _affine(written)
     yield from _friction_opposes_slip(written)
+    yield from _force_opens_gap(written)
     yield from _constant_load(written)
+    yield from _contacts_press(written)
 
 
 def _stops(written: Written) -> Iterator[Fault]:
@@ -48,6 +52,25 @@ def _constant_load(written: Written) -> Iterator[Fault]:
             yield Fault(("Model", written.model.name, "constant_load"), message, "", "leave it out")
 
 
+def _contacts_press(written: Written) -> Iterator[Fault]:
+    """What cannot open is pressed together where nothing has moved; a stop gives back no more."""
+    symbols, model = written.symbols, written.model
+    known = default_parameters(model, get_law(model.default_law))
+    fixed: dict[Expr, float] = {symbols.parameter(name): value for name, value in known.items()}
+    for name in written.states:
+        fixed |= {symbols.coordinate(name): 0.0, symbols.velocity(name): 0.0}
+    at_rest = values_of(written, {symbols.time: 0.0, **fixed})
+    for i, contact in enumerate(written.equations.contacts):
+        load = sympy.sympify(contact.normal_force if contact.gap is None else 0)
+        if number_of(load, at_rest) < 0.0:
+            message = f"is {shown(load)}, which pulls where nothing has moved: F_N presses"
+            yield Fault(("Contact", i, "normal_force"), message)
+        share = number_of(sympy.sympify(contact.restitution), at_rest)
+        if not 0.0 <= share <= 1.0:
+            message = f"an impact gives back {share:g} of what it takes"
+            yield Fault(("stop", i, "restitution"), message, "0 to 1")
+
+
 def _affine(written: Written) -> Iterator[Fault]:
     for name, acceleration in written.equations.accelerations.items():
         slopes = [sympy.diff(acceleration, force) for force in written.forces]
@@ -72,6 +95,25 @@ def _friction_opposes_slip(written: Written) -> Iterator[Fault]:
             message = f"F_T of contact {i + 1} {way} its slip: it acts along v_rel on the model"
             hint = "v_rel is the velocity of the drive less that of the body"
             yield Fault(("Contact", i, "slip_velocity"), message, "", hint)
+
+
+def _force_opens_gap(written: Written) -> Iterator[Fault]:
+    """That of a contact that holds its gap closed; a force given as a function acts as it is."""
+    symbols, equations = written.symbols, written.equations
+    for i, contact in enumerate(equations.contacts):
+        if contact.gap is None or contact.normal_force is not None:
+            continue
+        force = symbols.normal_force(i)
+        response: Any = sum(
+            sympy.diff(contact.gap, symbols.coordinate(name)) * sympy.diff(a, force)
+            for name, a in equations.accelerations.items()
+        )
+        effect = number_of(sympy.sympify(response), values_of(written, {}))
+        if effect <= 0.0:
+            way = "closes" if effect else "does not act on"
+            message = f"F_N of contact {i + 1} {way} its gap, which it is to open"
+            hint = f"add or subtract symbols.normal_force({i}) where it pushes the model away"
+            yield Fault(("Equations", 0, "accelerations"), message, "", hint)
 
 
 def energies(written: Written) -> Iterator[Fault]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from math import isinf
 from typing import Any
 
 from fiv_cli.friction import all_laws, why_unfit
 from fiv_cli.friction.base import Law
-from fiv_cli.models.base import Model, Parameter, State
+from fiv_cli.models.base import Model, Option, Parameter, State
+from fiv_cli.models.excitation import frequency_of
 from fiv_cli.notation.names import ascii_name, suggest
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.own.fault import Fault, none_called
@@ -19,6 +21,10 @@ _TYPES: dict[str, tuple[Callable[[Any], bool], str]] = {
         "a tuple of Parameter(...), one alone with a comma behind it",
     ),
     "states": (callable, "lambda options: (State(...), ...), one alone with a comma behind it"),
+    "options": (
+        lambda value: isinstance(value, tuple) and all(isinstance(o, Option) for o in value),
+        "a tuple of Option(...), one alone with a comma behind it",
+    ),
     "equations": (callable, "a function equations(symbols, options)"),
     "contacts": (lambda value: isinstance(value, int), "how many contacts the equations return"),
     "stops": (lambda value: isinstance(value, int), "how many of these are stops"),
@@ -37,14 +43,23 @@ def tables_of_model(model: Model) -> Iterator[Fault]:
     yield from _header(model)
     yield from _parameters(model.parameters)
     names = [p.name for p in model.parameters]
-    states = model.states(model.default_options())
+    states: object = model.states(model.default_options())
+    if not isinstance(states, tuple) or not all(isinstance(one, State) for one in states):
+        yield Fault(("Model", model.name, "states"), "gives something else", _TYPES["states"][1])
+        return
     yield from _states(states)
+    for attribute in ("base", "vibration"):
+        for name in {*getattr(model, attribute)} - {state.name for state in states}:
+            every = [state.name for state in states]
+            yield none_called("Model", model.name, attribute, "state", every, name)
     for option in model.options:
         if option.text(option.default) != option.default:
             yield Fault(("Option", option.name, "default"), "is none of the choices")
     for forcing in model.forcings:
         if forcing.amplitude not in names:
             yield none_called("Forcing", forcing.amplitude, "amplitude", "parameter", names)
+        for name in () if model.derived else {*frequency_of(forcing)} - {*names}:
+            yield none_called("Forcing", forcing.amplitude, "frequency", "parameter", names, name)
     yield from _law_of(model)
 
 
@@ -125,7 +140,7 @@ def _default(parameter: Parameter, names: list[str]) -> Iterator[Fault]:
         if parameter.default_from not in names:
             yield none_called("Parameter", parameter.name, "default_from", "parameter", [*names],
                       str(parameter.default_from))  # fmt: skip
-    elif not isinstance(value, int | float) or isinstance(value, bool):
+    elif not isinstance(value, int | float) or isinstance(value, bool) or isinf(value):
         yield Fault(place, f"its default is {value!r}", "a number in SI")
     else:
         try:

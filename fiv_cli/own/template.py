@@ -55,6 +55,9 @@ def equations(symbols, options):
                 slip_coordinate="x",  # the state whose velocity sticking determines
                 normal_force=p("N"),  # may depend on states
             ),
+            # A stop at x = d, behind it: stop(gap=p("d") - x, coordinate="x", restitution=p("e")),
+            # imported as Contact is; its force, symbols.normal_force(1), is taken from that on the
+            # mass, and MODEL says contacts=2, stops=1.
         ),
         kinetic_energy=p("m") * x_dot**2 / 2,
         potential_energy=p("k") * x**2 / 2 + sympy.Rational(1, 4) * p("k_3") * x**4,

@@ -224,3 +224,18 @@ def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
     }
     values = dataset[name].transpose(*joined, obs)
     return xr.DataArray(values.values[kept], of_points, [obs], name, values.attrs)
+
+
+def contiguous(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with the values of ragged variables one behind another, also of joined runs.
+
+    Raises
+    ------
+    SelectionError : as `observations`
+    """
+    for obs in ragged_dims(dataset):
+        names = [str(name) for name, one in dataset.items() if obs in one.dims and one.ndim > 1]
+        values = {name: observations(dataset, name) for name in names}
+        rows = {name: (obs, one.values, one.attrs) for name, one in values.items()}
+        dataset = dataset.drop_dims(obs).assign(rows) if rows else dataset
+    return dataset

@@ -64,11 +64,12 @@ class ChainState:
     def is_sound(self) -> bool:
         """Whether it has the form that `plain` stores (a shard may be made by hand)."""
         words = isinstance(self.attractor, str) and isinstance(self.blocked, str)
-        words = words and isinstance(self.values, list | None)
-        carried = all(
-            isinstance(one, dict | None) for one in (self.carry, self.earlier, self.begun)
-        )
-        return words and carried and isinstance(self.lost, bool)
+        carries = (self.carry, self.earlier, self.begun)
+        carried = all(isinstance(one, dict | None) for one in carries)
+        if not (words and carried and isinstance(self.lost, bool)):
+            return False
+        placed = isinstance(self.values, list) if self.carry is not None else self.values is None
+        return placed and (self.earlier is None or self.earlier.keys() == {"values", "carry"})
 
     def plain(self) -> dict[str, Any]:
         """As plain data, for a shard."""
@@ -164,9 +165,10 @@ class _Way:
 
     def is_passable(self) -> bool:
         """Whether a branch leads along it, and nothing changes but numbers in the equations."""
-        if self.before.attractor not in REPEATING:
-            return False
         assert self.before.values is not None
+        stands = self.before.values[self.place] == self.values[self.place]  # where a chain turns
+        if self.before.attractor not in REPEATING or stands:
+            return False
         template = self.chain.template
         structural = get_law(law_at(template, self.values)).structural
         return all(

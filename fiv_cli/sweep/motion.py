@@ -196,7 +196,8 @@ def run_motion(
     if steady is not None:
         period, state = run.steady_state()
         if steady.periods is not None:
-            settings = _over_periods(settings, period, steady.periods)
+            reached = str((state.carry or {}).get("attractor", ""))
+            settings = _over_periods(settings, period, steady.periods, reached)
     alone = run.plan("history", {**_settings(point.case), **settings})
     if steady is not None and steady.settled:
         alone = _continued(alone)
@@ -354,11 +355,14 @@ def _continued(alone: AnalysisPlan) -> AnalysisPlan:
 
 
 def _over_periods(
-    settings: Mapping[str, float], period: float, periods: float
+    settings: Mapping[str, float], period: float, periods: float, reached: str
 ) -> Mapping[str, float]:
-    """The settings of a history over so many periods."""
+    """The settings of a history over so many periods of the class of motion that is reached."""
     if not np.isfinite(period):
-        raise UsageError("--periods: the steady state has no period\nnext: --settled --t-end TIME")
+        raise UsageError(
+            f"--periods: the steady state has no period: its class is {reached}\n"
+            "next: --settled --t-end TIME, or another point"
+        )
     return {"sample": period / SAMPLES_A_PERIOD, **settings, "t_end": periods * period}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import signal
 import time
@@ -124,7 +125,7 @@ class WorkerPool:
             self.size,
             context=self._context,
             initializer=initialise,
-            initargs=(os.getpid(),),
+            initargs=(os.getpid(), *gc.get_threshold()),
             env=_ONE_THREAD,
         )
 

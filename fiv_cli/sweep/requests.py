@@ -174,7 +174,9 @@ def _setup(
 
 def place_digest(template: Template, values: Values) -> bytes:
     """sha256 of everything that decides a point but its start."""
-    return next(place_digests(template, [[values]]))
+    kinds = (kind for _, kind in template.axes)
+    pieces = map(partial(packed, template), kinds, values)
+    return hashlib.sha256(b"".join((template.base, *pieces))).digest()
 
 
 def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> Iterator[bytes]:

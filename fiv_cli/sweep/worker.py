@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import gc
 import importlib
 import os
 import signal
@@ -218,12 +219,15 @@ def keep_memory() -> None:
             ctypes.CDLL(None).mallopt(*limit)
 
 
-def initialise(parent: int) -> None:
+def initialise(parent: int, *thresholds: int) -> None:
     """Prepare a worker process: it must not outlive its parent, which heeds what asks for an end.
+
+    It looks for garbage at the parent's `thresholds`.
 
     Until here such signals were blocked (see `ending.starting`).
     """
     keep_memory()
+    gc.set_threshold(*thresholds)
     for number in (signal.SIGINT, signal.SIGHUP):  # a terminal sends them to all its processes
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ending.NAMES)

@@ -401,7 +401,10 @@ class _Response:
         for target in self.springs:
             there = target.where_it_ends(self.motion.y)
             if there is not None and not math.isnan(there[1]):
-                return self._at_equilibrium(*there)
+                outcome = self._at_equilibrium(*there)
+                rest = there[0].equilibrium[: len(self.system.coordinates)]
+                outcome.values["L_s_reference"] = rest
+                return outcome
         return None
 
     def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
@@ -701,15 +704,12 @@ class _Response:
         if exponent is not None:
             values |= {"lyapunov": exponent.mean} if np.isfinite(exponent.mean) else {}
             self.exponent_error = exponent.error
-        passed = self._passed(self._points, self._works_since(begun))
+        # Of works only the points are told up to which they have been measured from one before.
+        first = np.searchsorted(self._times, begun, side="right") if self.tells_works else -1
+        works = np.diff(self.watch.works[: self.watch.count][first:], axis=0)
+        passed = self._passed(self._points[first + 1 :], works)
         shown = {name: found[-SHOWN:].copy() for name, found in passed.items()}
         return Outcome(values=values, ragged=shown)
-
-    def _works_since(self, begun: float) -> NDArray[np.float64]:
-        """Works between section points; NaN up to the first one that has been measured whole."""
-        works = self.watch.works[: self.watch.count].copy()
-        works[self._times[: len(works)] <= begun] = np.nan
-        return np.diff(works, axis=0, prepend=np.nan)
 
     def _measure_to(self, goals: Vector, exponent: Exponent | None) -> Outcome | None:
         """Measure up to the last goal, keeping section points; the class as soon as it is known."""
@@ -777,4 +777,4 @@ class _Response:
             return
         number = outcome.values.setdefault("L_s_reference_index", 1)
         reference = self.rests.solutions[number - 1][: len(self.system.coordinates)]
-        outcome.values["L_s_reference"] = reference
+        outcome.values.setdefault("L_s_reference", reference)

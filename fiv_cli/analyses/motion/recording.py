@@ -160,7 +160,7 @@ def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _works(motion: Motion, energy_before: float, stored_before: float) -> dict[str, float]:
-    found, excited = balance(motion, energy_before), motion.measures.works.tolist()
+    found, excited = balance(motion, energy_before), motion.frame.works.tolist()
     named = (f"{name}_work" for name in motion.system.setup.model.powers)
     works = dict(zip(named, excited, strict=True))
     if motion.system.generated.n_stored:

@@ -35,6 +35,7 @@ SAME_SOLUTION = 1e-8
 # A root whose imaginary part is below this share of itself is tried as a real one.
 NEARLY_REAL = 1e-3
 EXACT = 1e-9  # what is left of the forces at an equilibrium; of those of the thesis 4e-16
+PROBE = 1e-4  # relative change of a parameter that shows what it contributes
 COMMON_ROOT = 1e-9  # a numerator below this share of its terms vanishes
 LOAD_STEPS = 8  # in which the loads grow from zero
 # Newton starts, as multiples of the first solution: other real solutions of the spring forces.
@@ -314,17 +315,34 @@ def _without_pulling(
 def relative_residual(state: Sliding, y: Vector) -> NDArray[np.float64]:
     """What is left of the equations at `y` over the forces that balance there, the worst of all.
 
-    The forces of an equation: what each displacement contributes, and the loads.
+    The forces of an equation: what each displacement contributes, and the loads. What a
+    displacement contributes may itself be a difference that vanishes (at mu_k = 0.6 in
+    Figure 6.22): then also what each parameter contributes, which is dearer to ask.
     """
     rows = state.free_rates
     left = np.abs(state.rates(y)[..., rows])
     away = np.abs(y[..., state.free, None])
     forces = (np.abs(state.slopes(y, state.free)[..., rows, :]) @ away)[..., 0]
     forces += np.abs(state.rates(np.zeros(y.shape))[..., rows])
-    worst: NDArray[np.float64] = np.max(
-        left / np.where(left > 0.0, forces, 1.0), axis=-1, initial=0.0
-    )
+    worst = _worst_share(left, forces)
+    if (worst > EXACT).any():
+        worst = np.minimum(worst, _worst_share(left, forces + _of_parameters(state, y)[..., rows]))
     return worst
+
+
+def _worst_share(left: Vector, forces: Vector) -> NDArray[np.float64]:
+    share = left / np.where(left > 0.0, forces, 1.0)
+    return np.asarray(np.max(share, axis=-1, initial=0.0))
+
+
+def _of_parameters(state: Sliding, y: Vector) -> Vector:
+    """The sum of what each parameter contributes to the rates at `y`; shape (..., n_states)."""
+    own = np.arange(state.system.n_own_parameters)
+    changed = np.repeat(state.parameters[..., None, :], len(own), axis=-2)
+    changed[..., own, own] *= 1.0 + PROBE
+    others = replace(state, parameters=changed, coefficients=state.system.coefficients(changed))
+    alone = others.rates(np.repeat(y[..., None, :], len(own), axis=-2))
+    return np.asarray(np.abs(alone - state.rates(y)[..., None, :]).sum(axis=-2) / PROBE)
 
 
 def why_none(state: Sliding) -> str:
