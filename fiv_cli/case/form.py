@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from pydantic import BaseModel
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.case.report import Path, Report
+from fiv_cli.case.report import MISSING, Path, Report
 from fiv_cli.case.structure import (
     SCHEMA_VERSION,
     AnalysisTable,
@@ -143,7 +143,7 @@ def known_tables(document: Mapping[str, Any], report: Report) -> dict[str, Any]:
     }
     for key, what in needed.items():
         if found.get(key) in (None, []):
-            report.add((key,), "is missing", what)
+            report.add((key,), MISSING, what)
     return found
 
 

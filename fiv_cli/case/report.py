@@ -16,6 +16,8 @@ MOST_PROBLEMS = 1000
 
 _BARE = re.compile(r"[^\s.\"'=\[\]]+")
 
+MISSING = "is missing"
+
 
 def dotted(path: Path) -> str:
     """``("grid", "initial.x_dot")`` -> ``grid."initial.x_dot"``, as ``--set`` takes it."""
@@ -113,16 +115,21 @@ class Report:
     def raise_if_broken(self) -> None:
         """CaseError with every problem, unless there are none but of keys."""
         if self._names or self._values:
-            self._raise([*self._keys, *self._names, *self._values])
+            self._raise([*self._keys, *self._names, *self._sure_values()])
 
     def raise_by_phase(self) -> None:
-        """CaseError with every unknown key and name; where all names are known, with every value.
+        """CaseError with every unknown key and name; where none is unknown, with every value."""
+        self._raise([*self._keys, *(self._names or self._sure_values())])
 
-        Of a table with an unknown key the rest may only seem to be wrong.
-        """
+    def _sure_values(self) -> list[Problem]:
+        """Those that do not only follow from an unknown key of the same table."""
         in_doubt = {problem.path.rpartition(".")[0] for problem in self._keys}
-        values = [problem for problem in self._values if problem.path not in in_doubt]
-        self._raise([*self._keys, *(self._names or values)])
+        return [
+            problem
+            for problem in self._values
+            if problem.path not in in_doubt
+            and (problem.message != MISSING or problem.path.rpartition(".")[0] not in in_doubt)
+        ]
 
     def _raise(self, problems: Sequence[Problem]) -> None:
         if not problems:

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from fiv_cli.case.report import Path, Report
+from fiv_cli.case.report import MISSING, Path, Report
 from fiv_cli.notation.names import nearest, suggest
 from fiv_cli.notation.values import describe
 
@@ -108,7 +108,7 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
     elif kind == "extra_forbidden":
         _note_unknown(form, path, report)
     elif kind == "missing":
-        report.add(path, "is missing", keys_of(form).get(str(path[-1]), ""))
+        report.add(path, MISSING, keys_of(form).get(str(path[-1]), ""))
     elif kind == "literal_error":
         expected = str(details["ctx"]["expected"])
         names = expected.replace("'", "").replace(" or ", ", ").split(", ")
