@@ -90,6 +90,16 @@ def test_the_variables_listed_are_those_of_the_dataset(
         assert re.search(rf"^{one['name']} .*{re.escape(one['meaning'])}$", out, re.MULTILINE)
 
 
+def test_variables_are_listed_to_whom_a_figure_was_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "belt.toml"
+    case.write_text(f'{BELT}\n[[figure]]\nkind = "curve"\nname = "wrong"\nvariable = "share"\n')
+    assert run(["check", str(case)]) == 3
+    assert "`fiv variables" in capsys.readouterr().err
+    assert "\nstick_fraction " in printed(capsys, "variables", str(case))
+
+
 def test_help_lists_every_kind_of_figure() -> None:
     command = importlib.import_module(COMMANDS["plot"][0]).command
     text = " ".join(click.Context(command, info_name="plot").get_help().split())

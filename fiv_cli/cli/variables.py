@@ -30,7 +30,9 @@ def command(case: str, overrides: tuple[str, ...], as_json: bool) -> None:
     """
     from fiv_cli import api
 
-    layouts = [analysis.layout for analysis in api.check(api.load(case, overrides)).analyses]
+    # who asks may have just been told that a figure or a claim names a variable that there is not
+    loaded = api.load(case, (*overrides, "figure=[]", "claim=[]"))
+    layouts = [analysis.layout for analysis in api.check(loaded).analyses]
     if as_json:
         analyses = {layout.name: list(map(_described, layout.variables)) for layout in layouts}
         print_json({"analyses": analyses})
