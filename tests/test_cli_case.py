@@ -83,7 +83,9 @@ class TestExitCodes:
         ("arguments", "fragment"),
         [
             (["modles"], "did you mean 'models'"),
-            (["models", "--no-such-option"], "No such option"),
+            (["models", "--no-such-option"], "options: --"),
+            (["new", "belt-1dof", "response"], "example: fiv new "),
+            (["laws"], "next: fiv models --laws"),
             (["models", "belt-1dov"], "did you mean 'belt-1dof'"),
             (["models", "stribek", "--laws"], "did you mean 'stribeck'"),
             (["new", "belt-1dov"], "did you mean 'belt-1dof'"),
@@ -99,6 +101,15 @@ class TestExitCodes:
         assert fragment in done.stderr
         assert done.stdout == ""
         assert "Traceback" not in done.stderr
+
+    def test_a_template_replaces_no_file(self, tmp_path: Path) -> None:
+        target = tmp_path / "new.toml"
+        assert fiv("new", "belt-1dof", "-o", str(target)).returncode == 0
+        assert target.read_text() == fiv("new", "belt-1dof").stdout
+        target.write_text("my work")
+        again = fiv("new", "belt-1dof", "-o", str(target))
+        assert (again.returncode, target.read_text()) == (2, "my work")
+        assert "next: -o ANOTHER" in again.stderr
 
     def test_invalid_case(self, case: Path) -> None:
         case.write_text(CASE.replace("v =", "w ="))

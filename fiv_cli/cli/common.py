@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from fiv_cli.errors import UsageError
+
 if TYPE_CHECKING:
     from fiv_cli.sweep.parts import Part
 
@@ -61,6 +63,33 @@ with_option: Callable[[F], F] = click.option(
     callback=_use,
     help="Models and laws of your own: a file, or a folder of them. Repeatable.",
 )
+
+output_option: Callable[[F], F] = click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write to this file, which must not be there yet.",
+)
+
+
+def hand_out(text: str, output: Path | None) -> None:
+    """Print a template, or write it to a file that is not there yet.
+
+    Raises
+    ------
+    UsageError
+        the file is there: it may hold work.
+    """
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        with output.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise UsageError(f"{output}: is there already\nnext: -o ANOTHER, or remove it") from error
+
 
 json_option: Callable[[F], F] = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON instead of text."

@@ -51,6 +51,23 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "completion": ("fiv_cli.cli.completion", "Print a script that completes fiv in your shell."),
 }
 
+# What else a command may be called -> what to type.
+OTHER_WORDS = {
+    "law": "fiv models --laws",
+    "laws": "fiv models --laws",
+    "list": "fiv models, or fiv kinds",
+    "init": "fiv new MODEL",
+    "template": "fiv new MODEL",
+    "resume": "fiv run CASE.toml, which goes on where it stopped",
+    "stop": "Ctrl-C where it runs; what is done is stored",
+    "figure": "fiv plot FILE.nc",
+    "figures": "fiv plot FILE.nc",
+    "summary": "fiv show FILE.nc",
+    "export": "fiv show FILE.nc --json, or any tool that reads NetCDF",
+    "version": "fiv --version",
+    "help": "fiv COMMAND --help",
+}
+
 EPILOG = """\b
 Start here:
   fiv models                                        what can be computed
@@ -96,8 +113,10 @@ class LazyGroup(click.Group):
         from fiv_cli.notation.names import suggest
 
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            hint = suggest(args[0], COMMANDS.keys()) or "`fiv --help` lists the commands"
-            ctx.fail(f"there is no command {args[0]!r}; {hint}")
+            known = suggest(args[0], COMMANDS.keys()) or "`fiv --help` lists the commands"
+            other = OTHER_WORDS.get(args[0].lower())
+            hint = f"\nnext: {other}" if other else f"; {known}"
+            ctx.fail(f"there is no command {args[0]!r}{hint}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -192,6 +211,7 @@ def _explain(error: Exception, arguments: Sequence[str]) -> int:
         return INTERRUPTED
     if isinstance(error, click.ClickException):
         error.show()
+        _show_use(error)
         return USAGE
     if isinstance(error, FivError):
         click.echo(str(error), err=True)
@@ -199,6 +219,20 @@ def _explain(error: Exception, arguments: Sequence[str]) -> int:
     if isinstance(error, OSError) and not _debugging(arguments):
         return _explain_storage(error)
     return _explain_internal(error, arguments)
+
+
+def _show_use(error: click.ClickException) -> None:
+    """What would have been right: the options there are, an example of the command's help."""
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    if context is None or context.command is cli:
+        return
+    if isinstance(error, click.NoSuchOption):
+        flags = [max(one.opts, key=len) for one in context.command.params if one.opts[0][0] == "-"]
+        click.echo(f"options: {', '.join(flags)}", err=True)
+    lines = map(str.strip, (context.command.help or "").splitlines())
+    example = next((line for line in lines if line.startswith("fiv ")), "")
+    if example:
+        click.echo(f"example: {example}", err=True)
 
 
 def _explain_storage(error: OSError) -> int:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
-from fiv_cli.cli.common import with_option
+from fiv_cli.cli.common import hand_out, output_option, with_option
 from fiv_cli.errors import UsageError
 
 
@@ -18,9 +20,10 @@ from fiv_cli.errors import UsageError
     show_default=True,
     help="What to compute; `fiv kinds` lists the analyses.",
 )
+@output_option
 @with_option
-def command(model: str, kind: str) -> None:
-    """Write a commented case file of MODEL to stdout.
+def command(model: str, kind: str, output: Path | None) -> None:
+    """Write a commented case file of MODEL to stdout, or to a new file.
 
     It is valid as it stands, and in a response the model vibrates somewhere on its grid. What may
     be changed stands behind a #: take it off a line, and off those with three blanks behind it.
@@ -28,7 +31,7 @@ def command(model: str, kind: str) -> None:
     \b
     Examples:
       fiv new pin-on-disc > a.toml && fiv run a.toml && fiv plot runs/a.nc
-      fiv new flutter-2dof --analysis critical > b.toml
+      fiv new flutter-2dof --analysis critical -o b.toml
     """
     from fiv_cli.analyses import all_analyses
     from fiv_cli.case.template import case_template
@@ -44,4 +47,4 @@ def command(model: str, kind: str) -> None:
     if unsuited:
         suited = [name for name, one in analyses.items() if not one.unsuited(chosen)]
         raise UsageError(f"{unsuited}\nnext: fiv new {model} --analysis {suited[0]}")
-    click.echo(case_template(chosen, analysis), nl=False)
+    hand_out(case_template(chosen, analysis), output)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
+
+from fiv_cli.cli.common import hand_out, output_option
 
 
 @click.command("new-law")
 @click.argument("name")
-def command(name: str) -> None:
-    """Write a commented file of a friction law called NAME to stdout.
+@output_option
+def command(name: str, output: Path | None) -> None:
+    """Write a commented file of a friction law called NAME to stdout, or to a new file.
 
     \b
     Examples:
@@ -18,4 +23,4 @@ def command(name: str) -> None:
     """
     from fiv_cli.own.template import law_template
 
-    click.echo(law_template(name), nl=False)
+    hand_out(law_template(name), output)

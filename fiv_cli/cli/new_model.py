@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
+
+from fiv_cli.cli.common import hand_out, output_option
 
 
 @click.command("new-model")
 @click.argument("name")
-def command(name: str) -> None:
-    """Write a commented file of a model called NAME to stdout: a mass on a belt, to be changed.
+@output_option
+def command(name: str, output: Path | None) -> None:
+    """Write a commented file of a model called NAME to stdout, or to a new file: a mass on a
+    belt, to be changed.
 
     It runs as it stands. What you write is checked as what is in the box: names, units, that the
     energies fit the accelerations, that friction opposes slip. `fiv verify --with FILE.py` adds
@@ -23,4 +29,4 @@ def command(name: str) -> None:
     """
     from fiv_cli.own.template import model_template
 
-    click.echo(model_template(name), nl=False)
+    hand_out(model_template(name), output)
