@@ -28,8 +28,8 @@ PARTNER: dict[str, Callable[[Graph, Node], Node]] = {
     "cos": lambda graph, argument: graph.unary("sin", argument),
     "asin": lambda graph, argument: graph.cosine_of_asin(argument),
 }
-# Quarters of a turn by which a sine is ahead; what a quarter is beyond its double; and terms of sine
-# and cosine over an eighth, from that of the third and of the fourth power on, to rounding.
+# Quarters of a turn that a sine is ahead by; what a quarter is beyond its double; terms of sine and
+# cosine over an eighth, from the third and the fourth power on, to rounding.
 TURNS = {"sin": 0.0, "cos": 1.0}
 BEYOND_QUARTER = 6.123233995736766e-17
 SINE = [(-1.0) ** k / factorial(2 * k + 1) for k in range(1, 9)]
