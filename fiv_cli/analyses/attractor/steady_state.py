@@ -591,7 +591,8 @@ class _Response:
             "cycle_residual": cycle.residual,
         }
         if self.excitation is not None:
-            values["period_ratio"] = period / self.excitation
+            # of so many periods of the excitation Newton's method closed the cycle
+            values["period_ratio"] = float(round(period / self.excitation))
         return values | self._floquet(cycle)
 
     def _next_points(
