@@ -52,7 +52,7 @@ from fiv_cli.analyses.attractor.own_section import (
     tells_more,
 )
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
-from fiv_cli.analyses.attractor.stationarity import drift
+from fiv_cli.analyses.attractor.stationarity import drift, parting
 from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, Watch, watch_over
 from fiv_cli.analyses.base import EACH, Outcome, Request, Section
 from fiv_cli.analyses.common import (
@@ -595,7 +595,8 @@ class _Response:
             "cycle_residual": cycle.residual,
         }
         if self.excitation is not None:
-            values["period_ratio"] = period / self.excitation
+            # of so many periods of the excitation Newton's method closed the cycle
+            values["period_ratio"] = float(round(period / self.excitation))
         return values | self._floquet(cycle)
 
     def _next_points(
@@ -742,8 +743,12 @@ class _Response:
         points = self._map_points()
         # A weak mode that still dies away, or is shaken slowly, undoes no chaos, but any torus.
         m = len(self.system.coordinates)
-        observed = points[:, [self.observed]]
-        moved = drift(observed) if told == "chaotic" else drift(points, (m, 2 * m))
+        observed, kinds = points[:, [self.observed]], (m, 2 * m)
+        moved = drift(observed) if told == "chaotic" else drift(points, kinds)
+        if told == "quasiperiodic" and moved == 0.0:
+            moved = abs(parting(points, kinds))
+        if math.isnan(moved):
+            return "undecided", "time_budget"
         outcome.values["section_drift"] = moved
         return (told, reason) if moved == 0.0 else ("undecided", "section_drifts")
 
@@ -759,7 +764,7 @@ class _Response:
             return "chaotic", ""
         if exponent < -max(uncertain, min(most, GROWN) / window):  # it settles
             return "undecided", "time_budget"
-        if abs(exponent) > threshold or regular >= REGULAR:
+        if abs(exponent) > min(threshold, apart / window) or regular >= REGULAR:
             return "undecided", "tests_disagree"
         return "quasiperiodic", ""
 
