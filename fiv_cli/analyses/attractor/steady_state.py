@@ -238,6 +238,7 @@ class _Response:
         self.waiting_until = 0.0  # ... and the time before which it is not
         self.n_early = 0  # attempts before that
         self.is_unconfirmed = False  # the section repeated, and no cycle was found
+        self.in_passing = request.in_passing
         self.tells_works = self.settings.get("powers") == EACH
         self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
 
@@ -281,7 +282,10 @@ class _Response:
             self.stop = self.motion.run(min(transient, t_max))
             self.watch.last_event = self.watch.last_point = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
-        answer = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
+        answer = self._ended() or self._rest() or self._settle(half)
+        if answer is None and self.in_passing:
+            return Outcome(reason="time_budget", values={"attractor": "undecided"})
+        answer = answer or self._window(t_max)
         if answer.values["attractor"] == "undecided" and answer.status == "ok":
             answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
