@@ -123,23 +123,29 @@ def _sum_lines(target: str, array: str, first: int, order: int, time: str) -> li
     return [*lines, f"    {target} = even + {time} * odd"]
 
 
-def value_and_slope(name: str, degree: int) -> list[str]:
-    """Text of the function that evaluates a polynomial (its ``y``) and its derivative at ``t``.
+def value_slope_bend(name: str, degree: int) -> list[str]:
+    """Text of the function that evaluates a polynomial (its ``y``) and two derivatives at ``t``.
 
     Even and odd powers are summed apart, as in `sums`.
     """
-    top_even, top_odd = degree - degree % 2, degree - 1 + degree % 2
-    lines = [f"def {name}(c, t, y, out):", "    # value and derivative of a polynomial"]
+    lines = [f"def {name}(c, t, y, out):", "    # value and derivatives of a polynomial"]
     lines += ["    square = t * t"]
-    for part, top, last in (("even", top_even, 0), ("odd", top_odd, 1)):
-        lines += [f"    {part} = y[{top}]", f"    {part}_slope = 0.0"]
+    for part, top, last in (
+        ("even", degree - degree % 2, 0),
+        ("odd", degree - 1 + degree % 2, 1),
+    ):
+        lines += [f"    {part} = y[{top}]", f"    {part}_slope = 0.0", f"    {part}_bend = 0.0"]
         for k in range(top - 2, last - 1, -2):
+            lines.append(f"    {part}_bend = {part}_bend * square + {part}_slope")
             lines.append(f"    {part}_slope = {part}_slope * square + {part}")
             lines.append(f"    {part} = {part} * square + y[{k}]")
     return [
         *lines,
+        "    slope = even_slope + t * odd_slope",
+        "    bend = even_bend + t * odd_bend",
         "    out[0] = even + t * odd",
-        "    out[1] = odd + 2.0 * t * (even_slope + t * odd_slope)",
+        "    out[1] = odd + 2.0 * t * slope",
+        "    out[2] = 2.0 * slope + 4.0 * t * odd_slope + 8.0 * square * bend",
     ]
 
 

@@ -95,6 +95,7 @@ BISECTIONS = 80
 TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
 FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
+NONE = -(2**61)  # bits less those of any float are more
 SHORTER = 0.75  # a part of a step that does not suit tangents is cut to this share of it
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
@@ -358,15 +359,10 @@ def time_scale(series: Floats, n: int, order: int) -> float:
 
 
 @native
-def root_of(value: float, degree: int) -> float:
-    """``value ** (1 / degree)`` to half a per cent, of a positive value.
-
-    All that a step needs, in a third of the time of a power, and the same on every machine. The
-    logarithm to base 2 is read off the bits: between powers of two they rise along the chord.
-    """
-    logarithm = (bits_of(value) / MANTISSA - BIAS) / degree
-    whole = np.floor(logarithm)
-    part = logarithm - whole
+def power_of_two(exponent: float) -> float:
+    """2 to this power, to 0.2 per cent: all that a step needs, in a third of the time."""
+    whole = np.floor(exponent)
+    part = exponent - whole
     return float_of((int(whole) + BIAS) * MANTISSA) * (1.0 + part * (0.6565 + 0.3435 * part))
 
 
@@ -376,28 +372,31 @@ def step_size(series: Floats, n: int, order: int, rtol: float, last: float) -> f
 
     `n` counts the states and the switching functions: in stick the state may be a polynomial
     while the demanded force is not. The scale of a series is the largest of its first terms over
-    the last step, so it follows the motion and not the units.
+    the last step, so it follows the motion and not the units. What is compared are logarithms, as
+    differences of bits: nothing waits for a quotient.
     """
     if last <= 0.0:
         last = time_scale(series, n, order)
         if last == ENDLESS:
             return ENDLESS
-    worst = 0.0
-    worst_before = 0.0
+    share, share_before = 1.0 / order, 1.0 / (order - 1)
+    worst = worst_before = NONE
     for i in range(n):
         first = i * (order + 1)
         scale = max(abs(series[first]), abs(series[first + 1]) * last)
         scale = max(scale, abs(series[first + 2]) * last * last)
         if scale > NEGLIGIBLE:
-            share = 1.0 / scale
-            worst = max(worst, abs(series[first + order]) * share)
-            worst_before = max(worst_before, abs(series[first + order - 1]) * share)
-    step = ENDLESS
-    if worst > 0.0:
-        step = root_of(rtol / worst, order)
-    if worst_before > 0.0:
-        step = min(step, root_of(rtol / worst_before, order - 1))
-    return step
+            own = bits_of(scale)
+            high, low = abs(series[first + order]), abs(series[first + order - 1])
+            if high > 0.0:
+                worst = max(worst, bits_of(high) - own)
+            if low > 0.0:
+                worst_before = max(worst_before, bits_of(low) - own)
+    if max(worst, worst_before) == NONE:
+        return ENDLESS
+    allowed = bits_of(rtol) - BIAS * MANTISSA
+    longest = (allowed - worst) / MANTISSA * share
+    return power_of_two(min(longest, (allowed - worst_before) / MANTISSA * share_before))
 
 
 @native
@@ -1030,7 +1029,7 @@ def turning_value(
     x, before, at_before = chord(low, high, at_low, at_high), high, at_high
     change = 0.0
     for _ in range(BISECTIONS):
-        call_generated(run.value_and_slope, series, x, series, found)
+        call_generated(run.value_slope_bend, series, x, series, found)
         slope = found[1]
         if slope * at_low > 0.0:
             low = x

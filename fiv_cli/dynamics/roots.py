@@ -28,7 +28,7 @@ NO_ROOT = 2.0
 ROUNDING = 8.0 * 2.220446049250313e-16
 TWIN_WIDTH = 2.0**-22
 MAX_DEPTH = 60
-LAST_STEP = 1e-8  # a Newton step this short leaves its square as error
+LAST_STEP = 4e-6  # a step of Halley's this short leaves its cube as error
 LAST_DIGITS = 4.5e-16  # two units in the last place
 
 
@@ -40,13 +40,13 @@ class Search(Frame):
     """
 
     order: FixedInt  # highest power
-    value_and_slope: FixedInt  # address of the generated function of polynomials of this order
+    value_slope_bend: FixedInt  # address of the generated function of polynomials of this order
     bernstein: FixedInt  # address of the one that writes Bernstein coefficients
     polynomial: Floats
     pieces: Floats2
     lows: Floats
     highs: Floats
-    at_guess: Floats  # value and slope
+    at_guess: Floats  # value, slope, bend
 
 
 @native
@@ -69,26 +69,28 @@ def slope(polynomial: Floats, degree: int, x: float) -> float:
 
 @native
 def bracketed_root(run: Search, low: float, high: float, x: float) -> float:
-    """Root with p(low) > 0 >= p(high), by Newton steps from x, kept inside the bracket.
+    """Root with p(low) > 0 >= p(high), by Halley's steps from x, kept inside the bracket.
 
     A step that is not half as long as the one before halves the bracket instead: far out, where
-    the highest power rules, Newton steps shrink by a few per cent each.
+    the highest power rules, steps shrink by a few per cent each.
     """
     polynomial, found = run.polynomial, run.at_guess
     if not low < x < high:
         x = 0.5 * (low + high)
     moved = high - low
     for _ in range(100):
-        call_generated(run.value_and_slope, polynomial, x, polynomial, found)
-        value, derivative = found[0], found[1]
+        call_generated(run.value_slope_bend, polynomial, x, polynomial, found)
+        value = found[0]
+        steep, bent = found[1] * found[1], value * found[2]
         if value > 0.0:
             low = x
         else:
             high = x
-        new = x - value / derivative if derivative != 0.0 else low
+        # Near a turn, where Halley's steps are short without being near a root, there is none.
+        new = x - value * found[1] / (steep - 0.5 * bent) if abs(bent) < steep else low
         if low < new < high and 2.0 * abs(new - x) <= moved:
             moved = abs(new - x)
-            if moved <= LAST_STEP:
+            if moved <= LAST_STEP and abs(bent) <= LAST_STEP * steep:
                 return new
         else:  # a halved bracket converges slowly: its last step says nothing of the error
             new = 0.5 * (low + high)
@@ -250,5 +252,5 @@ def scratch(order: int) -> dict[str, NDArray[np.float64]]:
         "pieces": np.zeros((MAX_DEPTH, order + 1)),
         "lows": np.zeros(MAX_DEPTH),
         "highs": np.zeros(MAX_DEPTH),
-        "at_guess": np.zeros(2),
+        "at_guess": np.zeros(3),
     }
