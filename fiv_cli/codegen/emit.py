@@ -230,6 +230,11 @@ def _weighted(weight: Node, text: str, coefficients: Coefficients) -> str:
     return f"{factor} * {text}"
 
 
+def _times(factor: float, text: str) -> str:
+    """A number times a product."""
+    return text if factor == 1.0 else f"{float(factor)!r} * {text}"
+
+
 def _sum(terms: Sequence[str]) -> str:
     """Terms joined by + and -."""
     if not terms:
@@ -476,14 +481,18 @@ class TaylorStep:
         rest = ([base] if base else []) + [f"-{t}" for t in self._products(node, node, k, 1, k)]
         return f"({self._sum(rest)}) / (2.0 * {self.name(node)}_0)"
 
-    def _chain(self, inner: Node, outer: Node, k: int) -> str:
-        """sum of j inner_j outer_{k-j} over j = 1..k, divided by k."""
-        terms = []
-        for j in range(1, k + 1):
-            a, b = self._known(inner, j), self._known(outer, k - j)
-            if a and b:
-                terms.append(f"{a} * {b}" if j == 1 else f"{float(j)!r} * {a} * {b}")
-        return f"({self._sum(terms)}){_over(k)}"
+    def _chain(self, inner: Node, outer: Node, k: int, sign: str = "") -> str:
+        """Sum of j inner_j outer_{k-j} over j = 1..k, divided by k.
+
+        The rate of a linear argument is divided first: it does not wait for the other factor.
+        """
+        pairs = [(j, self._known(inner, j), self._known(outer, k - j)) for j in range(1, k + 1)]
+        pairs = [pair for pair in pairs if all(pair)]
+        if len(pairs) == 1:
+            [(j, a, b)] = pairs
+            return f"{sign}({_times(j / k, a)} * {b})"
+        terms = [_times(j, f"{a} * {b}") for j, a, b in pairs]
+        return f"{sign}({self._sum(terms)}){_over(k)}"
 
     def _series_exp(self, node: Node, k: int) -> str:
         if k == 0:
@@ -519,7 +528,7 @@ class TaylorStep:
         argument = node.args[0]
         if k == 0:
             return f"cos({self._known(argument, 0)})"
-        return "-" + self._chain(argument, self.partners[node.index], k)
+        return self._chain(argument, self.partners[node.index], k, "-")
 
     def _series_asin(self, node: Node, k: int) -> str:
         """w' q = a' with q = sqrt(1 - a^2)."""

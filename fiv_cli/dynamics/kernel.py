@@ -95,7 +95,6 @@ BISECTIONS = 80
 TURNED = 1e-10  # what is left to a turn, as a share of what a value changes by between two nodes
 FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
-NONE = -(2**61)  # bits less those of any float are more
 SHORTER = 0.75  # a part of a step that does not suit tangents is cut to this share of it
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
@@ -372,31 +371,29 @@ def step_size(series: Floats, n: int, order: int, rtol: float, last: float) -> f
 
     `n` counts the states and the switching functions: in stick the state may be a polynomial
     while the demanded force is not. The scale of a series is the largest of its first terms over
-    the last step, so it follows the motion and not the units. What is compared are logarithms, as
-    differences of bits: nothing waits for a quotient.
+    the last step, so it follows the motion and not the units.
     """
     if last <= 0.0:
         last = time_scale(series, n, order)
         if last == ENDLESS:
             return ENDLESS
-    share, share_before = 1.0 / order, 1.0 / (order - 1)
-    worst = worst_before = NONE
+    worst = 0.0
+    worst_before = 0.0
     for i in range(n):
         first = i * (order + 1)
         scale = max(abs(series[first]), abs(series[first + 1]) * last)
         scale = max(scale, abs(series[first + 2]) * last * last)
         if scale > NEGLIGIBLE:
-            own = bits_of(scale)
-            high, low = abs(series[first + order]), abs(series[first + order - 1])
-            if high > 0.0:
-                worst = max(worst, bits_of(high) - own)
-            if low > 0.0:
-                worst_before = max(worst_before, bits_of(low) - own)
-    if max(worst, worst_before) == NONE:
+            share = 1.0 / scale
+            worst = max(worst, abs(series[first + order]) * share)
+            worst_before = max(worst_before, abs(series[first + order - 1]) * share)
+    if max(worst, worst_before) == 0.0:
         return ENDLESS
-    allowed = bits_of(rtol) - BIAS * MANTISSA
-    longest = (allowed - worst) / MANTISSA * share
-    return power_of_two(min(longest, (allowed - worst_before) / MANTISSA * share_before))
+    # Logarithms to base 2, read off the bits: between powers of two they rise along the chord.
+    allowed = bits_of(rtol)
+    step = (allowed - bits_of(worst)) / MANTISSA * (1.0 / order)
+    step_before = (allowed - bits_of(worst_before)) / MANTISSA * (1.0 / (order - 1))
+    return power_of_two(min(step, step_before))
 
 
 @native

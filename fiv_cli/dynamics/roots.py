@@ -108,13 +108,6 @@ def chord(low: float, high: float, at_low: float, at_high: float) -> float:
 
 
 @native
-def parabola(start: float, first: float, end: float) -> float:
-    """Where the parabola with this value and slope at 0, and this value at 1, falls to zero."""
-    bend = end - start - first
-    return 2.0 * start / (np.sqrt(first * first - 4.0 * start * bend) - first)
-
-
-@native
 def polygon(run: Search, row: int) -> float:
     """Where the control polygon of a piece passes zero: close to where the piece does."""
     piece, j = run.pieces[row], 1
@@ -197,18 +190,17 @@ def first_root(run: Search, degree: int, total: float, end: float) -> float:
     rest = 0.5 * (total - end) + min(first, 0.0)
     if start + first - rest > tolerance:
         return NO_ROOT
-    second = 2.0 * polynomial[2]
-    steepness, curvature, power = abs(first) + abs(second), 0.0, 2.0
-    for k in range(3, degree + 1):
-        power += 1.0
-        slope_term = power * abs(polynomial[k])
-        steepness += slope_term
-        curvature += (power - 1.0) * slope_term
-    # Monotonic, or concave: least at an end, one root at most.
-    if 2.0 * abs(first) > steepness or -second > curvature:
-        if end > tolerance:
-            return NO_ROOT
-        return bracketed_root(run, 0.0, 1.0, parabola(start, first, end)) if end < 0.0 else 1.0
+    if end >= 0.0:  # else there is a root, and where the polygon passes zero is close to it
+        second = 2.0 * polynomial[2]
+        steepness, curvature, power = abs(first) + abs(second), 0.0, 2.0
+        for k in range(3, degree + 1):
+            power += 1.0
+            slope_term = power * abs(polynomial[k])
+            steepness += slope_term
+            curvature += (power - 1.0) * slope_term
+        # Monotonic, or concave: least at an end, one root at most.
+        if 2.0 * abs(first) > steepness or -second > curvature:
+            return NO_ROOT if end > tolerance else 1.0
     call_generated(run.bernstein, polynomial, 0.0, polynomial, run.pieces[0])
     run.lows[0], run.highs[0] = 0.0, 1.0
     return first_of_pieces(run, degree, tolerance)
