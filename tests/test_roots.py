@@ -55,7 +55,9 @@ def generated(degree: int) -> tuple[int, int]:
     lines = emit.value_slope_bend("value_slope_bend", degree) + emit.bernstein("bernstein", degree)
     engine = load_text("\n".join(lines) + "\n")
     KEPT.append(engine)
-    value_slope_bend, bernstein = map(engine.get_function_address, ("value_slope_bend", "bernstein"))
+    value_slope_bend, bernstein = map(
+        engine.get_function_address, ("value_slope_bend", "bernstein")
+    )
     return int(value_slope_bend), int(bernstein)
 
 
