@@ -89,6 +89,14 @@ def test_a_quasiperiodic_response() -> None:
     assert len(found.ragged["section_value"]) > 100
 
 
+def test_a_slow_way_into_a_cycle_is_no_torus() -> None:
+    """It comes in by 0.83 in a period, 28 section points, and its exponent is nearly zero."""
+    before, after = (respond(t_max=t_max, u0=0.5, omega=1.31) for t_max in (1e4, 1e5))
+    assert (before.values["attractor"], before.reason) == ("undecided", "section_drifts")
+    assert after.values["attractor"] == "periodic"
+    assert after.values["floquet_multiplier"][0] == pytest.approx(0.82726, abs=1e-5)
+
+
 CHAOS = {"u0": 2.0, "omega": 2.1}
 
 
@@ -171,7 +179,7 @@ def test_forced_sliding_without_stick(section: Section, ratio: float, amplitude:
     changes = {"v": 0.0, "N": 1.0, "mu_k": 0.5, "mu_s": 0.5, "u0": 1.0, "omega": ratio}
     found = respond(start={"x": 1.0}, section=section, **changes)
     assert found.values["attractor"] == "periodic"
-    assert found.values["period_ratio"] == pytest.approx(1.0, abs=1e-8)
+    assert found.values["period_ratio"] == 1.0
     assert found.values["x_max"] == pytest.approx(amplitude, abs=1e-6)
     assert found.values["x_min"] == pytest.approx(-amplitude, abs=1e-6)
 
@@ -606,7 +614,7 @@ def test_a_shaken_mass_that_reverses_and_never_sticks_is_periodic() -> None:
     """There is no slip->stick to judge by: the excitation itself is the section."""
     found = respond(v=0.0, mu_s=0.05, mu_k=0.05, u0=1.0, omega=0.6)
     assert found.values["attractor"] == "periodic"
-    assert found.values["period_ratio"] == pytest.approx(1.0, rel=1e-9)
+    assert found.values["period_ratio"] == 1.0
     assert found.values["stick_fraction"] == 0.0
     assert len(found.ragged["section_value"]) == 0
 
@@ -615,7 +623,7 @@ def test_sliding_over_a_sector_repeats_with_the_disc() -> None:
     changes = {"Omega": 4.0, "beta": 0.26, "psi_a": 0.3}
     found = respond(start={"phi_dot": 4.0}, model="pin-on-disc", t_max=200.0, **changes)
     assert found.values["attractor"] == "periodic"
-    assert found.values["period_ratio"] == pytest.approx(1.0, rel=1e-9)
+    assert found.values["period_ratio"] == 1.0
     assert found.values["stick_fraction"] == 0.0
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from small_models import BOUNCER, TWO_MASSES
 
 from fiv_cli.codegen import assembly, lower
-from fiv_cli.codegen.codes import LANES, OTHER_POWER
+from fiv_cli.codegen.codes import LANES, NODES, OTHER_POWER
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT, StateTable
 from fiv_cli.codegen.graph import UNARY, Graph, Node
@@ -84,7 +84,8 @@ def fma(a: float, b: float, added: float) -> float:
 
 def python_functions(text: str, library: Any = math) -> dict[str, Any]:
     """The functions of generated text, run by Python itself, rounded as the compiled ones are."""
-    space = {name: getattr(library, name) for name in UNARY} | {"pow": pow, "fma": fma}
+    space = {name: getattr(library, name) for name in UNARY}
+    space |= {"pow": pow, "fma": fma, "rint": round}
     tree = ast.parse(text)
     if library is math and lower.fuses():
         tree = ast.fix_missing_locations(Fused().visit(tree))
@@ -194,6 +195,25 @@ def test_what_is_measured_along_a_step_is_what_the_field_is(
             field = built.field(index, c, 0.7 + time, state)
             expected = [*field.state, *field.rates, *field.energies[OTHER_POWER:]]
             assert np.array(expected).tobytes() == lanes[: len(expected), lane].tobytes()
+
+
+@every_system
+def test_powers_along_a_step_are_those_of_the_field(model: Any, law: str, changes: Any) -> None:
+    built, c = generated(model, law, changes)
+    address, begin = built.generated.address, 40.0
+    times = np.linspace(0.0, 0.05, NODES)
+    for index, table in built.generated.states.items():
+        series, nodes = np.zeros(sizes(built)), np.zeros((sizes(built), NODES))
+        y = states(len(built.state_names))
+        compiled_call(address(f"{table.name}_taylor"), c, begin, y, series)
+        nodes[0] = times
+        compiled_call(address(f"{table.name}_powers"), c, begin, series, nodes)
+        state = np.zeros(len(built.state_names))
+        for node, time in enumerate(times):
+            compiled_call(address("state"), c, time, series, state)
+            expected = built.field(index, c, begin + time, state).energies[OTHER_POWER:]
+            scale = 1e-14 * np.abs(expected).max()
+            assert np.allclose(nodes[: len(expected), node], expected, rtol=1e-13, atol=scale)
 
 
 @every_system

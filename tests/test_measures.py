@@ -9,7 +9,7 @@ import pytest
 from motions import motion
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.dynamics.arrays import lobatto, lobatto_reach, quadratures
+from fiv_cli.dynamics.arrays import lobatto, lobatto_reach, quadratures, work_rule
 
 REST = 2.3  # where friction holds the sliding mass on the belt
 SWING = 0.7  # amplitude of an undamped motion that is slower than the belt: it never sticks
@@ -46,7 +46,9 @@ def test_extremes_and_squares_of_a_tight_motion_are_right_to_rounding() -> None:
 
 
 @pytest.mark.parametrize("model", ["belt-1dof", "belt-5dof"])
-def test_energies_measured_alone_have_the_bits_of_those_measured_with_all(model: str) -> None:
+def test_energies_measured_alone_are_those_measured_with_all(model: str) -> None:
+    """By another rule, at other nodes."""
+
     def measured(reference: np.ndarray | None) -> list[float]:
         begun = motion(model, start={"x": 3.0})
         begun.start_measuring(reference)
@@ -56,7 +58,7 @@ def test_energies_measured_alone_have_the_bits_of_those_measured_with_all(model:
         return [*works, found.measured_time, *found.works, *found.shares.ravel()]
 
     everything = measured(np.zeros(len(motion(model).system.coordinates)))
-    assert measured(None) == everything
+    assert measured(None) == pytest.approx(everything, rel=1e-12)
     assert any(everything)
 
 
@@ -87,3 +89,10 @@ def test_longer_parts_of_a_step_take_more_nodes_and_any_part_has_a_rule(order: i
     shares = [rules[count * (count - 1) // 2, 2] for count in range(2, most + 1)]
     assert np.all(np.diff(shares) > 0.0)
     assert shares[-1] == np.inf
+
+
+@pytest.mark.parametrize("order", range(4, 40))
+def test_the_rule_of_works_is_exact_for_series_of_its_order(order: int) -> None:
+    nodes, weights = work_rule(order)
+    for power in range(order + 1):
+        assert weights @ nodes**power == pytest.approx(1.0 / (power + 1), abs=1e-15)

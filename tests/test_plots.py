@@ -1282,6 +1282,17 @@ def test_plot_leaves_out_figures_of_the_sweep_that_a_history_cannot_show(stored)
         run(plot_command, "one.nc", "--figure", "bifurcation")
 
 
+def test_plot_draws_the_map_over_laws_that_its_case_asks_for(stored):
+    """Unasked it is a curve: a line for each law says more."""
+    over_laws = data.stability_map().isel(N0=[0, 1]).rename(N0="friction")
+    over_laws = over_laws.assign_coords(friction=["coulomb", "stribeck"])
+    over_laws.to_netcdf(stored / "laws.nc")
+    assert "laws-map.png" not in run(plot_command, "laws.nc").stdout
+    asked = over_laws.assign_attrs(data.attributes(figure("map", y="friction")))
+    asked.to_netcdf(stored / "asked.nc")
+    assert run(plot_command, "asked.nc").stdout.split() == ["asked-map.png"]
+
+
 def test_plot_overlays_files_where_a_figure_can(stored):
     result = run(plot_command, "bifurcation.nc", "bifurcation.nc", "--figure", "curve")
     assert result.stdout.split() == ["bifurcation-curve.png"]

@@ -139,6 +139,21 @@ def test_a_plan_says_what_the_case_leaves_to_the_model_and_its_law() -> None:
     assert line == "  by default, in SI: m = 1, c = 0, u0 = 0, omega = 1, mu_s = 0.4, mu_k = 0.23"
 
 
+def test_a_plan_says_law_by_law_what_is_left_and_where_the_laws_defaults_differ() -> None:
+    def told(friction: str) -> list[str]:
+        laws = '[grid]\nfriction = ["stribeck", "lugre", "coulomb"]\n'
+        text = f"{HEAD}[friction]\n{friction}\n{laws}{RESPONSE}"
+        return make_plan(sweep_fakes.case(text)).describe()[2:4]
+
+    left, differ = told("stribeck = { v_s = 0.1 }\nlugre = { v_s = 0.1 }")
+    assert " mu_k = 0.23, stribeck.delta = 1, lugre.delta = 2, sigma_0 = " in left
+    assert "v_s" not in left
+    assert differ.startswith("  the laws' defaults of delta differ (stribeck.delta = 1, lugre.del")
+    left, analysis = told("delta = 2.0\nstribeck = { v_s = 0.1 }")
+    assert "lugre.v_s = " in left and "delta" not in left and "stribeck.v_s" not in left
+    assert analysis.startswith("  response: 3 points")
+
+
 def test_keys_made_together_are_those_of_the_points() -> None:
     """With axes of numbers and of laws, points on their own and chains."""
     plan = plan_of(sweep_fakes.LOOP.replace("v = [", 'friction = ["coulomb", "stribeck"]\nv = ['))

@@ -11,7 +11,8 @@ own, a few statements each, called one after the other. What a later piece needs
 goes through memory, where an allocator would have put most of it too: through ``out`` if it is
 stored there anyway, else through the workspace ``w``.
 
-What a function writes to ``lanes`` it computes of `LANES` vectors at once.
+What a function writes to ``lanes`` it computes of `LANES` vectors at once, what it writes to
+``nodes`` of `NODES`.
 """
 
 from __future__ import annotations
@@ -23,13 +24,15 @@ from typing import NamedTuple
 
 from llvmlite import ir
 
-from fiv_cli.codegen.codes import LANES
+from fiv_cli.codegen.codes import LANES, NODES
 
 LIBRARY = ("exp", "log", "sin", "cos", "tanh", "asin", "pow")  # called in the C library
 # A function of more characters is cut, into pieces of so many. The lumped models' are not so long.
 WHOLE, PIECE = 180_000, 1000
 
-REAL, VECTOR = ir.DoubleType(), ir.VectorType(ir.DoubleType(), LANES)
+REAL = ir.DoubleType()
+VECTORS = {"lanes": ir.VectorType(REAL, LANES), "nodes": ir.VectorType(REAL, NODES)}
+BUILT_IN = ("sqrt", "rint")  # functions of one number that LLVM knows
 POINTER = str(REAL.as_pointer())  # as this LLVM writes it
 OPERATIONS = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
 TOKEN = re.compile(r"[^\W\d]\w*(?:\[\d+\])?|[\d.]+(?:e[+-]?\d+)?|[-+*/(),]")
@@ -38,8 +41,8 @@ TOKEN = re.compile(r"[^\W\d]\w*(?:\[\d+\])?|[\d.]+(?:e[+-]?\d+)?|[-+*/(),]")
 def assembly(text: str, fused: bool) -> str:
     """LLVM assembly of every function in `text`; `fused`: multiply and add in one operation."""
     parts = [_declaration(name) for name in LIBRARY]
-    for kind in (REAL, VECTOR):
-        parts.append(f"declare {kind} @{_builtin('sqrt', kind)}({kind})")
+    for kind in (REAL, *VECTORS.values()):
+        parts += [f"declare {kind} @{_builtin(name, kind)}({kind})" for name in BUILT_IN]
         parts.append(f"declare {kind} @{_builtin('fma', kind)}({kind}, {kind}, {kind})")
     for name, target, statements in _functions(text):
         parts += _Function(name, target, statements, fused).written()
@@ -59,7 +62,7 @@ def _declaration(name: str) -> str:
 
 def _builtin(name: str, kind: ir.Type) -> str:
     """What LLVM itself makes of this function."""
-    return f"llvm.{name}.f64" if kind is REAL else f"llvm.{name}.v{LANES}f64"
+    return f"llvm.{name}.f64" if kind is REAL else f"llvm.{name}.v{kind.count}f64"
 
 
 def _functions(text: str) -> Iterator[tuple[str, str, list[str]]]:
@@ -84,13 +87,13 @@ class _Function:
 
     Attributes
     ----------
-    target : array that it writes: ``out``, or ``lanes``, of vectors
+    target : array that it writes: ``out``, or one of `VECTORS`
     kind : of every value that is computed
     """
 
     def __init__(self, name: str, target: str, statements: list[str], fused: bool) -> None:
         self.name, self.target, self.fused = name, target, fused
-        self.kind = VECTOR if target == "lanes" else REAL
+        self.kind = VECTORS.get(target, REAL)
         self.pointer = str(self.kind.as_pointer())
         self.is_whole = sum(map(len, statements)) <= WHOLE
         self.pieces: list[_Piece] = []
@@ -203,9 +206,9 @@ class _Piece:
         """A number, in every lane where there are several."""
         if self.kind is REAL:
             return value
-        first = self._new(f"insertelement {VECTOR} undef, double {value}, i32 0")
-        lanes = f"<{LANES} x i32> zeroinitializer"
-        return self._new(f"shufflevector {VECTOR} {first}, {VECTOR} undef, {lanes}")
+        first = self._new(f"insertelement {self.kind} undef, double {value}, i32 0")
+        lanes = f"<{self.kind.count} x i32> zeroinitializer"
+        return self._new(f"shufflevector {self.kind} {first}, {self.kind} undef, {lanes}")
 
     def _new(self, operation: str) -> str:
         value = f"%{self._count}"
@@ -293,16 +296,16 @@ class _Piece:
             self._at += 1  # the parenthesis or a comma
             arguments.append(self._sum())
         self._at += 1
-        if name == "sqrt":
+        if name in BUILT_IN:
             called = _builtin(name, self.kind)
             return self._new(f"call {self.kind} @{called}({self.kind} {arguments[0]})")
         if self.kind is REAL:
             return self._called(name, arguments)
         value = "undef"
-        for lane in range(LANES):
-            taken = [self._new(f"extractelement {VECTOR} {a}, i32 {lane}") for a in arguments]
+        for lane in range(self.kind.count):
+            taken = [self._new(f"extractelement {self.kind} {a}, i32 {lane}") for a in arguments]
             found = self._called(name, taken)
-            value = self._new(f"insertelement {VECTOR} {value}, double {found}, i32 {lane}")
+            value = self._new(f"insertelement {self.kind} {value}, double {found}, i32 {lane}")
         return value
 
     def _called(self, name: str, arguments: list[str]) -> str:
@@ -325,4 +328,6 @@ class _Piece:
     def _literal(self, text: str) -> str:
         """A number with all its bits."""
         bits = f"0x{struct.pack('>d', float(text)).hex().upper()}"
-        return bits if self.kind is REAL else f"<{', '.join([f'double {bits}'] * LANES)}>"
+        if self.kind is REAL:
+            return bits
+        return f"<{', '.join([f'double {bits}'] * self.kind.count)}>"

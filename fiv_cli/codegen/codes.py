@@ -38,6 +38,7 @@ KINETIC, POTENTIAL, OTHER_POWER, FRICTION_POWER, DRIVE_POWER = range(len(ENERGY_
 
 OWN_POWERS = DRIVE_POWER + 1 - OTHER_POWER  # of every model
 LANES = 4  # tangent vectors that generated code moves at once
+NODES = 8  # ... and times of a step that it tells powers at
 
 
 def index_of(kinds: Sequence[int]) -> int:

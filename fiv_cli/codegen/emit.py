@@ -3,17 +3,17 @@
 Two kinds of function come out, both with the signature ``(c, t, y, out)``: pointwise ones, and
 Taylor steps, which write the series of the state vector and of the switching functions about (t,
 y). Those of tangent vectors have the signature ``(c, t, y, lanes)``: each operation is done for as
-many vectors as an entry of ``lanes`` holds. A series that is structurally a polynomial (time; a
-displacement in stick) stops at its degree. The text is Python that can be read and run, and nothing
-but assignments, + - * /, the functions of `graph.UNARY` and `pow`: `lower.py` turns exactly that
-into machine code.
+many vectors as an entry of ``lanes`` holds, and likewise for the times that ``nodes`` holds. A
+series that is structurally a polynomial (time; a displacement in stick) stops at its degree. The
+text is Python that can be read and run, and nothing but assignments, + - * /, the functions of
+`graph.UNARY`, `pow` and `rint`: `lower.py` turns exactly that into machine code.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from math import comb
+from math import comb, factorial, pi
 
 from fiv_cli.codegen.graph import Graph, Node, reachable
 
@@ -28,6 +28,12 @@ PARTNER: dict[str, Callable[[Graph, Node], Node]] = {
     "cos": lambda graph, argument: graph.unary("sin", argument),
     "asin": lambda graph, argument: graph.cosine_of_asin(argument),
 }
+# Quarters of a turn that a sine is ahead by; what a quarter is beyond its double; terms of sine and
+# cosine over an eighth, from the third and the fourth power on, to rounding.
+TURNS = {"sin": 0.0, "cos": 1.0}
+BEYOND_QUARTER = 6.123233995736766e-17
+SINE = [(-1.0) ** k / factorial(2 * k + 1) for k in range(1, 9)]
+COSINE = [(-1.0) ** k / factorial(2 * k) for k in range(2, 9)]
 
 
 class Coefficients:
@@ -67,22 +73,61 @@ def along_series(
     outputs: Sequence[Node],
     order: int,
     coefficients: Coefficients,
+    target: str = "lanes",
 ) -> list[str]:
     """Text of a function that writes `outputs` at times into a step that begins at ``t``.
 
-    ``y`` are the series of the state there, the first of ``lanes`` the times.
+    ``y`` are the series of the state there, the first of `target` the times. In ``nodes`` sines and
+    cosines are sums, which cost all times together what a call costs one.
     """
-    lines = [f"def {name}(c, t, y, lanes):", f"    # {comment}", "    x = lanes[0]"]
+    lines = [f"def {name}(c, t, y, {target}):", f"    # {comment}", f"    x = {target}[0]"]
     lines.append("    square = x * x")
     names: dict[int, str] = {}
+    turned: set[int] = set()
     for node in reachable(outputs):
         names[node.index] = own = f"{graph.name(node)}_0"  # a state may be called x
         if node.op == "state":
             lines += _sum_lines(own, "y", node.value * (order + 1), order, "x")
+        elif target == "nodes" and node.op in TURNS:
+            (argument,) = node.args
+            if argument.index not in turned:
+                lines += _turn_lines(names[argument.index])
+                turned.add(argument.index)
+            lines += _wave_lines(own, names[argument.index], TURNS[node.op])
         else:
             text = "t + x" if node.op == "time" else _value(node, names, coefficients)
             lines.append(f"    {own} = {text}")
-    return lines + _output_lines("lanes", outputs, names, coefficients)
+    return lines + _output_lines(target, outputs, names, coefficients)
+
+
+def _turn_lines(angle: str) -> list[str]:
+    """Nearest quarter of a turn, and sine and cosine of what is left of an angle then."""
+    quarters, left, square = f"{angle}_q", f"{angle}_r", f"{angle}_s"
+    return [
+        f"    {quarters} = rint({2.0 / pi!r} * {angle})",
+        f"    {left} = {angle} - {pi / 2.0!r} * {quarters} - {BEYOND_QUARTER!r} * {quarters}",
+        f"    {square} = {left} * {left}",
+        f"    {angle}_sin = {left} + {left} * {square} * {_nested(SINE, square)}",
+        f"    {angle}_cos = 1.0 - 0.5 * {square} + {square} * {square} * {_nested(COSINE, square)}",
+    ]
+
+
+def _wave_lines(name: str, angle: str, ahead: float) -> list[str]:
+    """Sine of an angle so many quarters of a turn ahead of what `_turn_lines` knows."""
+    return [
+        f"    {name}_q = {angle}_q + {ahead!r}",
+        f"    {name}_m = {name}_q - 4.0 * rint(0.25 * {name}_q - 0.375)",
+        f"    {name}_h = rint(0.5 * {name}_m - 0.25)",
+        f"    {name}_o = {name}_m - 2.0 * {name}_h",
+        f"    {name}_w = {angle}_sin + {name}_o * ({angle}_cos - {angle}_sin)",
+        f"    {name} = {name}_w - 2.0 * {name}_h * {name}_w",
+    ]
+
+
+def _nested(terms: Sequence[float], variable: str) -> str:
+    """A polynomial in parentheses, lowest term first."""
+    first, *rest = terms
+    return f"({first!r} + {variable} * {_nested(rest, variable)})" if rest else repr(first)
 
 
 def _output_lines(

@@ -278,6 +278,8 @@ def _flow_text(
     outputs = [*state.values, *state.rates, *state.energies[OTHER_POWER:]]
     name = f"{state.name}_measured"
     lines += along_series(graph, name, "what is measured", outputs, order, coefficients)
+    powers, name = state.energies[OTHER_POWER:], f"{state.name}_powers"
+    lines += along_series(graph, name, "powers alone", powers, order, coefficients, "nodes")
     for contact in state.impacts:
         values = _after_impact(state, contact)
         name = f"{state.name}_impact_{contact}"

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from fiv_cli.codegen.codes import ENERGY_OUTPUTS, LANES, PER_CONTACT
+from fiv_cli.codegen.codes import ENERGY_OUTPUTS, LANES, NODES, PER_CONTACT
 from fiv_cli.codegen.memory import Array
 from fiv_cli.dynamics import kernel, roots
 from fiv_cli.dynamics.kernel import Run
@@ -83,6 +83,7 @@ def _tables(system: System, solver: SolverSettings) -> dict[str, Array]:
         **system.tables.arrays(),
         **system.pieces.tables(system.state_names),
         "quadrature": quadratures(system.generated.order, solver.rtol),
+        "work_rule": work_rule(system.generated.order),
     }
 
 
@@ -100,7 +101,7 @@ def _scratch(system: System) -> dict[str, Array]:
         "work": np.zeros(max(rows * (order + 1), system.generated.n_followed)),
         "lanes": np.zeros(n * (system.generated.tangent_order + 1) * LANES),
         **{name: np.zeros(max(width, 2 * n)) for name in vectors},
-        "nodes": np.zeros((2, width * LANES)),
+        "nodes": np.zeros((2, width * NODES)),
         **roots.scratch(order),
         "slip_velocities": np.zeros(contacts),
         "greatest_slip": system.greatest_slip,
@@ -173,6 +174,22 @@ def quadratures(order: int, rtol: float) -> Vector:
         reach = lobatto_reach(count) / phase if count < most else np.inf
         rules.append(np.column_stack([nodes, weights, np.full(count, reach)]))
     return np.concatenate(rules)
+
+
+@cache
+def work_rule(order: int) -> Array:
+    """Gauss nodes and weights on [0, 1] that integrate a series of this order.
+
+    Returns
+    -------
+    array, shape (2, a multiple of NODES)
+        The first row are nodes; those that fill up have no weight.
+    """
+    count = order // 2 + 1
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    rule = np.zeros((2, -(-count // NODES) * NODES))
+    rule[0, :count], rule[1, :count] = 0.5 * (nodes + 1.0), 0.5 * weights
+    return rule
 
 
 def lobatto_reach(count: int) -> float:

@@ -33,6 +33,7 @@ from fiv_cli.codegen.codes import (
     JAMMING,
     KINETIC,
     LANES,
+    NODES,
     NORMAL,
     OTHER_POWER,
     OWN_POWERS,
@@ -124,6 +125,7 @@ class Run(Search):
     field: Ints
     guards: Ints  # of it, the state and the switching functions
     measured: Ints  # states, rates and powers at several times of a step
+    powers: Ints  # ... and the last alone
     followed: Ints  # the same series as `taylor`, and what tangents need of the motion's
     tangent: Ints
     switching_with_tangent: Ints
@@ -243,6 +245,7 @@ class Run(Search):
     shares: Floats2  # time of each contact in slip, stick, separation
     works: Floats  # of each excitation
     quadrature: Floats2
+    work_rule: Floats2  # nodes and weights
     # Of a law by pieces that is known up to a slip speed (else empty): that, or the greatest beyond
     # it at the end of a step, of all motions of the system since it was set.
     greatest_slip: Floats
@@ -925,6 +928,9 @@ def take_measures(run: Run, index: int, tau: float) -> None:
     run.measured_time += tau
     for i in range(run.n_contacts):
         run.shares[i, run.kinds[i]] += tau
+    if len(run.least) == 0 and run.is_taylor == 1:
+        do_work(run, index, tau)
+        return
     count = nodes_needed(run, tau)
     first, x = count * (count - 1) // 2, 0.0
     for node in range(count):
@@ -936,6 +942,29 @@ def take_measures(run: Run, index: int, tau: float) -> None:
         if node > 0 and run.is_taylor == 1 and len(run.least) > 0:
             before = run.nodes[(node - 1) // LANES % 2][(node - 1) % LANES :]
             look_for_turns(run, before, here[node % LANES :], last_x, x)
+
+
+@native
+def do_work(run: Run, index: int, tau: float) -> None:
+    """Integrate the powers, and no more, along the step of length tau."""
+    here, rule = run.nodes[0], run.work_rule
+    for first in range(0, rule.shape[1], NODES):
+        for node in range(NODES):
+            here[node] = rule[0, first + node] * tau
+        call_generated(run.powers[index], run.coefficients, run.time, run.series, here)
+        other, friction, drive = 0.0, 0.0, 0.0
+        for node in range(NODES):
+            weight = rule[1, first + node] * tau
+            other += weight * here[node]
+            friction += weight * here[NODES + node]
+            drive += weight * here[2 * NODES + node]
+        run.other_work += other
+        run.friction_work += friction
+        run.drive_work += drive
+        for i in range(len(run.works)):
+            for node in range(NODES):
+                power = here[(OWN_POWERS + i) * NODES + node]
+                run.works[i] += rule[1, first + node] * tau * power
 
 
 @native

@@ -271,6 +271,7 @@ class Tables:
     field: NDArray[np.int64]
     guards: NDArray[np.int64]
     measured: NDArray[np.int64]
+    powers: NDArray[np.int64]
     impact: NDArray[np.int64]
     n_guards: NDArray[np.int64]
     guard_kinds: NDArray[np.int64]
@@ -298,8 +299,8 @@ def _tables(generated: Generated) -> Tables:
     widths = {"impact": (contacts,), **of_guards}
     per_state = {
         name: np.zeros((3**contacts, *widths.get(name, ())), np.int64)
-        for name in (*widths, "taylor", "field", "guards", "measured", "n_guards", "has_angle",
-                     "n_arguments", "contact_place", "energy_place")
+        for name in (*widths, "taylor", "field", "guards", "measured", "powers", "n_guards",
+                     "has_angle", "n_arguments", "contact_place", "energy_place")
     }  # fmt: skip
     per_contact = {
         "is_end": np.ones(contacts, np.int64),
@@ -320,6 +321,7 @@ def _enter_state(tables: Tables, generated: Generated, index: int, state: StateT
     tables.field[index] = generated.address(f"{state.name}_field")
     tables.guards[index] = generated.address(f"{state.name}_guards")
     tables.measured[index] = generated.address(f"{state.name}_measured")
+    tables.powers[index] = generated.address(f"{state.name}_powers")
     for contact in state.impacts:
         tables.impact[index, contact] = generated.address(f"{state.name}_impact_{contact}")
     tables.n_guards[index] = len(state.guards)

@@ -46,16 +46,18 @@ class Kind:
     suits : whether a dataset can be drawn so
     draw : ``(layers, settings) -> Figure``
     overlays : whether several datasets share one figure
+    unasked : whether one that suits is drawn so where its case asks for no figures
     """
 
     suits: Callable[[xr.Dataset], bool]
     draw: Callable[[Sequence[Layer], Settings], Figure]
     overlays: bool = False
+    unasked: Callable[[xr.Dataset], bool] = lambda dataset: True
 
 
 # In the order in which a dataset without [[figure]] tables is asked what suits it.
 KINDS: dict[str, Kind] = {
-    "map": Kind(map_.suits, map_.draw),
+    "map": Kind(map_.suits, map_.draw, unasked=map_.spans_plane),
     "basin": Kind(basin.suits, basin.draw),
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True),
@@ -100,7 +102,8 @@ def default_figures(source: Source) -> list[FigureSpec]:
 
 
 def _default_kinds(dataset: xr.Dataset) -> list[str]:
-    suiting = [kind for kind, entry in KINDS.items() if entry.suits(dataset)]
+    fitting = (kind for kind, entry in KINDS.items() if entry.suits(dataset))
+    suiting = [kind for kind in fitting if KINDS[kind].unasked(dataset)]
     return [kind for kind in suiting if not SAID_BY.get(kind, set()) & set(suiting)]
 
 

@@ -28,9 +28,13 @@ HATCH = "////"
 
 
 def suits(dataset: xr.Dataset) -> bool:
+    """Whether there is something over two axes, be it of laws or starts."""
+    return len(points.varying_axes(dataset)) >= 2 and bool(_headlines(dataset))
+
+
+def spans_plane(dataset: xr.Dataset) -> bool:
     """Whether two numeric axes span a plane of points."""
-    numeric = [axis for axis in points.varying_axes(dataset) if select.is_numeric(axis)]
-    return len(numeric) >= 2 and bool(_headlines(dataset))
+    return sum(map(select.is_numeric, points.varying_axes(dataset))) >= 2
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:

@@ -16,7 +16,7 @@ from typing import Any
 
 from fiv_cli.analyses.attractor.bisection import Look, branch_end
 from fiv_cli.analyses.attractor.foresight import REPEATING, foreseen
-from fiv_cli.analyses.base import Outcome, Request
+from fiv_cli.analyses.base import Batch, Outcome, Request
 from fiv_cli.data.block import from_plain, to_plain
 from fiv_cli.flags import is_retried
 from fiv_cli.friction import get_law
@@ -146,7 +146,7 @@ class Chain:
         outcome = self.run(replace(request, start=start))
         state = state_after(outcome, values, before, self.entry)
         if before is not None and _changes(outcome, before, self.entry):
-            way = _Way(self, before, values)
+            way = _Way(self, before, values, request)
             if way.is_passable() and way.reaches():
                 outcome, begun = way.reached
                 state = state_after(outcome, values, before, self.entry)
@@ -158,8 +158,9 @@ class _Way:
 
     reached: tuple[Outcome, Carry | None]  # the outcome at its end, and what that began with
 
-    def __init__(self, chain: Chain, before: ChainState, values: Values) -> None:
+    def __init__(self, chain: Chain, before: ChainState, values: Values, request: Request) -> None:
         self.chain, self.before, self.values = chain, before, values
+        self.requests = {values: request}
         names = [name for name, _ in chain.template.axes]
         self.place = names.index(chain.entry.spec.along)
 
@@ -195,14 +196,20 @@ class _Way:
     def _look(self, value: float, origin: Look | None) -> Look:
         """Whether a step from `origin` stays on the branch; None: not decided."""
         assert origin is not None
-        template, entry, place = self.chain.template, self.chain.entry, self._at(value)
+        entry, place = self.chain.entry, self._at(value)
         start = continued_start(entry, origin.carry)
-        outcome = self.chain.run(request_at(template, place, start))
+        outcome = self.chain.run(replace(self._request(place), start=start, in_passing=True))
         state = state_after(outcome, place, self.before, entry)
-        answer = None if not state.lost and not _told(outcome) else not state.lost
-        if answer and place == self.values:
+        if not state.lost and place == self.values:
             self.reached = outcome, origin.carry
-        return Look(value, answer, "", state.carry)
+        return Look(value, not state.lost, "", state.carry)
+
+    def _request(self, place: Values) -> Request:
+        """What is asked at a place on the way; what is found there for all starts is kept."""
+        if place not in self.requests:
+            alone = request_at(self.chain.template, place, None)
+            self.requests[place] = replace(alone, batch=Batch([alone]))
+        return self.requests[place]
 
     def _at(self, value: float) -> Values:
         """All axis values where the one that is followed has a value on the way."""

@@ -31,6 +31,7 @@ from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
 from fiv_cli.notation.amounts import size
 from fiv_cli.own.load import know
+from fiv_cli.sweep.defaults import defaults_text, unequal_defaults
 from fiv_cli.sweep.refine import Maps, maps_of
 from fiv_cli.sweep.requests import (
     StartEntry,
@@ -281,7 +282,9 @@ class Plan:
             *(f"  {law}: {get_law(law).title}" for law in case.laws if law.endswith(SUFFIX)),
             *(f"  {_curve_text(name, points)}" for name, points in case.schedule.curves),
         ]
-        head += _defaults_text(case, self.analyses)
+        varied = filter(None, (one.layout.settings.get("parameter") for one in self.analyses))
+        given = {name for one in varied for name in (one.name, *one.followers)}
+        head += [*defaults_text(case, given), *(f"  {said}" for said in unequal_defaults(case))]
         lines = [line for analysis in self.analyses for line in _described(analysis)]
         return [*head, *lines, *([_cost_of(self.size)] if self.size >= MANY else [])]
 
@@ -415,15 +418,6 @@ def continues(entry: StartEntry | None) -> bool:
 def _laws(case: Case) -> str:
     names = [axis.values for axis in case.axes if axis.kind == "law"]
     return ", ".join(names[0]) if names else case.law
-
-
-def _defaults_text(case: Case, analyses: tuple[AnalysisPlan, ...]) -> list[str]:
-    """The values in force that the case leaves to the model and its law."""
-    varied = filter(None, (one.layout.settings.get("parameter") for one in analyses))
-    given = {*case.explicit, *case.schedule.names}
-    given |= {name for one in varied for name in (one.name, *one.followers)}
-    left = [f"{n} = {value:.12g}" for n, value in case.parameters.items() if n not in given]
-    return [f"  by default, in SI: {', '.join(left)}"] if left else []
 
 
 def _described(analysis: AnalysisPlan) -> list[str]:

@@ -16,6 +16,7 @@ from fiv_cli import ending
 from fiv_cli.errors import FivError
 from fiv_cli.flags import STATUS
 from fiv_cli.notation.amounts import HOUR, duration
+from fiv_cli.sweep.defaults import unequal_defaults
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.plan import counted
 from fiv_cli.sweep.policy import Policy
@@ -170,7 +171,8 @@ class Scheduler:
         if not self.policy.cluster:
             requests = (request for analysis in analyses for request in analysis.systems())
             imported(self.policy.preparer)(requests, self.progress.note)
-        for sentence in stiff_laws(analyses, self.progress.note):
+        differing = unequal_defaults(self.journal.plan.case)
+        for sentence in [*differing, *stiff_laws(analyses, self.progress.note)]:
             self.progress.note(sentence)
 
     def _drain(self, index: int, queue: Queue, pace: Pace) -> None:

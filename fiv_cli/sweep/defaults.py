@@ -1,0 +1,58 @@
+"""What a case leaves to its model and its laws: the defaults in force, and where laws differ."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from fiv_cli.case.case import Case
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+
+
+def defaults_text(case: Case, given: Collection[str]) -> list[str]:
+    """The values in force that the case does not give, but those `given` otherwise."""
+    owners = _owners(case)
+    left = []
+    for name, values in _left(case, given).items():
+        agreed = set(values) == owners[name] and len({*values.values()}) == 1
+        of_laws = {name: next(iter(values.values()))} if agreed else _by_law(name, values)
+        left += [f"{key} = {value:.12g}" for key, value in of_laws.items()]
+    return [f"  by default, in SI: {', '.join(left)}"] if left else []
+
+
+def unequal_defaults(case: Case) -> list[str]:
+    """A sentence for each parameter that laws of the case have in common, and not its default."""
+    tables = {law: {p.name: p.unit for p in get_law(law).parameters} for law in case.laws}
+    return [
+        f"the laws' defaults of {name} differ ("
+        f"{', '.join(f'{key} = {value:.12g}' for key, value in _by_law(name, values).items())}): "
+        f"to compare the laws at one, write {name} = VALUE under [friction]"
+        for name, values in _left(case, ()).items()
+        if len({*values.values()}) > 1 and len({tables[law][name] for law in values}) == 1
+    ]
+
+
+def _left(case: Case, given: Collection[str]) -> dict[str, dict[str, float]]:
+    """Parameter -> law -> the default in force under it, where the case gives no value."""
+    owners, decided = _owners(case), {*case.explicit, *case.schedule.names, *given}
+    found: dict[str, dict[str, float]] = {}
+    for key, value in case.parameters.items():
+        law, _, name = key.rpartition(".")
+        own = [law] if law else [one for one in case.laws if one in owners[name]]
+        left = {one: value for one in own if not {name, f"{one}.{name}"} & decided}
+        if left:
+            found.setdefault(name, {}).update(left)
+    return found
+
+
+def _owners(case: Case) -> dict[str, set[str]]:
+    """Parameter -> the laws under which the model has it."""
+    owners: dict[str, set[str]] = {}
+    for law in case.laws:
+        for parameter in get_model(case.model).parameters_under(get_law(law).parameters):
+            owners.setdefault(parameter.name, set()).add(law)
+    return owners
+
+
+def _by_law(name: str, values: dict[str, float]) -> dict[str, float]:
+    return {f"{law}.{name}": value for law, value in values.items()}
