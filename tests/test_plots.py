@@ -1404,6 +1404,38 @@ def test_a_figure_of_a_single_point_asks_for_an_axis(tmp_path, monkeypatch, figu
         run(plot_command, "one.nc", *figure)
 
 
+def test_show_tells_few_points_one_by_one_each_answer_with_its_error():
+    along, changes = ("N", "crossing"), [[1.5, 2.5], [np.nan, np.nan]]
+    kinds = data.flags(
+        along, [["to_unstable", "to_stable"], ["not_computed"] * 2], ("to_stable", "to_unstable")
+    )
+    known = {
+        "status": data.statuses(("N",), ["ok", "ok"]),
+        "reason": data.flags(("N",), ["none", "no_crossing"], ("none", "no_crossing")),
+        "critical_value": (along, changes, {"units": "m s-1"}),
+        "critical_error": (along, 0.01 * np.array(changes), {"units": "m s-1"}),
+        "crossing_direction": kinds,
+    }
+    dataset = xr.Dataset(known, data.axes(N=[1.0, 2.0]), data.attributes())
+    text = summary_lines(summarise({"": dataset}))
+    row = text.index("  at each point:")
+    assert [line.split() for line in text[row + 1 : row + 5]] == [
+        ["N", "critical_value", "(m", "s-1)", "crossing_direction", "status"],
+        ["1", "1.5", "±", "0.015", "to_unstable", "ok"],
+        ["1", "2.5", "±", "0.025", "to_stable", "ok"],
+        ["2", "ok,", "no_crossing"],
+    ]
+    many = xr.concat([dataset] * 20, "N").assign_coords(N=np.arange(40.0))
+    assert "    and 16 more points" in summary_lines(summarise({"": many}))
+    single = data.bifurcation()  # of one answer at each of 92 points
+    assert summarise({"": single})["analyses"][""]["each_point"] == []
+    some = summarise({"": single.isel(Omega=[0, 45])})["analyses"][""]["each_point"]
+    assert [(one["Omega"], one["attractor"]) for one in some if one["initial"] == "near"] == [
+        (0.5, "periodic"),
+        (5.0, "equilibrium"),
+    ]
+
+
 def test_show_names_the_point_of_the_worst_value():
     dataset = data.bifurcation()
     residual = np.full((46, 2), 1e-12)
