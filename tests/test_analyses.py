@@ -89,6 +89,14 @@ def test_a_quasiperiodic_response() -> None:
     assert len(found.ragged["section_value"]) > 100
 
 
+def test_a_slow_way_into_a_cycle_is_no_torus() -> None:
+    """It comes in by 0.83 in a period, 28 section points, and its exponent is nearly zero."""
+    before, after = (respond(t_max=t_max, u0=0.5, omega=1.31) for t_max in (1e4, 1e5))
+    assert (before.values["attractor"], before.reason) == ("undecided", "section_drifts")
+    assert after.values["attractor"] == "periodic"
+    assert after.values["floquet_multiplier"][0] == pytest.approx(0.82726, abs=1e-5)
+
+
 CHAOS = {"u0": 2.0, "omega": 2.1}
 
 
