@@ -555,8 +555,13 @@ def test_lines_of_a_map_have_their_levels_written_on_them():
     for overlay in (False, True):
         ax = draw(dataset, figure("map", overlay=overlay, **levels)).axes[0]
         assert {text.get_text() for text in ax.texts} == {"0.001", "0.0002"}
-    (ax,) = draw(dataset, figure("map", variable="L_s", level=1e-3, overlay=True)).axes
-    assert not ax.texts  # the legend names the only one
+    single, said = {"variable": "L_s", "level": 1e-3}, "$L_s$ = 0.001 rad$^{2}$"
+    drawn = draw(dataset, figure("map", overlay=True, **single))
+    assert not drawn.axes[0].texts and legend_texts(drawn) == [said]
+    assert said in legend_texts(draw(dataset, figure("map", **single)))  # also of short lines
+    both = draw(data.stability_map(nx=96, ny=97), figure("map", overlay=True, **single))
+    assert legend_texts(both) == ["reached", "exists"]
+    assert both.legends[0].get_title().get_text() == said
 
 
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
