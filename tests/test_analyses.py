@@ -89,6 +89,14 @@ def test_a_quasiperiodic_response() -> None:
     assert len(found.ragged["section_value"]) > 100
 
 
+def test_a_slow_way_into_a_cycle_is_no_torus() -> None:
+    """It comes in by 0.83 in a period, 28 section points, and its exponent is nearly zero."""
+    before, after = (respond(t_max=t_max, u0=0.5, omega=1.31) for t_max in (1e4, 1e5))
+    assert (before.values["attractor"], before.reason) == ("undecided", "section_drifts")
+    assert after.values["attractor"] == "periodic"
+    assert after.values["floquet_multiplier"][0] == pytest.approx(0.82726, abs=1e-5)
+
+
 CHAOS = {"u0": 2.0, "omega": 2.1}
 
 
@@ -171,7 +179,7 @@ def test_forced_sliding_without_stick(section: Section, ratio: float, amplitude:
     changes = {"v": 0.0, "N": 1.0, "mu_k": 0.5, "mu_s": 0.5, "u0": 1.0, "omega": ratio}
     found = respond(start={"x": 1.0}, section=section, **changes)
     assert found.values["attractor"] == "periodic"
-    assert found.values["period_ratio"] == pytest.approx(1.0, abs=1e-8)
+    assert found.values["period_ratio"] == 1.0
     assert found.values["x_max"] == pytest.approx(amplitude, abs=1e-6)
     assert found.values["x_min"] == pytest.approx(-amplitude, abs=1e-6)
 
@@ -508,7 +516,8 @@ def test_points_run_one_after_the_other_are_answered_as_alone() -> None:
     """Their equilibria are found together, where none of them breaks its equations."""
     setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")
     points = [{**known, "Omega": 2.0, "N0": load} for load in (0.0, 10.0, 30.0)]
-    settings, start = {"t_end": 0.1, "sample": 0.01}, Start("a", "equilibrium", {"phi": 1e-3})
+    settings = {"t_end": 0.1, "sample": 0.01, "points": ()}
+    start = Start("a", "equilibrium", {"phi": 1e-3})
     alone = [Request(setup, point, "history", settings, start=start) for point in points]
     for others in ([], [replace(alone[0], parameters={})]):
         batch = Batch([*alone, *others])
@@ -519,13 +528,12 @@ def test_points_run_one_after_the_other_are_answered_as_alone() -> None:
 
 
 def test_motions_recorded_side_by_side_are_those_recorded_alone() -> None:
-    """One that loses contact, one with no equilibrium, and one without energies among them."""
+    """Some that lose contact, at once or later, and some that begin nowhere, among them."""
     setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")
-    loads, settings = (10.0, 0.0, 30.0), {"t_end": 0.3, "sample": 0.01}
-    starts = [Start("a", "equilibrium", {"phi": 1e-2}), *(
-        Start("a", "state", {name: value})
-        for name, value in (("phi_dot", 1.0), ("theta_dot", 150.0), ("theta", 10.0), ("phi", np.nan))
-    )]  # fmt: skip
+    loads, settings = (10.0, 0.0, 30.0), {"t_end": 0.3, "sample": 0.01, "points": ()}
+    states = {"phi_dot": 1.0}, {"theta_dot": 150.0}, {"theta": 10.0}, {"phi": np.nan}
+    starts = [Start("a", "equilibrium", {"phi": 1e-2})]
+    starts += [Start("a", "state", state) for state in states]
     requests = [
         Request(setup, {**known, "N0": load}, "history", settings, start=start)
         for load in loads
@@ -627,7 +635,7 @@ def test_a_shaken_mass_that_reverses_and_never_sticks_is_periodic() -> None:
     """There is no slip->stick to judge by: the excitation itself is the section."""
     found = respond(v=0.0, mu_s=0.05, mu_k=0.05, u0=1.0, omega=0.6)
     assert found.values["attractor"] == "periodic"
-    assert found.values["period_ratio"] == pytest.approx(1.0, rel=1e-9)
+    assert found.values["period_ratio"] == 1.0
     assert found.values["stick_fraction"] == 0.0
     assert len(found.ragged["section_value"]) == 0
 
@@ -636,7 +644,7 @@ def test_sliding_over_a_sector_repeats_with_the_disc() -> None:
     changes = {"Omega": 4.0, "beta": 0.26, "psi_a": 0.3}
     found = respond(start={"phi_dot": 4.0}, model="pin-on-disc", t_max=200.0, **changes)
     assert found.values["attractor"] == "periodic"
-    assert found.values["period_ratio"] == pytest.approx(1.0, rel=1e-9)
+    assert found.values["period_ratio"] == 1.0
     assert found.values["stick_fraction"] == 0.0
 
 

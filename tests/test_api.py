@@ -322,6 +322,26 @@ def test_the_figures_of_a_case_go_first() -> None:
         api.figure(found, "nonsense")
 
 
+def test_an_amplitude_is_without_the_offset_and_in_no_file(own_folder: Path) -> None:
+    """A mass that a fast belt drags and a base shakes: friction shifts the motion, and no more."""
+    amplitude = 0.1 / np.hypot(0.75, 0.1)  # of the linear motion
+    said = {"source": "closed form", "text": "its amplitude", "variable": "x_amplitude"}
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"v": 5.0, "u0": 0.1, "omega": 0.5, "c": 0.2}},
+        "grid": {"N": [10.0, 20.0]},
+        "analysis": [{"kind": "response"}],
+        "figure": [{"kind": "curve", "variable": "x_amplitude"}],
+        "claim": [{**said, "expect": {"value": amplitude, "tolerance": 1e-9}}],
+    }
+    found = api.run(api.load(case), output="a.nc")
+    weak, strong = found["x_max"].values.ravel()
+    assert strong - weak == pytest.approx(0.23 * 10.0)
+    assert api.claims(api.load(case), found)[0].verdict == "confirmed"
+    with xr.open_dataset("a.nc") as stored:
+        assert "x_amplitude" not in stored and "x_max" in stored
+
+
 def test_numbers_have_no_names() -> None:
     found = api.run(api.load(ONE))
     with pytest.raises(api.UsageError, match="L_s: holds numbers"):

@@ -249,6 +249,9 @@ def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
     assert [one.value for one in followed([0.0, 0.5, 1.0], look, WIDTH).looks] == [0.0, 0.5]
 
 
+ABOVE = Question("stick_fraction", "", True, 0.0)
+
+
 @pytest.mark.parametrize(
     ("question", "outcome", "answer"),
     [
@@ -276,6 +279,10 @@ def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
         (Question("u_max", below=1.0), Outcome(values={"attractor": "diverged"}), False),
         (Question("L_s", below=1.0), Outcome(values={"attractor": "diverged"}), False),
         (Question("u_min", below=1.0), Outcome(values={"attractor": "diverged"}), None),
+        (ABOVE, Outcome(values={"attractor": "equilibrium", "stick_fraction": 0.0}), False),
+        (ABOVE, Outcome(values={"attractor": "periodic", "stick_fraction": 0.2}), True),
+        (ABOVE, Outcome(values={"attractor": "periodic"}), None),
+        (Question("L_s", "", True, 1.0), Outcome(values={"attractor": "diverged"}), True),
     ],
 )
 def test_answers(question: Question, outcome: Outcome, answer: bool | None) -> None:
@@ -361,6 +368,7 @@ def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path
         (('{ expect = "periodic" }', '{ variable = "L_z", expect = { less_than = 1 } }'), "L_s"),
         (('{ expect = "periodic"', '{ variable = "L_s", expect = "periodic"'), "holds no class"),
         (('of = { expect = "periodic" }', ""), "is missing"),
+        (('{ expect = "periodic" }', "{ greater_than = 1 }"), "write expect = { greater_than = N"),
         (("scan = 4", "scan = 1"), "1 is out of range"),
         (("[[initial]]", "[grid]\nOmega = [1, 2]\n[[initial]]"), "is an axis of the grid"),
     ],
@@ -371,6 +379,15 @@ def test_what_is_refused(change: tuple[str, str], message: str) -> None:
     with pytest.raises(CaseError) as caught:
         parse_case(text, "pin.toml", ())
     assert message in str(caught.value)
+
+
+def test_a_number_is_asked_for_above_a_bound_as_below_it() -> None:
+    asked = '{ variable = "stick_fraction", expect = { greater_than = 0.0 } }'
+    text = PIN.replace('{ expect = "periodic" }', asked)
+    assert parse_case(text, "pin.toml", ()).analyses[0].settings["of"] == ABOVE
+    with pytest.raises(CaseError) as caught:
+        parse_case(text.replace("{ greater_than = 0.0 }", "{ between = [0, 1] }"), "pin.toml", ())
+    assert str(caught.value).count('"not CLASS"') == 1  # what may stand is said once
 
 
 def test_the_plan_says_what_is_looked_at() -> None:

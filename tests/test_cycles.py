@@ -96,7 +96,7 @@ def test_two_cycles_of_the_excited_belt_coexist(x_dot: float, ratio: int, releas
     """Gates of an independent computation: omega = 1.2, periods 4 and 3 of the excitation."""
     section = Section("event", event="stick->slip")
     found = cycle(start={"x_dot": x_dot}, section=section, t_max=300.0, u0=0.5, omega=1.2)
-    assert found.values["period_ratio"] == pytest.approx(ratio, abs=1e-14)
+    assert found.values["period_ratio"] == ratio
     assert found.values["multiplicity"] == 2
     np.testing.assert_allclose(np.sort(found.ragged["section_value"]), releases, atol=1e-6)
     assert found.values["stable"] == "stable"
@@ -166,7 +166,7 @@ def bouncing(stable: bool) -> dict[str, float]:
 @pytest.mark.parametrize("stable", [True, False])
 def test_a_bouncing_cycle_is_found_stable_or_not(stable: bool) -> None:
     found = cycle(BALL, start=bouncing(stable), section=LANDING, t_max=6.0).values
-    assert found["period_ratio"] == pytest.approx(1.0, abs=1e-14)
+    assert found["period_ratio"] == 1.0
     assert found["stable"] == ("stable" if stable else "unstable")
     expected = np.sort(np.abs(ball.multipliers(0.1, ball.impact_phase(0.1, stable))))[::-1]
     np.testing.assert_allclose(found["floquet_multiplier"], expected, rtol=1e-8)

@@ -18,13 +18,12 @@ import fiv_cli.analyses
 from fiv_cli.analyses.base import Request, Start
 from fiv_cli.analyses.variables import Subject
 from fiv_cli.case.grammar import parse_expect
-from fiv_cli.case.kinds import CLAIMS
+from fiv_cli.case.kinds import TABLES
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import COMMANDS
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import build_system
-from fiv_cli.friction import all_laws
 from fiv_cli.models import all_models
 
 ROOT = Path(__file__).parents[1]
@@ -70,11 +69,32 @@ def test_every_make_target_exists(target: str) -> None:
     assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
 
 
-def test_the_case_is_right_under_one_law_and_several() -> None:
-    case, laws = blocks("toml")
+def explained(table: str) -> str:
+    """The example that `fiv kinds TABLE` gives."""
+    (example,) = re.findall(r"\n\n((?:    .*\n)+)", TABLES[table][0])
+    return textwrap.dedent(example)
+
+
+def test_the_case_is_right() -> None:
+    (case,) = blocks("toml")
     assert parse_case(case, "squeal.toml").model == "pin-on-disc"
-    several = parse_case(case.replace("[grid]\n", laws), "squeal.toml")
-    assert [axis.name for axis in several.axes] == ["friction", "Omega"]
+
+
+@pytest.mark.parametrize(
+    ("table", "axes"),
+    [
+        ("friction", ["friction", "Omega"]),
+        ("grid", ["Omega", "mu_k", "initial.phi_dot"]),
+        ("refine", ["Omega"]),  # beside the grid of the case
+    ],
+)
+def test_the_example_of_a_table_fits_into_the_case(table: str, axes: list[str]) -> None:
+    (case,) = blocks("toml")
+    kept = (line for line in case.splitlines() if line[:5] not in ("Omega", "state"))
+    text = "\n".join(kept) if table == "grid" else case
+    grid = "" if "[grid]" in explained(table) else "[grid]\n"
+    text = text.replace("[grid]\n", explained(table) + grid)
+    assert [axis.name for axis in parse_case(text, "a.toml").axes] == axes
 
 
 def test_the_notebook_runs(
@@ -92,17 +112,15 @@ def test_the_notebook_runs(
 
 def test_the_claim_is_understood() -> None:
     """That of the page about the grammar, on the grid that it speaks of."""
-    case, _ = blocks("toml")
-    (explained,) = re.findall(r"\n\n((?:    .*\n)+)", CLAIMS)
+    (case,) = blocks("toml")
     grid = '[grid]\npsi_a = [0.0, 1.0]\nbeta = [0.0, "15 deg"]'
-    text = case.replace("[grid]", grid) + textwrap.dedent(explained)
+    text = case.replace("[grid]", grid) + explained("claim")
     (_, said) = parse_case(text, "a.toml").claims
     assert said.expect == parse_expect({"less_than": 0.6})
 
 
-def test_models_and_laws_are_all_named() -> None:
-    names = set(all_models()) | {name.removeprefix("tanh of ") for name in all_laws()}
-    assert {name for name in names if f"`{name}`" not in README} == set()
+def test_models_are_all_named() -> None:
+    assert {name for name in all_models() if f"`{name}`" not in README} == set()
 
 
 def test_every_path_exists() -> None:
@@ -136,27 +154,29 @@ def test_the_analysis_that_help_shows_works() -> None:
 
 def test_parts_from_batch_queues_join_to_the_dataset_of_one_run(tmp_path: Path) -> None:
     """The array of Slurm, as `sbatch` would start it, and the rules for make; of three parts."""
-    (job,) = [block for block in blocks("sh") if "#SBATCH" in block]
-    (rules,) = blocks("make")
+    said = f"{importlib.import_module(COMMANDS['assemble'][0]).command.help}"
+    job, rules = (
+        textwrap.dedent(re.split(r":\n", part, maxsplit=1)[1]) for part in said.split("\b\n")[2:]
+    )
     (tmp_path / "fiv").write_text(f'#!/bin/sh\nexec {sys.executable} -m fiv_cli "$@"\n')
     (tmp_path / "fiv").chmod(0o755)
     folders = {name: tmp_path / name for name in ("one", "slurm", "make")}
     for folder in folders.values():
         folder.mkdir()
-        (folder / "squeal.toml").write_text(blocks("toml")[0])
+        (folder / "a.toml").write_text(blocks("toml")[0])
     environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
 
     def start(name: str, *command: str, **more: str) -> None:
         subprocess.run(command, cwd=folders[name], env={**environment, **more}, check=True)
 
-    start("one", "fiv", "run", "-q", "squeal.toml")
+    start("one", "fiv", "run", "-q", "a.toml")
     (folders["slurm"] / "job.sh").write_text(job.replace("16", "3"))
     first, last, cpus = re.findall(r"--array=(\d+)-(\d+) --cpus-per-task=(\d+)", job)[0]
     assert (first, last) == ("1", "16")
     for number in "312":
         start("slurm", "sh", "job.sh", SLURM_ARRAY_TASK_ID=number, SLURM_CPUS_PER_TASK=cpus)
-    start("slurm", "fiv", "assemble", "squeal.toml")
+    start("slurm", "fiv", "assemble", "a.toml")
     (folders["make"] / "Makefile").write_text(rules.replace("16", "3"))
     start("make", "make", "-s", "-j", "4")
-    made = [(folder / "runs" / "squeal.nc").read_bytes() for folder in folders.values()]
+    made = [(folder / "runs" / "a.nc").read_bytes() for folder in folders.values()]
     assert made == made[:1] * 3

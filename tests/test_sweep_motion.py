@@ -101,6 +101,22 @@ def test_a_point_that_is_not_computed() -> None:
         find_point(sweep_fakes.case(text), {"N": "3", "mu_k": "0.9", "initial": "far"})
 
 
+def test_a_number_as_it_is_printed_names_a_point_if_only_one_is_printed_so() -> None:
+    text = sweep_fakes.BELT.replace("v = [0.5, 1.0, 2.0]", "v = [0.6666666667, 0.6666712, 1.8]")
+    case = sweep_fakes.case(text)
+
+    def found(v: str) -> float:
+        point = find_point(case, {"N": "3", "v": v, "initial": "far"})
+        return float(point.place["v"])
+
+    assert [found("0.666667"), found("0.66667120"), found("1.80")] == [0.6666666667, 0.6666712, 1.8]
+    with pytest.raises(UsageError, match=r"--at v=0.6666666667 or --at v=0.6666712$"):
+        found("0.66667")
+    for none in ("2", "0.66668", "nan"):  # 2 is 1.8 rounded, which nothing prints
+        with pytest.raises(UsageError, match="off the grid"):
+            found(none)
+
+
 def test_zipped_axes_are_named_by_what_makes_them_unique() -> None:
     text = sweep_fakes.BELT.replace(
         "N = { start = 1, stop = 5, num = 5 }\nv = [0.5, 1.0, 2.0]",

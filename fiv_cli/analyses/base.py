@@ -125,6 +125,8 @@ class Request:
     solver : integrator settings
     start : None where the analysis has no starts
     batch : the points that are run with this one, if any
+    in_passing : whether no more is asked than to what rest or cycle the start leads: what has come
+        to none by half of its time is not measured, and nothing goes on from it
     """
 
     setup: Setup
@@ -134,6 +136,7 @@ class Request:
     solver: SolverSettings = field(default_factory=SolverSettings)
     start: Start | None = None
     batch: Batch | None = field(default=None, compare=False, repr=False)
+    in_passing: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,15 @@ from math import inf
 
 from fiv_cli.analyses import all_analyses, get_analysis
 from fiv_cli.analyses.base import EACH, Analysis, Section, Settings, Varied, as_asked
-from fiv_cli.analyses.variables import COMPUTED, REASON, SLIP_BEYOND, STATUS, Subject, Variable
+from fiv_cli.analyses.variables import (
+    COMPUTED,
+    REASON,
+    SLIP_BEYOND,
+    STATUS,
+    Subject,
+    Variable,
+    derived,
+)  # fmt: skip
 from fiv_cli.friction.base import STORED
 from fiv_cli.models.base import Model, Options, Parameter, State
 
@@ -65,7 +73,7 @@ def possible_variables(analysis: Analysis) -> Sequence[Variable]:
 def every_variable() -> Mapping[str, Variable]:
     """All variables that there are, by name; the state ``state`` stands for those of any model."""
     known = [v for analysis in all_analyses().values() for v in possible_variables(analysis)]
-    return {v.name: v for v in (STATUS, REASON, COMPUTED, SLIP_BEYOND, *known)}
+    return {v.name: v for v in (STATUS, REASON, COMPUTED, SLIP_BEYOND, *known, *derived(known))}
 
 
 def named(name: str) -> Variable:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
+from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from fiv_cli.dynamics.settings import Section
@@ -62,8 +63,8 @@ class Question:
     ----------
     variable : the variable that decides
     name : class asked for, where the variable holds a class
-    negated : "not CLASS"
-    below : the number that the variable must stay below; None: it holds a class
+    negated : "not CLASS"; of a number, that it must stay above
+    below : the number that the variable must stay below (or above); None: it holds a class
     counts : a run that is undecided when its time is up has an answer like any other
     """
 
@@ -445,7 +446,11 @@ class DiscPoints(Setting):
 
 
 def read_settings(
-    settings: Sequence[Setting], given: Mapping[str, object], known: Known, whose: str
+    settings: Sequence[Setting],
+    given: Mapping[str, object],
+    known: Known,
+    whose: str,
+    instead: Mapping[str, str] = MappingProxyType({}),
 ) -> Reading:
     """A table of settings: name -> value, defaults filled in, and all that is wrong with it.
 
@@ -455,12 +460,14 @@ def read_settings(
     ----------
     given : the table as TOML has it
     whose : what has these settings, for messages
+    instead : key that is none of them -> what to write
     """
     names = {setting.name: setting.meaning for setting in settings}
     refusals, written = [], dict(given)
     for key in [key for key in given if key not in names]:
         message = f"{whose} has no setting {key!r}"
-        refusals.append(Refusal(message, listed(names), suggest(key, names), (key,), of_key=True))
+        hint = instead.get(key) or suggest(key, names)
+        refusals.append(Refusal(message, listed(names), hint, (key,), of_key=True))
         meant = nearest(key, [name for name in names if name not in written])
         written |= {meant: written[key]} if meant is not None else {}
     values = {}
@@ -480,12 +487,13 @@ class TableSetting(Setting):
 
     whose: ClassVar[str] = ""
     keys: ClassVar[tuple[Setting, ...]] = ()
+    instead: ClassVar[Mapping[str, str]] = {}
 
     def read(self, value: object, known: Known) -> Reading:
         if not isinstance(value, dict):
             message = f"must be a table, not {describe(value)}"
             return Reading(self.default, (Refusal(message, self.allowed),))
-        found = read_settings(self.keys, value, known, self.whose)
+        found = read_settings(self.keys, value, known, self.whose, self.instead)
         if found.refusals:
             return Reading(self.default, found.refusals)
         return super().read(found.value, known)
@@ -583,18 +591,25 @@ def _check_phase(section: Section, known: Known) -> Iterator[Refusal]:
 
 
 class _Expectation(Setting):
-    """A class, "not CLASS", or the bound that a number stays below."""
+    """A class, "not CLASS", or the bound that a number stays below or above."""
 
-    form: ClassVar[str] = 'a class, "not CLASS", or { less_than = NUMBER }'
+    form: ClassVar[str] = (
+        'a class, "not CLASS", or of a number { less_than = NUMBER } or { greater_than = NUMBER }'
+    )
 
-    def taken(self, value: object, known: Known) -> str | float:
+    @property
+    def description(self) -> str:
+        return f"{self.form}; {self.meaning}"
+
+    def taken(self, value: object, known: Known) -> str | tuple[str, float]:
         if isinstance(value, str):
             return value
         if not isinstance(value, dict):
             raise ValueError(f"must be a class or a table, not {describe(value)}")
-        if value.keys() != {"less_than"}:
+        if list(value) not in (["less_than"], ["greater_than"]):
             raise ValueError(f"a table with {listed(list(value))} asks nothing")
-        return check_number(value["less_than"])
+        ((sign, bound),) = value.items()
+        return sign, check_number(bound)
 
     def schema(self) -> Schema:
         return {"anyOf": [{"type": "string"}, {"type": "object"}]}
@@ -608,16 +623,19 @@ class QuestionSetting(TableSetting):
     """A question that a run answers with yes or no."""
 
     form: ClassVar[str] = (
-        '{ variable = "attractor", expect = "periodic" }, or with expect = "not periodic" or '
-        "{ less_than = 0.1 }"
+        '{ variable = "attractor", expect = "periodic" }, or with expect = "not periodic", '
+        "{ less_than = 0.1 } or { greater_than = 0.1 }"
     )
     whose: ClassVar[str] = "a question"
+    instead: ClassVar[Mapping[str, str]] = {
+        "less_than": "write expect = { less_than = NUMBER }",
+        "greater_than": "write expect = { greater_than = NUMBER }",
+    }
     keys: ClassVar[tuple[Setting, ...]] = (
         Text("variable", "variable that decides", default="attractor"),
         _Expectation(
             "expect",
-            'a class, "not CLASS", or { less_than = NUMBER } for a number; a motion that diverges '
-            "has L_s, greatest and effective values below none",
+            "of a motion that diverges L_s, greatest and effective values lie above any number",
             required=True,
         ),
         Choice(
@@ -632,7 +650,8 @@ class QuestionSetting(TableSetting):
     def taken(self, value: Any, known: Known) -> Question:
         expect, counts = value["expect"], value["undecided"] == "counts"
         if not isinstance(expect, str):
-            return Question(value["variable"], below=expect, counts=counts)
+            sign, bound = expect
+            return Question(value["variable"], "", sign == "greater_than", bound, counts)
         name = expect.removeprefix("not ").strip()
         return Question(value["variable"], name, expect.startswith("not "), counts=counts)
 
@@ -644,8 +663,9 @@ class QuestionSetting(TableSetting):
                 yield unknown(message, value.variable, numbers, "variable")
             return
         if value.variable != "attractor":
-            message = f"{value.variable!r} holds no class: give expect = {{ less_than = NUMBER }}"
-            yield Refusal(message, "attractor", place=("variable",))
+            message = f"{value.variable!r} holds no class"
+            hint = "give expect = { less_than = NUMBER } or { greater_than = NUMBER }"
+            yield Refusal(message, "attractor", hint, place=("variable",))
         table = TABLES["attractor"]
         classes = [name for name in table.codes if name != table.fill]
         if value.name not in classes:

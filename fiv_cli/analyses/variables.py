@@ -6,7 +6,7 @@ comparison, summaries, figures and what a case may ask for read them through ``c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum, auto
 from typing import TypedDict, Unpack
@@ -54,6 +54,7 @@ class Variable:
     unbounded : has no bound where the motion diverges
     margin : the least is the worst
     velocities : its dim ``state`` holds the velocities too, behind the displacements
+    derived : it stands in no file: fiv makes it of others when it reads one
     """
 
     name: str
@@ -73,6 +74,7 @@ class Variable:
     unbounded: bool = False
     margin: bool = False
     velocities: bool = False
+    derived: bool = False
 
     @property
     def is_class(self) -> bool:
@@ -349,3 +351,27 @@ def extremes(states: tuple[State, ...], *, rms: bool) -> list[Variable]:
         for name, unit, _, _ in motions(states)
         for end, word in words.items()
     ]
+
+
+def amplitude(name: str, units: str) -> Variable:
+    """Half the range of a steady motion: its size, without the offset that its extremes have."""
+    return Variable(
+        f"{name}_amplitude",
+        units,
+        f"half the range of {name} in the steady state",
+        comment=f"({name}_max - {name}_min)/2, made when fiv reads a dataset",
+        unbounded=True,
+        derived=True,
+    )
+
+
+def ranged(names: Collection[str]) -> list[str]:
+    """What has both a least and a greatest value among these names of variables."""
+    stems = (name.removesuffix("_max") for name in names if name.endswith("_max"))
+    return [stem for stem in stems if f"{stem}_min" in names]
+
+
+def derived(variables: Iterable[Variable]) -> list[Variable]:
+    """What fiv makes of these variables of an analysis when it reads them."""
+    units = {variable.name: variable.units for variable in variables if variable.one_per_point}
+    return [amplitude(stem, units[f"{stem}_max"]) for stem in ranged(units)]

@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
-from fiv_cli.analyses.variables import COMPUTED, Variable
+from fiv_cli.analyses.variables import COMPUTED, Variable, derived
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import OfClass, parse_condition
 from fiv_cli.case.places import Places
@@ -163,7 +163,8 @@ def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Var
     sound = understood and all(spec.settings.get(name) is not None for name in needed)
     settings = spec.settings if sound else ALL_ASKED
     of_laws = case.varying, case.internal, case.reach
-    return variables_of(spec.kind, model, case.options, settings, *of_laws)
+    stored = variables_of(spec.kind, model, case.options, settings, *of_laws)
+    return (*stored, *derived(stored))
 
 
 def _named(figure: FigureSpec) -> Iterable[str]:

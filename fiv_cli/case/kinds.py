@@ -16,10 +16,16 @@ from pydantic.fields import FieldInfo
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import Setting, TableSetting
 from fiv_cli.case.structure import (
+    ClaimTable,
     CurveTable,
     FigureTable,
     ForceTable,
+    FrictionTable,
     InitialTable,
+    RangeTable,
+    RefineTable,
+    SolverTable,
+    SweepTable,
     TakeTable,
 )
 
@@ -132,6 +138,60 @@ interval that of each end; with overlay = true the lines alone, all in one panel
 Examples: configs/ch7/fig_7_13.toml, fig_7_15.toml (overlaid lines), configs/ch4/fig_4_15.toml
 (claims about motions and spectra).
 """
+
+GRID = """\
+Every combination of the values of all axes is a point. An axis is a parameter of the model or the
+law, an option of the model, the law itself (`fiv kinds friction`), or a state of the starts.
+
+    [grid]
+    Omega = { start = "10 rpm", stop = "80 rpm", num = 8 }       # both ends included
+    mu_k = [0.2, 0.23]
+    "initial.phi_dot" = { start = 0.0, stop = 9.0, step = 0.5 }  # where the starts begin: basins
+
+Axes that advance together, as one: [sweep] zip = [["Omega", "N0"]]. Points along the borders of
+classes only: `fiv kinds refine`.
+"""
+
+FRICTION = """\
+One law, or several as an axis of the grid; `fiv show` then says how far each answer depends on the
+law. `fiv models --laws` lists laws, `fiv models NAME` the parameters of one.
+
+    [friction]
+    mu_s = 0.4                            # of every law that has it
+    stribeck = { v_s = 0.05 }             # of this one
+    [grid]
+    friction = ["coulomb", "stribeck"]    # a single one: law = "stribeck" under [friction]
+
+Measured friction is law = "FILE.csv", a table beside the case of slip velocity and coefficient.
+Any law that sticks is smoothed by law = "tanh", of = "stribeck". Example:
+configs/ch7/pin_laws.toml.
+"""
+
+REFINE = """\
+A map that is run along the borders of its classes only: [grid] is coarse, and its spacing is halved
+`levels` times where neighbours differ. 9 x 9 points grow to the picture of 257 x 257 for 3 to 13 %
+of the runs (one closed border). A seeded sample of the points that are filled in is run as well, to
+say how many are wrong; an island between the points of the coarse grid is not seen.
+
+    [sweep]
+    refine = { levels = 5, of = "attractor" }
+
+Where starts follow an axis, `along` names the other axes: along the one all points are run.
+"""
+
+
+TABLES: dict[str, tuple[str, type[BaseModel]]] = {
+    "grid": (GRID, RangeTable),
+    "sweep": ("", SweepTable),
+    "refine": (REFINE, RefineTable),
+    "friction": (FRICTION, FrictionTable),
+    "initial": ("", InitialTable),
+    "solver": ("", SolverTable),
+    "figure": ("", FigureTable),
+    "claim": (CLAIMS, ClaimTable),
+    "take": ("", TakeTable),
+}
+"""Table of a case -> what it is for, with an example, and its form."""
 
 
 @dataclass(frozen=True)

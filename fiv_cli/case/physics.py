@@ -319,7 +319,7 @@ class _Reader:
         if not matching:
             names = [*(law.name for law in laws), *(p.name for law in laws for p in law.parameters)]
             message = f"{name!r} is no friction law that this case uses"
-            self.report.unknown(("friction", name), message, name, names)
+            self.report.unknown(("friction", name), message, name, dict.fromkeys(names))
             return {}
         known = _of_laws({law.name: law.parameters for law in matching})
         found = self.parameters(values, known, {}, ("friction", name))

@@ -25,6 +25,18 @@ def command(case: str, output: Path | None, overrides: tuple[str, ...]) -> int:
     Examples:
       fiv run a.toml --shard 1/2; fiv run a.toml --shard 2/2; fiv assemble a.toml
       fiv assemble a.toml --set grid.mu_k=[0.3] -o one.nc
+
+    \b
+    A job array of Slurm, sbatch job.sh, then fiv assemble a.toml (no blanks before its lines):
+      #!/bin/sh
+      #SBATCH --array=1-16 --cpus-per-task=4 --time=12:00:00
+      export FIV_RUN_SHARD="$SLURM_ARRAY_TASK_ID/16" FIV_RUN_WORKERS="$SLURM_CPUS_PER_TASK"
+      fiv run a.toml    # as with --shard 3/16 --workers 4
+
+    \b
+    GNU make as the queue (make -j 4):
+      runs/a.nc: $(addsuffix .part,$(shell seq 16)) ; fiv assemble a.toml
+      %.part: ; fiv run a.toml --shard $*/16 --workers 1
     """
     from fiv_cli import api
     from fiv_cli.case.identity import default_output

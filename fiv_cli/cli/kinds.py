@@ -25,10 +25,7 @@ TITLES = {
     "claim.expect": "What a [[claim]] expects: expect = ...",
 }
 
-ELSEWHERE = (
-    "fiv kinds; what stands under [model], [grid] and [friction]: fiv models NAME, "
-    "fiv models --laws, and README.md"
-)
+ELSEWHERE = "fiv kinds; what stands under [model]: fiv models NAME"
 
 
 @click.command("kinds")
@@ -37,28 +34,32 @@ ELSEWHERE = (
 def command(name: str | None, as_json: bool) -> None:
     """List the kinds of analyses, starts, figures and claims, or all settings of the kind NAME.
 
-    NAME may also be a table of the case, initial, figure, claim or take: then all of its keys are
-    listed; of claim also how claims and figures say which points, what is taken and expected.
-    What an analysis gives, and figures and claims speak of, lists `fiv variables`.
+    NAME may also be a table of a case: grid, sweep, refine, friction, initial, solver, figure,
+    claim or take. Then its keys are listed, and of some how they are used. What an analysis gives,
+    and figures and claims speak of, lists `fiv variables CASE`; models and laws `fiv models`.
 
     \b
     Examples:
-      fiv kinds
-      fiv kinds response
-      fiv kinds continue
-      fiv kinds claim
+      fiv kinds                  what there is
+      fiv kinds response         settings of the steady-state analysis
+      fiv kinds continue         ... of a start that follows its neighbour's end
+      fiv kinds grid             axes: values, units, a state of the start
+      fiv kinds friction         one law, several, measured friction
+      fiv kinds refine           more points along the borders of a map only
+      fiv kinds claim            what figures and claims can say, on one page
     """
-    from fiv_cli.case.kinds import CLAIMS, all_kinds
+    from fiv_cli.case.kinds import TABLES, all_kinds, keys_in
 
-    kinds, tables = all_kinds(), _tables()
+    kinds = all_kinds()
     if name is not None:
         known = [kind.name for kind in kinds if kind.keys]
-        pick(name, dict.fromkeys([*tables, *known]), "kind", ELSEWHERE)
-        found, keys = [kind for kind in kinds if kind.name == name], tables.get(name, ())
+        pick(name, dict.fromkeys([*TABLES, *known]), "kind", ELSEWHERE)
+        text, form = TABLES.get(name, ("", None))
+        found, keys = [kind for kind in kinds if kind.name == name], keys_in(form) if form else ()
         if as_json:
             print_json({"kinds": found, "keys": keys})
         else:
-            click.echo(CLAIMS if name == "claim" else "", nl=name == "claim")
+            click.echo(f"{text}\n" if text else "", nl=False)
             _print_one(found, keys)
             _print_table(kinds, {"take": "claim.take", "claim": "claim.expect"}.get(name))
     elif as_json:
@@ -67,23 +68,14 @@ def command(name: str | None, as_json: bool) -> None:
         _print_all(kinds)
 
 
-def _tables() -> dict[str, Sequence[Key]]:
-    """The tables of a case that hold kinds -> all their keys."""
-    from fiv_cli.case import structure
-    from fiv_cli.case.kinds import keys_in
-
-    return {
-        "initial": keys_in(structure.InitialTable),
-        "figure": keys_in(structure.FigureTable),
-        "claim": keys_in(structure.ClaimTable),
-        "take": keys_in(structure.TakeTable),
-    }
-
-
 def _print_all(kinds: Sequence[Kind]) -> None:
+    from fiv_cli.case.kinds import TABLES
+
     for table in TITLES:
         _print_table(kinds, table)
-    click.echo("fiv kinds NAME: its settings; fiv kinds claim: how claims and figures say it")
+    click.echo(
+        f"fiv kinds NAME: its settings. NAME is also a table of a case:\n{', '.join(TABLES)}"
+    )
 
 
 def _print_table(kinds: Sequence[Kind], table: str | None) -> None:

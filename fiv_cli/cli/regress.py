@@ -74,6 +74,9 @@ def command(
     Each sweep is a folder with case.toml, reference.nc and tolerances.toml. The exit code is 5
     when any differs.
 
+    In CI, keep ~/.cache/fiv (or the folder that FIV_CACHE_DIR names) between jobs, and nothing is
+    compiled twice; `fiv verify` and `fiv claims --strict` write the same reports.
+
     \b
     Examples:
       fiv regress

@@ -99,6 +99,11 @@ def command(
     the dataset says that it is partial (`fiv show`, `fiv plot`, its attribute `partial`). A longer
     axis computes only its new points.
 
+    --cluster computes on other machines: `pip install '.[cluster]'` on each, start `dask scheduler`
+    on one and `dask worker` on each (its threads say how many points it runs at once, each in a
+    process of its own). Workers may come, go and die; one that would give other bits is refused.
+    Without a scheduler, --shard runs a part, and `fiv assemble` joins them.
+
     Exit code: 0 where every point has its answer, 8 where --max-points left some to run, 4 where
     some failed or ran out of budget.
 

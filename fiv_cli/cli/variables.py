@@ -29,16 +29,17 @@ def command(case: str, overrides: tuple[str, ...], as_json: bool) -> None:
       fiv new pin-on-disc > a.toml && fiv variables a.toml
     """
     from fiv_cli import api
+    from fiv_cli.analyses.variables import derived
 
     # who asks may have just been told that a figure or a claim names a variable that there is not
     loaded = api.load(case, (*overrides, "figure=[]", "claim=[]"))
     layouts = [analysis.layout for analysis in api.check(loaded).analyses]
+    given = {one.name: [*one.variables, *derived(one.variables)] for one in layouts}
     if as_json:
-        analyses = {layout.name: list(map(_described, layout.variables)) for layout in layouts}
-        print_json({"analyses": analyses})
+        print_json({"analyses": {name: list(map(_described, v)) for name, v in given.items()}})
         return
     for layout in layouts:
-        rows = [tuple(_described(variable).values()) for variable in layout.variables]
+        rows = [tuple(_described(variable).values()) for variable in given[layout.name]]
         title = f"{layout.name}: over {', '.join(layout.dim_names) or 'one point'}"
         print_table(title, ("name", "own dims", "unit", "what it is"), rows)
         click.echo()

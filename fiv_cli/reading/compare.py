@@ -124,15 +124,16 @@ def compare(
             side = "first" if name in left else "second"
             differences.append(Difference(name, f"only in the {side} dataset"))
         else:
-            one, other = (_without_parameters(side[name]) for side in (left, right))
+            one, other = (_found(side[name]) for side in (left, right))
             pair = _Pair(one, other, tolerances, f"{name}/" if name else "")
             differences.extend(pair.differences())
     return differences
 
 
-def _without_parameters(dataset: xr.Dataset) -> xr.Dataset:
-    """What was found, without the fixed parameters that it was found under."""
-    return dataset.drop_vars([name for name, coord in dataset.coords.items() if coord.ndim == 0])
+def _found(dataset: xr.Dataset) -> xr.Dataset:
+    """What was found, without the fixed parameters that it was found under, and as it is stored."""
+    parameters = [name for name, coord in dataset.coords.items() if coord.ndim == 0]
+    return dataset.drop_vars([*parameters, *(n for n in dataset if named(str(n)).derived)])
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fiv_cli.analyses.catalogue import named
-from fiv_cli.analyses.variables import INT_FILL, Role, Variable
+from fiv_cli.analyses.variables import INT_FILL, Role, Variable, amplitude, ranged
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.grammar import figure_of_before, text_of_before
 from fiv_cli.data.netcdf import read_datasets
@@ -55,7 +55,19 @@ def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
                 f"{path}: a damaged dataset: {f'{name}: ' if name else ''}{fault}\n"
                 "next: `fiv run CASE` writes it anew from what is stored beside it"
             )
-    return analyses
+    return {name: _with_derived(dataset) for name, dataset in analyses.items()}
+
+
+def _with_derived(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with the amplitude of what has a least and a greatest value at each point."""
+    at_points = {str(n): one for n, one in dataset.items() if one.dims == dataset["status"].dims}
+    found = {}
+    for stem in ranged(at_points):
+        least, greatest = at_points[f"{stem}_min"], at_points[f"{stem}_max"]
+        told = amplitude(stem, str(greatest.attrs["units"]))
+        attributes = {"units": told.units, "long_name": told.long_name, "comment": told.comment}
+        found[told.name] = (0.5 * (greatest - least)).assign_attrs(attributes)
+    return dataset.assign(found)
 
 
 def figures_in(analyses: Mapping[str, xr.Dataset]) -> list[FigureSpec]:

@@ -198,12 +198,11 @@ class _Way:
         assert origin is not None
         entry, place = self.chain.entry, self._at(value)
         start = continued_start(entry, origin.carry)
-        outcome = self.chain.run(replace(self._request(place), start=start))
+        outcome = self.chain.run(replace(self._request(place), start=start, in_passing=True))
         state = state_after(outcome, place, self.before, entry)
-        answer = None if not state.lost and not _told(outcome) else not state.lost
-        if answer and place == self.values:
+        if not state.lost and place == self.values:
             self.reached = outcome, origin.carry
-        return Look(value, answer, "", state.carry)
+        return Look(value, not state.lost, "", state.carry)
 
     def _request(self, place: Values) -> Request:
         """What is asked at a place on the way; what is found there for all starts is kept."""

@@ -220,7 +220,8 @@ def _connected(place: str) -> Any:
         from distributed import Client
     except ImportError:
         raise UsageError(
-            "--cluster: dask.distributed is not installed\nnext: pip install 'fiv-cli[cluster]'"
+            "--cluster: dask.distributed is not installed\n"
+            "next: in the folder of fiv's sources, pip install '.[cluster]'"
         ) from None
     for name in ("distributed", "distributed.client", "tornado"):  # what is lost is said here
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
@@ -37,6 +38,12 @@ if TYPE_CHECKING:
 
 NEAR = 1e-9
 """Relative distance within which a number names a value of an axis."""
+
+LEAST_DIGITS = 3
+"""Digits with which a rounded number, as `fiv show` prints it, names a value of an axis."""
+
+MOST_NAMED = 12
+"""Values of an axis that a message names."""
 
 MARK = "point"
 """Global attribute that only the motion of a single point has."""
@@ -244,21 +251,35 @@ def _canonical(case: Case, at: Mapping[str, str]) -> dict[str, str]:
 def _index_along(dim: Dim, at: Mapping[str, str]) -> int:
     """Index along a dim of the only place at which all that is given holds."""
     given = [axis for axis in dim.axes if axis.name in at]
-    fitting = [
-        i for i in range(dim.size) if all(_same(axis.values[i], at[axis.name]) for axis in given)
-    ]
+    meant = [_meant(axis, at[axis.name]) for axis in given]
+    fitting = [i for i in range(dim.size) if all(i in places for places in meant)]
     if len(fitting) == 1:
         return fitting[0]
-    for axis in given:
-        if not any(_same(value, at[axis.name]) for value in axis.values):
+    for axis, places in zip(given, meant, strict=True):
+        if not places:
             raise _off_the_grid(axis, at[axis.name])
     names = ", ".join(axis.name for axis in dim.axes)
     if not fitting:
         raise UsageError(f"--at: no point fits along {names}\nnext: `fiv check` prints the axes")
-    left = next(axis for axis in dim.axes if axis.name not in at)
-    raise UsageError(
-        f"--at: several points fit along {names}\nnext: --at {left.name}={left.values[fitting[0]]}"
-    )
+    left = next((axis for axis in dim.axes if axis.name not in at), dim.axes[0])
+    values = (f"--at {left.name}={left.values[i]}" for i in fitting[:MOST_NAMED])
+    hint = " or ".join(dict.fromkeys(values))
+    raise UsageError(f"--at: several points fit along {names}\nnext: {hint}")
+
+
+def _meant(axis: Axis, text: str) -> set[int]:
+    """The places along an axis that `text` names; where none agrees, those that it rounds."""
+    same = {i for i, value in enumerate(axis.values) if _same(value, text)}
+    return same or {i for i, value in enumerate(axis.values) if _is_rounded(value, text)}
+
+
+def _is_rounded(value: Any, text: str) -> bool:
+    """Whether `value` is written so when rounded to as many digits, and these are not too few."""
+    number = _number(text)
+    if isinstance(value, str) or number is None:
+        return False
+    digits = len(Decimal(text).as_tuple().digits)
+    return digits >= LEAST_DIGITS and float(f"{value:.{digits - 1}e}") == number
 
 
 def _same(value: Any, text: str) -> bool:
@@ -276,7 +297,7 @@ def _number(text: float | str) -> float | None:
 
 
 def _off_the_grid(axis: Axis, text: str) -> UsageError:
-    number, first = _number(text), axis.values[:12]
+    number, first = _number(text), axis.values[:MOST_NAMED]
     if isinstance(first[0], str) or number is None:
         hint = f"choose from {', '.join(map(str, first))}"
     else:

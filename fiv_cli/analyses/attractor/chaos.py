@@ -33,7 +33,7 @@ def regularity(values: Values) -> float:
         return float("nan")
     centred, turning = values - np.mean(values), _turning(len(values))
     found = [
-        _correlations(_displacements(np.cumsum(centred * turning[first : first + AT_ONCE], axis=1)))
+        _correlations(displacements(np.cumsum(centred * turning[first : first + AT_ONCE], axis=1)))
         for first in range(0, FREQUENCIES, AT_ONCE)
     ]
     return float(np.median(found))
@@ -52,7 +52,7 @@ def _turns(count: int) -> Paths:
     return np.asarray(np.exp(1j * frequencies[:, None] * np.arange(1, count + 1)))
 
 
-def _displacements(paths: Paths) -> Values:
+def displacements(paths: Paths | Values) -> Values:
     """Mean square displacement of each path at lags 1, 2, ...; shape (paths, lags).
 
     |b - a|^2 is |b|^2 + |a|^2 - 2 Re(b a*), and the last is the correlation of the path with its

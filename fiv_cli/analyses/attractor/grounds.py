@@ -36,7 +36,10 @@ as the cycle besides: the first step of Newton's method leads there, but for `ST
 *Quasi-periodic, chaotic.* The set of section points is stationary: means and spreads of its halves
 differ by no more than `WANDERING` times what their partial sums explain, or `NEGLIGIBLE` of the
 spread of its kind (`section_drift`): of every state on a torus, of the observed one in chaos. And
-the Lyapunov exponent and the 0-1 test of the section agree.
+the Lyapunov exponent and the 0-1 test of the section agree. On a torus, moreover, neighbours
+neither approach nor part: between the halves the logarithm of their distance changes by no more
+than `WANDERING` times what its partial sums explain, and that is no more than `STEADY`: a spiral
+that is taken for a torus would need fifty times the window to come in by a factor e.
 """
 
 from __future__ import annotations
@@ -61,6 +64,8 @@ NEIGHBOUR = 1e-2  # ... and over the extent of the motion
 # --- quasi-periodic, chaotic
 WANDERING = 3.0  # between 2.3, which one random set in a thousand reaches, and the 4 of a creep
 NEGLIGIBLE = 1e-3  # of the spread: a difference of halves that is none
+STEADY = 0.01  # change of the logarithm of a distance between the halves that may be hidden
+UNNOTICED = 1e-6  # ... that is rounding
 REGULAR, CHAOTIC = 0.3, 0.7  # what the 0-1 test must say
 SIGNIFICANT = 3.0  # standard errors of an exponent
 RESTING = 1e-3  # an exponent smaller than this per section point counts as zero

@@ -122,9 +122,11 @@ def answered(question: Question, outcome: Outcome) -> bool | None:
     if question.below is None:
         return (label == question.name) != question.negated
     if label == "diverged" and named(question.variable).unbounded:
-        return False
+        return question.negated
     value = float(outcome.values.get(question.variable, np.nan))
-    return None if np.isnan(value) else value < question.below
+    if np.isnan(value):
+        return None
+    return value > question.below if question.negated else value < question.below
 
 
 def _is_open(label: str, question: Question, status: str) -> bool:

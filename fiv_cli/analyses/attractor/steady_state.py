@@ -52,7 +52,7 @@ from fiv_cli.analyses.attractor.own_section import (
     tells_more,
 )
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
-from fiv_cli.analyses.attractor.stationarity import drift
+from fiv_cli.analyses.attractor.stationarity import drift, parting
 from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, Watch, watch_over
 from fiv_cli.analyses.base import EACH, Outcome, Request, Section
 from fiv_cli.analyses.common import (
@@ -238,6 +238,7 @@ class _Response:
         self.waiting_until = 0.0  # ... and the time before which it is not
         self.n_early = 0  # attempts before that
         self.is_unconfirmed = False  # the section repeated, and no cycle was found
+        self.in_passing = request.in_passing
         self.tells_works = self.settings.get("powers") == EACH
         self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
 
@@ -281,7 +282,10 @@ class _Response:
             self.stop = self.motion.run(min(transient, t_max))
             self.watch.last_event = self.watch.last_point = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
-        answer = self._ended() or self._rest() or self._settle(half) or self._window(t_max)
+        answer = self._ended() or self._rest() or self._settle(half)
+        if answer is None and self.in_passing:
+            return Outcome(reason="time_budget", values={"attractor": "undecided"})
+        answer = answer or self._window(t_max)
         if answer.values["attractor"] == "undecided" and answer.status == "ok":
             answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
@@ -325,13 +329,15 @@ class _Response:
         watch.until, watch.is_measuring, watch.is_paced = until, measuring, is_paced
         watch.nearness, watch.waiting_until = self.nearness, self.waiting_until
         watch.early, watch.early_steps = [*EARLY, 0.0][self.n_early], steps
+        watch.rest_tells = 1
         watch.offset = section.phase / (2 * np.pi) * watch.interval
         self.motion.show_section(section, watch.times, watch.points, watch.works)
         stop = self.motion.drive(partial(FOLLOW.function, watch.address))
         self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
         if self._has_stuck():
             return None
-        return self._rest() or (self._cycle(section) if watch.has_new else None)
+        rests = self._rest() if watch.rest_tells or self.excitation is not None else None
+        return rests or (self._cycle(section) if watch.has_new else None)
 
     def _has_stuck(self) -> bool:
         """Whether a motion that is followed as long as it slides has stuck."""
@@ -591,7 +597,8 @@ class _Response:
             "cycle_residual": cycle.residual,
         }
         if self.excitation is not None:
-            values["period_ratio"] = period / self.excitation
+            # of so many periods of the excitation Newton's method closed the cycle
+            values["period_ratio"] = float(round(period / self.excitation))
         return values | self._floquet(cycle)
 
     def _next_points(
@@ -738,8 +745,12 @@ class _Response:
         points = self._map_points()
         # A weak mode that still dies away, or is shaken slowly, undoes no chaos, but any torus.
         m = len(self.system.coordinates)
-        observed = points[:, [self.observed]]
-        moved = drift(observed) if told == "chaotic" else drift(points, (m, 2 * m))
+        observed, kinds = points[:, [self.observed]], (m, 2 * m)
+        moved = drift(observed) if told == "chaotic" else drift(points, kinds)
+        if told == "quasiperiodic" and moved == 0.0:
+            moved = abs(parting(points, kinds))
+        if math.isnan(moved):
+            return "undecided", "time_budget"
         outcome.values["section_drift"] = moved
         return (told, reason) if moved == 0.0 else ("undecided", "section_drifts")
 
@@ -755,7 +766,7 @@ class _Response:
             return "chaotic", ""
         if exponent < -max(uncertain, min(most, GROWN) / window):  # it settles
             return "undecided", "time_budget"
-        if abs(exponent) > threshold or regular >= REGULAR:
+        if abs(exponent) > min(threshold, apart / window) or regular >= REGULAR:
             return "undecided", "tests_disagree"
         return "quasiperiodic", ""
 

@@ -165,7 +165,7 @@ def _outcome(problem: Problem, cycle: Cycle, observed: int) -> Outcome:
     for name, least, greatest in zip(names, *cycle.extremes, strict=False):
         values |= {f"{name}_min": float(least), f"{name}_max": float(greatest)}
     if problem.excitation is not None:
-        values["period_ratio"] = cycle.period / problem.excitation
+        values["period_ratio"] = float(round(cycle.period / problem.excitation))
     shown = np.zeros(0)
     if len(cycle.points):
         points = np.roll(cycle.points, -int(np.argmin(cycle.points[:, observed])), axis=0)
