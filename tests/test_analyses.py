@@ -25,7 +25,6 @@ from fiv_cli.analyses.base import (
     Varied,
 )
 from fiv_cli.analyses.common import rest_of, sliding
-from fiv_cli.analyses.motion import recording
 from fiv_cli.analyses.motion.recording import sample_times
 from fiv_cli.analyses.rest.linearisation import spectrum
 from fiv_cli.analyses.rest.modes import coupled_modes
@@ -33,6 +32,7 @@ from fiv_cli.api import analyse
 from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.codegen.setup import Setup
+from fiv_cli.dynamics import recorder
 from fiv_cli.dynamics import system as systems
 
 FORCED = {"u0": 0.5, "omega": 1.2}
@@ -434,7 +434,8 @@ def test_the_end_is_always_sampled_once(t_end: float, interval: float, expected:
     assert sample_times({"t_end": t_end, "sample": interval}) == pytest.approx(expected)
 
 
-def test_a_ledger_longer_than_a_page() -> None:
+def test_a_ledger_longer_than_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorder, "LEDGER_ROWS", 4096)
     found = analyse("belt-1dof", "coulomb", "history", {}, {"t_end": 20_000.0, "sample": 1e4})
     times = np.array(found.ragged["event_time"])
     assert len(times) == found.values["n_events"] > 4096 + 500
@@ -447,7 +448,7 @@ def test_a_ledger_longer_than_a_page() -> None:
 
 
 def test_no_row_is_lost_where_two_contacts_change_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recording, "LEDGER_ROWS", 3)
+    monkeypatch.setattr(recorder, "LEDGER_ROWS", 3)
     found = analyse(TWO_MASSES, "coulomb", "history", {}, {"t_end": 50.0, "sample": 1.0})
     assert len(found.ragged["event_time"]) == found.values["n_events"] > 20
     assert list(found.ragged["event_contact"]) == [1, 2] * (found.values["n_events"] // 2)
@@ -515,7 +516,8 @@ def test_points_run_one_after_the_other_are_answered_as_alone() -> None:
     """Their equilibria are found together, where none of them breaks its equations."""
     setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")
     points = [{**known, "Omega": 2.0, "N0": load} for load in (0.0, 10.0, 30.0)]
-    settings, start = {"t_end": 0.1, "sample": 0.01}, Start("a", "equilibrium", {"phi": 1e-3})
+    settings = {"t_end": 0.1, "sample": 0.01, "points": ()}
+    start = Start("a", "equilibrium", {"phi": 1e-3})
     alone = [Request(setup, point, "history", settings, start=start) for point in points]
     for others in ([], [replace(alone[0], parameters={})]):
         batch = Batch([*alone, *others])
@@ -523,6 +525,25 @@ def test_points_run_one_after_the_other_are_answered_as_alone() -> None:
             found, one = execute.execute(replace(request, batch=batch)), execute.execute(request)
             assert (found.status, found.reason) == (one.status, one.reason)
             np.testing.assert_equal(found.values, one.values)
+
+
+def test_motions_recorded_side_by_side_are_those_recorded_alone() -> None:
+    """Some that lose contact, at once or later, and some that begin nowhere, among them."""
+    setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")
+    loads, settings = (10.0, 0.0, 30.0), {"t_end": 0.3, "sample": 0.01, "points": ()}
+    states = {"phi_dot": 1.0}, {"theta_dot": 150.0}, {"theta": 10.0}, {"phi": np.nan}
+    starts = [Start("a", "equilibrium", {"phi": 1e-2})]
+    starts += [Start("a", "state", state) for state in states]
+    requests = [
+        Request(setup, {**known, "N0": load}, "history", settings, start=start)
+        for load in loads
+        for start in starts
+    ]
+    together, alone = execute.execute_all(requests), map(execute.execute, requests)
+    assert len({(one.status, one.reason) for one in together}) >= 3
+    for found, one in zip([outcome.whole() for outcome in together], alone, strict=True):
+        assert (found.status, found.reason) == (one.status, one.reason)
+        np.testing.assert_equal((found.values, found.ragged), (one.values, one.ragged))
 
 
 def test_what_is_asked_along_a_parameter_is_none_of_the_points_of_a_batch() -> None:

@@ -29,6 +29,9 @@ from fiv_cli.models.works import with_each_power
 from fiv_cli.schedule import STEADY, Points, Schedule
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from fiv_cli.analyses.settings import Setting
     from fiv_cli.analyses.variables import Subject, Variable
     from fiv_cli.friction.base import Law
@@ -175,6 +178,7 @@ class Outcome:
     ragged : variable name -> 1-D array of any length
     message : details for the log (may be empty)
     carry : plain dict of floats/arrays that a continuing neighbour starts from; None: class lost
+    columns, row : further answers, of several points side by side, and which of them it is
     """
 
     status: str = "ok"
@@ -183,6 +187,38 @@ class Outcome:
     ragged: dict[str, Any] = field(default_factory=dict)
     message: str = ""
     carry: dict[str, Any] | None = None
+    columns: Columns | None = None
+    row: int = 0
+
+    def whole(self) -> Outcome:
+        """The same without columns."""
+        if self.columns is None:
+            return self
+        values, ragged = self.columns.at(self.row)
+        return replace(self, values=values | self.values, ragged=ragged | self.ragged, columns=None)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Answers of several points side by side.
+
+    Attributes
+    ----------
+    values : variable name -> array, a row for each point
+    ragged : variable name -> rows of all points, one after the other
+    lengths : how many each has of these
+    """
+
+    values: dict[str, NDArray[Any]]
+    ragged: dict[str, NDArray[Any]]
+    lengths: NDArray[np.int64]
+
+    def at(self, row: int) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Values and ragged variables of a point."""
+        end = int(self.lengths[: row + 1].sum())
+        begin = end - int(self.lengths[row])
+        values = {name: array[row] for name, array in self.values.items()}
+        return values, {name: array[begin:end] for name, array in self.ragged.items()}
 
 
 def _without_contact(model: Model) -> str:

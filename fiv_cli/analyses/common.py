@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -18,6 +17,7 @@ from fiv_cli.analyses.rest.equilibria import (
     why_none,
 )
 from fiv_cli.dynamics.motion import STOP_REASONS, Motion, Stop
+from fiv_cli.dynamics.recorder import Beginning
 from fiv_cli.dynamics.system import System, Vector
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "Sliding",
     "at_once",
     "balance",
+    "beginning",
     "equilibria",
     "impacts",
     "initial_state",
@@ -95,20 +96,28 @@ def start_motion(
 
     `events` : room for a ledger that is kept from the start
     """
-    start = request.start
+    begun = beginning(system, request, equilibrium)
+    if isinstance(begun, Outcome):
+        return begun
+    state, sticking = begun.state, begun.sticking
+    return Motion(system, begun.parameters, request.solver, state, 0.0, sticking, events)
+
+
+def beginning(system: System, request: Request, equilibrium: Vector | None) -> Beginning | Outcome:
+    """Where the start says that the motion begins, or the outcome that says why it does not."""
+    start, parameters = request.start, request.parameters
     assert start is not None
-    begin = partial(Motion, system, request.parameters, request.solver, events=events)
     if start.kind == "continue" and start.carried is not None:
         rested = start.carried["attractor"] == "equilibrium"
         if start.from_rest or not rested:
             sticking = tuple(bool(s) for s in start.carried["sticking"])
             state = np.array(start.carried["state"], dtype=float)
             begun = state + system.state_vector(start.values) if rested else state
-            return begin(begun, sticking=sticking)
+            return Beginning(parameters, begun, sticking)
     described = start_state(system, start, equilibrium)
     if described is None:
-        return Outcome(status="failed", reason=why_none(sliding(system, request.parameters)))
-    return begin(described)
+        return Outcome(status="failed", reason=why_none(sliding(system, parameters)))
+    return Beginning(parameters, described)
 
 
 def initial_state(motion: Motion) -> dict[str, Vector]:

@@ -52,7 +52,7 @@ def execute_all(requests: Sequence[Request]) -> list[Outcome]:
 def answer(request: Request) -> Outcome:
     """Run one point; what goes wrong is raised."""
     (outcome,) = answers([request])
-    return outcome
+    return outcome.whole()
 
 
 def answers(requests: Sequence[Request]) -> list[Outcome]:
@@ -69,11 +69,14 @@ def answers(requests: Sequence[Request]) -> list[Outcome]:
         for request in requests
     ]
     sound = [request for request, (no, _) in zip(requests, singular, strict=True) if not no]
+    found: Iterator[Outcome]
+    is_limited = setup.law.reach < math.inf
     if analysis.in_blocks:
-        found = iter(analysis.run(system, sound) if sound else ())
+        blocks = [[one] for one in sound] if is_limited and analysis.recorded else [sound]
+        found = (one for block in blocks if block for one in analysis.run(system, block))
     else:
         found = (_sound(analysis.run(system, request)) for request in sound)
-    if setup.law.reach < math.inf:
+    if is_limited:
         found = _with_slips(system, sound, found, not analysis.recorded)
     return [
         Outcome(status="failed", reason=reason, message=message) if reason else next(found)

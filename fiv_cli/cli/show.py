@@ -17,7 +17,8 @@ def command(file: Path, as_json: bool) -> None:
     """Summarise the dataset FILE.nc.
 
     Says what was computed, how many points of each status and class there are, the range of
-    every variable, and the worst value of each measure of trust with the point where it occurs.
+    every variable, of few points the answers of each with their errors, and the worst value of
+    each measure of trust with the point where it occurs.
 
     \b
     Example:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import groupby
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome
+from fiv_cli.analyses.base import Columns, Outcome
 from fiv_cli.analyses.variables import INT_FILL, Role, Variable
 from fiv_cli.flags import STATUS, TABLES, reason_code
 
 KEY_BYTES = 32
 
 Array = NDArray[Any]
+Rows = slice | list[int]
 
 
 @dataclass
@@ -200,22 +203,29 @@ class _Column:
         ndim = 1 if variable.ragged else len(variable.dims)
         return cls(variable, dtype_of(variable), codes, ndim)
 
+    def joined(self, parts: Sequence[tuple[Rows, Array]], size: int) -> Array:
+        """The values of `size` points, of which each part has some rows; fill values elsewhere."""
+        if any(array.ndim != self.ndim + 1 for _, array in parts):
+            raise ValueError(f"{self.variable.name} has not {self.ndim} dims")
+        shapes = {array.shape[1:] for _, array in parts}
+        if len(parts) == 1 and len(parts[0][1]) == size and parts[0][1].flags.owndata:
+            return parts[0][1]
+        largest = tuple(map(max, zip(*shapes, strict=True)))
+        whole = np.empty((size, *largest), self.dtype)
+        if len(shapes) > 1 or sum(len(array) for _, array in parts) < size:
+            whole[...] = fill_value(self.variable)
+        for rows, array in parts:
+            whole[(rows, *map(slice, array.shape[1:]))] = self._cast(array)
+        return whole
+
     def stacked(self, values: Sequence[object]) -> Array:
-        """The values of some points, None where there is none, with fill values in their place."""
-        fill = fill_value(self.variable)
+        """The values of some points."""
         if self.ndim == 0:
-            return self._plain([fill if value is None else value for value in values])
-        arrays = [None if value is None else self.converted(value) for value in values]
-        shapes = {None if array is None else array.shape for array in arrays}
-        if len(shapes) == 1:
+            return self._plain(list(values))
+        arrays = [self.converted(value) for value in values]
+        if len({array.shape for array in arrays}) == 1:
             return np.array(arrays)
-        largest = tuple(max(sizes) for sizes in zip(*(shapes - {None}), strict=True))
-        stack = np.full((len(arrays), *largest), fill, self.dtype)
-        for row, array in enumerate(arrays):
-            if array is not None:
-                place: tuple[Any, ...] = (row, *map(slice, array.shape))
-                stack[place] = array
-        return stack
+        return self.joined([([row], array[None]) for row, array in enumerate(arrays)], len(arrays))
 
     def _plain(self, values: list[Any]) -> Array:
         """Numbers and names; an array for each would cost more than a cheap model."""
@@ -227,15 +237,15 @@ class _Column:
 
     def converted(self, value: object) -> Array:
         """A value of one point as an array of the column's type."""
-        array = np.asarray(value)
-        if array.dtype != self.dtype:
-            array = self._cast(array)
+        array = self._cast(np.asarray(value))
         if array.ndim != self.ndim:
             name, dims = self.variable.name, self.variable.dims or self.ndim
             raise ValueError(f"{name} has {array.ndim} dims instead of {dims}")
         return array
 
     def _cast(self, array: Array) -> Array:
+        if array.dtype == self.dtype:
+            return array
         if array.dtype.kind in "US":
             names = [self.codes[str(name)] for name in array.ravel()]
             array = np.array(names).reshape(array.shape)
@@ -274,7 +284,7 @@ class _Table:
         plain = {one.variable.name: one for one in columns if not one.variable.ragged}
         return cls(plain, groups)
 
-    def check(self, outcomes: Sequence[Outcome]) -> None:
+    def check(self, outcomes: Sequence[Outcome | Columns]) -> None:
         """KeyError, TypeError: a value has no column, or rows stand where their summary would."""
         rows = {name for group in self.groups.values() for name in group}
         _refuse(
@@ -305,27 +315,92 @@ def _storable(outcome: Outcome, table: _Table) -> Outcome:
 
 def _stacked(outcomes: Sequence[Outcome], table: _Table) -> Block:
     """The arrays of outcomes, without keys."""
-    table.check(outcomes)
+    runs = list(_runs(outcomes))
+    table.check([*outcomes, *(run.columns for run in runs if run.columns is not None)])
     block = Block(
         keys=np.zeros((0, KEY_BYTES), np.uint8),
         status=np.array([STATUS.codes[outcome.status] for outcome in outcomes], np.int8),
         reason=np.array([reason_code(outcome.reason) for outcome in outcomes], np.int8),
         messages={row: o.message for row, o in enumerate(outcomes) if o.message},
     )
+    told = [(row, outcome.values) for row, outcome in enumerate(outcomes) if outcome.values]
     for name, column in table.values.items():
-        values = [outcome.values.get(name) for outcome in outcomes]
-        if any(value is not None for value in values):
-            block.values[name] = column.stacked(values)
+        parts: list[tuple[Rows, Array]] = [
+            (run.rows, run.values[name]) for run in runs if name in run.values
+        ]
+        own = [(row, values[name]) for row, values in told if values.get(name) is not None]
+        if own:
+            rows, values = zip(*own, strict=True)
+            parts.append((list(rows), column.stacked(values)))
+        if parts:
+            block.values[name] = column.joined(parts, len(outcomes))
     for group, columns in table.groups.items():
-        block.row_sizes[group], rows = _concatenated(outcomes, group, columns)
-        block.ragged |= rows
+        counts, rows = zip(*(run.ragged(group, columns) for run in runs), strict=True)
+        block.row_sizes[group] = np.concatenate(counts)
+        for name in columns:
+            block.ragged[name] = np.concatenate([some[name] for some in rows])
     return block
+
+
+@dataclass(frozen=True)
+class _Run:
+    """Outcomes that follow one another, without columns, or with the rows of the same that do so.
+
+    Attributes
+    ----------
+    outcomes : these
+    rows : which rows of the block they become
+    """
+
+    outcomes: Sequence[Outcome]
+    rows: slice
+
+    @property
+    def columns(self) -> Columns | None:
+        """The columns, if any."""
+        return self.outcomes[0].columns
+
+    @property
+    def _places(self) -> slice:
+        first = self.outcomes[0].row
+        return slice(first, first + len(self.outcomes))
+
+    @cached_property
+    def values(self) -> dict[str, Array]:
+        """Their rows of the columns."""
+        if self.columns is None:
+            return {}
+        return {name: array[self._places] for name, array in self.columns.values.items()}
+
+    def ragged(self, group: str, table: Mapping[str, _Column]) -> tuple[Array, dict[str, Array]]:
+        """How many rows of a ragged group each has, and these, one after the other."""
+        if self.columns is None or not table.keys() & self.columns.ragged.keys():
+            return _concatenated(self.outcomes, group, table)
+        lengths, places = self.columns.lengths, self._places
+        begin, end = lengths[: places.start].sum(), lengths[: places.stop].sum()
+        columns = self.columns.ragged
+        return lengths[places].astype(np.int32), {
+            name: column.converted(columns[name][begin:end]) for name, column in table.items()
+        }
+
+
+def _runs(outcomes: Sequence[Outcome]) -> Iterator[_Run]:
+    """Outcomes cut to pieces that can be taken at once."""
+
+    def piece(row: int) -> tuple[int, int]:
+        outcome = outcomes[row]
+        return (0, 0) if outcome.columns is None else (id(outcome.columns), outcome.row - row)
+
+    for _, rows in groupby(range(len(outcomes)), piece):
+        first, *rest = rows
+        place = slice(first, first + 1 + len(rest))
+        yield _Run(outcomes[place], place)
 
 
 def _concatenated(
     outcomes: Sequence[Outcome], group: str, columns: Mapping[str, _Column]
 ) -> tuple[Array, dict[str, Array]]:
-    """How many rows of a ragged group each point has, and these, one after the other."""
+    """As `_Run.ragged`, of outcomes without columns."""
     found = {
         name: [None if (rows := outcome.ragged.get(name)) is None else column.converted(rows)
                for outcome in outcomes]

@@ -216,14 +216,10 @@ class Motion:
         sticking: tuple[bool, ...] = (),
         events: int = 0,
     ) -> None:
-        self.system = system
-        self.solver = solver
-        self.frame = frame = blank_frame(system, solver, events).copy()
-        self.samples = no_samples(system)
-        self.stride = FIRST_STRIDE  # steps of a call of the driver
+        frame = blank_frame(system, solver, events).copy()
         values = system.parameter_values(parameters)
         frame.parameters[: len(values)] = values
-        self.kink = self._take_up_schedule(time) if system.setup.schedule.curves else INFINITE
+        self._take(system, solver, frame, no_samples(system), time)
         if len(state):
             vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
             frame.y[:] = vector
@@ -231,6 +227,28 @@ class Motion:
         for contact, sticks in enumerate(sticking):
             frame.kinds[contact] = STICK if sticks else frame.sliding_kinds[contact]
         self.started = self._advance(time, False, 0.0) != Stop.NO_STATE
+
+    @classmethod
+    def of_frame(
+        cls, system: System, solver: SolverSettings, frame: kernel.Run, samples: Samples
+    ) -> Motion:
+        """The motion of a frame that is set out at t = 0 and shows `samples` already."""
+        motion = cls.__new__(cls)
+        motion._take(system, solver, frame, samples, 0.0)
+        return motion
+
+    def _take(
+        self,
+        system: System,
+        solver: SolverSettings,
+        frame: kernel.Run,
+        samples: Samples,
+        time: float,
+    ) -> None:
+        self.system, self.solver, self.frame, self.samples = system, solver, frame, samples
+        self.started = True  # unless it shows otherwise
+        self.stride = FIRST_STRIDE  # steps of a call of the driver
+        self.kink = self._take_up_schedule(time) if system.setup.schedule.curves else INFINITE
 
     @property
     def y(self) -> Vector:
@@ -391,7 +409,10 @@ class Motion:
         if sections is not None or frame.section_kind != kernel.SECTION_NONE:
             self.show_section(section, *sections or self._no_sections())
         self._fill_samples(samples or no_samples(self.system))
+        return self.go_on(t_stop, measuring, phase_interval)
 
+    def go_on(self, t_stop: float, measuring: bool, phase_interval: float = 0.0) -> Stop:
+        """Go on as `run` does, with the section and the samples that are asked for already."""
         while self.kink < t_stop:
             stop = self._advance(self.kink, measuring, phase_interval)
             if stop != Stop.REACHED:
@@ -414,7 +435,7 @@ class Motion:
         """`stop`, or what it is that leaves no contact state."""
         if stop != Stop.NO_STATE:
             return stop
-        if not self.started and self._is_out_of_contact():
+        if self.n_steps == 0 and self._is_out_of_contact():
             return Stop.CONTACT_LOST
         if self._is_dependent():
             return Stop.DEPENDENT

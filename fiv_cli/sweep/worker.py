@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from fiv_cli import ending
+from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import AT_ONCE, Batch, Outcome, Request
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
@@ -41,6 +42,9 @@ from fiv_cli.sweep.requests import (
 
 EXECUTOR = "fiv_cli.analyses.execute:execute"
 EXECUTOR_OF_BLOCKS = "fiv_cli.analyses.execute:execute_all"
+
+BLOCK_SECONDS = 0.1
+"""That points which are run at once may take: no more is lost sight of."""
 
 _PR_SET_PDEATHSIG = 1
 _KEPT = (-3, 32 * 2**20), (-1, 128 * 2**20)  # M_MMAP_THRESHOLD and M_TRIM_THRESHOLD of mallopt
@@ -117,7 +121,7 @@ def run_task(task: Task) -> Result:
     with _Pulse(task) as pulse:
         if _is_run_in_blocks(task):
             outcomes = list(_run_in_blocks(task.template, batches, pulse))
-            keys = [point_key(task.template, values, None) for values, _ in _points(task)]
+            keys = [point_key(task.template, *point) for point in _points(task)]
         coming = chain.from_iterable(batches)
         for number, segment in enumerate(() if outcomes else task.segments):
             ran = list(_run_segment(task.template, segment, coming, execute, pulse))
@@ -134,8 +138,11 @@ def run_task(task: Task) -> Result:
 
 
 def _is_run_in_blocks(task: Task) -> bool:
-    """Whether all points can be run at once: no start, no limit to the time of each."""
-    return task.template.linear and task.executor == EXECUTOR and task.time_limit is None
+    """Whether points can be run at once: no chains, no limit to the time of each."""
+    begun = (task.template.entries[place] for place in {one.entry for one in task.segments})
+    alone = all(entry is None or entry.spec.kind != "continue" for entry in begun)
+    in_blocks = get_analysis(task.template.analysis).in_blocks
+    return alone and in_blocks and task.executor == EXECUTOR and task.time_limit is None
 
 
 def _points(task: Task) -> Iterator[tuple[Values, StartEntry | None]]:
@@ -162,16 +169,21 @@ def _batches(task: Task) -> Iterator[list[Request]]:
 def _run_in_blocks(
     template: Template, batches: Iterable[Sequence[Request]], pulse: _Pulse
 ) -> Iterator[Outcome]:
-    """Outcomes of points that start from nothing."""
-    execute = imported(EXECUTOR_OF_BLOCKS)
-    for block in batches:
-        ending.heed()
-        for _ in block:
-            pulse.beat()
-        try:
-            yield from _outcomes_of(template, block, execute)
-        except Exception as error:
-            yield from (_internal_error(error) for _ in block)
+    """Outcomes of points that begin on their own, as many at once as take a short time."""
+    execute, count = imported(EXECUTOR_OF_BLOCKS), 1
+    for batch in batches:
+        begin = 0
+        while block := batch[begin : begin + count]:
+            ending.heed()
+            pulse.beat(len(block))
+            begun = time.perf_counter()
+            try:
+                yield from _outcomes_of(template, block, execute)
+            except Exception as error:
+                yield from (_internal_error(error) for _ in block)
+            begin += len(block)
+            share = BLOCK_SECONDS / (time.perf_counter() - begun)
+            count = max(1, min(AT_ONCE, int(share * len(block))))
 
 
 def _outcomes_of(
@@ -282,7 +294,7 @@ def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
     if options == template.options:
         return outcome
     variables = variables_of(request.analysis, model, template.options, request.settings)
-    return on_all_states(outcome, model, options, template.options, variables)
+    return on_all_states(outcome.whole(), model, options, template.options, variables)
 
 
 def imported(path: str) -> Callable[..., Any]:
@@ -302,7 +314,7 @@ class _Pulse:
 
     def __init__(self, task: Task) -> None:
         self.longest = (0, 0.0)
-        self._row, self._since = -1, time.perf_counter()
+        self._row, self._rows, self._since = -1, 1, time.perf_counter()
         self._path = task.heartbeat
         self._limit = task.time_limit
         self._file = -1
@@ -322,13 +334,13 @@ class _Pulse:
         if self._limit is not None:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
 
-    def beat(self) -> None:
-        """A new row begins.
+    def beat(self, rows: int = 1) -> None:
+        """A new row begins, or several at once.
 
         SIGALRM keeps its default action, which ends the process even inside compiled code.
         """
         self._take_time()
-        self._row += 1
+        self._row, self._rows = self._row + rows, rows
         if self._file >= 0:
             with contextlib.suppress(OSError):
                 os.pwrite(self._file, self._row.to_bytes(8, "little"), 0)
@@ -341,8 +353,9 @@ class _Pulse:
     def _take_time(self) -> None:
         """Of the row that has just ended."""
         begun, self._since = self._since, time.perf_counter()
-        if self._since - begun > self.longest[1] and self._row >= 0:
-            self.longest = (self._row, self._since - begun)
+        seconds = (self._since - begun) / self._rows
+        if seconds > self.longest[1] and self._row >= 0:
+            self.longest = (self._row, seconds)
 
 
 def last_beat(heartbeat: Path) -> tuple[int, float] | None:

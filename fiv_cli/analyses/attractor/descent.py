@@ -235,7 +235,7 @@ class Descent:
         slide.show("coefficients", sliding.coefficients)
         slide.field = int(sliding.system.tables.field[sliding.index])
         slide.rounding, slide.slowest = float(target.rounding), float(target.slowest)
-        slide.is_bounded, slide.period = int(target.is_bounded), target.period
+        slide.is_bounded, slide.period = int(target.is_bounded), float(target.period)
         slide.bent = self.bent
         return slide
 

@@ -51,6 +51,9 @@ class LevelSet:
         SAMPLES, n_free)
     straight : rates of their modal amplitudes where sliding is linear, likewise
     shape_sizes : weighted sizes of their modal amplitudes; shape (..., SAMPLES)
+    slowest : rate of the slowest decay, 1/s; shape (...)
+    period : the longest natural period; the slowest decay time where nothing oscillates, s
+    rounding : weighted amplitude below which rounding of the rates passes for their nonlinear part
     asked, answer : a state whose `margin` is known
     """
 
@@ -65,6 +68,9 @@ class LevelSet:
     shapes: Real
     straight: Complex
     shape_sizes: Vector
+    slowest: Vector
+    period: Vector
+    rounding: Vector
     asked: Vector
     answer: Vector
 
@@ -72,19 +78,6 @@ class LevelSet:
     def free(self) -> NDArray[np.intp]:
         """Places of the states that no rigid contact determines."""
         return free_states(self.sliding.system)
-
-    @cached_property
-    def period(self) -> float:
-        """The longest natural period; the slowest decay time where nothing oscillates, s."""
-        turning = np.abs(self.eigenvalues.imag)
-        turning = turning[turning > 0.0]
-        return float(2 * np.pi / np.min(turning)) if len(turning) else 1.0 / float(self.slowest)
-
-    @cached_property
-    def slowest(self) -> Vector:
-        """Rate of the slowest decay, 1/s."""
-        falling = np.where(self.eigenvalues == 0.0, -np.inf, self.eigenvalues.real)
-        return np.asarray(-np.max(falling, axis=-1))
 
     @property
     def keeps(self) -> bool:
@@ -129,14 +122,6 @@ class LevelSet:
         bent = np.abs(self.inverse @ rates - reach[..., None] * straight)
         norms = np.linalg.norm(self.weights[..., None] * bent, axis=-2)
         return np.asarray(np.max(norms / (reach * self.shape_sizes), axis=-1) / self.slowest)
-
-    @cached_property
-    def rounding(self) -> Vector:
-        """Weighted amplitude below which rounding of the rates passes for their nonlinear part."""
-        whole = np.abs(_times(self.inverse, self.equilibrium[..., self.free]))
-        fastest = np.max(np.abs(self.eigenvalues), axis=-1)
-        found = ROUNDING * np.sum(self.weights * whole, axis=-1) * fastest / self.slowest
-        return np.asarray(np.maximum(found, np.finfo(float).tiny))
 
     def margins(self, states: NDArray[np.float64]) -> Vector:
         """1 - V/c where sliding from a state is linear and meets nothing; NaN where it is not."""
@@ -212,10 +197,20 @@ def level_sets(
     shapes = _shapes(vectors, inverses, weights)
     modal = shapes @ inverses.swapaxes(-1, -2)
     sizes = np.linalg.norm(weights[:, None] * np.abs(modal), axis=-1)
+    slowest = -np.max(np.where(values == 0.0, -np.inf, values.real), axis=-1)
+    whole = np.abs(_times(inverses, equilibria[rows][:, free_states(sliding.system)]))
+    rounding = ROUNDING * np.sum(weights * whole, axis=-1) * speeds[rows] / slowest
     return rows, LevelSet(
         sliding[rows], equilibria[rows], numbers[rows], values, vectors, inverses, shares,
-        weights, shapes, values[:, None] * modal, sizes, unknown[:, None], unknown,
+        weights, shapes, values[:, None] * modal, sizes, slowest, _periods(values, slowest),
+        np.maximum(rounding, np.finfo(float).tiny), unknown[:, None], unknown,
     )  # fmt: skip
+
+
+def _periods(values: Complex, slowest: Vector) -> Vector:
+    turning = np.abs(values.imag)
+    least = np.min(turning, axis=-1, where=turning > 0.0, initial=np.inf)
+    return np.where(least < np.inf, 2 * np.pi / least, 1.0 / slowest)
 
 
 def _weights(shares: Real) -> Vector:

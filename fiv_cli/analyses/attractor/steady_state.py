@@ -329,13 +329,15 @@ class _Response:
         watch.until, watch.is_measuring, watch.is_paced = until, measuring, is_paced
         watch.nearness, watch.waiting_until = self.nearness, self.waiting_until
         watch.early, watch.early_steps = [*EARLY, 0.0][self.n_early], steps
+        watch.rest_tells = 1
         watch.offset = section.phase / (2 * np.pi) * watch.interval
         self.motion.show_section(section, watch.times, watch.points, watch.works)
         stop = self.motion.drive(partial(FOLLOW.function, watch.address))
         self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
         if self._has_stuck():
             return None
-        return self._rest() or (self._cycle(section) if watch.has_new else None)
+        rests = self._rest() if watch.rest_tells or self.excitation is not None else None
+        return rests or (self._cycle(section) if watch.has_new else None)
 
     def _has_stuck(self) -> bool:
         """Whether a motion that is followed as long as it slides has stuck."""

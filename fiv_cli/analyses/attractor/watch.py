@@ -107,6 +107,7 @@ class Watch(Frame):
     last_point: float
     last_event: float
     has_waited: int
+    rest_tells: int  # whether the last look may tell of rest
     ends_in_stick: FixedInt
 
 
@@ -317,8 +318,8 @@ def follow(watch: Watch, run: Run) -> int:
         end_look(watch, run)
         if code > SECTION_FULL or has_stuck(watch, run):
             return code
-        tells = may_rest(watch, run)
-        tells = repeats(watch, run) or tells
+        watch.rest_tells = 1 if may_rest(watch, run) else 0
+        tells = repeats(watch, run) or watch.rest_tells == 1
         if waits(watch, run) or tells:
             return code
 

@@ -89,6 +89,7 @@ ANALYSIS = Analysis(
     ),
     variables,
     Later("fiv_cli.analyses.motion.recording:record"),
+    in_blocks=True,
     varying=True,
     recorded=True,
     single=True,

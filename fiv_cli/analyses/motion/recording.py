@@ -1,73 +1,65 @@
-"""A motion sampled in time, with its event ledger and energy balance."""
+"""Motions sampled in time, with their event ledgers and energy balances."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.base import Outcome, Request, Settings
-from fiv_cli.analyses.common import (
-    balance,
-    impacts,
-    initial_state,
-    rest_of,
-    start_motion,
-    stopped,
-    trust,
-)
+from fiv_cli.analyses.base import Columns, Outcome, Request, Settings
+from fiv_cli.analyses.common import Balance, beginning, rest_of, start_motion, stopped
 from fiv_cli.analyses.rest.surface import Place, weights
-from fiv_cli.codegen.codes import CODE_PIECE
-from fiv_cli.dynamics.motion import Ledger, Motion, Samples, samples_at
+from fiv_cli.codegen.codes import CODE_PIECE, ENERGY_OUTPUTS, PER_CONTACT
+from fiv_cli.dynamics.motion import Motion, Stop
+from fiv_cli.dynamics.recorder import Beginning, Recorder
 from fiv_cli.dynamics.system import System, Vector
 from fiv_cli.flags import CONTACT_EVENT
 from fiv_cli.friction.base import STORED
 
 DEFAULT_SAMPLES = 2000
-LEDGER_ROWS = 4096  # first size of the ledger; it grows as events come
+
+Curves = dict[str, NDArray[Any]]
 
 
-def record(system: System, request: Request) -> Outcome:
+def record(system: System, requests: Sequence[Request]) -> list[Outcome]:
     """States, contact forces and energies at the sample times, and every event.
 
     On discs also the displacement w at the points asked for.
     """
-    room = LEDGER_ROWS + system.n_contacts  # several at one instant
-    motion, settings = begun(system, request, room), request.settings
-    if isinstance(motion, Outcome):
-        return motion
-    times = sample_times(settings)
-    samples = samples_at(system, times)
-    initial, energy_before = initial_state(motion), motion.energy()
-    stored_before = motion.stored_energy()
-    motion.start_measuring()
-    ledger, end = _run_with_ledger(motion, float(times[-1]), samples)
-    outcome = end or Outcome()
-    outcome.values |= {"time": times, **_curves(system, samples), **varying_at(system, times)}
-    if settings["points"]:
-        outcome.values |= _surface(system, request.parameters, outcome.values, settings["points"])
-    codes = _codes_of_events(system)
-    outcome.values |= initial | trust(motion) | impacts(motion)
-    outcome.values |= _works(motion, energy_before, stored_before)
-    outcome.ragged |= {
-        "event_time": ledger.times,
-        "event_from": codes[ledger.before],
-        "event_to": codes[ledger.after],
-        "event_contact": ledger.contacts + 1,
-        "event_residual": ledger.residuals,
+    found = [_beginning(system, request) for request in requests]
+    begun = [one for one in found if not isinstance(one, Outcome)]
+    recorded = iter(_recorded(system, requests[0], begun) if begun else ())
+    return [one if isinstance(one, Outcome) else next(recorded) for one in found]
+
+
+def _recorded(system: System, request: Request, begun: Sequence[Beginning]) -> list[Outcome]:
+    """The motions of points; a failure where one went on to its end and its energies are none."""
+    times, places = sample_times(request.settings), request.settings["points"]
+    recorder = Recorder(system, request.solver, begun, times)
+    stops = recorder.run()
+    curves = _curves(system, recorder)
+    values = curves | {
+        name: np.broadcast_to(curve, (len(begun), len(times)))
+        for name, curve in {"time": times, **varying_at(system, times)}.items()
     }
+    if places:
+        values |= _surfaces(system, [one.parameters for one in begun], recorder.states, places)
+    values |= _told(system, recorder) | _works(system, recorder, curves)
+    columns = Columns(values, _events(system, recorder), recorder.lengths)
+    residuals = values["energy_residual"]
+    return [_outcome(stop, residuals[row], columns, row) for row, stop in enumerate(stops)]
+
+
+def _outcome(stop: Stop, residual: float, columns: Columns, row: int) -> Outcome:
+    if stop == Stop.REACHED and np.isnan(residual):
+        message = "energy_residual is no number"
+        return Outcome(status="failed", reason="no_number", message=message)
+    outcome = stopped(stop) or Outcome()
+    outcome.columns, outcome.row = columns, row
     return outcome
-
-
-@cache
-def _codes_of_events(system: System) -> NDArray[np.int64]:
-    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of laws."""
-    words = system.pieces.events
-    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)])
 
 
 def sample_times(settings: Settings) -> Vector:
@@ -82,67 +74,68 @@ def sample_times(settings: Settings) -> Vector:
     return times if reached else np.append(times, t_end)
 
 
-def begun(system: System, request: Request, events: int = 0) -> Motion | Outcome:
-    """The motion from the start; an equilibrium is looked for only where it needs one.
+def begun(system: System, request: Request) -> Motion | Outcome:
+    """The motion from the start; an equilibrium is looked for only where it needs one."""
+    return start_motion(system, request, _equilibrium(system, request))
 
-    `events` : room for a ledger that is kept from the start
-    """
+
+def _beginning(system: System, request: Request) -> Beginning | Outcome:
+    return beginning(system, request, _equilibrium(system, request))
+
+
+def _equilibrium(system: System, request: Request) -> Vector | None:
+    """The equilibrium that a start may need; None where there is none, or it needs none."""
     assert request.start is not None
-    given = request.start.kind == "state"
-    solutions = [] if given else rest_of(system, request)[1]
-    return start_motion(system, request, solutions[0] if solutions else None, events)
+    solutions = [] if request.start.kind == "state" else rest_of(system, request)[1]
+    return solutions[0] if solutions else None
 
 
-def _run_with_ledger(
-    motion: Motion, t_end: float, samples: Samples
-) -> tuple[Ledger, Outcome | None]:
-    """Run to `t_end`, stopping whenever the ledger is full to go on with an empty one."""
-    pages: list[Ledger] = []
-    budget = motion.frame.max_events
-    while True:
-        motion.frame.n_ledger = 0
-        motion.frame.max_events = min(budget, motion.n_events + LEDGER_ROWS)
-        stop = motion.run(t_end, samples=samples, measuring=True)
-        pages.append(motion.ledger)
-        page_full = stop == stop.EVENT_BUDGET and motion.n_events < budget
-        if not page_full:
-            return Ledger(*map(np.concatenate, zip(*pages, strict=True))), stopped(stop)
-        pages[-1] = deepcopy(pages[-1])  # the next page has the same room
-
-
-def _curves(system: System, samples: Samples) -> dict[str, NDArray[Any]]:
+# --- columns -------------------------------------------------------------------------------------
+def _curves(system: System, recorder: Recorder) -> Curves:
     """Everything over time; NaN after the end of a motion that stopped early."""
-    samples.states[samples.count :] = samples.outputs[samples.count :] = np.nan
-    samples.codes[samples.count :] = -1
-    curves: dict[str, NDArray[Any]] = dict(zip(system.motions, samples.states.T, strict=False))
-    curves |= _internal(system, samples)
-    curves["F_N"] = _contact_rows(samples.forces[:, :, 0])
-    curves["F_T"] = _contact_rows(samples.forces[:, :, 1])
-    return {**curves, **samples.energies, "contact_state": _contact_rows(samples.codes)}
+    contacts, outputs = system.n_contacts, recorder.outputs
+    of_contacts = outputs[:, : PER_CONTACT * contacts]
+    energies, stored = outputs[:, -len(ENERGY_OUTPUTS) :], outputs[:, PER_CONTACT * contacts :]
+    stored = stored[:, : system.generated.n_stored]
+    curves = {name: recorder.states[:, place] for place, name in enumerate(system.motions)}
+    curves |= _internal(system, recorder.states)
+    if system.generated.n_stored:
+        curves[STORED.name] = _of_contacts(stored)
+    curves["F_N"] = _of_contacts(of_contacts[:, ::PER_CONTACT])
+    curves["F_T"] = _of_contacts(of_contacts[:, 1::PER_CONTACT])
+    curves |= {name: energies[:, place] for place, name in enumerate(ENERGY_OUTPUTS)}
+    return curves | {"contact_state": _of_contacts(recorder.codes)}
 
 
-def _internal(system: System, samples: Samples) -> dict[str, NDArray[np.float64]]:
-    """The states of the friction law over time, and what it has stored."""
+def _internal(system: System, states: NDArray[np.float64]) -> Curves:
+    """The states of the friction law over time."""
     found, several = {}, system.n_contacts > 1
     for state in system.setup.law.states:
         names = [f"{state.name}_{contact + 1}" for contact in range(system.n_contacts)]
         places = [system.places.get(name) for name in (names if several else [state.name])]
-        none = np.full(len(samples.times), np.nan)  # of a contact with a law of its own
-        rows = [none if place is None else samples.states[:, place] for place in places]
-        found[state.name] = _contact_rows(np.column_stack(rows))
-    return found | ({STORED.name: _contact_rows(samples.stored)} if samples.stored.size else {})
+        none = np.full(states.shape[::2], np.nan)  # of a contact with a law of its own
+        rows = [none if place is None else states[:, place] for place in places]
+        found[state.name] = _of_contacts(np.stack(rows, axis=1))
+    return found
 
 
-def _surface(
+def _of_contacts(values: NDArray[Any]) -> NDArray[Any]:
+    """(motion, contact, time), or (motion, time) on models with one contact."""
+    return values[:, 0] if values.shape[1] == 1 else values
+
+
+def _surfaces(
     system: System,
-    parameters: Mapping[str, float],
-    curves: Mapping[str, object],
+    parameters: Sequence[Mapping[str, float]],
+    states: NDArray[np.float64],
     places: Sequence[Place],
-) -> dict[str, NDArray[np.float64]]:
-    """w over (place, time), and where the places are."""
-    coordinates = np.array([curves[name] for name in system.coordinates])
-    radius, angle = np.array(places, float).T
-    w = weights(system, parameters, places) @ coordinates
+) -> Curves:
+    """w over (motion, place, time), and where the places are."""
+    weighed = np.array([weights(system, one, places) for one in parameters])
+    radius, angle = np.broadcast_to(
+        np.array(places, float).T[:, None], (2, len(states), len(places))
+    )
+    w = weighed @ states[:, : len(system.coordinates)]
     return {"w": w, "point_radius": radius, "point_angle": angle}
 
 
@@ -154,22 +147,49 @@ def varying_at(system: System, times: Vector) -> dict[str, Vector]:
     }
 
 
-def _contact_rows(values: NDArray[Any]) -> NDArray[Any]:
-    """(contact, time), or (time,) on models with one contact."""
-    return values[:, 0] if values.shape[1] == 1 else values.T
+def _told(system: System, recorder: Recorder) -> Curves:
+    """What each motion says of itself."""
+    names = ["n_steps", "n_events"]
+    if system.setup.model.stops:
+        names += ["n_impacts", "n_accumulations"]
+    return {name: recorder.told(name) for name in names}
 
 
-def _works(motion: Motion, energy_before: float, stored_before: float) -> dict[str, float]:
-    found, excited = balance(motion, energy_before), motion.frame.works.tolist()
-    named = (f"{name}_work" for name in motion.system.setup.model.powers)
-    works = dict(zip(named, excited, strict=True))
-    if motion.system.generated.n_stored:
-        stored = motion.stored_energy() - stored_before
-        works["friction_loss"] = found.drive - found.friction - stored
-    return works | {
-        "energy_residual": found.residual,
-        "friction_work": found.friction,
-        "drive_work": found.drive,
-        "other_work": found.other,
-        "impact_loss": found.impact,
+def _works(system: System, recorder: Recorder, curves: Curves) -> Curves:
+    """The energy balance of each motion, from its first sample on, and where that begins."""
+    after, stored_after = recorder.energies()
+    has_begun, first = recorder.told("n_sampled") > 0, {n: c[..., 0] for n, c in curves.items()}
+    motions = recorder.own("y")[:, : len(system.motions)]
+    initial = np.column_stack([first[name] for name in system.motions])
+    before = np.where(has_begun, first["kinetic_energy"] + first["potential_energy"], after)
+    names = ("other_work", "friction_work", "drive_work", "impact_loss")
+    works = {name: recorder.told(name) for name in names}
+    balances = zip(before, after, *works.values(), strict=True)
+    works["energy_residual"] = np.array([Balance(*map(float, one)).residual for one in balances])
+    works["initial_state"] = np.where(has_begun[:, None], initial, motions)
+    for name, work in zip(system.setup.model.powers, recorder.works.T, strict=True):
+        works[f"{name}_work"] = work
+    if system.generated.n_stored:
+        stored = first[STORED.name].reshape(len(after), -1).sum(axis=1)
+        gained = np.where(has_begun, stored_after - stored, 0.0)
+        works["friction_loss"] = works["drive_work"] - works["friction_work"] - gained
+    return works
+
+
+def _events(system: System, recorder: Recorder) -> Curves:
+    """The ledger of all motions."""
+    ledger, codes = recorder.ledger, _codes_of_events(system)
+    return {
+        "event_time": ledger.times,
+        "event_from": codes[ledger.before],
+        "event_to": codes[ledger.after],
+        "event_contact": ledger.contacts + 1,
+        "event_residual": ledger.residuals,
     }
+
+
+@cache
+def _codes_of_events(system: System) -> NDArray[np.int64]:
+    """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of laws."""
+    words = system.pieces.events
+    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)])

@@ -76,7 +76,8 @@ def characteristic(setup: Setup, request: Request) -> Outcome:
         settings={**sampled, "points": ()},
         start=Start("stated", "state", state),
     )
-    outcome = record(system, alone)
+    (recorded,) = record(system, [alone])
+    outcome = recorded.whole()
     kept = [*(one.name for one in OF_RECORDED), *(state.name for state in law.inner)]
     outcome.values = {name: outcome.values[name] for name in kept}
     outcome.values |= {

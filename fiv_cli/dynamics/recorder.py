@@ -1,0 +1,183 @@
+"""Motions of one system recorded side by side: samples, events, works.
+
+The frame of each is a row of one block, and so is what is sampled of it: columns of answers are
+parts of a few arrays. The ledger is that of all, one motion behind the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fiv_cli import ending
+from fiv_cli.codegen.codes import KINETIC, POTENTIAL, STICK
+from fiv_cli.codegen.memory import DTYPES, Array, address_of
+from fiv_cli.dynamics.arrays import blank_frame, ledger_of, sample_width
+from fiv_cli.dynamics.compiled import DRIVER
+from fiv_cli.dynamics.kernel import Run
+from fiv_cli.dynamics.motion import STOPS, Ledger, Motion, Samples, Stop
+from fiv_cli.dynamics.settings import SolverSettings
+from fiv_cli.dynamics.system import System, Vector
+
+LEDGER_ROWS = 2**15  # events that a page of the ledger holds
+
+EVENTS, MOST_EVENTS, BOOKED = (
+    Run.fields[name].place for name in ("n_events", "max_events", "n_ledger")
+)
+
+
+class Beginning(NamedTuple):
+    """Where a motion begins, at t = 0.
+
+    Attributes
+    ----------
+    parameters : every parameter, SI
+    state : shape (n_states,)
+    sticking : contacts that stick from the start; none given: as the state says
+    """
+
+    parameters: Mapping[str, float]
+    state: Vector
+    sticking: tuple[bool, ...] = ()
+
+
+class Recorder:
+    """Motions of a system, sampled at the same times.
+
+    Attributes
+    ----------
+    states, outputs, codes : as of `Samples`; shape (motions, numbers of a sample, times)
+    works : of each excitation, J; shape (motions, excitations)
+    lengths : events of each motion, which lie one after the other in `ledger`
+    """
+
+    def __init__(
+        self, system: System, solver: SolverSettings, begun: Sequence[Beginning], times: Vector
+    ) -> None:
+        self.system, self.solver, self.times = system, solver, times
+        self._blank, count, contacts = blank_frame(system, solver), len(begun), system.n_contacts
+        self._words = np.tile(self._blank.words, (count, 1))
+        self.states = np.zeros((count, len(system.state_names), len(times)))
+        self.outputs = np.zeros((count, sample_width(system), len(times)))
+        self.codes = np.zeros((count, contacts, len(times)), np.int64)
+        self.works = np.zeros((count, len(system.setup.model.powers)))
+        self._page = ledger_of(LEDGER_ROWS + contacts)  # several change at one instant
+        self._pages: list[list[Array]] = []
+        self._booked, self.lengths = 0, np.zeros(count, np.int64)
+        self._begin(begun)
+        for name in ("states", "outputs", "codes"):
+            self._show_rows(f"sample_{name}", getattr(self, name))
+        self._show_rows("works", self.works)
+        for name, array in {"sample_times": times, **self._page}.items():
+            self._show(name, array)
+
+    def _begin(self, begun: Sequence[Beginning]) -> None:
+        """Set every motion out."""
+        own = [self.system.parameter_values(one.parameters) for one in begun]
+        self.own("parameters")[:, : len(own[0])] = own
+        self.own("y")[:] = [one.state for one in begun]
+        for row, one in enumerate(begun):
+            if one.sticking:
+                self.own("kinds")[row] = np.where(one.sticking, STICK, self._blank.sliding_kinds)
+
+    def own(self, name: str) -> Array:
+        """An array of every frame's own, as a row of each; shape (motions, ...)."""
+        part = self._blank.parts[name]
+        return self._words.view(getattr(self._blank, name).dtype)[:, part]
+
+    def _show(self, name: str, array: Array) -> None:
+        """Show every motion an array."""
+        place = Run.fields[name].place
+        self._words[:, place] = address_of(array)
+        self._words[:, place + 1 : place + 1 + array.ndim] = array.shape
+
+    def _show_rows(self, name: str, rows: Array) -> None:
+        """Show each motion its row of an array."""
+        self._show(name, rows[0])
+        self._words[:, Run.fields[name].place] += rows.strides[0] * np.arange(len(rows))
+
+    # --- going on ---------------------------------------------------------------------------------
+    def run(self) -> list[Stop]:
+        """Take every motion to the last of the times; why each stopped.
+
+        What is not reached holds no numbers.
+        """
+        varies = bool(self.system.setup.schedule.curves)
+        stops = [
+            self._run(row, self._motion(row) if varies else None) for row in range(len(self._words))
+        ]
+        self._turn_page()
+        count = self.told("n_sampled")
+        for row in np.flatnonzero(count < len(self.times)):
+            self.states[row, :, count[row] :] = self.outputs[row, :, count[row] :] = np.nan
+            self.codes[row, :, count[row] :] = -1
+        return stops
+
+    def _run(self, row: int, motion: Motion | None) -> Stop:
+        words, budget, stop = self._words[row], self.solver.max_events, Stop.EVENT_BUDGET
+        ending.heed()
+        while stop == Stop.EVENT_BUDGET:
+            begun = words[BOOKED] = self._booked
+            words[MOST_EVENTS] = min(budget, words.item(EVENTS) + LEDGER_ROWS - begun)
+            stop = self._go_on(row, motion)
+            self._booked = words.item(BOOKED)
+            self.lengths[row] += self._booked - begun
+            if stop == Stop.EVENT_BUDGET:
+                if words.item(EVENTS) >= budget:
+                    break
+                self._turn_page()
+        return stop
+
+    def _go_on(self, row: int, motion: Motion | None) -> Stop:
+        until = self.times.item(-1)
+        if motion is None:
+            address = self._words.ctypes.data + row * self._words.strides[0]
+            stop = STOPS[DRIVER.function(address, until, 0.0, True)]
+            if stop not in (Stop.NO_STATE, Stop.STEP_BUDGET):
+                return stop
+            motion = self._motion(row)
+            if stop == Stop.NO_STATE:
+                return motion.explained(stop)
+        return motion.go_on(until, True)
+
+    def _motion(self, row: int) -> Motion:
+        """A motion by itself."""
+        frame = Run(self._words[row], self._blank.parts, self._blank.shown)
+        told = self.states[row].T, self.outputs[row].T, self.codes[row].T
+        return Motion.of_frame(self.system, self.solver, frame, Samples(self.times, *told))
+
+    def _turn_page(self) -> None:
+        """Put aside what the ledger holds."""
+        self._pages.append([array[: self._booked].copy() for array in self._page.values()])
+        self._booked = 0
+
+    # --- what came of it --------------------------------------------------------------------------
+    @property
+    def ledger(self) -> Ledger:
+        """Events of all motions, one after the other."""
+        pages = map(np.concatenate, zip(*self._pages, strict=True))
+        found = dict(zip(self._page, pages, strict=True))
+        return Ledger(**{name.removeprefix("ledger_"): array for name, array in found.items()})
+
+    def told(self, name: str) -> Array:
+        """A number of every frame; shape (motions,)."""
+        field = Run.fields[name]
+        return self._words.view(DTYPES[field.kind.element])[:, field.place].copy()
+
+    def energies(self) -> tuple[Vector, Vector]:
+        """Kinetic and potential energy at the end, and what friction has stored in all contacts, J.
+
+        Shape (motions,) each; NaN where no contact state holds.
+        """
+        kinds, found = self.own("kinds"), np.full((2, len(self._words)), np.nan)
+        ends = np.column_stack([kinds @ 3 ** np.arange(kinds.shape[1]), self.told("time")])
+        for end in np.unique(ends, axis=0):
+            rows, index = (ends == end).all(axis=1), int(end[0])
+            if self.system.tables.field[index]:
+                own = self.own("coefficients")[rows], float(end[1]), self.own("y")[rows]
+                there = self.system.field(index, *own)
+                found[0, rows] = there.energies[:, KINETIC] + there.energies[:, POTENTIAL]
+                found[1, rows] = there.stored.sum(axis=1)
+        return found[0], found[1]
