@@ -168,10 +168,8 @@ def write_motion(
     if stored and MARK not in stored:
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
     if stored:
-        other = (
-            "" if stored["fingerprint"] == identity else " of another case, or of this one before"
-        )
-        announce(f"{path}: its motion at {stored[MARK]}{other} is replaced")
+        other = "" if stored["fingerprint"] == identity else " (another case, or this one before)"
+        announce(f"{path}: the motion at {stored[MARK]}{other} that it holds is replaced")
     dataset, outcome = run_motion(point, settings, announce, steady=steady)
     attributes = provenance(point.case, identity)
     place = [f"{name}={value}" for name, value in point.place.items()]
