@@ -74,7 +74,8 @@ def command(
     \b
     Examples:
       fiv history configs/ch7/fig_7_06_reached.toml --at Omega=2,N0=30 --t-end 20
-      fiv history a.toml --at mu_k=0.3 --periods 3 --settled -o motion.nc
+      fiv history configs/ch7/fig_7_06_reached.toml --at Omega=2,N0=30 --periods 3 --settled -o m.nc
+      fiv plot m.nc --figure phase
     """
     from fiv_cli import api
     from fiv_cli.sweep.motion import find_point, motion_settings, steady_part, write_motion

@@ -35,15 +35,14 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
 
     For one model: its parameters with symbol, unit, default, range and the equation that
     introduces them, its states and options, the friction laws it takes, and its equations. Of a
-    table of measured friction: what was read.
+    table of measured friction, `fiv models FILE.csv`: what was read.
 
     \b
     Examples:
       fiv models
-      fiv models pin-on-disc
+      fiv models pin-on-disc    # then: fiv new pin-on-disc
       fiv models --laws
-      fiv models stribeck
-      fiv models pad.csv
+      fiv models stribeck       # then: fiv plot --law stribeck
     """
     from fiv_cli.friction import all_laws
     from fiv_cli.models import all_models

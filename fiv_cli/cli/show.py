@@ -21,8 +21,9 @@ def command(file: Path, as_json: bool) -> None:
     each measure of trust with the point where it occurs.
 
     \b
-    Example:
-      fiv show runs/fig_7_06_reached.nc
+    Examples:
+      fiv new pin-on-disc > a.toml && fiv run a.toml && fiv show runs/a.nc
+      fiv show runs/a.nc --json
     """
     from fiv_cli.reading.datasets import read_analyses
     from fiv_cli.reading.summary import lines, summarise

@@ -92,8 +92,8 @@ def command(
 
     \b
     Examples:
-      fiv status configs/ch7/fig_7_06_reached.toml
-      fiv status a.toml --set grid.mu_k=[0.3] --json
+      fiv new pin-on-disc > a.toml && fiv status a.toml
+      fiv status a.toml --set model.parameters.N0=20 -o lighter.nc --json
       while fiv run a.toml --max-points 1000; [ $? = 8 ]; do fiv status a.toml; done
     """
     standing = _standing(case, output, overrides)
