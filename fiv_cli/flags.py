@@ -89,7 +89,9 @@ REASONS: tuple[Reason, ...] = (
     Reason("contact_lost", "the normal force reached zero, where this model ends"),
     Reason(
         "no_consistent_state",
-        "no contact state agrees with the forces (a Painlevé paradox): lower mu, or move the start",
+        "no contact state agrees with the forces. Where friction changes the load it is a Painlevé "
+        "paradox: lower mu, or move the start. Under a law with states slip that begins may lie "
+        "within the error of a step: lower solver.rtol",
     ),
     Reason(
         "neutral_oscillation",

@@ -104,8 +104,9 @@ def command(
     process of its own). Workers may come, go and die; one that would give other bits is refused.
     Without a scheduler, --shard runs a part, and `fiv assemble` joins them.
 
-    Exit code: 0 where every point has its answer, 8 where --max-points left some to run, 4 where
-    some failed or ran out of budget.
+    Exit code: 0 where every point has its answer (`undecided`, by t_max or else, is one, and is
+    told), 8 where --max-points left some to run, 4 where some failed or used up max_events or
+    max_steps.
 
     \b
     Examples:
