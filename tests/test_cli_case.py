@@ -25,11 +25,12 @@ from fiv_cli.analyses.catalogue import possible_variables
 from fiv_cli.case.load import parse_case
 from fiv_cli.case.schema import case_schema
 from fiv_cli.case.template import case_template
-from fiv_cli.cli.common import plain_table, print_table
+from fiv_cli.cli.common import print_table
 from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.errors import LockedError
 from fiv_cli.friction import all_laws, get_law
 from fiv_cli.models import all_models
+from fiv_cli.notation.tables import plain_table
 from fiv_cli.sweep.plan import make_plan
 
 ENTRY = "import sys; from fiv_cli.cli.main import main; sys.argv[0] = 'fiv'; main()"

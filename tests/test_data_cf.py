@@ -81,6 +81,9 @@ def broken_rules(file: netCDF4.Dataset) -> Iterator[str]:
         named += attributes.get("coordinates", "").split()
         if not {*named} <= {*file.variables}:
             yield f"{name}: names {named}"
+        since = " since " in attributes.get("units", "")
+        if since != (attributes.get("standard_name") == "time" or "axis" in attributes):
+            yield f"{name}: what counts from no date is no time axis (4.4)"
         if attributes.get("sample_dimension", "initial") not in {*file.dimensions, "initial"}:
             yield f"{name}: sample_dimension"
 
@@ -91,7 +94,8 @@ def test_every_kind_of_dataset_follows_the_conventions(written: Path) -> None:
 
 
 def test_a_checker_of_others_has_nothing_to_say(written: Path) -> None:
-    """But that names differ in more than their case, and that a `time` begins at a date."""
+    """But that names differ in more than their case (2.3, a recommendation), and that whatever is
+    called `time` begins at a date: by 4.4 what counts in plain seconds is none of its time axes."""
     checker = pytest.importorskip("compliance_checker.runner")
     checker.CheckSuite().load_all_available_checkers()
     report = written.with_suffix(".json")

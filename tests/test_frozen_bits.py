@@ -16,14 +16,14 @@ import pytest
 from watched import CASES, watched
 
 FROZEN = {
-    "belt": "0e9e4bb0a829f1d1",
-    "forced belt": "5a3900d116249106",
-    "belt, rk4": "d937e83f448a3b20",
-    "impacts": "fcfa91a27cfd0457",
-    "separation": "e87e9c7c5d0c87d6",
-    "sector": "6a0e5ad454e7b3f4",
-    "slider with impacts": "628a3c29741f674c",
-    "disc": "db11643bb42a7016",
+    "belt": "2378b029eee15896",
+    "forced belt": "eeccdee1eab32515",
+    "belt, rk4": "9dda300b15174c3c",
+    "impacts": "fd27609692d84972",
+    "separation": "fac3ef6c09ec1a7c",
+    "sector": "81de2f157f243185",
+    "slider with impacts": "e62a8a3731b8a2f9",
+    "disc": "ab6164ae89f6dc28",
 }
 
 

@@ -555,8 +555,13 @@ def test_lines_of_a_map_have_their_levels_written_on_them():
     for overlay in (False, True):
         ax = draw(dataset, figure("map", overlay=overlay, **levels)).axes[0]
         assert {text.get_text() for text in ax.texts} == {"0.001", "0.0002"}
-    (ax,) = draw(dataset, figure("map", variable="L_s", level=1e-3, overlay=True)).axes
-    assert not ax.texts  # the legend names the only one
+    single, said = {"variable": "L_s", "level": 1e-3}, "$L_s$ = 0.001 rad$^{2}$"
+    drawn = draw(dataset, figure("map", overlay=True, **single))
+    assert not drawn.axes[0].texts and legend_texts(drawn) == [said]
+    assert said in legend_texts(draw(dataset, figure("map", **single)))  # also of short lines
+    both = draw(data.stability_map(nx=96, ny=97), figure("map", overlay=True, **single))
+    assert legend_texts(both) == ["reached", "exists"]
+    assert both.legends[0].get_title().get_text() == said
 
 
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
@@ -1402,6 +1407,38 @@ def test_a_figure_of_a_single_point_asks_for_an_axis(tmp_path, monkeypatch, figu
     a_scan(N=(1.0,), mu_k=((), 0.3, {"units": "1"})).to_netcdf("one.nc")
     with pytest.raises(UsageError, match=r"a single point.*\n.*under \[grid\]: mu_k"):
         run(plot_command, "one.nc", *figure)
+
+
+def test_show_tells_few_points_one_by_one_each_answer_with_its_error():
+    along, changes = ("N", "crossing"), [[1.5, 2.5], [np.nan, np.nan]]
+    kinds = data.flags(
+        along, [["to_unstable", "to_stable"], ["not_computed"] * 2], ("to_stable", "to_unstable")
+    )
+    known = {
+        "status": data.statuses(("N",), ["ok", "ok"]),
+        "reason": data.flags(("N",), ["none", "no_crossing"], ("none", "no_crossing")),
+        "critical_value": (along, changes, {"units": "m s-1"}),
+        "critical_error": (along, 0.01 * np.array(changes), {"units": "m s-1"}),
+        "crossing_direction": kinds,
+    }
+    dataset = xr.Dataset(known, data.axes(N=[1.0, 2.0]), data.attributes())
+    text = summary_lines(summarise({"": dataset}))
+    row = text.index("  at each point:")
+    assert [line.split() for line in text[row + 1 : row + 5]] == [
+        ["N", "critical_value", "(m", "s-1)", "crossing_direction", "status"],
+        ["1", "1.5", "±", "0.015", "to_unstable", "ok"],
+        ["1", "2.5", "±", "0.025", "to_stable", "ok"],
+        ["2", "ok,", "no_crossing"],
+    ]
+    many = xr.concat([dataset] * 20, "N").assign_coords(N=np.arange(40.0))
+    assert "    and 16 more points" in summary_lines(summarise({"": many}))
+    single = data.bifurcation()  # of one answer at each of 92 points
+    assert summarise({"": single})["analyses"][""]["each_point"] == []
+    some = summarise({"": single.isel(Omega=[0, 45])})["analyses"][""]["each_point"]
+    assert [(one["Omega"], one["attractor"]) for one in some if one["initial"] == "near"] == [
+        (0.5, "periodic"),
+        (5.0, "equilibrium"),
+    ]
 
 
 def test_show_names_the_point_of_the_worst_value():

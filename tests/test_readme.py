@@ -135,6 +135,42 @@ def test_the_help_of_a_command_names_cases_that_there_are(name: str) -> None:
         assert list(ROOT.glob(path)), path
 
 
+def with_fiv(folder: Path) -> dict[str, str]:
+    """An environment in which a shell finds `fiv`, in the folder."""
+    (folder / "fiv").write_text(f'#!/bin/sh\nexec {sys.executable} -m fiv_cli "$@"\n')
+    (folder / "fiv").chmod(0o755)
+    return {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
+
+
+def examples(name: str) -> list[str]:
+    """The lines of a command's help that are to be typed."""
+    text = str(importlib.import_module(COMMANDS[name][0]).command.help)
+    return [line.strip() for line in re.findall(r"^ *(?:while )?fiv .*$", text, re.MULTILINE)]
+
+
+# A scheduler of another machine; every sweep, or new answers of all; what a shell's start-up does.
+NOT_HERE = ("--cluster", "--regenerate", "fiv regress --shard", "| source")
+# Where exit codes other than 0 are the answer: points are left, a difference, a claim not run.
+ANSWERS = {"--max-points 3 ": 8, "fiv diff ": 5, "fiv claims --strict": 5}
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("name", [name for name in COMMANDS if examples(name)])
+def test_the_examples_of_help_work_as_printed(name: str, tmp_path: Path) -> None:
+    """One after the other, in a folder with the cases and the sweeps."""
+    for folder in ("configs", "sweeps"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    environment = with_fiv(tmp_path)
+    for line in examples(name):
+        if line == "fiv regress" or any(words in line for words in NOT_HERE):
+            continue
+        done = subprocess.run(
+            line, shell=True, cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+        expected = next((code for part, code in ANSWERS.items() if part in line), 0)
+        assert done.returncode == expected, f"{line}\n{done.stdout}{done.stderr}"
+
+
 def test_the_analysis_that_help_shows_works() -> None:
     """On a mass that slides to and fro about its start, twice as far as where it would rest."""
     indented = re.findall(r"::\n\n((?:    .*\n|\n)+)", f"{fiv_cli.analyses.__doc__}")
@@ -158,13 +194,11 @@ def test_parts_from_batch_queues_join_to_the_dataset_of_one_run(tmp_path: Path) 
     job, rules = (
         textwrap.dedent(re.split(r":\n", part, maxsplit=1)[1]) for part in said.split("\b\n")[2:]
     )
-    (tmp_path / "fiv").write_text(f'#!/bin/sh\nexec {sys.executable} -m fiv_cli "$@"\n')
-    (tmp_path / "fiv").chmod(0o755)
     folders = {name: tmp_path / name for name in ("one", "slurm", "make")}
     for folder in folders.values():
         folder.mkdir()
         (folder / "a.toml").write_text(blocks("toml")[0])
-    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    environment = with_fiv(tmp_path)
 
     def start(name: str, *command: str, **more: str) -> None:
         subprocess.run(command, cwd=folders[name], env={**environment, **more}, check=True)

@@ -52,11 +52,13 @@ ROOTS = Compiled("roots", "float64(int64, int64, float64, float64)", FILES, decl
 @cache
 def generated(degree: int) -> tuple[int, int]:
     """Addresses of the generated functions of polynomials of this degree."""
-    lines = emit.value_and_slope("value_and_slope", degree) + emit.bernstein("bernstein", degree)
+    lines = emit.value_slope_bend("value_slope_bend", degree) + emit.bernstein("bernstein", degree)
     engine = load_text("\n".join(lines) + "\n")
     KEPT.append(engine)
-    value_and_slope, bernstein = map(engine.get_function_address, ("value_and_slope", "bernstein"))
-    return int(value_and_slope), int(bernstein)
+    value_slope_bend, bernstein = map(
+        engine.get_function_address, ("value_slope_bend", "bernstein")
+    )
+    return int(value_slope_bend), int(bernstein)
 
 
 KEPT: list[object] = []  # code whose address is in use
@@ -66,7 +68,7 @@ def first_root(coefficients: NDArray[np.float64] | list[float]) -> float:
     """`roots.first_root` of a polynomial in rising powers."""
     degree, top = len(coefficients) - 1, max(len(coefficients) - 1, 2)
     search = roots.Search.holding(roots.scratch(top), {})
-    search.order, (search.value_and_slope, search.bernstein) = top, generated(top)
+    search.order, (search.value_slope_bend, search.bernstein) = top, generated(top)
     search.polynomial[: degree + 1] = coefficients
     total, end = float(np.sum(np.abs(coefficients))), float(np.sum(coefficients))
     return ROOTS.function(search.address, degree, total, end)

@@ -6,6 +6,7 @@ import dataclasses
 import errno
 import json
 import os
+import shlex
 import threading
 from pathlib import Path
 from typing import Any
@@ -20,9 +21,10 @@ from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageE
 from fiv_cli.sweep import journal
 from fiv_cli.sweep import progress as progress_of
 from fiv_cli.sweep.lock import hold, holder
+from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Lines, Silent
-from fiv_cli.sweep.run import Summary, run_case
+from fiv_cli.sweep.run import Summary, reproduction, run_case
 from fiv_cli.sweep.scheduler import Pace
 
 HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
@@ -578,3 +580,17 @@ def test_lines_come_whether_anything_happens_or_not(monkeypatch: pytest.MonkeyPa
     progress.begin(100, 10)
     assert all(told.acquire(timeout=10.0) for _ in range(3))
     progress.end()
+
+
+def test_the_command_for_a_point_alone_says_each_thing_once() -> None:
+    given = ("model.parameters.c=0.2", "model.parameters.k=2.0")
+    overrides = ("grid.N.num=3", "grid.v=[2.0]", *given)
+    plan = make_plan(sweep_fakes.case(sweep_fakes.BELT, *overrides))
+    command = reproduction(plan, plan.analyses[0], 2)
+    words = shlex.split(command, comments=True)
+    assert words == [
+        *("fiv", "run", "fake.toml", "--set", given[0], "--set", given[1]),
+        *("--set", "grid.N=[3.0]", "--set", "grid.v=[2.0]"),
+    ]
+    (again,) = make_plan(sweep_fakes.case(sweep_fakes.BELT, *words[4::2])).analyses
+    assert [axis.values for dim in again.layout.dims for axis in dim.axes] == [(3.0,), (2.0,)]

@@ -5,7 +5,7 @@ A misspelt variable is told before anything is computed, not after.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from fiv_cli.analyses import get_analysis
@@ -66,10 +66,11 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         return
     if figure.kind == "phase" and known:
         _check_phase(figure, known, place, report)
-    for name in _named(figure) if known else ():
-        if _check(name, known, (*place, "variable"), report):
+    key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
+    for name in _named(figure.settings.get(key, [])) if known else ():
+        if _check(name, known, (*place, key), report):
             places = _places(case, held, analysis, name)
-            _check_drawn(figure, name, known, places, place, report)
+            _check_drawn(figure, name, known, places, (*place, key), report)
 
 
 def _check_phase(
@@ -110,18 +111,20 @@ def _check_drawn(
     place: Path,
     report: Report,
 ) -> None:
-    """Note what a figure of this kind cannot draw of a variable, and points that it has not."""
+    """Note what a figure of this kind cannot draw of the variable at `place`, and points that it
+    has not."""
+    table = place[:-1]
     variable, take = known[name], figure.settings.get("take")
     if take:
-        _check_taken(take, name, known, (*place, "take"), report)
+        _check_taken(take, name, known, (*table, "take"), report)
     elif variable is not None and figure.kind in RAGGED and RAGGED[figure.kind] != variable.ragged:
         wanted = "the values at a section" if RAGGED[figure.kind] else "one value at each point"
         message = f"{name!r} cannot be drawn as a {figure.kind}, which shows {wanted}"
-        report.add((*place, "variable"), message, _drawable(known, RAGGED[figure.kind]))
+        report.add(place, message, _drawable(known, RAGGED[figure.kind]))
     if places is not None and figure.kind not in OF_MOTIONS:
-        places.check(figure.settings.get("select", {}), (*place, "select"), report, near=True)
+        places.check(figure.settings.get("select", {}), (*table, "select"), report, near=True)
         if take:
-            places.check_over(take["over"], variable, (*place, "take", "over"), report)
+            places.check_over(take["over"], variable, (*table, "take", "over"), report)
 
 
 def _kinds(known: Mapping[str, Variable | None]) -> str:
@@ -167,10 +170,8 @@ def _variables(case: Case, spec: AnalysisSpec, understood: bool) -> Sequence[Var
     return (*stored, *derived(stored))
 
 
-def _named(figure: FigureSpec) -> Iterable[str]:
-    default = figure.settings.get("y", []) if figure.kind == "curve" else []
-    named = figure.settings.get("variable", default)
-    return [named] if isinstance(named, str) else named
+def _named(said: str | list[str]) -> list[str]:
+    return [said] if isinstance(said, str) else said
 
 
 def _known(

@@ -23,8 +23,8 @@ def command(case: str, output: Path | None, overrides: tuple[str, ...]) -> int:
 
     \b
     Examples:
+      fiv new pin-on-disc > a.toml
       fiv run a.toml --shard 1/2; fiv run a.toml --shard 2/2; fiv assemble a.toml
-      fiv assemble a.toml --set grid.mu_k=[0.3] -o one.nc
 
     \b
     A job array of Slurm, sbatch job.sh, then fiv assemble a.toml (no blanks before its lines):

@@ -40,7 +40,11 @@ class Verdict:
 @json_option
 @click.option("--estimate", is_flag=True, help="Run a sample to say what a run will cost.")
 @click.option(
-    "--workers", type=click.IntRange(min=1), default=2, show_default=True, help="... on so many."
+    "--workers",
+    type=click.IntRange(min=1),
+    default=2,
+    show_default=True,
+    help="Workers that the estimate is for.",
 )
 def command(
     cases: tuple[str, ...],
@@ -51,14 +55,16 @@ def command(
 ) -> int:
     """Check case files and print what `fiv run` would do with them.
 
-    Mistakes are listed in three looks at most, first all of the form, then all unknown names, then
-    all wrong values, each with its line, what is allowed and what may have been meant. Said is also
-    which friction law will cost more than 100 times the steps of Coulomb's. Nothing is
-    computed, unless an estimate of time, memory and disk is asked for: up to some twenty seconds
-    for each analysis, of which nothing is kept. The exit code is 3 when a case is invalid.
+    Prints the grid, the analyses with their numbers of points, all parameters left at their
+    defaults, and a friction law that will cost more than 100 times the steps of Coulomb's. Mistakes
+    are listed in three rounds at most, first those of form, then unknown names, then wrong values,
+    each with its line, what is allowed and what may have been meant; the exit code is then 3.
+    Nothing is computed, unless --estimate asks for time, memory and disk: it runs a sample for up
+    to some twenty seconds an analysis, and keeps nothing of it.
 
     \b
     Examples:
+      fiv new pin-on-disc > a.toml && fiv check a.toml    # then: fiv run a.toml
       fiv check configs/ch7/*.toml
       fiv check a.toml --estimate --workers 4
       fiv check a.toml --set grid.mu_k=[0.3] --set 'model.parameters.N0="30 N"'

@@ -57,8 +57,8 @@ def command(
 
     \b
     Examples:
-      fiv claims configs/ch7
-      fiv claims configs/ch7/fig_7_06_reached.toml --json
+      fiv run configs/ch7/fig_7_06_reached.toml && fiv claims configs/ch7/fig_7_06_reached.toml
+      fiv claims configs/ch7 --json
       fiv claims --strict --junit claims.xml --summary summary.md
     """
     from fiv_cli.reading.undecided import Undecided

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.tables import plain_table
 
 if TYPE_CHECKING:
     from fiv_cli.sweep.parts import Part
@@ -148,16 +149,6 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
         _print_rich(title, columns, rows)
     else:
         click.echo("\n".join([title, *plain_table(columns, rows)]))
-
-
-def plain_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of columns two blanks apart, the header first."""
-    lines = [columns, *rows]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(columns))]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in lines
-    ]
 
 
 def _print_rich(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -30,8 +30,10 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
 
     \b
     Examples:
-      fiv diff runs/a.nc runs/b.nc
-      fiv diff runs/a.nc sweeps/a/reference.nc --tolerances sweeps/a/tolerances.toml
+      fiv new pin-on-disc > a.toml && fiv run a.toml
+      fiv run a.toml --set model.parameters.N0=20 -o lighter.nc
+      fiv diff runs/a.nc lighter.nc
+      fiv diff runs/a.nc lighter.nc --tolerances sweeps/pin-reached/tolerances.toml
     """
     from fiv_cli.reading.compare import Tolerances, compare, read_tolerances
     from fiv_cli.reading.datasets import read_analyses

@@ -49,6 +49,7 @@ _WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
     "-o",
     "--output",
     type=click.Path(path_type=Path),
+    metavar="FILE.nc",
     help="Dataset to write. Default: runs/STEM-history-POINT.nc.",
 )
 @set_option
@@ -67,12 +68,14 @@ def command(
 
     The point must be on the grid of CASE; an axis with a single value may be left out. A start
     that continues from its neighbour is followed along its branch up to the point. The last state
-    is printed as a start takes it: to begin another motion there.
+    is printed as a start takes it: to begin another motion there. A motion that FILE.nc holds is
+    replaced, which is told; a sweep is left alone.
 
     \b
     Examples:
       fiv history configs/ch7/fig_7_06_reached.toml --at Omega=2,N0=30 --t-end 20
-      fiv history a.toml --at mu_k=0.3 --periods 3 --settled -o motion.nc
+      fiv history configs/ch7/fig_7_06_reached.toml --at Omega=2,N0=30 --periods 3 --settled -o m.nc
+      fiv plot m.nc --figure phase
     """
     from fiv_cli import api
     from fiv_cli.sweep.motion import find_point, motion_settings, steady_part, write_motion

@@ -35,18 +35,18 @@ def command(name: str | None, as_json: bool) -> None:
     """List the kinds of analyses, starts, figures and claims, or all settings of the kind NAME.
 
     NAME may also be a table of a case: grid, sweep, refine, friction, initial, solver, figure,
-    claim or take. Then its keys are listed, and of some how they are used. What an analysis gives,
-    and figures and claims speak of, lists `fiv variables CASE`; models and laws `fiv models`.
+    claim or take. Then its keys are listed, with an example of what is not plain. `fiv variables
+    CASE` lists what an analysis gives, which figures draw and claims speak of.
 
     \b
     Examples:
-      fiv kinds                  what there is
-      fiv kinds response         settings of the steady-state analysis
-      fiv kinds continue         ... of a start that follows its neighbour's end
-      fiv kinds grid             axes: values, units, a state of the start
-      fiv kinds friction         one law, several, measured friction
-      fiv kinds refine           more points along the borders of a map only
-      fiv kinds claim            what figures and claims can say, on one page
+      fiv kinds              # what there is
+      fiv kinds response     # settings of the steady-state analysis
+      fiv kinds continue     # ... of a start where the neighbour's motion ended
+      fiv kinds grid         # axes: values, units, a state of the start
+      fiv kinds friction     # one law, several, measured friction
+      fiv kinds refine       # more points along the borders of a map only
+      fiv kinds claim        # what figures and claims can say, on one page
     """
     from fiv_cli.case.kinds import TABLES, all_kinds, keys_in
 

@@ -34,7 +34,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "kinds": ("fiv_cli.cli.kinds", "List the kinds of analyses, starts, figures and claims."),
     "new": ("fiv_cli.cli.new", "Write a commented case file to start from."),
     "new-model": ("fiv_cli.cli.new_model", "Write a file of a model of your own to start from."),
-    "new-law": ("fiv_cli.cli.new_law", "The same of a friction law."),
+    "new-law": ("fiv_cli.cli.new_law", "Write a file of a friction law of your own to start from."),
     "schema": ("fiv_cli.cli.schema", "Print the JSON schema of case files, for editors."),
     "variables": ("fiv_cli.cli.variables", "List what the analyses of a case give."),
     "check": ("fiv_cli.cli.check", "Check case files and say what a run would do."),
@@ -69,7 +69,7 @@ OTHER_WORDS = {
 }
 
 EPILOG = """\b
-Start here:
+Start here (fiv COMMAND --help has more lines to try):
   fiv models                                        what can be computed
   fiv kinds                                         analyses, starts, figures and claims
   fiv new pin-on-disc --analysis response > a.toml  a case to start from

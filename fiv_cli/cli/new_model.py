@@ -25,7 +25,7 @@ def command(name: str, output: Path | None) -> None:
     Examples:
       fiv new-model my-belt > my_belt.py
       fiv verify --with my_belt.py
-      fiv new my-belt --with my_belt.py > a.toml && fiv run a.toml --with my_belt.py
+      fiv new my-belt --with my_belt.py > b.toml && fiv run b.toml --with my_belt.py
     """
     from fiv_cli.own.template import model_template
 

@@ -46,13 +46,13 @@ if TYPE_CHECKING:
 @click.option(
     "--loop",
     metavar="amplitude=A,omega=W,...",
-    help="Force of laws over a slip that swings, as of the analysis characteristic.",
+    help="Force of laws over a slip that swings; see fiv kinds characteristic.",
 )
 @click.option(
     "--style", default="screen", help="What figures are for: screen, paper (90 mm, Times), talk."
 )
 @click.option("--width", type=float, metavar="MM", help="Width of the whole figure.")
-@click.option("--font", metavar="NAME", help="Family of letters, one that is installed.")
+@click.option("--font", metavar="NAME", help="Font family, one that is installed.")
 @click.option(
     "--title/--no-title", "titled", default=None, help="The title above. Default: not on paper."
 )
@@ -78,9 +78,10 @@ def command(
 
     \b
     Examples:
-      fiv plot runs/fig_7_06_reached.nc
-      fiv plot runs/fig_7_02.nc --figure phase -o phase.pdf --style paper --width 84
-      fiv plot runs/damped.nc runs/undamped.nc --figure bifurcation -o both.svg
+      fiv new pin-on-disc > a.toml && fiv run a.toml && fiv plot runs/a.nc
+      fiv plot runs/a.nc --figure bifurcation -o a.pdf --style paper --width 84
+      fiv run a.toml --set model.parameters.N0=20 -o lighter.nc
+      fiv plot runs/a.nc lighter.nc --figure bifurcation -o both.svg
       fiv plot --law coulomb --law stribeck:mu_s=0.5,v_s=0.05 --speed 0.3
       fiv plot --law dahl --law lugre:sigma_1=10 --loop amplitude=1e-3,omega=5,periods=3
     """

@@ -80,7 +80,7 @@ def command(
     \b
     Examples:
       fiv regress
-      fiv regress sweeps/belt-map
+      fiv regress sweeps/pin-reached
       fiv regress --shard 2/4 --junit regress.xml --summary "$GITHUB_STEP_SUMMARY"
       fiv regress --regenerate
     """

@@ -109,10 +109,10 @@ def command(
 
     \b
     Examples:
-      fiv run configs/ch7/fig_7_06_reached.toml
-      fiv run a.toml b.toml --workers 4
-      fiv run a.toml --set grid.mu_k=[0.3] -o one.nc
-      fiv run a.toml --max-points 20          # a first look
+      fiv new pin-on-disc > a.toml && fiv run a.toml --max-points 3    # a first look
+      fiv run a.toml                          # the rest; then: fiv show runs/a.nc
+      fiv run configs/ch7/*reached.toml --workers 4
+      fiv run a.toml --set model.parameters.N0=20 -o lighter.nc
       fiv run a.toml --cluster tcp://node1:8786
       fiv run a.toml --shard 3/16             # then: fiv assemble a.toml
     """

@@ -17,11 +17,13 @@ def command(file: Path, as_json: bool) -> None:
     """Summarise the dataset FILE.nc.
 
     Says what was computed, how many points of each status and class there are, the range of
-    every variable, and the worst value of each measure of trust with the point where it occurs.
+    every variable, of few points the answers of each with their errors, and the worst value of
+    each measure of trust with the point where it occurs.
 
     \b
-    Example:
-      fiv show runs/fig_7_06_reached.nc
+    Examples:
+      fiv new pin-on-disc > a.toml && fiv run a.toml && fiv show runs/a.nc
+      fiv show runs/a.nc --json
     """
     from fiv_cli.reading.datasets import read_analyses
     from fiv_cli.reading.summary import lines, summarise

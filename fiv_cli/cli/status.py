@@ -57,7 +57,8 @@ class Standing:
         """For people."""
         left = self.counts["pending"]
         done = self.points - left
-        written = " (partial)" * (left > 0) if self.dataset_exists else " (not written yet)"
+        partial = " (of what is stored)" if self.stored_case_differs else " (partial)"
+        written = partial * (left > 0) if self.dataset_exists else " (not written yet)"
         running = [f"  process {self.running} is running it{self.pace}"] if self.running else []
         if left and done and not (running or self.running_parts):
             running = ["  nobody is running it; the same `fiv run` goes on from here"]
@@ -71,7 +72,7 @@ class Standing:
             *(f"  ignored {shard}" for shard in self.ignored_shards),
         ]
         if self.stored_case_differs:
-            lines.append("  what is stored belongs to another case:")
+            lines.append("  what is stored belongs to another case, or to this one as it was:")
         return lines + [f"    {line}" for line in self.stored_case_differs]
 
 
@@ -91,8 +92,8 @@ def command(
 
     \b
     Examples:
-      fiv status configs/ch7/fig_7_06_reached.toml
-      fiv status a.toml --set grid.mu_k=[0.3] --json
+      fiv new pin-on-disc > a.toml && fiv status a.toml
+      fiv status a.toml --set model.parameters.N0=20 -o lighter.nc --json
       while fiv run a.toml --max-points 1000; [ $? = 8 ]; do fiv status a.toml; done
     """
     standing = _standing(case, output, overrides)

@@ -25,8 +25,8 @@ def command(case: str, overrides: tuple[str, ...], as_json: bool) -> None:
 
     \b
     Examples:
-      fiv variables configs/ch7/fig_7_06_reached.toml
       fiv new pin-on-disc > a.toml && fiv variables a.toml
+      fiv variables configs/ch7/fig_7_06_reached.toml --json
     """
     from fiv_cli import api
     from fiv_cli.analyses.variables import derived

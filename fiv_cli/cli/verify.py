@@ -45,7 +45,7 @@ def command(as_json: bool, junit: Path | None, summary: Path | None) -> int:
       fiv verify
       fiv verify --json
       fiv verify --junit verify.xml
-      fiv verify --with my_model.py
+      fiv new-model my-belt > my_belt.py && fiv verify --with my_belt.py
     """
     provide_cache()
     checks = _checks(lambda message: click.echo(message, err=True))

@@ -168,23 +168,29 @@ def _sum_lines(target: str, array: str, first: int, order: int, time: str) -> li
     return [*lines, f"    {target} = even + {time} * odd"]
 
 
-def value_and_slope(name: str, degree: int) -> list[str]:
-    """Text of the function that evaluates a polynomial (its ``y``) and its derivative at ``t``.
+def value_slope_bend(name: str, degree: int) -> list[str]:
+    """Text of the function that evaluates a polynomial (its ``y``) and two derivatives at ``t``.
 
     Even and odd powers are summed apart, as in `sums`.
     """
-    top_even, top_odd = degree - degree % 2, degree - 1 + degree % 2
-    lines = [f"def {name}(c, t, y, out):", "    # value and derivative of a polynomial"]
+    lines = [f"def {name}(c, t, y, out):", "    # value and derivatives of a polynomial"]
     lines += ["    square = t * t"]
-    for part, top, last in (("even", top_even, 0), ("odd", top_odd, 1)):
-        lines += [f"    {part} = y[{top}]", f"    {part}_slope = 0.0"]
+    for part, top, last in (
+        ("even", degree - degree % 2, 0),
+        ("odd", degree - 1 + degree % 2, 1),
+    ):
+        lines += [f"    {part} = y[{top}]", f"    {part}_slope = 0.0", f"    {part}_bend = 0.0"]
         for k in range(top - 2, last - 1, -2):
+            lines.append(f"    {part}_bend = {part}_bend * square + {part}_slope")
             lines.append(f"    {part}_slope = {part}_slope * square + {part}")
             lines.append(f"    {part} = {part} * square + y[{k}]")
     return [
         *lines,
+        "    slope = even_slope + t * odd_slope",
+        "    bend = even_bend + t * odd_bend",
         "    out[0] = even + t * odd",
-        "    out[1] = odd + 2.0 * t * (even_slope + t * odd_slope)",
+        "    out[1] = odd + 2.0 * t * slope",
+        "    out[2] = 2.0 * slope + 4.0 * t * odd_slope + 8.0 * square * bend",
     ]
 
 
@@ -267,6 +273,11 @@ def _weighted(weight: Node, text: str, coefficients: Coefficients) -> str:
     if factor == "-1.0":
         return f"-{text}"
     return f"{factor} * {text}"
+
+
+def _times(factor: float, text: str) -> str:
+    """A number times a product."""
+    return text if factor == 1.0 else f"{float(factor)!r} * {text}"
 
 
 def _sum(terms: Sequence[str]) -> str:
@@ -515,14 +526,18 @@ class TaylorStep:
         rest = ([base] if base else []) + [f"-{t}" for t in self._products(node, node, k, 1, k)]
         return f"({self._sum(rest)}) / (2.0 * {self.name(node)}_0)"
 
-    def _chain(self, inner: Node, outer: Node, k: int) -> str:
-        """sum of j inner_j outer_{k-j} over j = 1..k, divided by k."""
-        terms = []
-        for j in range(1, k + 1):
-            a, b = self._known(inner, j), self._known(outer, k - j)
-            if a and b:
-                terms.append(f"{a} * {b}" if j == 1 else f"{float(j)!r} * {a} * {b}")
-        return f"({self._sum(terms)}){_over(k)}"
+    def _chain(self, inner: Node, outer: Node, k: int, sign: str = "") -> str:
+        """Sum of j inner_j outer_{k-j} over j = 1..k, divided by k.
+
+        The rate of a linear argument is divided first: it does not wait for the other factor.
+        """
+        pairs = [(j, self._known(inner, j), self._known(outer, k - j)) for j in range(1, k + 1)]
+        pairs = [pair for pair in pairs if all(pair)]
+        if len(pairs) == 1:
+            [(j, a, b)] = pairs
+            return f"{sign}({_times(j / k, a)} * {b})"
+        terms = [_times(j, f"{a} * {b}") for j, a, b in pairs]
+        return f"{sign}({self._sum(terms)}){_over(k)}"
 
     def _series_exp(self, node: Node, k: int) -> str:
         if k == 0:
@@ -558,7 +573,7 @@ class TaylorStep:
         argument = node.args[0]
         if k == 0:
             return f"cos({self._known(argument, 0)})"
-        return "-" + self._chain(argument, self.partners[node.index], k)
+        return self._chain(argument, self.partners[node.index], k, "-")
 
     def _series_asin(self, node: Node, k: int) -> str:
         """w' q = a' with q = sqrt(1 - a^2)."""

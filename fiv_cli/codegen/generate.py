@@ -198,7 +198,7 @@ def _make(setup: Setup) -> bytes:
         constants,
         sums,
         sums_in_place,
-        value_and_slope,
+        value_slope_bend,
     )
 
     derivation, order = derive(setup), setup.order
@@ -216,7 +216,7 @@ def _make(setup: Setup) -> bytes:
         length = max(length, written)
     flow += sums("state", len(derivation.state_names), order)
     tangent += sums_in_place("moved", len(derivation.state_names), order + TANGENT_EXTRA)
-    flow += value_and_slope("value_and_slope", order)
+    flow += value_slope_bend("value_slope_bend", order)
     flow += bernstein("bernstein", order)
     flow += constants("coefficients", coefficients.nodes, derivation.parameter_names)
     texts = {FLOW: flow, TANGENT: tangent, JACOBIAN: jacobian}

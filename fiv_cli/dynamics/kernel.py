@@ -361,15 +361,10 @@ def time_scale(series: Floats, n: int, order: int) -> float:
 
 
 @native
-def root_of(value: float, degree: int) -> float:
-    """``value ** (1 / degree)`` to half a per cent, of a positive value.
-
-    All that a step needs, in a third of the time of a power, and the same on every machine. The
-    logarithm to base 2 is read off the bits: between powers of two they rise along the chord.
-    """
-    logarithm = (bits_of(value) / MANTISSA - BIAS) / degree
-    whole = np.floor(logarithm)
-    part = logarithm - whole
+def power_of_two(exponent: float) -> float:
+    """2 to this power, to 0.2 per cent: all that a step needs, in a third of the time."""
+    whole = np.floor(exponent)
+    part = exponent - whole
     return float_of((int(whole) + BIAS) * MANTISSA) * (1.0 + part * (0.6565 + 0.3435 * part))
 
 
@@ -395,12 +390,13 @@ def step_size(series: Floats, n: int, order: int, rtol: float, last: float) -> f
             share = 1.0 / scale
             worst = max(worst, abs(series[first + order]) * share)
             worst_before = max(worst_before, abs(series[first + order - 1]) * share)
-    step = ENDLESS
-    if worst > 0.0:
-        step = root_of(rtol / worst, order)
-    if worst_before > 0.0:
-        step = min(step, root_of(rtol / worst_before, order - 1))
-    return step
+    if max(worst, worst_before) == 0.0:
+        return ENDLESS
+    # Logarithms to base 2, read off the bits: between powers of two they rise along the chord.
+    allowed = bits_of(rtol)
+    step = (allowed - bits_of(worst)) / MANTISSA * (1.0 / order)
+    step_before = (allowed - bits_of(worst_before)) / MANTISSA * (1.0 / (order - 1))
+    return power_of_two(min(step, step_before))
 
 
 @native
@@ -1059,7 +1055,7 @@ def turning_value(
     x, before, at_before = chord(low, high, at_low, at_high), high, at_high
     change = 0.0
     for _ in range(BISECTIONS):
-        call_generated(run.value_and_slope, series, x, series, found)
+        call_generated(run.value_slope_bend, series, x, series, found)
         slope = found[1]
         if slope * at_low > 0.0:
             low = x

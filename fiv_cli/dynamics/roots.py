@@ -28,7 +28,7 @@ NO_ROOT = 2.0
 ROUNDING = 8.0 * 2.220446049250313e-16
 TWIN_WIDTH = 2.0**-22
 MAX_DEPTH = 60
-LAST_STEP = 1e-8  # a Newton step this short leaves its square as error
+LAST_STEP = 4e-6  # a step of Halley's this short leaves its cube as error
 LAST_DIGITS = 4.5e-16  # two units in the last place
 
 
@@ -40,13 +40,13 @@ class Search(Frame):
     """
 
     order: FixedInt  # highest power
-    value_and_slope: FixedInt  # address of the generated function of polynomials of this order
+    value_slope_bend: FixedInt  # address of the generated function of polynomials of this order
     bernstein: FixedInt  # address of the one that writes Bernstein coefficients
     polynomial: Floats
     pieces: Floats2
     lows: Floats
     highs: Floats
-    at_guess: Floats  # value and slope
+    at_guess: Floats  # value, slope, bend
 
 
 @native
@@ -69,26 +69,28 @@ def slope(polynomial: Floats, degree: int, x: float) -> float:
 
 @native
 def bracketed_root(run: Search, low: float, high: float, x: float) -> float:
-    """Root with p(low) > 0 >= p(high), by Newton steps from x, kept inside the bracket.
+    """Root with p(low) > 0 >= p(high), by Halley's steps from x, kept inside the bracket.
 
     A step that is not half as long as the one before halves the bracket instead: far out, where
-    the highest power rules, Newton steps shrink by a few per cent each.
+    the highest power rules, steps shrink by a few per cent each.
     """
     polynomial, found = run.polynomial, run.at_guess
     if not low < x < high:
         x = 0.5 * (low + high)
     moved = high - low
     for _ in range(100):
-        call_generated(run.value_and_slope, polynomial, x, polynomial, found)
-        value, derivative = found[0], found[1]
+        call_generated(run.value_slope_bend, polynomial, x, polynomial, found)
+        value = found[0]
+        steep, bent = found[1] * found[1], value * found[2]
         if value > 0.0:
             low = x
         else:
             high = x
-        new = x - value / derivative if derivative != 0.0 else low
+        # Near a turn, where Halley's steps are short without being near a root, there is none.
+        new = x - value * found[1] / (steep - 0.5 * bent) if abs(bent) < steep else low
         if low < new < high and 2.0 * abs(new - x) <= moved:
             moved = abs(new - x)
-            if moved <= LAST_STEP:
+            if moved <= LAST_STEP and abs(bent) <= LAST_STEP * steep:
                 return new
         else:  # a halved bracket converges slowly: its last step says nothing of the error
             new = 0.5 * (low + high)
@@ -103,13 +105,6 @@ def bracketed_root(run: Search, low: float, high: float, x: float) -> float:
 def chord(low: float, high: float, at_low: float, at_high: float) -> float:
     """Where the chord passes zero."""
     return low + (high - low) * at_low / (at_low - at_high)
-
-
-@native
-def parabola(start: float, first: float, end: float) -> float:
-    """Where the parabola with this value and slope at 0, and this value at 1, falls to zero."""
-    bend = end - start - first
-    return 2.0 * start / (np.sqrt(first * first - 4.0 * start * bend) - first)
 
 
 @native
@@ -195,18 +190,17 @@ def first_root(run: Search, degree: int, total: float, end: float) -> float:
     rest = 0.5 * (total - end) + min(first, 0.0)
     if start + first - rest > tolerance:
         return NO_ROOT
-    second = 2.0 * polynomial[2]
-    steepness, curvature, power = abs(first) + abs(second), 0.0, 2.0
-    for k in range(3, degree + 1):
-        power += 1.0
-        slope_term = power * abs(polynomial[k])
-        steepness += slope_term
-        curvature += (power - 1.0) * slope_term
-    # Monotonic, or concave: least at an end, one root at most.
-    if 2.0 * abs(first) > steepness or -second > curvature:
-        if end > tolerance:
-            return NO_ROOT
-        return bracketed_root(run, 0.0, 1.0, parabola(start, first, end)) if end < 0.0 else 1.0
+    if end >= 0.0:  # else there is a root, and where the polygon passes zero is close to it
+        second = 2.0 * polynomial[2]
+        steepness, curvature, power = abs(first) + abs(second), 0.0, 2.0
+        for k in range(3, degree + 1):
+            power += 1.0
+            slope_term = power * abs(polynomial[k])
+            steepness += slope_term
+            curvature += (power - 1.0) * slope_term
+        # Monotonic, or concave: least at an end, one root at most.
+        if 2.0 * abs(first) > steepness or -second > curvature:
+            return NO_ROOT if end > tolerance else 1.0
     call_generated(run.bernstein, polynomial, 0.0, polynomial, run.pieces[0])
     run.lows[0], run.highs[0] = 0.0, 1.0
     return first_of_pieces(run, degree, tolerance)
@@ -250,5 +244,5 @@ def scratch(order: int) -> dict[str, NDArray[np.float64]]:
         "pieces": np.zeros((MAX_DEPTH, order + 1)),
         "lows": np.zeros(MAX_DEPTH),
         "highs": np.zeros(MAX_DEPTH),
-        "at_guess": np.zeros(2),
+        "at_guess": np.zeros(3),
     }

@@ -352,7 +352,7 @@ def _numbers(generated: Generated) -> dict[str, int]:
         "tangent_order": generated.tangent_order,
         "fill_coefficients": generated.address("coefficients"),
         "sum_series": generated.address("state"),
-        "value_and_slope": generated.address("value_and_slope"),
+        "value_slope_bend": generated.address("value_slope_bend"),
         "bernstein": generated.address("bernstein"),
         "sector_start": names.index(start) if start else -1,
         "sector_width": names.index(width) if width else -1,

@@ -62,7 +62,7 @@ def draw(
 ) -> None:
     """Lines of a plane, shape (points along y, points along x), where its ends reach the levels.
 
-    Each has its level written on it, if they are `named`.
+    Each that is long enough has its level written on it, if they are `named`.
     """
     for level, dashes in zip(levels, styles, strict=False):
         for plane in planes:
@@ -112,19 +112,26 @@ def overlay(
     plane, a kind of line for each level or, of a single level, for each plane."""
     if not levels:
         raise UsageError("maps are overlaid as lines, and no `level` says which")
-    colours, handles = style.line_colours(len(planes)), []
+    colours, handles, single = style.line_colours(len(planes)), [], len(levels) == 1
     for number, ((label, ends), colour) in enumerate(zip(planes, colours, strict=True)):
-        dash = style.dash(number, len(planes)) if len(levels) == 1 else "-"
-        styles = [dash] if len(levels) == 1 else STYLES
-        draw(ax, places, ends, levels, colour, named=len(levels) > 1, styles=styles)
+        dash = style.dash(number, len(planes)) if single else "-"
+        styles = [dash] if single else STYLES
+        draw(ax, places, ends, levels, colour, named=not single, styles=styles)
         handles.append(Line2D([], [], color=colour, ls=dash, label=_entry(label, ends, levels)))
-    handles += [
-        Line2D([], [], color=style.BLACK, ls=dashes, label=_words(array, level))
-        for level, dashes in zip(levels, STYLES, strict=False)
-    ]
+    told = [handle for handle in handles if handle.get_label()]
+    told += [] if single else keys(array, levels, style.BLACK)
     # an axis without points of its own would be as large as the lines alone
     ax.set(xlim=_range(places[0]), ylim=_range(places[1]))
-    style.legend_below(ax.figure.figure, handles)
+    if told:
+        style.legend_below(ax.figure.figure, told, _words(array, levels[0]) if single else "")
+    else:
+        style.legend_below(ax.figure.figure, keys(array, levels, colours[0]))
+
+
+def keys(array: xr.DataArray, levels: Sequence[float], colour: ColorType) -> list[Line2D]:
+    """An entry of a legend for each level."""
+    pairs = zip(levels, STYLES, strict=False)
+    return [Line2D([], [], color=colour, ls=s, label=_words(array, level)) for level, s in pairs]
 
 
 def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> str:

@@ -51,8 +51,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
-    paint = _paint_classes if flag_names(planes.array.attrs) else _paint_numbers
-    paint(figure, axes, planes)
+    if flag_names(planes.array.attrs):
+        _paint_classes(figure, axes, planes)
+    else:
+        keys = levels.keys(planes.array, lines, style.VERMILLION)
+        _paint_numbers(figure, axes, planes, keys)
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
         levels.draw(ax, planes.places, planes.ends(panel), lines, style.VERMILLION)
         _dress(ax, number, columns, planes)
@@ -235,7 +238,9 @@ def legend_below(figure: Figure, handles: Sequence[Artist], missing: str) -> Non
     style.legend_below(figure, shown)
 
 
-def _paint_numbers(figure: Figure, axes: Sequence[Axes], planes: _Planes) -> None:
+def _paint_numbers(
+    figure: Figure, axes: Sequence[Axes], planes: _Planes, handles: Sequence[Artist]
+) -> None:
     values = numbers(planes.array).where(planes.computed)
     known = values.values[np.isfinite(values.values)]
     low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
@@ -245,5 +250,5 @@ def _paint_numbers(figure: Figure, axes: Sequence[Axes], planes: _Planes) -> Non
         hatch(ax, np.isnan(plane))
     figure.colorbar(image, ax=list(axes), label=labels.axis_label(planes.array))
     missing = why_missing(planes.dataset, values.notnull())
-    if missing:
-        legend_below(figure, [], missing)
+    if missing or handles:
+        legend_below(figure, handles, missing)

@@ -122,14 +122,15 @@ def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> li
     if analyses is None:
         return [Verdict(NOT_RUN, missing) for _ in case.claims]
     drawn = {start.label for start in case.starts if start.kind == "random"}
-    return [evaluate(claim, analyses, _stored, drawn) for claim in case.claims]
+    verdicts = [evaluate(claim, analyses, _stored, drawn) for claim in case.claims]
+    partial = next(iter(analyses.values())).attrs.get("partial")
+    left = f"; the run has {partial}, go on with: {_command(case)}" if partial else ""
+    return [replace(v, found=v.found + left) if v.verdict == UNDETERMINED else v for v in verdicts]
 
 
 def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
     """What a run of the case has written, or None and why there is nothing, with what to do."""
-    path = default_output(case)
-    changed = "".join(f" --set {shlex.quote(line)}" for line in case.overrides)
-    advice = f"compute it with: fiv run {case.source}{changed}"
+    path, advice = default_output(case), f"compute it with: {_command(case)}"
     if not path.exists():
         return None, f"{path} is not there; {advice}"
     analyses = read_analyses(path)
@@ -139,6 +140,12 @@ def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
     if not all(_same_grid(case, dataset) for dataset in analyses.values()):
         return None, f"{path} was computed on another grid; {advice}"
     return analyses, ""
+
+
+def _command(case: Case) -> str:
+    """What to type for the dataset of a case."""
+    changed = "".join(f" --set {shlex.quote(line)}" for line in case.overrides)
+    return f"fiv run {case.source}{changed}"
 
 
 def _same_grid(case: Case, dataset: xr.Dataset) -> bool:

@@ -41,7 +41,8 @@ def _told(dataset: xr.Dataset, row: int) -> Iterator[str]:
 def _ends(dataset: xr.Dataset, name: str, row: int) -> list[str]:
     """One end of each range, and what is there where no answer changes."""
     values = _of(dataset, name, row).values
-    kinds = class_names(_of(dataset, f"{name}_kind", row))
+    kind = f"{name}_kind"  # which datasets of 0.1.0 do not have
+    kinds = class_names(_of(dataset, kind, row)) if kind in dataset else [""] * values.size
     told = {"bracket": " (end of the bracket)", "undecided": " (undecided beyond)"}
     ends = zip(values, kinds, strict=True)
     return [f"{value:g}{told.get(kind, '')}" for value, kind in ends if np.isfinite(value)]

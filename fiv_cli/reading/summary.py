@@ -11,7 +11,7 @@ import numpy as np
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.data.refined import described
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
-from fiv_cli.reading import over_laws, select, shares
+from fiv_cli.reading import each_point, over_laws, select, shares
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import flag_names, is_class, numbers, variables_in
 from fiv_cli.reading.scans import scanned
@@ -52,6 +52,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
         "shares": shares.shares(dataset),
         "advice": _advice(dataset),
         "ranges": _ranges(dataset),
+        "each_point": each_point.each_point(dataset),
         "trust": {
             variable.name: _worst(dataset, variable)
             for variable in variables_in(dataset, Role.TRUST, Role.WORK)
@@ -168,11 +169,17 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *_count_lines(part),
         *shares.lines(part["shares"]),
         *(f"  {key:<22} {_range_line(facts)}" for key, facts in part["ranges"].items()),
+        *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
         *_scan_lines(part),
         *over_laws.lines(part["over_laws"]),
         *_trust_lines(part["trust"]),
         *([f"  refined {part['refined']}"] if "refined" in part else []),
     ]
+
+
+def _units(part: Mapping[str, Any]) -> dict[str, str]:
+    told = {**part["axes"], **part["ranges"]}
+    return {name: facts["units"] for name, facts in told.items() if "units" in facts}
 
 
 def _scan_lines(part: Mapping[str, Any]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import shlex
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -18,6 +19,7 @@ import fiv_cli
 from fiv_cli import ending
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
+from fiv_cli.case.overrides import parse_override
 from fiv_cli.data.provenance import provenance
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError
 from fiv_cli.files import append_line, leftovers
@@ -106,6 +108,8 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
     """
     begun = time.monotonic()
     plan = make_plan(case)
+    if not policy.fresh:
+        _refuse_another(run_folder(output), case)
     check_output(output, fingerprint(case), policy.fresh)
     if policy.part is not None:
         return _run_part(plan, output, policy.part, policy, progress)
@@ -268,8 +272,10 @@ def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
     values, index = analysis.point(position)
     axes = [name for name, _ in analysis.template.axes]
     quoted = {name: _toml(value) for name, value in zip(axes, values, strict=True)}
-    settings = [f"--set '{line}'" for line in case.overrides]
-    settings += [f"--set 'grid.{_toml_key(name)}=[{value}]'" for name, value in quoted.items()]
+    axes_set = {("grid", name) for name in quoted}
+    kept = [line for line in case.overrides if parse_override(line).keys[:2] not in axes_set]
+    kept += [f"grid.{_toml_key(name)}=[{value}]" for name, value in quoted.items()]
+    settings = [f"--set {shlex.quote(line)}" for line in kept]
     entry = analysis.entry(index)
     start = "" if entry is None else f"   # initial: {entry.label}"
     files = [f"--with {origin.path}" for origin in analysis.template.own if origin.is_named]

@@ -1,0 +1,100 @@
+"""What was found at each point, where there are few: a row for each answer that a point has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.analyses.catalogue import named
+from fiv_cli.analyses.variables import Role
+from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.notation.tables import plain_table
+from fiv_cli.reading.datasets import flag_names, numbers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Points that are told one by one. Of more, the first where a point may have several answers: their
+# range says little; else none.
+MOST_POINTS = 24
+SEVERAL = "crossing"
+
+Row = dict[str, Any]
+
+
+def each_point(dataset: xr.Dataset) -> list[Row]:
+    """Name -> value of the axes that vary, of the answers and their errors, and how it went."""
+    names, points = _answers(dataset), dataset["status"]
+    several = any(SEVERAL in dataset[name].dims for name in names)
+    if not names or (points.size > MOST_POINTS and not several):
+        return []
+    kept = dataset[[*names, *({"status", "reason"} & {*dataset})]]
+    rows = [row for place in range(min(points.size, MOST_POINTS)) for row in _rows(kept, place)]
+    return rows if len(rows) > 1 else []
+
+
+def _answers(dataset: xr.Dataset) -> list[str]:
+    """The classes, what figures show first, and what has an error, which follows it."""
+    grid, found = {*dataset["status"].dims}, []
+    for name in map(str, dataset.data_vars):
+        variable, error = named(name), _error_of(name)
+        told = variable.role is Role.CLASS or variable.headline or error in dataset
+        if told and {*dataset[name].dims} <= {*grid, SEVERAL}:
+            found += [name, *[error] * (error in dataset)]
+    return found
+
+
+def _error_of(name: str) -> str:
+    """What says how far a variable may be off, in a dataset that has it."""
+    return f"{named(name).width.removesuffix('_width') or name}_error"
+
+
+def _rows(dataset: xr.Dataset, place: int) -> Iterator[Row]:
+    """The rows of one point: of one that has no answer, the one that says so."""
+    points = dataset["status"]
+    index = dict(zip(points.dims, np.unravel_index(place, points.shape), strict=True))
+    one = dataset.isel(index)
+    axes = {
+        str(name): one[name].item()
+        for name, axis in dataset.coords.items()
+        if axis.ndim == 1 and axis.size > 1 and axis.dims[0] in points.dims
+    }
+    values = {str(name): _told(array) for name, array in one.items()}
+    count = max(sum(value is not None for value in told) for told in values.values())
+    for number in range(count):
+        yield axes | {name: told[min(number, len(told) - 1)] for name, told in values.items()}
+
+
+def _told(array: xr.DataArray) -> list[Any]:
+    """Its values; None where there is none."""
+    names = flag_names(array.attrs)
+    if names:
+        classes = [names[code] for code in array.values.ravel().tolist()]
+        return [None if name == NOT_COMPUTED else name for name in classes]
+    values = numbers(array).values.ravel().tolist()
+    return [value if np.isfinite(value) else None for value in values]
+
+
+def lines(rows: Sequence[Row], units: Mapping[str, str], points: int) -> list[str]:
+    """The same for people."""
+    if not rows:
+        return []
+    names = [name for name in rows[0] if not name.endswith("_error") and name != "reason"]
+    heads = [f"{name} ({units[name]})" if units.get(name, "1") != "1" else name for name in names]
+    table = plain_table(heads, [[_cell(row, name) for name in names] for row in rows])
+    more = points - MOST_POINTS
+    return ["  at each point:", *(f"    {line}" for line in table)] + [
+        f"    and {more} more points"
+    ] * (more > 0)
+
+
+def _cell(row: Row, name: str) -> str:
+    value, error = row[name], row.get(_error_of(name))
+    if value is None:
+        return ""
+    if name == "status" and row.get("reason", "none") != "none":
+        return f"{value}, {row['reason']}"
+    shown = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return shown if error is None else f"{shown} ± {error:.2g}"
