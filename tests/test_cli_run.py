@@ -167,6 +167,8 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert "computed; the run has 3 of 4 points, go on with: fiv run pin.toml\n" in told
     assert fiv(["status", "pin.toml", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
+    assert fiv(["status", "pin.toml", "--set", "model.parameters.k1=1", "-o", "runs/pin.nc"]) == 0
+    assert "runs/pin.nc (of what is stored)\n  what is stored belongs" in capsys.readouterr().out
     assert document["counts"]["ok"] == 3
     assert document["counts"]["pending"] == 1
     assert document["running"] is None
@@ -280,7 +282,10 @@ def test_history_does_not_replace_a_sweep(capsys: pytest.CaptureFixture[str]) ->
     at = ["--at", "v=0.5,initial=rest", "--t-end", "2 s"]
     assert fiv(["history", "belt.toml", *at, "-o", "runs/belt.nc"]) == 2
     assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
+    assert "replaced" not in capsys.readouterr().err
     assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
+    told = "motion.nc: the motion at v=0.5, initial=rest that it holds is replaced"
+    assert told in capsys.readouterr().err
     assert fiv(["history", "belt.toml", *at, "--sample", "-1"]) == 2
 
 

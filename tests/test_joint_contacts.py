@@ -24,7 +24,7 @@ RAMP = ((0.0, 1.0), (5.0, 2.0), (200.0, 2.0))
 
 def test_contacts_that_are_not_declared_are_refused() -> None:
     silent = replace(ON_TWO_BELTS, name="two-belts", contacts=1)
-    said = r"two-belts returns 2 contacts and declares 1\nnext: write contacts=2 .*small_models"
+    said = r"two-belts returns 2 contacts and declares 1\nnext: write contacts=2 in its Model"
     with pytest.raises(UsageError, match=said):
         api.analyse(silent, "coulomb", "response", {"x": 0.0})
     with pytest.raises(UsageError, match=said):

@@ -79,8 +79,11 @@ def test_a_model_of_ones_own_is_listed_run_and_told_with_its_text(capsys):
 
 def test_a_case_alone_runs_no_code_and_says_what_to_type(capsys):
     Path("my.py").write_text("open('was_run', 'w')\n" + MODEL)
-    assert run(["check", "case.toml"]) == 3
-    assert "fiv run case.toml --with my.py" in capsys.readouterr().err
+    for command, said in (("check case.toml", "fiv run case.toml --with my.py"),
+                          ("models my-belt", "next: fiv models my-belt --with my.py"),
+                          ("new my-belt", "next: fiv new my-belt --with my.py")):  # fmt: skip
+        assert run(command.split()) in (2, 3)
+        assert said in capsys.readouterr().err
     assert not Path("was_run").exists()
 
 
@@ -136,10 +139,11 @@ def test_an_edited_model_meets_neither_old_results_nor_old_code():
         '* x**4 / 4', '* x**4 / 2'))  # fmt: skip
     edited = api.load("case.toml", using="my.py")
     assert fingerprint(edited) != fingerprint(case)
-    with pytest.raises(StoreMismatchError, match="another case"):
+    changed = r"my-belt: my\.py was changed since\nnext: .*--fresh"
+    with pytest.raises(StoreMismatchError, match=changed):
         api.run(edited, "a.nc", workers=1)
     Path("a.nc").unlink()
-    with pytest.raises(StoreMismatchError, match=r"own\.my-belt"):
+    with pytest.raises(StoreMismatchError, match=changed):
         api.run(edited, "a.nc", workers=1)
     after = api.run(edited, "a.nc", workers=1, fresh=True)
     assert (after["x_max"] < before["x_max"]).all()
@@ -192,6 +196,8 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([("states=lambda options: (State", "states=(State")], "states=", "one alone with a comma"),
         ([('"""A mass', 'raise SystemExit(0)\n"""A mass')], "SystemExit", "SystemExit"),
         ([("    return Equations(", "    Equations(")], "MODEL = Model(", "returns NoneType, not"),
+        ([('"kg", 1.0', '"kg", 1.0'), ('p("k3") * x**3', '0'), (' + p("k3") * x**4 / 4', "")],
+         '"k3"', "no equation depends on it"),
         ([('p("k") * x +', 'p("k") * abs(x) +')], "accelerations", r"Abs\(x\) has no series"),
         ([('p("N")),', '-p("N")),')], "Contact(", "pulls where nothing has moved"),
         ([("constant_load=True", 'base=("z",)')], 'base=("z",)', "there is no state 'z'"),
@@ -203,7 +209,7 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
          "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
          "companion", "contacts", "load", "default of a law", "number", "comma", "exit", "return",
-         "series", "pull", "base", "frequency", "one way", "capacity"],
+         "unused", "series", "pull", "base", "frequency", "one way", "capacity"],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_line(changes, part, said):
     error = mistaken(*changes)

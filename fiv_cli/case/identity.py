@@ -79,7 +79,11 @@ def differences(stored: Mapping[str, Any], case: Case) -> list[str]:
     names = list(analyses) if isinstance(analyses, dict) else []
     one = next((spec for spec in case.analyses if [spec.name] == names), None)
     now = document(case, one if len(case.analyses) > 1 else None)
-    return list(_compare(dict(stored), now, ""))
+    was, own = dict(stored.get("own", {})), now.get("own", {})
+    changed = sorted(name for name in was.keys() & own.keys() if was[name] != own[name])
+    was |= {name: own[name] for name in changed}
+    told = [f"{name}: {case.own[name].path} was changed since" for name in changed]
+    return told + list(_compare({**stored, **({"own": was} if was else {})}, now, ""))
 
 
 def digest(overrides: Sequence[str]) -> str:

@@ -46,14 +46,15 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
     """
     from fiv_cli.friction import all_laws
     from fiv_cli.models import all_models
-    from fiv_cli.own.load import know_installed, seek
+    from fiv_cli.own.load import following, know_installed, seek
 
     know_installed()
     name = name if name is None else seek(name)
     laws = all_laws()
     if name is not None and not want_laws:
         known = dict.fromkeys([*all_models(), *laws])
-        pick(name, known, "model or friction law", "fiv models, or fiv models --laws")
+        lists = following("models", name, "fiv models, or fiv models --laws")
+        pick(name, known, "model or friction law", lists)
     if want_laws or name in laws:
         _show_laws(name, as_json)
     else:

@@ -38,11 +38,11 @@ def command(model: str, kind: str, output: Path | None) -> None:
     from fiv_cli.case.template import case_template
     from fiv_cli.models import all_models
     from fiv_cli.notation.names import pick
-    from fiv_cli.own.load import seek
+    from fiv_cli.own.load import following, seek
 
     seek(model)
     analyses = all_analyses()
-    chosen = pick(model, all_models(), "model", "fiv models")
+    chosen = pick(model, all_models(), "model", following("new", model, "fiv models"))
     analysis = pick(kind, analyses, "analysis", "fiv kinds")
     unsuited = analysis.unsuited(chosen)
     if unsuited:

@@ -57,7 +57,8 @@ class Standing:
         """For people."""
         left = self.counts["pending"]
         done = self.points - left
-        written = " (partial)" * (left > 0) if self.dataset_exists else " (not written yet)"
+        partial = " (of what is stored)" if self.stored_case_differs else " (partial)"
+        written = partial * (left > 0) if self.dataset_exists else " (not written yet)"
         running = [f"  process {self.running} is running it{self.pace}"] if self.running else []
         if left and done and not (running or self.running_parts):
             running = ["  nobody is running it; the same `fiv run` goes on from here"]
@@ -71,7 +72,7 @@ class Standing:
             *(f"  ignored {shard}" for shard in self.ignored_shards),
         ]
         if self.stored_case_differs:
-            lines.append("  what is stored belongs to another case:")
+            lines.append("  what is stored belongs to another case, or to this one as it was:")
         return lines + [f"    {line}" for line in self.stored_case_differs]
 
 

@@ -464,7 +464,7 @@ class Model:
             contacts = "contact" if count == 1 else "contacts"
             raise UsageError(
                 f"{self.name} returns {count} {contacts} and declares {self.contacts}\n"
-                f"next: write contacts={count} in the MODEL of {self.equations.__module__}"
+                f"next: write contacts={count} in its Model(...), or mend its equations"
             )
         return found
 

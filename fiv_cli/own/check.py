@@ -19,7 +19,12 @@ from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import listed
 from fiv_cli.own.dimensions import Dimension, MixedUnitsError, dimension, dimension_of, spoken
-from fiv_cli.own.equations import names_of_equations, units_of_equations, without_series
+from fiv_cli.own.equations import (
+    names_of_equations,
+    units_of_equations,
+    unused_parameters,
+    without_series,
+)
 from fiv_cli.own.fault import Fault, named, none_called
 from fiv_cli.own.lines import Lines
 from fiv_cli.own.mechanics import energies, mechanics
@@ -166,5 +171,6 @@ _OF_MODELS = (
     tables_of_model,
     *(partial(each_option, check) for check in (names_of_equations, units_of_equations, mechanics)),
     partial(some_option, energies),
+    unused_parameters,
 )
 _OF_LAWS = (tables_of_law, _pieces_of_law, _forces_of_law, _opposes_slip)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import is_dataclass
 from typing import Any
 
 import sympy
@@ -15,7 +17,7 @@ from fiv_cli.models.base import Contact, Model
 from fiv_cli.notation.names import listed, suggest
 from fiv_cli.own.dimensions import Dimension, MixedUnitsError, dimension, dimension_of, spoken
 from fiv_cli.own.fault import Fault, Place, named, none_called, shown
-from fiv_cli.own.written import Written, values_of
+from fiv_cli.own.written import Written, under_options, values_of
 
 ROUNDING = 1e-9
 
@@ -112,6 +114,38 @@ def _parallel(one: Contact, other: Contact, written: Written) -> bool:
     values = values_of(written, {})
     matrix = sympy.Matrix(rows).subs(values)
     return bool(matrix.rank(iszerofunc=lambda x: abs(x) < ROUNDING) == 1)
+
+
+def unused_parameters(model: Model) -> Iterator[Fault]:
+    """Parameters that nothing reads under any options: a sweep over one would be flat.
+
+    One that says where its source has it (`equation`) may stand for completeness.
+    """
+    read = [requirement.reads for requirement in model.requirements]
+    others = [parameter.default_from for parameter in model.parameters]
+    told = (model.law_defaults, model.derived and model.derived.sources, read, others, model.varied)
+    used = _names_in((told, model.forcings, [w.equations for w in under_options(model)]))
+    if model.revolution or model.surface:  # functions, of which only the text tells
+        text = model.origin.text if model.origin else ""
+        used |= {
+            p.name for p in model.parameters if len(re.findall(f"['\"]{p.name}['\"]", text)) > 1
+        }
+    for parameter in model.parameters:
+        if parameter.name not in used and not parameter.equation:
+            hint = "use it, take it out, or say where the source has it: equation=..."
+            yield Fault(("Parameter", parameter.name, ""), "no equation depends on it", "", hint)
+
+
+def _names_in(thing: Any) -> set[str]:
+    """Names of parameters, and texts, in expressions and in all that holds them."""
+    if isinstance(thing, str):
+        return {thing}
+    if isinstance(thing, sympy.Basic):
+        return {symbol.name.removeprefix("p.") for symbol in thing.free_symbols}
+    if is_dataclass(thing):
+        thing = vars(thing)
+    values = thing.values() if isinstance(thing, Mapping) else thing
+    return set().union(*map(_names_in, values)) if isinstance(values, Iterable) else set()
 
 
 def units_of_equations(written: Written) -> Iterator[Fault]:

@@ -307,13 +307,19 @@ def know_table(name: str, case: str) -> None:
 
 # --- which file is meant --------------------------------------------------------------------------
 def file_with(name: str, case: str) -> Path | None:
-    """A Python file beside a case in which `name` is written in quotes; it is not run."""
+    """A file of models beside a case in which `name` is written in quotes; it is not run."""
     folder = Path(case).parent
     for path in sorted(folder.glob("*.py"))[:SEARCHED]:
         try:
             text = path.read_text(encoding="utf-8", errors="replace")
         except OSError:
             continue
-        if f'"{name}"' in text or f"'{name}'" in text:
+        if re.search(_MADE, text) and (f'"{name}"' in text or f"'{name}'" in text):
             return path
     return None
+
+
+def following(command: str, name: str, otherwise: str) -> str:
+    """What to type where `command` knows no `name`: with the file here that has it, if one has."""
+    file = file_with(name, "")
+    return f"fiv {command} {name} --with {file}" if file else otherwise

@@ -162,11 +162,16 @@ def write_motion(
     UsageError, StorageError
         `path` cannot be written, or holds a whole sweep.
     """
+    identity = fingerprint(point.case)
     check_output(path, "", fresh=True)
-    if path.exists() and MARK not in (global_attributes(path) or {}):
+    stored = (global_attributes(path) or {}) if path.exists() else {}
+    if stored and MARK not in stored:
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
+    if stored:
+        other = "" if stored["fingerprint"] == identity else " (another case, or this one before)"
+        announce(f"{path}: the motion at {stored[MARK]}{other} that it holds is replaced")
     dataset, outcome = run_motion(point, settings, announce, steady=steady)
-    attributes = provenance(point.case, fingerprint(point.case))
+    attributes = provenance(point.case, identity)
     place = [f"{name}={value}" for name, value in point.place.items()]
     attributes[MARK] = ", ".join([*place, *["settled"] * (steady is not None and steady.settled)])
     write_datasets(path, {"history": Dataset.of(dataset)}, attributes)

@@ -108,6 +108,8 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
     """
     begun = time.monotonic()
     plan = make_plan(case)
+    if not policy.fresh:
+        _refuse_another(run_folder(output), case)
     check_output(output, fingerprint(case), policy.fresh)
     if policy.part is not None:
         return _run_part(plan, output, policy.part, policy, progress)
