@@ -18,6 +18,7 @@ import io
 import json
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,7 @@ def write_shard(path: Path, block: Block, analysis: str) -> None:
     write_atomically(path, shard_bytes(block, analysis))
 
 
-def shard_bytes(block: Block, analysis: str) -> bytes:
+def shard_bytes(block: Block, analysis: str) -> memoryview:
     """The HDF5 file of a block, as bytes."""
     header, content = _packed(_to_arrays(block))
     image = io.BytesIO()
@@ -64,7 +65,7 @@ def shard_bytes(block: Block, analysis: str) -> bytes:
         file.create_dataset("header", data=header)
         file.create_dataset("content", data=content)
     image.getbuffer()[:DIGEST_BYTES] = hashlib.sha256(image.getbuffer()[BEFORE:]).digest()
-    return image.getvalue()
+    return image.getbuffer()
 
 
 def read_shard(path: Path) -> tuple[Block, str]:
@@ -82,7 +83,7 @@ def read_shard(path: Path) -> tuple[Block, str]:
         raise UnreadableShard(f"it holds no block: {type(error).__name__}: {error}") from error
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes | memoryview) -> None:
     """Replace the file at `path` by `content`: all of it or nothing.
 
     Raises
@@ -168,10 +169,12 @@ def _packed(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
     """Header and content of arrays."""
     table = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
     begins = np.cumsum([0, *(-(-array.nbytes // ALIGNMENT) for array in arrays.values())])
-    content = np.zeros(begins[-1] * ALIGNMENT, np.uint8)
-    for begin, array in zip((begins * ALIGNMENT).tolist(), arrays.values(), strict=False):
+    content = np.empty(begins[-1] * ALIGNMENT, np.uint8)
+    ends = (begins * ALIGNMENT).tolist()
+    for (begin, end), array in zip(pairwise(ends), arrays.values(), strict=True):
         place = content[begin : begin + array.nbytes].view(array.dtype)
         place.reshape(array.shape)[...] = array
+        content[begin + array.nbytes : end] = 0
     return np.frombuffer(json.dumps(table).encode(), np.uint8), content
 
 

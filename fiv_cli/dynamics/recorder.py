@@ -171,12 +171,12 @@ class Recorder:
 
         Shape (motions,) each; NaN where no contact state holds.
         """
-        kinds, found = self.own("kinds"), np.full((2, len(self._words)), np.nan)
-        ends = np.column_stack([kinds @ 3 ** np.arange(kinds.shape[1]), self.told("time")])
-        for end in np.unique(ends, axis=0):
-            rows, index = (ends == end).all(axis=1), int(end[0])
+        kinds, times = self.own("kinds"), self.told("time")
+        states, found = kinds @ 3 ** np.arange(kinds.shape[1]), np.full((2, len(times)), np.nan)
+        for index, time in set(zip(states.tolist(), times.tolist(), strict=True)):
             if self.system.tables.field[index]:
-                own = self.own("coefficients")[rows], float(end[1]), self.own("y")[rows]
+                rows = np.flatnonzero((states == index) & (times == time))
+                own = self.own("coefficients")[rows], time, self.own("y")[rows]
                 there = self.system.field(index, *own)
                 found[0, rows] = there.energies[:, KINETIC] + there.energies[:, POTENTIAL]
                 found[1, rows] = there.stored.sum(axis=1)

@@ -235,6 +235,15 @@ def resolve_start(template: Template, values: Values, entry: StartEntry) -> Star
     return Start(entry.label, kind, {**own, **varied}, named=named)
 
 
+def is_shared(template: Template, entry: StartEntry) -> bool:
+    """Whether a start is the same at all points."""
+    spec = entry.spec
+    follows = spec.kind in ("random", "continue") or any(
+        isinstance(value, str) for value in spec.state.values()
+    )
+    return not follows and not template.axes_by_kind.get("start")
+
+
 def start_axes(template: Template, values: Values) -> dict[str, float]:
     """Components of the start that are axes: state -> value."""
     of_kind = _of_kind(template, values, "start")

@@ -189,7 +189,8 @@ def _events(system: System, recorder: Recorder) -> Curves:
 
 
 @cache
-def _codes_of_events(system: System) -> NDArray[np.int64]:
+def _codes_of_events(system: System) -> NDArray[np.int8]:
     """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of laws."""
     words = system.pieces.events
-    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)])
+    codes = [*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)]
+    return np.array(codes, np.int8)
