@@ -89,7 +89,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("contact_lost", "the normal force reached zero, where this model ends"),
     Reason(
         "no_consistent_state",
-        "no contact state agrees with the forces (a Painlevé paradox): lower mu, or move the start",
+        "no contact state agrees with the forces: a Painlevé paradox (lower mu or move the start), "
+        "or friction that turns faster than a step resolves (lower solver.rtol)",
     ),
     Reason(
         "neutral_oscillation",

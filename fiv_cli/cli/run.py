@@ -104,8 +104,8 @@ def command(
     process of its own). Workers may come, go and die; one that would give other bits is refused.
     Without a scheduler, --shard runs a part, and `fiv assemble` joins them.
 
-    Exit code: 0 where every point has its answer, 8 where --max-points left some to run, 4 where
-    some failed or ran out of budget.
+    Exit code: 0 where every point has its answer (undecided is one: `fiv show` counts and says
+    why), 8 where --max-points left some to run, 4 where some failed or met max_steps or max_events.
 
     \b
     Examples:
