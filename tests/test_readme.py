@@ -85,7 +85,8 @@ def test_the_case_is_right() -> None:
     [
         ("friction", ["friction", "Omega"]),
         ("grid", ["Omega", "mu_k", "initial.phi_dot"]),
-        ("refine", ["Omega"]),  # beside the grid of the case
+        ("refine", ["Omega"]),  # beside the grid of the case, as those below
+        ("forcing", ["Omega"]),
     ],
 )
 def test_the_example_of_a_table_fits_into_the_case(table: str, axes: list[str]) -> None:

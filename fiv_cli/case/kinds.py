@@ -22,6 +22,7 @@ from fiv_cli.case.structure import (
     ForceTable,
     FrictionTable,
     InitialTable,
+    ModelTable,
     RangeTable,
     RefineTable,
     SolverTable,
@@ -180,11 +181,30 @@ Where starts follow an axis, `along` names the other axes: along the one all poi
 """
 
 
+SCHEDULE = """\
+A parameter that varies in time: a ramp, straight lines between points, or harmonically, each with
+its keys below and in `fiv kinds ramp`, `fiv kinds points`, `fiv kinds harmonic`.
+
+    [schedule]
+    Omega = { start = 6.0, stop = 0.5, over = 35.0 }    # rad/s, s
+    N0 = { mean = 30.0, amplitude = 2.0, omega = 5.0 }
+"""
+
+FORCING = """\
+Forces on coordinates of the model, or the motion of its base; `fiv models NAME` lists them.
+
+    [forcing]
+    phi = { amplitude = 0.1, omega = 5.0 }
+"""
+
 TABLES: dict[str, tuple[str, type[BaseModel]]] = {
+    "model": ("", ModelTable),
     "grid": (GRID, RangeTable),
     "sweep": ("", SweepTable),
     "refine": (REFINE, RefineTable),
     "friction": (FRICTION, FrictionTable),
+    "schedule": (SCHEDULE, CurveTable),
+    "forcing": (FORCING, ForceTable),
     "initial": ("", InitialTable),
     "solver": ("", SolverTable),
     "figure": ("", FigureTable),
