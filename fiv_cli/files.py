@@ -81,7 +81,9 @@ def replacing(path: Path, *, mode: int = ORDINARY, durable: bool = True) -> Iter
         _sync_folder(path.parent)
 
 
-def write_whole(path: Path, content: bytes, *, mode: int = ORDINARY, durable: bool = True) -> None:
+def write_whole(
+    path: Path, content: bytes | memoryview, *, mode: int = ORDINARY, durable: bool = True
+) -> None:
     """Replace the file at `path` by `content`, as `replacing` does.
 
     Raises
@@ -130,7 +132,7 @@ def leftovers(path: Path) -> Iterator[Path]:
                 yield other
 
 
-def _fill(temporary: Path, content: bytes) -> None:
+def _fill(temporary: Path, content: bytes | memoryview) -> None:
     with os.fdopen(_opened(temporary, os.O_WRONLY), "wb") as file:
         file.write(content)
 

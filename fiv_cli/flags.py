@@ -89,9 +89,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("contact_lost", "the normal force reached zero, where this model ends"),
     Reason(
         "no_consistent_state",
-        "no contact state agrees with the forces. Where friction changes the load it is a Painlevé "
-        "paradox: lower mu, or move the start. Under a law with states slip that begins may lie "
-        "within the error of a step: lower solver.rtol",
+        "no contact state agrees with the forces: a Painlevé paradox (lower mu or move the start), "
+        "or friction that turns faster than a step resolves (lower solver.rtol)",
     ),
     Reason(
         "neutral_oscillation",

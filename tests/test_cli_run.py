@@ -190,7 +190,7 @@ def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_n
     assert "too_many_events" in capsys.readouterr().err
     assert fiv(["run", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "4 where some failed or used up max_events or max_steps" in told
+    assert "4 where some failed or met max_steps or max_events" in told
 
 
 def test_diff(capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,6 +25,7 @@ from small_models import BOUNCER, TWO_MASSES
 from fiv_cli.codegen import assembly, lower
 from fiv_cli.codegen.codes import LANES, NODES, OTHER_POWER
 from fiv_cli.codegen.emit import Coefficients, TaylorStep
+from fiv_cli.codegen.gather import gathered
 from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT, StateTable
 from fiv_cli.codegen.graph import UNARY, Graph, Node
 from fiv_cli.dynamics.system import System
@@ -45,12 +46,17 @@ SYSTEMS = [
     (BOUNCER, "coulomb", {"A": 1.5, "k_z": 3.0}),
     (TWO_MASSES, "coulomb", {}),
 ]
-IDS = [f"{m if isinstance(m, str) else m.name} {law}" for m, law, _ in SYSTEMS]
-every_system = pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS)
+LOOPING = ("disc-nonlinear-contact", "coulomb", {})  # goes through orders in a loop
+IDS = [f"{m if isinstance(m, str) else m.name} {law}" for m, law, _ in (*SYSTEMS, LOOPING)]
+every_system = pytest.mark.parametrize(("model", "law", "changes"), SYSTEMS, ids=IDS[:-1])
+and_looping = pytest.mark.parametrize(("model", "law", "changes"), [*SYSTEMS, LOOPING], ids=IDS)
 
 
 class Fused(ast.NodeTransformer):
     """A sum with a product as one operation with one rounding: what a compiled text computes."""
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        return node
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         self.generic_visit(node)
@@ -86,11 +92,26 @@ def python_functions(text: str, library: Any = math) -> dict[str, Any]:
     """The functions of generated text, run by Python itself, rounded as the compiled ones are."""
     space = {name: getattr(library, name) for name in UNARY}
     space |= {"pow": pow, "fma": fma, "rint": round}
+    space["convolve"] = partial(convolve, add=fma if library is math and lower.fuses() else plain)
     tree = ast.parse(text)
     if library is math and lower.fuses():
         tree = ast.fix_missing_locations(Fused().visit(tree))
     exec(compile(tree, "<generated>", "exec"), space)
     return space
+
+
+def plain(a: float, b: float, added: float) -> float:
+    """a b + added."""
+    return a * b + added
+
+
+def convolve(v: list[float], order: int, width: int, stride: int, add: Any) -> None:
+    """Sums of the products of rows 2 to order - 2 of a table with rows order - 2 to 2."""
+    for at in range(width):
+        total = 0.0
+        for j in range(2, order - 1):
+            total = add(v[j * stride + at], v[(order - j) * stride + width + at], total)
+        v[order * stride + 2 * width + at] = total
 
 
 def compiled_call(address: int, c: Vector, t: float, y: Vector, out: Vector) -> None:
@@ -139,7 +160,7 @@ def directions(built: System) -> Vector:
     return lanes
 
 
-@every_system
+@and_looping
 def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes: Any) -> None:
     built, c = generated(model, law, changes)
     state = np.cos(np.arange(2 * len(built.state_names)) + 0.3)
@@ -159,7 +180,7 @@ def test_compiled_code_computes_what_its_text_says(model: Any, law: str, changes
             assert by_python.tobytes() == by_machine.tobytes()
 
 
-@every_system
+@and_looping
 def test_every_lane_of_tangents_is_what_the_text_says(model: Any, law: str, changes: Any) -> None:
     built, c = generated(model, law, changes)
     text = python_functions(built.generated.texts[TANGENT])
@@ -359,6 +380,9 @@ RECURRENCES = {
     "square": (sympy.exp(T) - T) ** 2,
     "cube": INNER**3,
     "seventh power": (1 + T / 4) ** 7 * sympy.exp(T),
+    "multiples of an angle": sum(sympy.sin(n * INNER) * sympy.cos(n * T) for n in range(1, 8)),
+    "many products": (sum(sympy.exp(T / n) ** n * sympy.cos(n * T**2 / 9) for n in range(1, 8)) - T)
+    / INNER,
     "high power": (1 + sympy.sin(T) / 4) ** 11,
     "div": sympy.exp(T) / INNER,
     "reciprocal": 1 / INNER**2,
@@ -509,6 +533,33 @@ def test_the_difference_of_what_moves_as_one_is_a_polynomial() -> None:
     step = TaylorStep(graph, [x, y, v], rates, [graph.mul(apart, v)], 5, Coefficients())
     assert step.degrees[apart.index] == 1
     assert step.degrees[graph.mul(apart, v).index] > 5
+
+
+def test_a_loop_over_orders_gives_what_each_order_by_itself_gives() -> None:
+    graph = Graph()
+    x, v = graph.state(0, "x"), graph.state(1, "v")
+    waves = [graph.unary("sin", graph.mul(graph.number(n), x)) for n in range(1, 9)]
+    series = []
+    for loops in (True, False):
+        step = TaylorStep(graph, [x, v], [v, graph.add(*waves)], [], ORDER, Coefficients())
+        step.table = step.table if loops else None
+        text = "\n".join(step.text("f", "series"))
+        assert ("for k in" in text) == loops
+        series.append(np.zeros(2 * ORDER + 2))
+        python_functions(text)["f"](np.zeros(1), 0.0, np.array([0.3, 0.7]), series[-1])
+    np.testing.assert_allclose(series[0], series[1], rtol=1e-12)
+
+
+def test_what_turns_is_gathered_and_has_the_same_value() -> None:
+    angle, rate, c, d, force, speed, drift = sympy.symbols("angle rate c d force speed drift")
+    cosine, sine, turned = sympy.cos(2 * angle), sympy.sin(2 * angle), speed + drift * T
+    shape = c * cosine + d * sine
+    slope = sympy.diff(shape, angle)
+    expression = turned**2 * shape + (rate - turned) * (rate * shape - 2 * turned * slope)
+    expression += force * (cosine**2 + sine**2) + sympy.expand(force * slope * rate)
+    found = gathered(expression, [angle, rate, c, d], [force], {speed: turned})
+    assert sympy.expand(found - expression.subs(sine**2, 1 - cosine**2)) == 0
+    assert not found.has(cosine**2, sine**2)
 
 
 def test_an_expression_without_a_series_is_refused() -> None:

@@ -20,7 +20,7 @@ def settled(speed: float, fall: float) -> tuple[float, float]:
     begun.start_measuring(np.zeros(1))
     begun.run(450.0 / fall, measuring=True)
     measures = begun.measures
-    return float(measures.extremes[1, 1]), float(measures.shares[0, 1] / measures.measured_time)
+    return float(begun.extremes[1, 1]), float(measures.shares[0, 1] / measures.measured_time)
 
 
 @pytest.mark.parametrize("speed", [0.92 * V_M, 0.97 * V_M])

@@ -152,7 +152,7 @@ def test_a_step_does_not_jump_over_the_layer_of_a_regularised_law(rtol: float) -
     """Far from zero slip tanh is constant to rounding: its series knows nothing of the layer."""
     begun = motion("belt-1dof", "tanh of stribeck", {}, SolverSettings(rtol=rtol), c=0.3)
     assert booked(begun, 100.0).residual < rtol
-    assert begun.measures.extremes[1, 0] == pytest.approx(4.40845490399, rel=10 * rtol)
+    assert begun.extremes[1, 0] == pytest.approx(4.40845490399, rel=10 * rtol)
 
 
 def test_a_step_does_not_jump_over_the_layer_of_an_exponential_law() -> None:
@@ -164,7 +164,7 @@ def test_a_step_does_not_jump_over_the_layer_of_an_exponential_law() -> None:
     start = {"x": -1.063, "x_dot": 1.544}
     begun = motion("belt-1dof", "stribeck", start, SolverSettings(rtol=1e-12), **changes)
     assert booked(begun, 60.0).residual < 1e-10
-    assert begun.measures.extremes[1, 1] > 25.0
+    assert begun.extremes[1, 1] > 25.0
 
 
 # --- invariances ---------------------------------------------------------------------------------
@@ -468,7 +468,7 @@ def test_a_motion_in_pieces_has_the_bits_of_one_in_one(
         changing = (field for field in begun.frame.fields.values() if not field.kind.is_fixed)
         scalars = [getattr(begun.frame, field.name) for field in changing if not field.kind.depth]
         arrays = [begun.y, begun.kinds, *begun.ledger, begun.tangents, np.array(scalars, float),
-                  begun.measures.extremes, begun.measures.squares, begun.measures.shares,
+                  begun.extremes, begun.measures.squares, begun.measures.shares,
                   *sections, taken.states, taken.outputs, taken.codes]  # fmt: skip
         return [array.tobytes() for array in arrays], stop
 

@@ -23,7 +23,7 @@ FROZEN = {
     "separation": "fac3ef6c09ec1a7c",
     "sector": "81de2f157f243185",
     "slider with impacts": "e62a8a3731b8a2f9",
-    "disc": "ab6164ae89f6dc28",
+    "disc": "5240532f5ed4269e",
 }
 
 

@@ -26,7 +26,7 @@ def test_measures_of_undamped_sliding(rtol: float, span: float) -> None:
     squares = SWING**2 * (span / 2 - (sin(2 * (0.3 + span)) - sin(0.6)) / 4)
     phases = np.array([0.3, 0.3 + span, *np.arange(0.0, 101.0, pi / 2)])
     phases = phases[(phases >= 0.3) & (phases <= 0.3 + span)]
-    extremes = begun.measures.extremes
+    extremes = begun.extremes
     allowed = max(1e-13, 10.0 * rtol)  # that of the motion itself
     assert begun.measures.spread == pytest.approx(squares, rel=allowed)
     turns = REST + SWING * np.sin(phases), SWING * np.cos(phases)
@@ -40,7 +40,7 @@ def test_extremes_and_squares_of_a_tight_motion_are_right_to_rounding() -> None:
     begun.start_measuring(np.array([REST]))
     begun.run(2 * pi, measuring=True)
     expected = [[REST - SWING, -SWING], [REST + SWING, SWING]]
-    np.testing.assert_allclose(begun.measures.extremes, expected, rtol=1e-14)
+    np.testing.assert_allclose(begun.extremes, expected, rtol=1e-14)
     squares = [2 * pi * REST**2 + pi * SWING**2, pi * SWING**2]
     np.testing.assert_allclose(begun.measures.squares, squares, rtol=1e-14)
 

@@ -42,7 +42,7 @@ What computes it stands apart, in `motion/travel.py`, so that `fiv check` needs 
         energy = motion.energy()
         motion.start_measuring(np.zeros(len(system.coordinates)))
         outcome = stopped(motion.run(request.settings["t_end"], measuring=True)) or Outcome()
-        travelled = np.abs(motion.measures.extremes[:, : len(system.coordinates)])
+        travelled = np.abs(motion.extremes[:, : len(system.coordinates)])
         outcome.values |= {"reach": travelled.max(axis=0), **trust(motion)}
         outcome.values["energy_residual"] = balance(motion, energy).residual
         return outcome

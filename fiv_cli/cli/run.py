@@ -104,9 +104,8 @@ def command(
     process of its own). Workers may come, go and die; one that would give other bits is refused.
     Without a scheduler, --shard runs a part, and `fiv assemble` joins them.
 
-    Exit code: 0 where every point has its answer (`undecided`, by t_max or else, is one, and is
-    told), 8 where --max-points left some to run, 4 where some failed or used up max_events or
-    max_steps.
+    Exit code: 0 where every point has its answer (undecided is one: `fiv show` counts and says
+    why), 8 where --max-points left some to run, 4 where some failed or met max_steps or max_events.
 
     \b
     Examples:

@@ -34,8 +34,10 @@ REAL = ir.DoubleType()
 VECTORS = {"lanes": ir.VectorType(REAL, LANES), "nodes": ir.VectorType(REAL, NODES)}
 BUILT_IN = ("sqrt", "rint")  # functions of one number that LLVM knows
 POINTER = str(REAL.as_pointer())  # as this LLVM writes it
+CONVOLVE = re.compile(r"convolve\(v, (.*?), (\d+), (\d+)\)")
+ROW = re.compile(r"(?:(\d+) \* )?k(?: ([-+]) (\d+))?")  # of an array, in a loop over k
 OPERATIONS = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
-TOKEN = re.compile(r"[^\W\d]\w*(?:\[\d+\])?|[\d.]+(?:e[+-]?\d+)?|[-+*/(),]")
+TOKEN = re.compile(r"[^\W\d]\w*(?:\[[^]]+\])?|[\d.]+(?:e[+-]?\d+)?|[-+*/(),]")
 
 
 def assembly(text: str, fused: bool) -> str:
@@ -44,9 +46,60 @@ def assembly(text: str, fused: bool) -> str:
     for kind in (REAL, *VECTORS.values()):
         parts += [f"declare {kind} @{_builtin(name, kind)}({kind})" for name in BUILT_IN]
         parts.append(f"declare {kind} @{_builtin('fma', kind)}({kind}, {kind}, {kind})")
+    for width, stride in sorted({found[1:] for found in CONVOLVE.findall(text)}):
+        parts += _convolution(int(width), int(stride), fused)
     for name, target, statements in _functions(text):
         parts += _Function(name, target, statements, fused).written()
     return "\n".join(parts) + "\n"
+
+
+def _convolution(width: int, stride: int, fused: bool) -> list[str]:
+    """Sums of the products of rows 2 to k - 2 of a table with rows k - 2 to 2; see `table.py`."""
+    vector = VECTORS["lanes"]
+    pointer = str(vector.as_pointer())
+    places = [*range(0, width - LANES, LANES), width - LANES]  # the last two may overlap
+    lines = [
+        f"define internal void @convolve.{width}.{stride}({POINTER} noalias %v, i64 %k) "
+        "noinline nounwind {",
+        "entry:", "%last = sub i64 %k, 2", "br label %products", "products:",
+        "%j = phi i64 [2, %entry], [%next, %products]",
+    ]  # fmt: skip
+    lines += [
+        f"%total{i} = phi {vector} [zeroinitializer, %entry], [%sum{i}, %products]" for i in places
+    ]
+
+    def row(name: str, order: str, column: int) -> None:
+        lines.append(f"%{name}.row = mul nsw i64 {order}, {stride}")
+        lines.append(f"%{name}.at = add nsw i64 %{name}.row, {column}")
+        lines.append(f"%{name} = getelementptr double, {POINTER} %v, i64 %{name}.at")
+
+    def address(name: str, place: int) -> str:
+        lines.append(f"%{name}.{place}.at = getelementptr double, {POINTER} %{name}, i64 {place}")
+        lines.append(f"%{name}.{place} = bitcast {POINTER} %{name}.{place}.at to {pointer}")
+        return f"{pointer} %{name}.{place}, align 8"
+
+    lines.append("%rest = sub i64 %k, %j")
+    row("left", "%j", 0)
+    row("right", "%rest", width)
+    for i in places:
+        lines.append(f"%l{i} = load {vector}, {address('left', i)}")
+        lines.append(f"%r{i} = load {vector}, {address('right', i)}")
+        if fused:
+            given = ", ".join(f"{vector} %{name}{i}" for name in ("l", "r", "total"))
+            lines.append(f"%sum{i} = call {vector} @{_builtin('fma', vector)}({given})")
+        else:
+            lines.append(f"%product{i} = fmul {vector} %l{i}, %r{i}")
+            lines.append(f"%sum{i} = fadd {vector} %total{i}, %product{i}")
+    lines += [
+        "%next = add i64 %j, 1",
+        "%more = icmp slt i64 %j, %last",
+        "br i1 %more, label %products, label %done",
+        "done:",
+    ]
+    row("inner", "%k", 2 * width)
+    for i in places:
+        lines.append(f"store {vector} %sum{i}, {address('inner', i)}")
+    return [*lines, "ret void\n}"]
 
 
 def is_piece(name: str) -> bool:
@@ -95,7 +148,8 @@ class _Function:
         self.name, self.target, self.fused = name, target, fused
         self.kind = VECTORS.get(target, REAL)
         self.pointer = str(self.kind.as_pointer())
-        self.is_whole = sum(map(len, statements)) <= WHOLE
+        loops = any(statement.startswith("for ") for statement in statements)
+        self.is_whole = loops or sum(map(len, statements)) <= WHOLE
         self.pieces: list[_Piece] = []
         self.makers: dict[str, _Piece] = {}  # which piece computes a value
         self.homes: dict[str, _Home] = {}
@@ -107,6 +161,7 @@ class _Function:
                 length = 0
             self.pieces[-1].add(statement)
             length += len(statement)
+        self.pieces[-1].end_loop()
 
     def home(self, name: str) -> _Home:
         """Where the latest piece finds a value of an earlier one, put there if need be."""
@@ -164,11 +219,64 @@ class _Piece:
         self.stores = self.lines if function.is_whole else []
         self.kind, self.pointer = function.kind, function.pointer
         self.values: dict[str, str] = {}
+        self.loops, self.after = 0, ""  # how many have begun, and where the one that is on ends
         self._count = 0
         self._tokens: list[str] = []
         self._at = 0
 
     def add(self, statement: str) -> None:
+        """Write the assembly of one statement."""
+        if statement.startswith("for "):
+            self.end_loop()
+            self._begin_loop(*re.findall(r"\d+", statement))
+        elif call := CONVOLVE.fullmatch(statement):
+            self._convolve(*call.groups())
+        elif statement.startswith("v = "):
+            room = statement.rpartition(" ")[2]
+            self.lines.append(f"%v = alloca {REAL}, i64 {room}, align 64")
+        else:
+            self._assign(statement)
+
+    def _begin_loop(self, first: str, after: str) -> None:
+        """What follows is gone through for each k from `first`, up to `after`."""
+        self.end_loop()
+        number, before = self.loops, f"after{self.loops - 1}" if self.loops else "entry"
+        self.lines += [
+            f"br label %orders{number}",
+            f"orders{number}:",
+            f"%k{number} = phi i64 [{first}, %{before}], [%next{number}, %orders{number}]",
+            f"%next{number} = add nsw i64 %k{number}, 1",
+        ]
+        self.values["k"] = self._new(f"sitofp i64 %k{number} to double")
+        self.loops, self.after = number + 1, after
+
+    def end_loop(self) -> None:
+        """What follows comes after the loop, if there is one."""
+        if not self.after:
+            return
+        number = self.loops - 1
+        self.lines += [
+            f"%more{number} = icmp slt i64 %next{number}, {self.after}",
+            f"br i1 %more{number}, label %orders{number}, label %after{number}",
+            f"after{number}:",
+        ]
+        self.after = ""
+        self.values = {text: value for text, value in self.values.items() if "k" not in text}
+
+    def _convolve(self, order: str, width: str, stride: str) -> None:
+        at = self._index(order)
+        self.lines.append(f"call void @convolve.{width}.{stride}({POINTER} %v, i64 {at})")
+
+    def _index(self, text: str) -> str:
+        """A place in an array: a number, or one that moves with k."""
+        found = ROW.fullmatch(text)
+        if not found:
+            return text
+        stride, sign, offset = found.groups()
+        at = self._new(f"mul nsw i64 %k{self.loops - 1}, {stride or 1}")
+        return self._new(f"add nsw i64 {at}, {sign.strip('+')}{offset}")
+
+    def _assign(self, statement: str) -> None:
         """Write the assembly of ``target = expression``."""
         target, _, text = statement.partition(" = ")
         self._tokens, self._at = [*TOKEN.findall(text), ""], 0
@@ -190,16 +298,17 @@ class _Piece:
 
     def store(self, value: str, array: str, place: str) -> None:
         """Put a value into memory."""
-        kind, pointer, address = self.kind, self.pointer, f"%{array}.{place}"
-        self.stores.append(f"{address} = getelementptr {kind}, {pointer} %{array}, i64 {place}")
+        kind, pointer, at = self.kind, self.pointer, self._index(place)
+        address = f"%{array}.{at.strip('%')}"
+        self.stores.append(f"{address} = getelementptr {kind}, {pointer} %{array}, i64 {at}")
         self.stores.append(f"store {kind} {value}, {pointer} {address}, align 8")
 
     def _load(self, array: str, place: str) -> str:
         if array in ("c", "y"):
             address = self._new(f"getelementptr double, {POINTER} %{array}, i64 {place}")
             return self._in_lanes(self._new(f"load double, {POINTER} {address}"))
-        kind, pointer = self.kind, self.pointer
-        address = self._new(f"getelementptr {kind}, {pointer} %{array}, i64 {place}")
+        kind, pointer, at = self.kind, self.pointer, self._index(place)
+        address = self._new(f"getelementptr {kind}, {pointer} %{array}, i64 {at}")
         return self._new(f"load {kind}, {pointer} {address}, align 8")
 
     def _in_lanes(self, value: str) -> str:

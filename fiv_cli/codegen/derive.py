@@ -31,6 +31,7 @@ from fiv_cli.codegen.codes import (
     VELOCITY,
     index_of,
 )
+from fiv_cli.codegen.gather import gathered
 from fiv_cli.codegen.graph import Graph, Node
 from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
@@ -471,10 +472,20 @@ class _Deriver:
         return known
 
     def _slip_acceleration(self, contact: Contact) -> Expr:
-        return self._second_derivative(contact.slip_velocity)
+        return self._gathered(self._second_derivative(contact.slip_velocity))
 
     def _gap_acceleration(self, contact: Contact) -> Expr:
-        return self._second_derivative(self._time_derivative(contact.gap))
+        return self._gathered(self._second_derivative(self._time_derivative(contact.gap)))
+
+    def _gathered(self, acceleration: Expr) -> Expr:
+        symbols, contacts = self.symbols, range(len(self.contacts))
+        forces = [*map(symbols.normal_force, contacts), *map(symbols.tangential_force, contacts)]
+        entries = [self._entry(name) for name in self.state_names]
+        varied = {
+            sympy.Symbol(f"p.{name}", real=True): symbols.parameter(name)
+            for name in self.setup.schedule.names
+        }
+        return gathered(acceleration, entries, forces, varied)
 
     def _second_derivative(self, velocity: Expr) -> Expr:
         """Total derivative of a function of coordinates, velocities and time."""

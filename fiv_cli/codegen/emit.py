@@ -4,9 +4,15 @@ Two kinds of function come out, both with the signature ``(c, t, y, out)``: poin
 Taylor steps, which write the series of the state vector and of the switching functions about (t,
 y). Those of tangent vectors have the signature ``(c, t, y, lanes)``: each operation is done for as
 many vectors as an entry of ``lanes`` holds, and likewise for the times that ``nodes`` holds. A
-series that is structurally a polynomial (time; a displacement in stick) stops at its degree. The
-text is Python that can be read and run, and nothing but assignments, + - * /, the functions of
-`graph.UNARY`, `pow` and `rint`: `lower.py` turns exactly that into machine code.
+series that is structurally a polynomial (time; a displacement in stick) stops at its degree.
+
+A step with many sums of products (a disc's) goes through the higher orders in a loop: its text and
+machine code are a tenth as long, short enough to stay where the processor fetches code fastest, and
+``convolve(v, k, width, stride)`` sums the products of order k of all of them, see `table.py`.
+
+The text is Python that can be read and run, and nothing but assignments, + - * /, the functions of
+`graph.UNARY`, `pow` and `rint`, that loop and that call: `lower.py` turns exactly that into machine
+code.
 """
 
 from __future__ import annotations
@@ -16,12 +22,14 @@ from collections.abc import Callable, Iterable, Sequence
 from math import comb, factorial, pi
 
 from fiv_cli.codegen.graph import Graph, Node, reachable
+from fiv_cli.codegen.table import Table
 
 UNBOUNDED = 10**6  # degree of a series that does not end
 # What a value waits for: coefficients, sums, and what takes as long as several of them.
-WAITED_FOR = re.compile(r"[^\W\d]\w*_\d+|[-+]|/|\w\(")
+WAITED_FOR = re.compile(r"[^\W\d]\w*_(?:\d+|k)\b|[-+]|/|\w\(")
 WAITS = {"+": 1, "-": 1, "/": 3}
 CALL = 10
+MANY = 8  # sums of products from which on orders are gone through in a loop
 # Functions whose recurrence needs the series of another one of the same argument.
 PARTNER: dict[str, Callable[[Graph, Node], Node]] = {
     "sin": lambda graph, argument: graph.unary("cos", argument),
@@ -337,6 +345,8 @@ class TaylorStep:
             node.index: _partner(graph, node) for node in self.nodes if node.op in PARTNER
         }
         self.degrees = self._degrees()
+        self.looped: int | None = None  # the first order of the loop that is being written
+        self.table = self._table()
 
     def _needed_for(self, roots: Sequence[Node]) -> list[Node]:
         """What is computed for `roots`, arguments first."""
@@ -396,13 +406,120 @@ class TaylorStep:
     def _degree(self, node: Node, degrees: dict[int, int]) -> int:
         return 0 if node.constant else degrees[node.index]
 
+    # --- a loop over orders -----------------------------------------------------------------------
+    def _table(self) -> Table | None:
+        """What a loop needs of earlier orders; None where there is to be none."""
+        pairs = {node.index: self._factors(node) for node in self.nodes}
+        endless = {node.index for node in self.nodes if self.degrees[node.index] == UNBOUNDED}
+        products, kept = [], {self.rates[self.leaves[i]].index for i in self.leaves if i in endless}
+        for node in self.nodes:
+            pair = pairs[node.index]
+            if node.index not in endless or node.op in ("linear", "state"):
+                continue
+            if pair is None:
+                return None
+            long = [factor.index for factor in pair if factor.index in endless]
+            if len(long) == len(pair):
+                products.append(node.index)
+            else:
+                kept.update(long)
+        return Table(products, sorted(kept)) if len(products) >= MANY else None
+
+    def _factors(self, node: Node) -> tuple[Node, Node] | None:
+        """The two series whose coefficients are multiplied in those of `node`."""
+        if node.op == "mul":
+            return node.args[0], node.args[1]
+        if node.op == "div":
+            return node, node.args[1]
+        if node.op in ("sin", "cos"):
+            return node.args[0], self.partners[node.index]
+        return (node.args[0], node) if node.op == "exp" else None
+
+    @property
+    def _first_looped(self) -> int:
+        """The order from which on every order is like the next.
+
+        All that ends has ended, and the ends of a sum of products lie apart.
+        """
+        return max([4, *(2 + degree for degree in self.degrees.values() if degree < UNBOUNDED)])
+
+    def _write_looped(self, table: Table, first: int, last: int) -> None:
+        """All orders from `first` to `last`, row k of the table being that of order k."""
+        self.lines.append(f"    for k in range({first}, {last + 1}):")
+        begun, self.looped = len(self.lines), first
+        self.lines.append("    inverse = 1.0 / k")
+        for leaf, position in self.leaves.items():
+            if self.degrees[leaf] == UNBOUNDED:
+                rate = self._known(self.rates[position], first - 1)
+                self._define(f"{self.leaf_names[leaf]}_k", f"{rate} * inverse")
+        for node in self.nodes:
+            if self.degrees[node.index] == UNBOUNDED and node.index not in self.leaves:
+                self._assign(node, first)
+        self._write_rows(first)
+        self.lines.append(f"    convolve(v, k + 1, {table.width}, {table.stride})")
+        self._keep(table, first)
+        self.lines[begun:] = [f"    {line}" for line in self.lines[begun:]]
+        self.looped = None
+
+    def _keep(self, table: Table, k: int) -> None:
+        """Write row k of the table."""
+
+        def put(column: int, text: str) -> None:
+            place = table.at(k, column) if self.looped is None else table.back(0, column)
+            self.lines.append(f"    {place} = {text}")
+
+        nodes = {node.index: node for node in self.nodes}
+        for index in table.products:
+            left, right = self._factors(nodes[index]) or (nodes[index], nodes[index])
+            put(table.factor(0, index), self._left(nodes[index], left, k))
+            put(table.factor(1, index), self._known(right, k))
+        for index in table.kept:
+            put(table.own(index), self._known(nodes[index], k))
+
+    def _left(self, node: Node, left: Node, k: int) -> str:
+        """The left factor of order k in a sum of products."""
+        weight = "" if node.op in ("mul", "div") else "k * " if self.looped else f"{float(k)!r} * "
+        return weight + self._known(left, k)
+
+    def _convolved(self, node: Node, k: int) -> list[str]:
+        """Terms of the sum of products that order k of a node is made of, in a loop; else none."""
+        table, pair = self.table, self._factors(node)
+        if self.looped is None or table is None or not pair or node.index not in table.products:
+            return []
+        left, right = pair
+        before = [table.back(1, table.factor(side, node.index)) for side in (0, 1)]
+        terms = [table.back(0, table.factor(2, node.index))]
+        terms += [f"{self._known(left, 1)} * {before[1]}", f"{before[0]} * {self._known(right, 1)}"]
+        if node.op in ("mul", "div"):
+            terms.append(f"{self._known(left, 0)} * {self._known(right, k)}")
+        if node.op != "div":
+            terms.append(f"{self._left(node, left, k)} * {self._known(right, 0)}")
+        return terms
+
     # --- text -------------------------------------------------------------------------------------
     def text(self, name: str, comment: str) -> list[str]:
         """The whole function."""
         self.lines = [self._head(name), f"    # {comment}; order {self.order}"]
-        for k in range(self.order + 1):
+        first = self._first_looped
+        if self.table is None or self.order < first:
+            for k in range(self.order + 1):
+                self._write_order(k)
+            return self.lines
+        table = self.table
+        self.lines.append(f"    v = [0.0] * {(self.order + 2) * table.stride}")
+        for k in range(first):
             self._write_order(k)
+            if k > 1:
+                self._keep(table, k)
+        self.lines.append(f"    convolve(v, {first}, {table.width}, {table.stride})")
+        for begin, end in self._alike(first):
+            if begin <= end:
+                self._write_looped(table, begin, end)
         return self.lines
+
+    def _alike(self, first: int) -> list[tuple[int, int]]:
+        """First and last orders that are written alike, from `first` on."""
+        return [(first, self.order)]
 
     def _head(self, name: str) -> str:
         return f"def {name}(c, t, y, out):"
@@ -421,9 +538,17 @@ class TaylorStep:
         return [*self.values, *self.outputs]
 
     def _write_rows(self, k: int) -> None:
-        for row, node in enumerate([*self.values, *self.outputs]):
+        self._write_out([*self.values, *self.outputs], self.order, k)
+
+    def _write_out(self, nodes: Sequence[Node], order: int, k: int) -> None:
+        """Order k of the series of `nodes`, which have so many orders."""
+        for row, node in enumerate(nodes):
             text = self._known(node, k)
-            self.lines.append(f"    out[{row * (self.order + 1) + k}] = {text or '0.0'}")
+            self.lines.append(f"    {self._place(row * (order + 1), k)} = {text or '0.0'}")
+
+    def _place(self, first: int, k: int) -> str:
+        """Where order k of the series that begins at `first` is written."""
+        return f"out[{first + k}]" if self.looped is None else f"out[k + {first}]"
 
     def _is_integrated(self, node: Node, k: int) -> bool:
         return node.index in self.leaves and k > 0
@@ -440,10 +565,16 @@ class TaylorStep:
         if node.constant:
             text = self.coefficients.text(node) if k == 0 else ""
             return "" if text == "0.0" else text
-        return f"{self.name(node)}_{k}" if k <= self.degrees[node.index] else ""
+        if self.looped is None or k < 2 or self.degrees[node.index] < UNBOUNDED:
+            return f"{self.name(node)}_{k}" if k <= self.degrees[node.index] else ""
+        if k == self.looped:
+            return f"{self.name(node)}_k"
+        assert self.table is not None
+        return self.table.back(self.looped - k, self.table.own(node.index))
 
     def _assign(self, node: Node, k: int) -> None:
-        self._define(f"{self.name(node)}_{k}", getattr(self, f"_series_{node.op}")(node, k))
+        order = k if self.looped is None else "k"
+        self._define(f"{self.name(node)}_{order}", getattr(self, f"_series_{node.op}")(node, k))
         if node.op == "tanh":
             self._define(f"{self.name(node)}q_{k}", self._one_minus_square(node, k))
 
@@ -489,6 +620,8 @@ class TaylorStep:
 
     def _series_mul(self, node: Node, k: int) -> str:
         left, right = node.args
+        if convolved := self._convolved(node, k):
+            return self._sum(convolved)
         if left is not right:
             return self._sum(self._products(left, right, k, 0, k + 1))
         return self._square(left, k)
@@ -505,7 +638,8 @@ class TaylorStep:
     def _series_div(self, node: Node, k: int) -> str:
         above, below = node.args
         rest = [self._known(above, k)] if self._known(above, k) else []
-        rest += [f"-{term}" for term in self._products(node, below, k, 0, k)]
+        products = self._convolved(node, k) or self._products(node, below, k, 0, k)
+        rest += [f"-{term}" for term in products]
         return f"({self._sum(rest)}) / {self._known(below, 0)}"
 
     def _series_pow(self, node: Node, k: int) -> str:
@@ -526,23 +660,26 @@ class TaylorStep:
         rest = ([base] if base else []) + [f"-{t}" for t in self._products(node, node, k, 1, k)]
         return f"({self._sum(rest)}) / (2.0 * {self.name(node)}_0)"
 
-    def _chain(self, inner: Node, outer: Node, k: int, sign: str = "") -> str:
+    def _chain(self, node: Node, inner: Node, outer: Node, k: int, sign: str = "") -> str:
         """Sum of j inner_j outer_{k-j} over j = 1..k, divided by k.
 
         The rate of a linear argument is divided first: it does not wait for the other factor.
         """
+        over = _over(k) if self.looped is None else " * inverse"
+        if convolved := self._convolved(node, k):
+            return f"{sign}({self._sum(convolved)}){over}"
         pairs = [(j, self._known(inner, j), self._known(outer, k - j)) for j in range(1, k + 1)]
         pairs = [pair for pair in pairs if all(pair)]
-        if len(pairs) == 1:
+        if len(pairs) == 1 and self.looped is None:
             [(j, a, b)] = pairs
             return f"{sign}({_times(j / k, a)} * {b})"
         terms = [_times(j, f"{a} * {b}") for j, a, b in pairs]
-        return f"{sign}({self._sum(terms)}){_over(k)}"
+        return f"{sign}({self._sum(terms)}){over}"
 
     def _series_exp(self, node: Node, k: int) -> str:
         if k == 0:
             return f"exp({self._known(node.args[0], 0)})"
-        return self._chain(node.args[0], node, k)
+        return self._chain(node, node.args[0], node, k)
 
     def _series_log(self, node: Node, k: int) -> str:
         """w' a = a'."""
@@ -567,13 +704,13 @@ class TaylorStep:
         argument = node.args[0]
         if k == 0:
             return f"sin({self._known(argument, 0)})"
-        return self._chain(argument, self.partners[node.index], k)
+        return self._chain(node, argument, self.partners[node.index], k)
 
     def _series_cos(self, node: Node, k: int) -> str:
         argument = node.args[0]
         if k == 0:
             return f"cos({self._known(argument, 0)})"
-        return self._chain(argument, self.partners[node.index], k, "-")
+        return self._chain(node, argument, self.partners[node.index], k, "-")
 
     def _series_asin(self, node: Node, k: int) -> str:
         """w' q = a' with q = sqrt(1 - a^2)."""
@@ -623,24 +760,22 @@ class FollowedStep(TaylorStep):
         self.shown = order
         # Numbers that are written.
         self.length = (len(self.values) + len(self.outputs)) * (order + 1)
-        self.needed: dict[tuple[int, int], tuple[Node, int]] = {}
+        self.rows: dict[int, int] = {}  # where the series of what is needed begin
+        self.needed: dict[int, dict[int, Node]] = {}  # order -> what is needed to this order
 
     def _needed_for(self, roots: Sequence[Node]) -> list[Node]:
         return super()._needed_for([*roots, *self._read])
 
     def place(self, node: Node, k: int) -> int:
         """Where coefficient k of `node` is, which is written from now on."""
-        if (node.index, k) not in self.needed:
-            self.needed[node.index, k] = node, self.length
-            self.length += 1
-        return self.needed[node.index, k][1]
-
-    def _needed(self, k: int) -> list[tuple[Node, int]]:
-        """What is needed to this order, and its places."""
-        return [needed for (_, order), needed in self.needed.items() if order == k]
+        if node.index not in self.rows:
+            self.rows[node.index] = self.length
+            self.length += self.order + 1
+        self.needed.setdefault(k, {})[node.index] = node
+        return self.rows[node.index] + k
 
     def text(self, name: str, comment: str) -> list[str]:
-        self.order = max([self.shown, *(order for _, order in self.needed)])
+        self.order = max([self.shown, *self.needed])
         return super().text(name, comment)
 
     def _shown(self, k: int) -> list[Node]:
@@ -648,14 +783,22 @@ class FollowedStep(TaylorStep):
         return [*self.values, *self.outputs] if k <= self.shown else []
 
     def _last(self) -> list[Node]:
-        return [*self._shown(self.order), *(node for node, _ in self._needed(self.order))]
+        return [*self._shown(self.order), *self.needed.get(self.order, {}).values()]
+
+    def _alike(self, first: int) -> list[tuple[int, int]]:
+        return [(first, self.shown), (self.shown + 1, self.order)]
 
     def _write_rows(self, k: int) -> None:
-        for row, node in enumerate(self._shown(k)):
-            text = self._known(node, k)
-            self.lines.append(f"    out[{row * (self.shown + 1) + k}] = {text or '0.0'}")
-        for node, place in self._needed(k):
-            self.lines.append(f"    out[{place}] = {self._known(node, k)}")
+        self._write_out(self._shown(k), self.shown, k)
+        for index, node in self._needed(k).items():
+            if known := self._known(node, k):
+                self.lines.append(f"    {self._place(self.rows[index], k)} = {known}")
+
+    def _needed(self, k: int) -> dict[int, Node]:
+        """What is written to order k; in a loop, all that is needed to any order."""
+        if self.looped is None:
+            return self.needed.get(k, {})
+        return {i: node for needed in self.needed.values() for i, node in needed.items()}
 
 
 class TangentStep(TaylorStep):
@@ -675,6 +818,9 @@ class TangentStep(TaylorStep):
         own = _split(reachable(roots))[0]
         self._own.update(node.index for node in own)
         return own
+
+    def _table(self) -> None:
+        return None
 
     def _is_own_leaf(self, node: Node, position: int) -> bool:
         return node.op == "tangent" and node.value == position

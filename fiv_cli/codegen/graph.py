@@ -62,6 +62,7 @@ class Graph:
         self.nodes: list[Node] = []
         self._known: dict[tuple[object, ...], Node] = {}
         self._tangents: dict[int, Node] = {}
+        self._multiples: dict[int, tuple[str, Node]] = {}  # what a sum or product is the sine of
         self._names: dict[int, str] = {}
         self._short = 1  # terms of a sum that is merged into another one where both are built
         self.zero = self.number(0.0)
@@ -236,7 +237,27 @@ class Graph:
         """One of `UNARY`."""
         if argument.op == "number":
             return self.number(getattr(math, op)(argument.value))
+        if op in ("sin", "cos") and (times := _multiple(argument)) > 1:
+            return self._of_multiple(op, argument.args[0], times)
         return self._node(op, (argument,), None, argument.constant)
+
+    def _of_multiple(self, op: str, angle: Node, times: int) -> Node:
+        """Sine or cosine of a whole multiple of an angle: a product of those of lower ones."""
+
+        def lower(op: str, count: int) -> Node:
+            return self.unary(op, self.mul(self.number(count), angle))
+
+        two, half = self.number(2.0), times // 2
+        if times % 2:
+            product = self.mul(self.unary("cos", angle), lower(op, times - 1))
+            found = self.subtract(self.mul(two, product), lower(op, times - 2))
+        elif op == "sin":
+            found = self.mul(two, self.mul(lower("sin", half), lower("cos", half)))
+        else:
+            square = self.power(lower("sin", half), 2.0)
+            found = self.subtract(self.one, self.mul(two, square))
+        self._multiples[found.index] = op, self.mul(self.number(times), angle)
+        return found
 
     # --- constants ------------------------------------------------------------------------
     def _constant_sum(self, left: Node, right: Node) -> Node:
@@ -330,6 +351,11 @@ class Graph:
             tangent = self._node("tangent", (), node.value, False)
             self._names[tangent.index] = f"d_{self.name(node)}"
             return tangent
+        if node.index in self._multiples:
+            op, argument = self._multiples[node.index]
+            other = self.unary("cos" if op == "sin" else "sin", argument)
+            slope = other if op == "sin" else self.negative(other)
+            return self.mul(slope, self.tangent(argument))
         inner = [self.tangent(arg) for arg in node.args]
         if node.op == "linear":
             return self.linear(self.zero, list(zip(node.value[1:], inner, strict=True)))
@@ -372,6 +398,14 @@ class Graph:
             self.nodes.append(node)
             self._known[key] = node
         return node
+
+
+def _multiple(node: Node) -> int:
+    """How many times another node this one is, if so many whole times; else 1."""
+    if node.op != "linear" or len(node.args) > 1 or not _is(node.value[0], 0.0):
+        return 1
+    weight = node.value[1]
+    return int(weight.value) if weight.op == "number" and weight.value in range(2, 100) else 1
 
 
 def _is(node: Node, value: float) -> bool:

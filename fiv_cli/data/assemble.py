@@ -6,8 +6,9 @@ point: workers, chunks and order leave no trace, and memory is that of the datas
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Protocol
 
@@ -157,30 +158,29 @@ class _Assembly:
         """Write the rows of block `number` that no later block replaces where they belong."""
         placed = np.flatnonzero(positions >= 0)
         rows = placed[self.survey.owner[positions[placed]] == number]
-        targets = positions[rows]
-        self.arrays["status"][targets] = block.status[rows]
-        self.arrays["reason"][targets] = block.reason[rows]
+        stretches = list(_stretches(rows, positions[rows]))
+        for taken, place in stretches:
+            self.arrays["status"][place] = block.status[taken]
+            self.arrays["reason"][place] = block.reason[taken]
         for variable in self.layout.variables:
             if variable.name in (block.ragged if variable.ragged else block.values):
                 fill = self._fill_ragged if variable.ragged else self._fill_value
-                fill(variable, block, rows, targets)
+                for taken, place in stretches:
+                    fill(variable, block, taken, place)
                 let_go(self.arrays[variable.name])
 
-    def _fill_value(self, variable: Variable, block: Block, rows: Rows, targets: Rows) -> None:
+    def _fill_value(self, variable: Variable, block: Block, rows: slice, place: slice) -> None:
         source, target = block.values[variable.name][rows], self.arrays[variable.name]
         if variable.role is Role.ALONG:
             _fill_coordinate(target, source)
             return
-        shape = (len(targets), *target.shape[1:])
-        target[targets] = padded(source, shape, fill_value(variable))
+        shape = (len(source), *target.shape[1:])
+        target[place] = padded(source, shape, fill_value(variable))
 
-    def _fill_ragged(self, variable: Variable, block: Block, rows: Rows, targets: Rows) -> None:
-        begins = _row_starts(block.row_sizes[variable.ragged])
-        source, target = block.ragged[variable.name], self.arrays[variable.name]
-        for row, position in zip(rows, targets, strict=True):
-            piece = source[begins[row] : begins[row + 1]]
-            begin = self.starts[variable.ragged][position]
-            target[begin : begin + len(piece)] = piece
+    def _fill_ragged(self, variable: Variable, block: Block, rows: slice, place: slice) -> None:
+        begins, starts = _row_starts(block.row_sizes[variable.ragged]), self.starts[variable.ragged]
+        source = block.ragged[variable.name][begins[rows.start] : begins[rows.stop]]
+        self.arrays[variable.name][starts[place.start] : starts[place.stop]] = source
 
     def dataset(self) -> Dataset:
         """The dataset."""
@@ -228,11 +228,21 @@ class _Assembly:
         return coordinates
 
 
+def _stretches(rows: Rows, positions: Rows) -> Iterator[tuple[slice, slice]]:
+    """Rows that follow one another and so do their positions: those, and these."""
+    cuts = np.flatnonzero((np.diff(rows) != 1) | (np.diff(positions) != 1)) + 1
+    for begin, end in pairwise([0, *cuts.tolist(), len(rows)]):
+        if begin < end:
+            row, position = int(rows[begin]), int(positions[begin])
+            count = end - begin
+            yield slice(row, row + count), slice(position, position + count)
+
+
 def _fill_coordinate(target: Array, candidates: Array) -> None:
     """A coordinate is the same for all points; a run that ended early has only its beginning."""
-    for candidate in candidates:
-        known = np.isfinite(candidate)
-        target[: len(candidate)][known] = candidate[known]
+    known = np.fmax.reduce(np.where(np.isfinite(candidates), candidates, np.nan))
+    place = target[: len(known)]
+    place[...] = np.where(np.isnan(known), place, known)
 
 
 def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> Labelled:

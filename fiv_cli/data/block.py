@@ -292,7 +292,7 @@ class _Table:
         )
         _refuse("ragged variables", {n for outcome in outcomes for n in outcome.ragged} - rows)
         for name in rows - {*self.values}:
-            if any(np.ndim(outcome.values.get(name, 0.0)) > 0 for outcome in outcomes):
+            if any(np.ndim(one.values[name]) > 0 for one in outcomes if name in one.values):
                 raise TypeError(
                     f"{name} is ragged: it goes into Outcome.ragged, not into Outcome.values"
                 )

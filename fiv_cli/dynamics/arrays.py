@@ -135,9 +135,10 @@ def _not_asked_for(system: System) -> dict[str, Array]:
 
 def extremes_of(reference: Vector, n: int) -> dict[str, Array]:
     """What is measured of each of `n` states, before anything is."""
-    known = np.array(reference, dtype=float)
-    empty = np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n)
-    return dict(zip(NO_EXTREMES, (known, *empty), strict=True))
+    known, least, greatest = np.array(reference, dtype=float), np.empty(n), np.empty(n)
+    least.fill(np.inf)
+    greatest.fill(-np.inf)
+    return dict(zip(NO_EXTREMES, (known, least, greatest, np.zeros(n)), strict=True))
 
 
 def sample_width(system: System) -> int:

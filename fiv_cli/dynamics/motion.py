@@ -118,11 +118,6 @@ class Measures(NamedTuple):
         own = self.other_work, self.friction_work, self.drive_work, self.impact_loss
         return np.array([*own, *self.works])
 
-    @property
-    def extremes(self) -> NDArray[np.float64]:
-        """Least and greatest value of each state; shape (2, n_states)."""
-        return np.array([self.least, self.greatest])
-
 
 # Sums that begin anew with every measuring; the largest residual, behind them, does not.
 SUMS = slice(*(kernel.Run.fields[n].place for n in ("measured_time", "largest_residual")))
@@ -289,6 +284,11 @@ class Motion:
     def measures(self) -> Measures:
         """What was measured; before `start_measuring`, residuals and impacts only."""
         return Measures(*(getattr(self.frame, name) for name in Measures._fields))
+
+    @property
+    def extremes(self) -> NDArray[np.float64]:
+        """Least and greatest value of each state while measuring; shape (2, n_states)."""
+        return np.array([self.frame.least, self.frame.greatest])
 
     @property
     def ledger(self) -> Ledger:

@@ -59,6 +59,7 @@ class Recorder:
         self.system, self.solver, self.times = system, solver, times
         self._blank, count, contacts = blank_frame(system, solver), len(begun), system.n_contacts
         self._words = np.tile(self._blank.words, (count, 1))
+        self._begins_at = address_of(self._words)
         self.states = np.zeros((count, len(system.state_names), len(times)))
         self.outputs = np.zeros((count, sample_width(system), len(times)))
         self.codes = np.zeros((count, contacts, len(times)), np.int64)
@@ -133,7 +134,7 @@ class Recorder:
     def _go_on(self, row: int, motion: Motion | None) -> Stop:
         until = self.times.item(-1)
         if motion is None:
-            address = self._words.ctypes.data + row * self._words.strides[0]
+            address = self._begins_at + row * self._words.strides[0]
             stop = STOPS[DRIVER.function(address, until, 0.0, True)]
             if stop not in (Stop.NO_STATE, Stop.STEP_BUDGET):
                 return stop
@@ -171,12 +172,12 @@ class Recorder:
 
         Shape (motions,) each; NaN where no contact state holds.
         """
-        kinds, found = self.own("kinds"), np.full((2, len(self._words)), np.nan)
-        ends = np.column_stack([kinds @ 3 ** np.arange(kinds.shape[1]), self.told("time")])
-        for end in np.unique(ends, axis=0):
-            rows, index = (ends == end).all(axis=1), int(end[0])
+        kinds, times = self.own("kinds"), self.told("time")
+        states, found = kinds @ 3 ** np.arange(kinds.shape[1]), np.full((2, len(times)), np.nan)
+        for index, time in set(zip(states.tolist(), times.tolist(), strict=True)):
             if self.system.tables.field[index]:
-                own = self.own("coefficients")[rows], float(end[1]), self.own("y")[rows]
+                rows = np.flatnonzero((states == index) & (times == time))
+                own = self.own("coefficients")[rows], time, self.own("y")[rows]
                 there = self.system.field(index, *own)
                 found[0, rows] = there.energies[:, KINETIC] + there.energies[:, POTENTIAL]
                 found[1, rows] = there.stored.sum(axis=1)

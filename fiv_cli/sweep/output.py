@@ -73,5 +73,6 @@ def _check_existing(output: Path, fingerprint: str, fresh: bool) -> None:
     if str(attributes["fingerprint"]) != fingerprint and not fresh:
         raise StoreMismatchError(
             f"{output}: holds the dataset of another case ({attributes.get('title', '')!r})\n"
-            "next: choose another place with -o FILE.nc, or replace it with --fresh"
+            "next: `fiv status CASE` says how they differ; choose another place with -o FILE.nc, "
+            "or replace it with --fresh"
         )

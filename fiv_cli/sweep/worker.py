@@ -23,7 +23,7 @@ from typing import Any
 
 from fiv_cli import ending
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.base import AT_ONCE, Batch, Outcome, Request
+from fiv_cli.analyses.base import AT_ONCE, Batch, Outcome, Request, Start
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, pack
@@ -35,6 +35,7 @@ from fiv_cli.sweep.requests import (
     Template,
     Values,
     exclusion,
+    is_shared,
     point_key,
     request_at,
     resolve_start,
@@ -154,16 +155,26 @@ def _points(task: Task) -> Iterator[tuple[Values, StartEntry | None]]:
 
 def _batches(task: Task) -> Iterator[list[Request]]:
     """The points of a task, a batch at a time; those on chains without starts."""
-    template, points = task.template, _points(task)
+    template, points, shared = task.template, _points(task), _shared_starts(task)
     while some := list(islice(points, AT_ONCE)):
         requests: list[Request] = []
         batch = Batch(requests)
         for values, entry in some:
             start = None
             if entry is not None and entry.spec.kind != "continue":
-                start = resolve_start(template, values, entry)
+                start = shared.get(entry.label) or resolve_start(template, values, entry)
             requests.append(request_at(template, values, start, batch))
         yield requests
+
+
+def _shared_starts(task: Task) -> dict[str, Start]:
+    """Label -> start, of those that are the same at all points."""
+    template, first = task.template, task.segments[0].values[0]
+    return {
+        entry.label: resolve_start(template, first, entry)
+        for entry in template.entries
+        if entry is not None and is_shared(template, entry)
+    }
 
 
 def _run_in_blocks(

@@ -61,7 +61,7 @@ def displacements(paths: Paths | Values) -> Values:
     count = paths.shape[1]
     lags = count // LONGEST_LAG
     length = count - lags
-    squares = np.cumsum(np.abs(paths) ** 2, axis=1)
+    squares = np.cumsum(paths.real**2 + paths.imag**2, axis=1)
     starts = squares[:, length - 1 : length]
     ends = squares[:, length : length + lags] - squares[:, :lags]
     room = -(-count // SMOOTH) * SMOOTH

@@ -55,9 +55,11 @@ def confirm(
 
 def _scales(extents: Vector, n_coordinates: int) -> Vector:
     """By what distances are judged: of a state that hardly moves, a share of what moves most."""
-    groups = np.split(extents, [n_coordinates, 2 * n_coordinates])
-    floors = [np.maximum(group, FAINT * np.max(group, initial=0.0)) for group in groups]
-    return np.concatenate(floors)
+    floored = extents.copy()
+    for first in (0, n_coordinates, 2 * n_coordinates):
+        group = floored[first : None if first == 2 * n_coordinates else first + n_coordinates]
+        np.maximum(group, FAINT * group.max(initial=0.0), out=group)
+    return floored
 
 
 def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Orbit | None:
@@ -71,7 +73,7 @@ def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Orbit | 
         inverse = least_squares(conditions.jacobian(found))
         if way is None:
             way = -inverse @ conditions.values(found, unknowns)
-            if from_afar and np.max(np.abs(way)) > (1.0 + STRAIGHT) * NEIGHBOUR:
+            if from_afar and np.abs(way).max() > (1.0 + STRAIGHT) * NEIGHBOUR:
                 return None
         enough = SETTLED if from_afar and number == 0 else CLOSED
         unknowns, found, last_step = _chords(problem, conditions, unknowns, found, inverse)
@@ -79,7 +81,7 @@ def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Orbit | 
             moved = unknowns - conditions.start
             if from_afar and not _is_straight(way, moved):
                 return None
-            is_near = float(np.max(np.abs(moved))) <= ON_IT
+            is_near = float(np.abs(moved).max()) <= ON_IT
             last = derived if is_near else conditions.around(problem, unknowns)
             return None if last is None else _own(problem, conditions, unknowns, first, last)
         found = conditions.around(problem, unknowns)
@@ -88,7 +90,7 @@ def _closed(problem: Problem, conditions: Shooting, from_afar: bool) -> Orbit | 
 
 def _is_straight(way: Vector, moved: Vector) -> bool:
     """Whether the first step led to the cycle, so that the return map is linear up to there."""
-    beside, whole = np.max(np.abs(way - moved)), np.max(np.abs(moved))
+    beside, whole = np.abs(way - moved).max(), np.abs(moved).max()
     return bool(beside <= max(STRAIGHT * whole, ON_IT))
 
 
@@ -99,7 +101,7 @@ def _chords(
     last = np.inf
     for _ in range(CHORDS):
         step = -inverse @ conditions.values(found, unknowns)
-        size = float(np.max(np.abs(step)))
+        size = float(np.abs(step).max())
         if size <= SETTLED or (not size <= SLOW * last and last < np.inf):
             return unknowns, found, size
         unknowns = unknowns + step
@@ -119,7 +121,7 @@ def _own(
     anchor, period = conditions.anchor_of(unknowns), conditions.period_of(problem, unknowns)
     orbit = Orbit(anchor, period, residual, multipliers, autonomous=problem.excitation is None)
     gap = _distance(first.state, first.begun, conditions.scales)
-    moved = float(np.max(np.abs(unknowns - conditions.start)))
+    moved = float(np.abs(unknowns - conditions.start).max())
     same = first.events == last.events
     allowed = max(REACH * gap / max(1.0 - orbit.largest, 1e-300), ROUNDING)
     close = moved <= min(allowed, NEIGHBOUR) and residual <= CLOSED
@@ -127,4 +129,4 @@ def _own(
 
 
 def _distance(one: Vector, other: Vector, scales: Vector) -> float:
-    return float(np.max(np.abs(one - other) / scales))
+    return float((np.abs(one - other) / scales).max())

@@ -94,10 +94,10 @@ class LevelSet:
         return (found[0], float(found.margins(state[None])[0])) if len(rows) > 0 else None
 
     # --- the level --------------------------------------------------------------------------------
-    @cached_property
+    @property
     def is_bounded(self) -> bool:
         """Whether some switching function limits the level set."""
-        return bool(np.any(self.shares > 0.0))
+        return bool((self.shares > 0.0).any())
 
     def amplitudes(self, state: Vector) -> Vector:
         """Modal amplitudes of the distance from the equilibrium; shape (..., n_free)."""

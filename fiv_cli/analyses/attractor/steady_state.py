@@ -159,11 +159,11 @@ class Rests:
         """Whether the first equilibrium neither attracts nor repels."""
         if self.eigenvalues is None:
             return False
-        frequency = float(np.max(np.abs(self.eigenvalues)))
-        values = self.eigenvalues
+        values = self.eigenvalues.tolist()
+        slow = HURWITZ * max(map(abs, values))
         if self.unexcited.held:
-            values = values[np.abs(values) > HURWITZ * frequency]
-        return abs(float(np.max(values.real))) <= HURWITZ * frequency
+            values = [value for value in values if abs(value) > slow]
+        return abs(max(value.real for value in values)) <= slow
 
 
 def rests_at(system: System, requests: Sequence[Request]) -> list[Rests]:
@@ -425,7 +425,7 @@ class _Response:
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
         motion, frame = self.motion, self.motion.frame
-        if not motion.is_held or np.any(motion.rates() != 0.0):
+        if not motion.is_held or motion.rates().any():
             return None
         if self.excitation is not None and not holds_through(motion, self.problem.parameters):
             return None
@@ -560,7 +560,7 @@ class _Response:
         energy = self.motion.energy()
         points, works = self._next_points(multiplicity, section, measuring=True)
         period, full = self.motion.time - begun, self.stop == Stop.SECTION_FULL
-        scales = extents(self.motion.measures.extremes)
+        scales = extents(self.motion.extremes)
         share = repeats(self.problem, points, scales, period) if full else 1
         if not full or abs(period - cycle.period) > SAME_PERIOD * cycle.period or share > 1:
             shorter = confirm(self.problem, self.motion, period / share) if share > 1 else None
@@ -576,10 +576,10 @@ class _Response:
             values |= {f"{name}_work": float(work) for name, work in done.items()}
         # Begun at the least value: the order tells nothing of the transient.
         first = int(np.argmin(points[:, self.observed]))
-        passed = self._passed(points, np.diff(works, axis=0, prepend=0.0))
+        passed = self._passed(points, np.vstack([works[:1], np.diff(works, axis=0)]))
         if section is not self.section:
             passed = {name: found[:0] for name, found in passed.items()}
-        ragged = {name: np.roll(found, -first) for name, found in passed.items()}
+        ragged = {name: np.append(found[first:], found[:first]) for name, found in passed.items()}
         return Outcome(values=values, ragged=ragged, carry=self._carry("periodic"))
 
     def _passed(self, points: NDArray[np.float64], works: NDArray[np.float64]) -> dict[str, Vector]:

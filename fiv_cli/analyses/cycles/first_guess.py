@@ -117,7 +117,7 @@ def guess_between(problem: Problem, begin: Begin, begun: float, ended: float) ->
     motion.keep_ledger(MOST_EVENTS)
     motion.start_measuring(np.zeros(len(problem.system.coordinates)))
     motion.run(ended, measuring=True)
-    extremes = motion.measures.extremes
+    extremes = motion.extremes
     if is_at_rest(extremes, len(problem.system.coordinates)):
         return None
     times = motion.ledger.times - begun

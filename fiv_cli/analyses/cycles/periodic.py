@@ -348,7 +348,7 @@ def shooting(problem: Problem, anchor: Anchor, period: float, scales: Vector) ->
 def across_flow(anchor: Anchor, period: float, scales: Vector, rates: Vector) -> Shooting:
     """The closing conditions of a free period about a point that moves on with these rates."""
     flow = rates / scales
-    normal = flow / max(float(np.linalg.norm(flow)), np.finfo(float).tiny)
+    normal = flow / max(_length(flow), np.finfo(float).tiny)
     return Shooting(anchor, period, scales, normal, 0)
 
 
@@ -488,7 +488,7 @@ class Orbit:
     @cached_property
     def largest(self) -> float:
         """Modulus of the largest nontrivial multiplier."""
-        return float(np.max(np.abs(self.nontrivial), initial=0.0))
+        return float(np.abs(self.nontrivial).max(initial=0.0))
 
     @property
     def stable(self) -> bool:
@@ -541,7 +541,7 @@ def floquet(multipliers: NDArray[np.complex128]) -> dict[str, Vector]:
 def extents(extremes: Matrix) -> Vector:
     """Half the range of every state; where it does not move, its size, or 1."""
     half = 0.5 * (extremes[1] - extremes[0])
-    largest = np.max(np.abs(extremes), axis=0)
+    largest = np.abs(extremes).max(axis=0)
     moving = half > AT_REST * largest
     return np.where(moving, half, np.where(largest > 0.0, largest, 1.0))
 
@@ -549,7 +549,7 @@ def extents(extremes: Matrix) -> Vector:
 def is_at_rest(extremes: Matrix, n_coordinates: int) -> bool:
     """Whether no displacement moves: an equilibrium closes at any period."""
     reach = (extremes[1] - extremes[0])[:n_coordinates]
-    return bool(np.all(reach <= AT_REST * np.max(np.abs(extremes), axis=0)[:n_coordinates]))
+    return bool((reach <= AT_REST * np.abs(extremes).max(axis=0)[:n_coordinates]).all())
 
 
 def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cycle | None:
@@ -578,7 +578,7 @@ def describe(problem: Problem, anchor: Anchor, period: float) -> Cycle | None:
     around = _gone_on(motion, period, True, *sections)
     if around.stop != Stop.REACHED or not np.all(np.isfinite(around.monodromy)):
         return None
-    extremes = motion.measures.extremes
+    extremes = motion.extremes
     if is_at_rest(extremes, displacements):
         return None
     return Cycle(

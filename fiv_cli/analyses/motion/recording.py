@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -49,12 +50,12 @@ def _recorded(system: System, request: Request, begun: Sequence[Beginning]) -> l
         values |= _surfaces(system, [one.parameters for one in begun], recorder.states, places)
     values |= _told(system, recorder) | _works(system, recorder, curves)
     columns = Columns(values, _events(system, recorder), recorder.lengths)
-    residuals = values["energy_residual"]
+    residuals = values["energy_residual"].tolist()
     return [_outcome(stop, residuals[row], columns, row) for row, stop in enumerate(stops)]
 
 
 def _outcome(stop: Stop, residual: float, columns: Columns, row: int) -> Outcome:
-    if stop == Stop.REACHED and np.isnan(residual):
+    if stop == Stop.REACHED and math.isnan(residual):
         message = "energy_residual is no number"
         return Outcome(status="failed", reason="no_number", message=message)
     outcome = stopped(stop) or Outcome()
@@ -189,7 +190,8 @@ def _events(system: System, recorder: Recorder) -> Curves:
 
 
 @cache
-def _codes_of_events(system: System) -> NDArray[np.int64]:
+def _codes_of_events(system: System) -> NDArray[np.int8]:
     """What a ledger holds -> code of `flags.CONTACT_EVENT`: contact states, pieces of laws."""
     words = system.pieces.events
-    return np.array([*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)])
+    codes = [*range(CODE_PIECE), *(CONTACT_EVENT.codes[word] for word in words)]
+    return np.array(codes, np.int8)
