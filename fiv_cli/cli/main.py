@@ -83,7 +83,7 @@ Exit codes:
   1  internal error: a defect of fiv
   2  the command line is wrong, or the output cannot be written
   3  an input file is invalid
-  4  points failed or ran out of budget (run, assemble)
+  4  points failed, or used up max_events or max_steps (run, assemble)
   5  a difference (diff, regress, verify, claims --strict)
   6  the stored run belongs to another case
   7  locked by a live run
