@@ -83,8 +83,8 @@ Exit codes:
   1  internal error                  6  the stored run belongs to another case
   2  usage, or a file in the way     7  locked by a live run
   3  an input file is invalid        8  points are left (run --max-points, assemble)
-  4  points failed or ran out of     9  a cluster is out of reach (run --cluster)
-     budget                          129 SIGHUP    130 Ctrl-C    143 SIGTERM
+  4  points failed, or used up       9  a cluster is out of reach (run --cluster)
+     max_events or max_steps         129 SIGHUP    130 Ctrl-C    143 SIGTERM
 
 \b
 Every option has a twin in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
