@@ -84,6 +84,12 @@ def test_a_case_alone_runs_no_code_and_says_what_to_type(capsys):
                           ("new my-belt", "next: fiv new my-belt --with my.py")):  # fmt: skip
         assert run(command.split()) in (2, 3)
         assert said in capsys.readouterr().err
+    Path("a.py").write_text(MODEL.replace("MODEL = Model(", "MODEL = Model(("))
+    assert run(["check", "case.toml"]) == 3
+    assert "--with my.py\n" in capsys.readouterr().err  # not a.py, which cannot be loaded
+    Path("my.py").unlink()
+    assert run(["check", "case.toml"]) == 3
+    assert re.search(r"--with a\.py \(mend its line \d+ first: .*never", capsys.readouterr().err)
     assert not Path("was_run").exists()
 
 
