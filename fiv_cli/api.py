@@ -304,6 +304,8 @@ def observations(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     dataset : of one analysis; or several such, joined along a parameter by ``xr.concat``
     variable : ``section_value``, say
 
+    Join runs along an axis that both have without these values: ``a.drop_dims("section_obs")``.
+
     Examples
     --------
     >>> import xarray as xr

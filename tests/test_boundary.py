@@ -249,6 +249,7 @@ def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
     assert [one.value for one in followed([0.0, 0.5, 1.0], look, WIDTH).looks] == [0.0, 0.5]
 
 
+OFFSET = Outcome(values={"attractor": "periodic", "u_min": 7.0, "u_max": 8.0})
 ABOVE = Question("stick_fraction", "", True, 0.0)
 
 
@@ -283,6 +284,9 @@ ABOVE = Question("stick_fraction", "", True, 0.0)
         (ABOVE, Outcome(values={"attractor": "periodic", "stick_fraction": 0.2}), True),
         (ABOVE, Outcome(values={"attractor": "periodic"}), None),
         (Question("L_s", "", True, 1.0), Outcome(values={"attractor": "diverged"}), True),
+        (Question("u_amplitude", below=1.0), OFFSET, True),
+        (Question("u_amplitude", below=0.4), OFFSET, False),
+        (Question("v_amplitude", below=1.0), OFFSET, None),
     ],
 )
 def test_answers(question: Question, outcome: Outcome, answer: bool | None) -> None:
@@ -383,6 +387,8 @@ def test_what_is_refused(change: tuple[str, str], message: str) -> None:
 
 def test_a_number_is_asked_for_above_a_bound_as_below_it() -> None:
     asked = '{ variable = "stick_fraction", expect = { greater_than = 0.0 } }'
+    of_amplitude = asked.replace("stick_fraction", "phi_amplitude")
+    assert parse_case(PIN.replace('{ expect = "periodic" }', of_amplitude), "pin.toml", ())
     text = PIN.replace('{ expect = "periodic" }', asked)
     assert parse_case(text, "pin.toml", ()).analyses[0].settings["of"] == ABOVE
     with pytest.raises(CaseError) as caught:

@@ -168,11 +168,29 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert fiv(["status", "pin.toml", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert fiv(["status", "pin.toml", "--set", "model.parameters.k1=1", "-o", "runs/pin.nc"]) == 0
-    assert "runs/pin.nc (of what is stored)\n  what is stored belongs" in capsys.readouterr().out
+    told = "runs/pin.nc (partial, of another version of the case)\n  what is stored belongs"
+    assert told in capsys.readouterr().out
     assert document["counts"]["ok"] == 3
     assert document["counts"]["pending"] == 1
     assert document["running"] is None
     assert fiv(["run", "pin.toml", "-q"]) == 0
+    capsys.readouterr()
+    assert fiv(["status", "pin.toml", "--set", "model.parameters.k1=1", "-o", "runs/pin.nc"]) == 0
+    assert "runs/pin.nc (complete, of another version of the case)" in capsys.readouterr().out
+
+
+def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_none(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("short.toml").write_text(RESPONSE.replace("200.0", "15.0"))
+    assert fiv(["run", "short.toml", "--workers", "1"]) == 0
+    assert "time_budget 4" in capsys.readouterr().err
+    Path("few.toml").write_text(f"{RESPONSE}[solver]\nmax_events = 1\n")
+    assert fiv(["run", "few.toml", "--workers", "1"]) == 4
+    assert "too_many_events" in capsys.readouterr().err
+    assert fiv(["run", "--help"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "4 where some failed or met max_steps or max_events" in told
 
 
 def test_diff(capsys: pytest.CaptureFixture[str]) -> None:

@@ -129,6 +129,7 @@ COARSE_DAMPING = ("grid.c1=[0.0, 0.1, 0.2]", "grid.c2=[0.0, 0.1, 0.2]")
 # Cases of many points on a few of them: those that the numbered claims, confirmed and
 # contradicted, speak of.
 REDUCED = [
+    ("ch3/basin_stability", ("grid.v=[1.5, 1.85]",), (1, 3), ()),
     ("own/rollers", ("grid.mu_k=[0.3, 0.4]",), range(4), ()),
     (
         "own/pumped",
@@ -171,7 +172,7 @@ REDUCED = [
         (
             "grid.mu_s=[0.23, 0.3, 0.35, 0.4]",
             "grid.mu_k=[0.2, 0.23, 0.35]",
-            "grid.Omega=[1.0, 2.0, 4.0, 8.0]",
+            "grid.Omega=[2.0, 4.0, 6.0, 9.0]",
             "grid.N0=[30.0]",
         ),
         (0, 1, 4),

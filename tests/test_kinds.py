@@ -64,8 +64,8 @@ def test_the_keys_of_a_table_are_listed(capsys: pytest.CaptureFixture[str]) -> N
     assert "\nexpect    required  a class" in printed(capsys, "kinds", "claim")
     assert run(["kinds", "shar"]) == 2
     assert "did you mean 'share'?" in capsys.readouterr().err
-    assert run(["kinds", "model"]) == 2
-    assert "[model]: fiv models NAME" in capsys.readouterr().err
+    assert run(["kinds", "belt-1dof"]) == 2
+    assert "models and laws: fiv models" in capsys.readouterr().err
 
 
 def test_the_variables_listed_are_those_of_the_dataset(

@@ -504,6 +504,15 @@ def test_a_map_of_numbers_has_a_colour_bar_with_unit():
     assert np.array_equal(mesh.get_array().filled(np.nan), truth, equal_nan=True)
 
 
+def test_cells_without_a_number_are_named_by_what_is_there():
+    dataset = data.stability_map()
+    moves = dataset["attractor"] == data.codes(data.ATTRACTORS, "periodic")
+    dataset["period"] = dataset["L_s"].where(moves)
+    assert legend_texts(draw(dataset, figure("map", variable="period"))) == [
+        "not reached, undecided, equilibrium"
+    ]
+
+
 def test_the_axes_of_a_map_can_be_exchanged():
     drawn = draw(data.stability_map(), figure("map", x="N0", y="Omega"))
     assert drawn.axes[0].get_xlabel() == "normal preload $N_0$ (N)"
@@ -613,6 +622,14 @@ def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches()
     assert colours == [c.lower() for c in class_colours(["equilibrium", "periodic"])]
     assert two.get_xlabel() == "initial $x$ (m)"
     assert one.get_ylabel() == r"initial $\dot{x}$ (m/s)"
+
+
+def test_a_class_has_one_mark_in_all_panels_of_a_basin():
+    moving, both = (
+        {c.get_label().split()[0]: len(c.get_paths()[0].vertices) for c in ax.collections}
+        for ax in draw(data.basin(speeds=(0.0, 1.0)), figure("basin")).axes
+    )
+    assert len(moving) == 1 and moving["periodic"] == both["periodic"] != both["equilibrium"]
 
 
 def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():

@@ -20,10 +20,13 @@ from fiv_cli.analyses.variables import Subject
 from fiv_cli.case.grammar import parse_expect
 from fiv_cli.case.kinds import TABLES
 from fiv_cli.case.load import parse_case
+from fiv_cli.cli import main
+from fiv_cli.cli.common import STILL_TO_RUN, UNSOUND
 from fiv_cli.cli.main import COMMANDS
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import build_system
+from fiv_cli.errors import FivError
 from fiv_cli.models import all_models
 
 ROOT = Path(__file__).parents[1]
@@ -85,7 +88,10 @@ def test_the_case_is_right() -> None:
     [
         ("friction", ["friction", "Omega"]),
         ("grid", ["Omega", "mu_k", "initial.phi_dot"]),
-        ("refine", ["Omega"]),  # beside the grid of the case
+        ("refine", ["Omega"]),  # beside the grid of the case, as those below
+        ("forcing", ["Omega"]),
+        ("initial", ["Omega"]),
+        ("figure", ["Omega"]),
     ],
 )
 def test_the_example_of_a_table_fits_into_the_case(table: str, axes: list[str]) -> None:
@@ -128,10 +134,22 @@ def test_every_path_exists() -> None:
         assert (ROOT / path).exists() or path.endswith("my_law.py"), path
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_the_help_of_a_command_names_cases_that_there_are(name: str) -> None:
-    text = str(importlib.import_module(COMMANDS[name][0]).command.help)
-    for path in re.findall(r"configs/\S+?\.toml", text):
+def test_help_lists_every_exit_code() -> None:
+    def below(error: type[FivError]) -> set[int]:
+        return {error.exit_code}.union(*map(below, error.__subclasses__()))
+
+    codes = below(FivError) | {0, UNSOUND, STILL_TO_RUN, main.INTERRUPTED, main.READER_GONE}
+    (listed,) = re.findall(r"Exit codes:\n((?:  .*\n)+)", main.EPILOG)
+    assert codes <= set(map(int, re.findall(r"\b\d+\b", listed)))
+
+
+HELP = {name: str(importlib.import_module(COMMANDS[name][0]).command.help) for name in COMMANDS}
+HELP |= {f"kinds {table}": text for table, (text, _) in TABLES.items() if text}
+
+
+@pytest.mark.parametrize("name", HELP)
+def test_help_names_cases_that_there_are(name: str) -> None:
+    for path in re.findall(r"configs/\S+?\.toml", HELP[name]):
         assert list(ROOT.glob(path)), path
 
 
@@ -144,8 +162,8 @@ def with_fiv(folder: Path) -> dict[str, str]:
 
 def examples(name: str) -> list[str]:
     """The lines of a command's help that are to be typed."""
-    text = str(importlib.import_module(COMMANDS[name][0]).command.help)
-    return [line.strip() for line in re.findall(r"^ *(?:while )?fiv .*$", text, re.MULTILINE)]
+    found = re.findall(r"^ *(?:while )?fiv .*$", HELP[name], re.MULTILINE)
+    return [line.strip() for line in found]
 
 
 # A scheduler of another machine; every sweep, or new answers of all; what a shell's start-up does.
@@ -190,9 +208,9 @@ def test_the_analysis_that_help_shows_works() -> None:
 
 def test_parts_from_batch_queues_join_to_the_dataset_of_one_run(tmp_path: Path) -> None:
     """The array of Slurm, as `sbatch` would start it, and the rules for make; of three parts."""
-    said = f"{importlib.import_module(COMMANDS['assemble'][0]).command.help}"
     job, rules = (
-        textwrap.dedent(re.split(r":\n", part, maxsplit=1)[1]) for part in said.split("\b\n")[2:]
+        textwrap.dedent(re.split(r":\n", part, maxsplit=1)[1])
+        for part in HELP["assemble"].split("\b\n")[2:]
     )
     folders = {name: tmp_path / name for name in ("one", "slurm", "make")}
     for folder in folders.values():

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from fiv_cli.cli.main import run as fiv
+from fiv_cli.data import hdf5
 from fiv_cli.errors import InputError
 from fiv_cli.reading.datasets import read_analyses
 
@@ -158,6 +159,35 @@ def test_a_file_that_is_none_any_more_is_refused(dataset: Path, change: object) 
     Path("response.toml").write_text(attacks.CASES["response"])
     in_the_way = fiv(["run", "response.toml", "-o", "bad.nc", "--workers", "1", "-q"])
     assert in_the_way == (3 if change is half else 0)
+
+
+def test_no_changed_byte_reaches_what_may_never_return(
+    dataset: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At some damaged files HDF5 does not come back: whatever the damage, it is not asked."""
+    content = dataset.read_bytes()
+    case = dataset.with_name("response.toml")
+    case.write_text(attacks.CASES["response"])
+    monkeypatch.setattr(h5py, "File", lambda *_: pytest.fail("HDF5 was asked"))
+    sealed = len(content) - len(hdf5.SEAL) - hdf5.DIGEST_BYTES
+    for place in (0, 8, 40, sealed // 3, sealed // 2, sealed - 1, sealed + len(hdf5.SEAL)):
+        damaged = bytearray(content)
+        damaged[place] ^= 1
+        dataset.write_bytes(damaged)
+        for command in ("show bad.nc", "plot bad.nc", "run response.toml -o bad.nc"):
+            assert fiv(command.split()) == 3 or place < 8, place
+
+
+def test_who_changes_a_dataset_is_believed(dataset: Path) -> None:
+    """The libraries cut off what follows a file that they write to, and NetCDF reads beside it."""
+    import netCDF4
+
+    assert hdf5.SEAL in dataset.read_bytes()
+    for title in ("another", "a longer title than any that was there before"):
+        with netCDF4.Dataset(dataset, "a") as file:
+            file.setncattr("title", title)
+        assert hdf5.SEAL not in dataset.read_bytes()
+        assert read_analyses(dataset)[""].attrs["title"] == title
 
 
 def test_texts_of_a_dataset_do_not_steer_the_terminal(

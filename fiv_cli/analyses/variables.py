@@ -365,6 +365,12 @@ def amplitude(name: str, units: str) -> Variable:
     )
 
 
+def extremes_of(name: str) -> tuple[str, str]:
+    """What an amplitude is half the distance of."""
+    stem = name.removesuffix("_amplitude")
+    return f"{stem}_min", f"{stem}_max"
+
+
 def ranged(names: Collection[str]) -> list[str]:
     """What has both a least and a greatest value among these names of variables."""
     stems = (name.removesuffix("_max") for name in names if name.endswith("_max"))

@@ -11,6 +11,7 @@ from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.base import Analysis
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.settings import read_settings
+from fiv_cli.analyses.variables import derived
 from fiv_cli.case.case import AnalysisSpec, Axis
 from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics, counterpart
@@ -49,7 +50,7 @@ class Surroundings(Physics):
     def numbers(self) -> list[str]:
         """The variables of a `response` that are one number at each point."""
         held = variables_of("response", self.model, self.options, {"powers": "mean"})
-        return [variable.name for variable in held if variable.askable]
+        return [variable.name for variable in (*held, *derived(held)) if variable.askable]
 
 
 def read_analyses(

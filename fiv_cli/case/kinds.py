@@ -22,6 +22,7 @@ from fiv_cli.case.structure import (
     ForceTable,
     FrictionTable,
     InitialTable,
+    ModelTable,
     RangeTable,
     RefineTable,
     SolverTable,
@@ -180,14 +181,65 @@ Where starts follow an axis, `along` names the other axes: along the one all poi
 """
 
 
+SCHEDULE = """\
+A parameter that varies in time: a ramp, straight lines between points, or harmonically, each with
+its keys below and in `fiv kinds ramp`, `fiv kinds points`, `fiv kinds harmonic`.
+
+    [schedule]
+    Omega = { start = 6.0, stop = 0.5, over = 35.0 }    # rad/s, s
+    N0 = { mean = 30.0, amplitude = 2.0, omega = 5.0 }
+"""
+
+FORCING = """\
+Forces on coordinates of the model, or the motion of its base; `fiv models NAME` lists them.
+
+    [forcing]
+    phi = { amplitude = 0.1, omega = 5.0 }
+"""
+
+INITIAL = """\
+Where motions start, each table a start; `initial` is an axis of the dataset, with their labels.
+
+    [[initial]]
+    label = "disc-speed"
+    kind = "state"
+    state = { phi_dot = "Omega" }                # a number in SI, or the value of a parameter
+    [[initial]]
+    label = "anywhere"
+    kind = "random"
+    count = 100
+    box = { phi = [-0.1, 0.1], phi_dot = [0.0, 5.0] }
+    [[initial]]
+    label = "up"
+    kind = "continue"                            # each begins where the one before it ended
+    along = "Omega"
+    from = "disc-speed"                          # the first
+    on_loss = "go-on"                            # whatever becomes of the motion
+"""
+
+FIGURE = """\
+What `fiv plot` draws. Points are selected, and numbers taken, as by claims: `fiv kinds claim`.
+
+    [[figure]]
+    kind = "curve"
+    x = "Omega"
+    variable = "period"
+    select = { initial = "far" }
+
+Examples: configs/ch7/basin_shares.toml (basins), fig_7_15.toml (lines at a level of a map).
+"""
+
 TABLES: dict[str, tuple[str, type[BaseModel]]] = {
+    "model": ("", ModelTable),
     "grid": (GRID, RangeTable),
     "sweep": ("", SweepTable),
     "refine": (REFINE, RefineTable),
     "friction": (FRICTION, FrictionTable),
-    "initial": ("", InitialTable),
+    "schedule": (SCHEDULE, CurveTable),
+    "forcing": (FORCING, ForceTable),
+    "initial": (INITIAL, InitialTable),
     "solver": ("", SolverTable),
-    "figure": ("", FigureTable),
+    "figure": (FIGURE, FigureTable),
     "claim": (CLAIMS, ClaimTable),
     "take": ("", TakeTable),
 }

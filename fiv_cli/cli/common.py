@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# Exit codes of what was computed, where some points failed or ran out of budget, or are left.
+# Exit codes of what was computed, where some points failed or used up events or steps, or are left.
 UNSOUND, STILL_TO_RUN = 4, 8
 
 # The version of what ``--json`` prints.

@@ -25,7 +25,7 @@ TITLES = {
     "claim.expect": "What a [[claim]] expects: expect = ...",
 }
 
-ELSEWHERE = "fiv kinds; what stands under [model]: fiv models NAME"
+ELSEWHERE = "fiv kinds; models and laws: fiv models, fiv models --laws"
 
 
 @click.command("kinds")
@@ -34,9 +34,9 @@ ELSEWHERE = "fiv kinds; what stands under [model]: fiv models NAME"
 def command(name: str | None, as_json: bool) -> None:
     """List the kinds of analyses, starts, figures and claims, or all settings of the kind NAME.
 
-    NAME may also be a table of a case: grid, sweep, refine, friction, initial, solver, figure,
-    claim or take. Then its keys are listed, with an example of what is not plain. `fiv variables
-    CASE` lists what an analysis gives, which figures draw and claims speak of.
+    NAME may also be a table of a case, such as grid, friction, schedule or claim. Then its keys
+    are listed, with an example of what is not plain. `fiv variables CASE` lists what an analysis
+    gives, which figures draw and claims speak of.
 
     \b
     Examples:

@@ -28,6 +28,7 @@ class Standing:
 
     Attributes
     ----------
+    dataset_partial : it says so itself
     running : process that is running it; None: nobody is
     running_parts : parts of it that are being run, ``3/16``
     counts : status -> number of points
@@ -41,6 +42,7 @@ class Standing:
     case: str
     dataset: str
     dataset_exists: bool
+    dataset_partial: bool
     running: int | None
     running_parts: list[str]
     points: int
@@ -57,8 +59,7 @@ class Standing:
         """For people."""
         left = self.counts["pending"]
         done = self.points - left
-        partial = " (of what is stored)" if self.stored_case_differs else " (partial)"
-        written = partial * (left > 0) if self.dataset_exists else " (not written yet)"
+        holds = f" ({self._dataset_holds()})" if left else ""
         running = [f"  process {self.running} is running it{self.pace}"] if self.running else []
         if left and done and not (running or self.running_parts):
             running = ["  nobody is running it; the same `fiv run` goes on from here"]
@@ -66,7 +67,7 @@ class Standing:
             f"{self.case}: {done} of {self.points} points done",
             *(f"  {count} {status}" for status, count in self.counts.items() if count),
             *(f"  {line}" for line in self.refined),
-            f"  dataset {self.dataset}{written}",
+            f"  dataset {self.dataset}{holds}",
             *running,
             *([f"  running: part {', '.join(self.running_parts)}"] if self.running_parts else []),
             *(f"  ignored {shard}" for shard in self.ignored_shards),
@@ -74,6 +75,16 @@ class Standing:
         if self.stored_case_differs:
             lines.append("  what is stored belongs to another case, or to this one as it was:")
         return lines + [f"    {line}" for line in self.stored_case_differs]
+
+    def _dataset_holds(self) -> str:
+        """What the dataset is of a case that has points to run."""
+        if not self.dataset_exists:
+            return "not written yet"
+        if not self.stored_case_differs:
+            return "partial"
+        return (
+            f"{'partial' if self.dataset_partial else 'complete'}, of another version of the case"
+        )
 
 
 @click.command("status")
@@ -108,6 +119,7 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
     """What is known of a run."""
     from fiv_cli import api
     from fiv_cli.case.identity import default_output, differences
+    from fiv_cli.data.netcdf import global_attributes
     from fiv_cli.sweep.journal import Journal, stored_identity
     from fiv_cli.sweep.lock import holder
     from fiv_cli.sweep.output import run_folder
@@ -129,6 +141,7 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
         case=source,
         dataset=str(path),
         dataset_exists=path.exists(),
+        dataset_partial=path.exists() and "partial" in (global_attributes(path) or {}),
         running=holder(folder),
         running_parts=[str(part) for part, own in parts.items() if holder(own) is not None],
         points=sum(counts.values()),

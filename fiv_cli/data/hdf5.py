@@ -1,13 +1,17 @@
 """NetCDF4 files as xarray datasets, read through HDF5, which a damaged file does not bring down.
 
-The NetCDF library ends the whole process at some damaged files. What it adds to HDF5 is little:
-dims are datasets that others refer to, and a dim whose name no variable has stands there empty.
+The NetCDF library ends the whole process at some damaged files, and HDF5 never returns from others.
+So a digest follows what they write, where neither looks; whoever changes a file cuts it off.
+
+What NetCDF adds to HDF5 is little: dims are datasets that others refer to, and a dim whose name no
+variable has stands there empty.
 Before anything is read it is asked whether fiv writes such types, and whether an array of that
 size can be stored: one of a damaged size would be allocated first.
 """
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -25,6 +29,8 @@ MOST_DEFLATED = 1040
 ALLOWANCE = 64 * 1024  # bytes that an array may claim without any being stored: fill values
 BARE_DIM = b"This is a netCDF dimension but not a netCDF variable"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
+SEAL, DIGEST_BYTES = b"\nfiv sha256 ", 32
+PIECE = 2**20  # bytes of a file that are hashed at once
 
 # What the libraries keep among the attributes for themselves.
 OWN_ATTRIBUTES = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_Netcdf4Dimid",
@@ -36,6 +42,7 @@ def read_groups(path: Path) -> dict[str, xr.Dataset]:
 
     Global attributes stand on every dataset. A damaged file may raise anything, but nothing worse.
     """
+    refuse_damaged(path)
     with h5py.File(path, "r") as file:
         refuse_what_fiv_does_not_write(file)
         root = _dataset(file)
@@ -47,6 +54,7 @@ def read_groups(path: Path) -> dict[str, xr.Dataset]:
 
 def read_attributes(path: Path) -> dict[str, Any]:
     """Global attributes; as for damage as `read_groups`."""
+    refuse_damaged(path)
     with h5py.File(path, "r") as file:
         return _attributes(file.attrs)
 
@@ -55,6 +63,29 @@ def is_hdf5(path: Path) -> bool:
     """Whether the file begins as those do that hold datasets."""
     with path.open("rb") as file:
         return file.read(len(SIGNATURE)) == SIGNATURE
+
+
+def seal(path: Path) -> None:
+    """Append the digest of a file to it."""
+    with path.open("r+b") as file:
+        digest = hashlib.file_digest(file, "sha256").digest()
+        file.write(SEAL + digest)
+
+
+def refuse_damaged(path: Path) -> None:
+    """ValueError where a file is not what its digest says; without one nothing is known."""
+    with path.open("rb") as file:
+        length = path.stat().st_size - len(SEAL) - DIGEST_BYTES
+        file.seek(max(length, 0))
+        sealed = file.read()
+        if not sealed.startswith(SEAL):
+            return
+        file.seek(0)
+        digest = hashlib.sha256()
+        for begin in range(0, length, PIECE):
+            digest.update(file.read(min(PIECE, length - begin)))
+    if sealed != SEAL + digest.digest():
+        raise ValueError("its digest does not match")
 
 
 def refuse_what_fiv_does_not_write(file: h5py.File) -> None:

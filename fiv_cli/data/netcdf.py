@@ -20,7 +20,7 @@ from fiv_cli import ending
 from fiv_cli.analyses.variables import INT_FILL
 from fiv_cli.case.identity import output_of
 from fiv_cli.data.dataset import Dataset, Labelled
-from fiv_cli.data.hdf5 import read_attributes, read_groups
+from fiv_cli.data.hdf5 import read_attributes, read_groups, seal
 from fiv_cli.data.mapped import let_go
 from fiv_cli.data.sound import form_of
 from fiv_cli.errors import InputError, StorageError, UsageError
@@ -31,10 +31,13 @@ if TYPE_CHECKING:
     import netCDF4
     import xarray as xr
 
+ANEW = "remove it, and `fiv run CASE` writes it anew from what is stored beside it"
+"""What to do about a damaged dataset."""
+
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed, where that pays."""
 
-WORTH = 0.5
+WORTH = 0.25
 """Size of a part of an array when it is compressed, over what it was, below which it pays: the
 digits of a motion are noise, and to compress them takes longer than to compute them."""
 
@@ -78,6 +81,7 @@ def write_datasets(
         with replacing(path) as temporary, ending.last_act(temporary.unlink), _caches(much):
             _write(temporary, datasets, attributes)
             _check(temporary, datasets)
+            seal(temporary)
     except (OSError, RuntimeError) as error:
         raise StorageError(
             f"{path}: cannot be written: {_cause(error)}\n"
@@ -108,11 +112,9 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
     except Exception as error:  # a damaged file can fail in any way inside the libraries
         with path.open("rb") as file:
             signed = file.read(8).startswith(NETCDF)
-        damage = f"a damaged dataset ({type(error).__name__}: {error})"
-        raise InputError(
-            f"{path}: {damage if signed else 'not a NetCDF dataset'}\n"
-            "next: name a dataset written by `fiv run`"
-        ) from error
+        damage = f"a damaged dataset ({type(error).__name__}: {error})\nnext: {ANEW}"
+        other = "not a NetCDF dataset\nnext: name a dataset written by `fiv run`"
+        raise InputError(f"{path}: {damage if signed else other}") from error
 
 
 def _meant(path: Path) -> str:

@@ -18,7 +18,6 @@ import io
 import json
 import math
 from collections.abc import Mapping
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -51,21 +50,42 @@ def write_shard(path: Path, block: Block, analysis: str) -> None:
     StorageError
         no space, no permission; `path` is left as it was and no temporary file stays behind.
     """
-    write_atomically(path, shard_bytes(block, analysis))
+    write_atomically(path, *shard_parts(block, analysis))
 
 
-def shard_bytes(block: Block, analysis: str) -> memoryview:
-    """The HDF5 file of a block, as bytes."""
-    header, content = _packed(_to_arrays(block))
+def shard_parts(block: Block, analysis: str) -> list[bytes | memoryview]:
+    """The HDF5 file of a block, part after part."""
+    arrays = _to_arrays(block)
+    table = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
+    content = [_aligned(array) for array in arrays.values()]
+    head = _head(json.dumps(table).encode(), sum(map(len, content)), analysis)
+    digest = hashlib.sha256(head[BEFORE:])
+    for part in content:
+        digest.update(part)
+    return [digest.digest(), head[DIGEST_BYTES:], *content]
+
+
+def _aligned(array: Array) -> memoryview:
+    """The bytes of an array, and zeros up to where the next one begins."""
+    flat = np.ascontiguousarray(array).reshape(-1).view(np.uint8)
+    missing = -len(flat) % ALIGNMENT
+    return np.append(flat, np.zeros(missing, np.uint8)).data if missing else flat.data
+
+
+def _head(header: bytes, size: int, analysis: str) -> bytes:
+    """An HDF5 file up to its content, the last that it has: so this is never copied."""
     image = io.BytesIO()
     with h5py.File(image, "w", userblock_size=BEFORE) as file:
         file.attrs["format"] = FORMAT
         file.attrs["version"] = VERSION
         file.attrs["analysis"] = analysis
-        file.create_dataset("header", data=header)
-        file.create_dataset("content", data=content)
-    image.getbuffer()[:DIGEST_BYTES] = hashlib.sha256(image.getbuffer()[BEFORE:]).digest()
-    return image.getbuffer()
+        file.create_dataset("header", data=np.frombuffer(header, np.uint8))
+        how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        how.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        how.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+        room = h5py.h5s.create_simple((size,))
+        h5py.h5d.create(file.id, b"content", h5py.h5t.NATIVE_UINT8, room, how)
+    return image.getvalue()
 
 
 def read_shard(path: Path) -> tuple[Block, str]:
@@ -83,7 +103,7 @@ def read_shard(path: Path) -> tuple[Block, str]:
         raise UnreadableShard(f"it holds no block: {type(error).__name__}: {error}") from error
 
 
-def write_atomically(path: Path, content: bytes | memoryview) -> None:
+def write_atomically(path: Path, *content: bytes | memoryview) -> None:
     """Replace the file at `path` by `content`: all of it or nothing.
 
     Raises
@@ -92,7 +112,7 @@ def write_atomically(path: Path, content: bytes | memoryview) -> None:
         no space, no permission; nothing is left behind.
     """
     try:
-        write_whole(path, content)
+        write_whole(path, *content)
     except OSError as error:
         raise StorageError(
             f"{path}: cannot be written: {error.strerror or error}\n"
@@ -163,19 +183,6 @@ def digest_of(path: Path) -> bytes:
     """The digest that a shard begins with."""
     with path.open("rb") as file:
         return file.read(DIGEST_BYTES)
-
-
-def _packed(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Header and content of arrays."""
-    table = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
-    begins = np.cumsum([0, *(-(-array.nbytes // ALIGNMENT) for array in arrays.values())])
-    content = np.empty(begins[-1] * ALIGNMENT, np.uint8)
-    ends = (begins * ALIGNMENT).tolist()
-    for (begin, end), array in zip(pairwise(ends), arrays.values(), strict=True):
-        place = content[begin : begin + array.nbytes].view(array.dtype)
-        place.reshape(array.shape)[...] = array
-        content[begin + array.nbytes : end] = 0
-    return np.frombuffer(json.dumps(table).encode(), np.uint8), content
 
 
 def _unpacked(header: Array, content: Array) -> dict[str, Array]:

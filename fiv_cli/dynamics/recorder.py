@@ -59,6 +59,7 @@ class Recorder:
         self.system, self.solver, self.times = system, solver, times
         self._blank, count, contacts = blank_frame(system, solver), len(begun), system.n_contacts
         self._words = np.tile(self._blank.words, (count, 1))
+        self._begins_at = address_of(self._words)
         self.states = np.zeros((count, len(system.state_names), len(times)))
         self.outputs = np.zeros((count, sample_width(system), len(times)))
         self.codes = np.zeros((count, contacts, len(times)), np.int64)
@@ -133,7 +134,7 @@ class Recorder:
     def _go_on(self, row: int, motion: Motion | None) -> Stop:
         until = self.times.item(-1)
         if motion is None:
-            address = self._words.ctypes.data + row * self._words.strides[0]
+            address = self._begins_at + row * self._words.strides[0]
             stop = STOPS[DRIVER.function(address, until, 0.0, True)]
             if stop not in (Stop.NO_STATE, Stop.STEP_BUDGET):
                 return stop

@@ -28,7 +28,7 @@ STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
 ENTRY = 36  # letters of an entry of a legend
 UNDER_LABEL = 3.8  # letters' sizes under a panel: ticks and a label stand between
-MARKS = ("o", "s", "^", "D", "x", "P", "v")
+MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -108,14 +108,15 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
     x, y = (part[STARTS].sel(state=name).values for name in names)
     reached = class_names(part["attractor"])
     answered = reached != NOT_COMPUTED
-    table = [name for name in flag_names(part["attractor"].attrs).values() if name in reached]
+    marks = dict(zip(flag_names(part["attractor"].attrs).values(), MARKS, strict=False))
+    table = [name for name in marks if name in reached]
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
     for name, colour in zip(table, style.class_colours(table), strict=True):
         mask = reached == name
         share = _share(int(mask.sum()), int(answered.sum())) if name != NOT_COMPUTED else ""
         ax.scatter(
-            x[mask], y[mask], size, color=colour, marker=MARKS[table.index(name) % len(MARKS)],
-            lw=0.5, zorder=3.0 - mask.mean(), label=f"{name.replace('_', ' ')} {share}".rstrip(),
+            x[mask], y[mask], size, color=colour, marker=marks[name], lw=0.5,
+            zorder=3.0 - mask.mean(), label=f"{name.replace('_', ' ')} {share}".rstrip(),
             rasterized=len(x) > style.MANY_MARKS,
         )  # fmt: skip
 

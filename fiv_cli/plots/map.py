@@ -11,6 +11,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, levels, points, style
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import filled_in, flag_names, headlines, is_class, numbers
@@ -225,10 +226,23 @@ def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     """What the hatched cells are: failed, not reached, ...; nothing where every cell is known."""
     if bool(known.all()):
         return ""
-    kinds = [kind for kind in points.gaps(dataset) if kind not in ("undecided", "budget")]
+    reasons = points.gaps(dataset) | _decided(dataset)
+    kinds = [kind for kind, mask in reasons.items() if bool((mask & ~known).any())]
     if "computed" in dataset and bool(is_class(dataset["computed"], ("filled_in",)).any()):
         kinds.append("not run, only the class filled in")
     return ", ".join(kinds) or "no value"
+
+
+def _decided(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Class -> the points that have it: what has no period, say, may be a rest."""
+    if "attractor" not in dataset:
+        return {}
+    answered, classes = is_class(dataset["status"], ("ok",)), flag_names(dataset["attractor"].attrs)
+    return {
+        name.replace("_", " "): answered & (dataset["attractor"] == code)
+        for code, name in classes.items()
+        if name not in ("undecided", NOT_COMPUTED)
+    }
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], missing: str) -> None:

@@ -13,7 +13,7 @@ from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import INT_FILL, Role, Variable, amplitude, ranged
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.grammar import figure_of_before, text_of_before
-from fiv_cli.data.netcdf import read_datasets
+from fiv_cli.data.netcdf import ANEW, read_datasets
 from fiv_cli.data.sound import fault_of
 from fiv_cli.errors import InputError
 from fiv_cli.flags import NOT_COMPUTED, ON_THE_WAY
@@ -52,8 +52,7 @@ def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
         fault = fault_of(dataset, name)
         if fault:
             raise InputError(
-                f"{path}: a damaged dataset: {f'{name}: ' if name else ''}{fault}\n"
-                "next: `fiv run CASE` writes it anew from what is stored beside it"
+                f"{path}: a damaged dataset: {f'{name}: ' if name else ''}{fault}\nnext: {ANEW}"
             )
     return {name: _with_derived(dataset) for name, dataset in analyses.items()}
 

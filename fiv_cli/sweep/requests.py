@@ -117,21 +117,39 @@ class Template:
         numbered = [(name, kind, place) for place, (name, kind) in enumerate(self.axes)]
         return {kind: [(n, p) for n, k, p in numbered if k == kind] for kind in kinds}
 
+    @cached_property
+    def ordered(self) -> Mapping[str, tuple[dict[str, float], list[tuple[str, str]], set[str]]]:
+        """Law -> its parameters in order, zero where an axis says more, (follower, leader) of those
+        that follow one, and what another law alone has."""
+        axes = [name for name, _ in self.axes_by_kind.get("parameter", ())]
+        found = {}
+        for law, names in self.names.items():
+            given, followers = {**self.parameters[law], **dict.fromkeys(axes, 0.0)}, []
+            for follower, leader in self.followers:
+                if follower not in given and leader in given:
+                    followers.append((follower, leader))
+                    given[follower] = 0.0
+            ordered = {name: given[name] for name in names if name in given} | given
+            found[law] = ordered, followers, given.keys() - set(names)
+        return found
+
 
 def parameters_at(template: Template, values: Values) -> dict[str, float]:
     """Every parameter of the model and the law in force at a point, SI."""
-    law = law_at(template, values)
-    given = {**template.parameters[law], **_of_kind(template, values, "parameter")}
-    for follower, leader in template.followers:
-        if follower not in given and leader in given:
-            given[follower] = given[leader]
-    return {name: given[name] for name in template.names[law] if name in given}
+    known, followers, others = template.ordered[law_at(template, values)]
+    given = {**known, **_of_kind(template, values, "parameter")}
+    for follower, leader in followers:
+        given[follower] = given[leader]
+    for name in others:
+        del given[name]
+    return given
 
 
 def law_at(template: Template, values: Values) -> str:
     """Name of the friction law at a point."""
-    laws = list(_of_kind(template, values, "law").values())
-    return laws[0] if laws else template.law
+    axes = template.axes_by_kind.get("law")
+    law: str = values[axes[0][1]] if axes else template.law
+    return law
 
 
 def exclusion(request: Request, linear: bool) -> Requirement | None:
@@ -140,6 +158,8 @@ def exclusion(request: Request, linear: bool) -> Requirement | None:
     `linear` : no motion is followed
     """
     setup, parameters = request.setup, request.parameters
+    if not setup.schedule.curves:
+        return broken(setup.model, setup.law, parameters, linear)
     varied = ({**parameters, **setup.schedule.values(t)} for t in setup.schedule.instants)
     unmet = (broken(setup.model, setup.law, there, linear) for there in varied)
     return next(filter(None, unmet), None)

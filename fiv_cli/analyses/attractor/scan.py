@@ -45,7 +45,7 @@ from fiv_cli.analyses.base import (
     broken,
 )
 from fiv_cli.analyses.catalogue import named
-from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
+from fiv_cli.analyses.variables import OF_MOTION, Role, Variable, extremes_of
 from fiv_cli.dynamics.system import System
 
 NOTHING = "not_computed"
@@ -123,10 +123,18 @@ def answered(question: Question, outcome: Outcome) -> bool | None:
         return (label == question.name) != question.negated
     if label == "diverged" and named(question.variable).unbounded:
         return question.negated
-    value = float(outcome.values.get(question.variable, np.nan))
+    value = _number(question.variable, outcome)
     if np.isnan(value):
         return None
     return value > question.below if question.negated else value < question.below
+
+
+def _number(name: str, outcome: Outcome) -> float:
+    """The number of a run; NaN where it has none."""
+    if named(name).derived:
+        low, high = (_number(end, outcome) for end in extremes_of(name))
+        return 0.5 * (high - low)
+    return float(outcome.values.get(name, np.nan))
 
 
 def _is_open(label: str, question: Question, status: str) -> bool:

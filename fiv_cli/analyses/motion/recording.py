@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -49,12 +50,12 @@ def _recorded(system: System, request: Request, begun: Sequence[Beginning]) -> l
         values |= _surfaces(system, [one.parameters for one in begun], recorder.states, places)
     values |= _told(system, recorder) | _works(system, recorder, curves)
     columns = Columns(values, _events(system, recorder), recorder.lengths)
-    residuals = values["energy_residual"]
+    residuals = values["energy_residual"].tolist()
     return [_outcome(stop, residuals[row], columns, row) for row, stop in enumerate(stops)]
 
 
 def _outcome(stop: Stop, residual: float, columns: Columns, row: int) -> Outcome:
-    if stop == Stop.REACHED and np.isnan(residual):
+    if stop == Stop.REACHED and math.isnan(residual):
         message = "energy_residual is no number"
         return Outcome(status="failed", reason="no_number", message=message)
     outcome = stopped(stop) or Outcome()
