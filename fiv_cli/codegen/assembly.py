@@ -7,9 +7,10 @@ is one operation with one rounding, where the processor has it: half the time th
 waits.
 
 LLVM's register allocator takes time with the square of a function's length. The tangent step of a
-disc has tens of thousands of operations and is therefore cut into *pieces*: functions of their own, a few statements each, called one after the other. What a later piece needs of an earlier one
-goes through memory, where an allocator would have put most of it too: through ``out`` if it is
-stored there anyway, else through the workspace ``w``.
+disc has tens of thousands of operations and is therefore cut into *pieces*: functions of their own,
+a few statements each, called one after the other. What a later piece needs of an earlier one goes
+through memory, where an allocator would have put most of it too: through ``out`` if it is stored
+there anyway, else through the workspace ``w``.
 
 What a function writes to ``lanes`` it computes of `LANES` vectors at once, what it writes to
 ``nodes`` of `NODES`.
