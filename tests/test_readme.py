@@ -20,10 +20,13 @@ from fiv_cli.analyses.variables import Subject
 from fiv_cli.case.grammar import parse_expect
 from fiv_cli.case.kinds import TABLES
 from fiv_cli.case.load import parse_case
+from fiv_cli.cli import main
+from fiv_cli.cli.common import STILL_TO_RUN, UNSOUND
 from fiv_cli.cli.main import COMMANDS
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import build_system
+from fiv_cli.errors import FivError
 from fiv_cli.models import all_models
 
 ROOT = Path(__file__).parents[1]
@@ -129,6 +132,15 @@ def test_models_are_all_named() -> None:
 def test_every_path_exists() -> None:
     for path in re.findall(r"`((?:configs|fiv_cli|tests)/[\w/.]+)`", README):
         assert (ROOT / path).exists() or path.endswith("my_law.py"), path
+
+
+def test_help_lists_every_exit_code() -> None:
+    def below(error: type[FivError]) -> set[int]:
+        return {error.exit_code}.union(*map(below, error.__subclasses__()))
+
+    codes = below(FivError) | {0, UNSOUND, STILL_TO_RUN, main.INTERRUPTED, main.READER_GONE}
+    (listed,) = re.findall(r"Exit codes:\n((?:  .*\n)+)", main.EPILOG)
+    assert codes <= set(map(int, re.findall(r"\b\d+\b", listed)))
 
 
 HELP = {name: str(importlib.import_module(COMMANDS[name][0]).command.help) for name in COMMANDS}

@@ -68,8 +68,8 @@ def command(
 
     The point must be on the grid of CASE; an axis with a single value may be left out. A start
     that continues from its neighbour is followed along its branch up to the point. The last state
-    is printed as a start takes it: to begin another motion there. A motion that FILE.nc holds is
-    replaced, which is told; a sweep is left alone.
+    is printed as a start takes it, to begin another motion there. A motion that the file holds
+    already is replaced, and said to be; a sweep is left alone.
 
     \b
     Examples:

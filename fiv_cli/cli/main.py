@@ -79,15 +79,20 @@ Start here (fiv COMMAND --help has more lines to try):
 
 \b
 Exit codes:
-  0  done                            5  a difference (diff, regress, verify, claims)
-  1  internal error                  6  the stored run belongs to another case
-  2  usage, or a file in the way     7  locked by a live run
-  3  an input file is invalid        8  points are left (run --max-points, assemble)
-  4  points failed, or used up       9  a cluster is out of reach (run --cluster)
-     max_events or max_steps         129 SIGHUP    130 Ctrl-C    143 SIGTERM
+  0  done
+  1  internal error: a defect of fiv
+  2  the command line is wrong, or the output cannot be written
+  3  an input file is invalid
+  4  points failed, or used up max_events or max_steps (run, assemble)
+  5  a difference (diff, regress, verify, claims --strict)
+  6  the stored run belongs to another case
+  7  locked by a live run
+  8  points are left (run --max-points, assemble, status --exit-code)
+  9  a cluster is out of reach (run --cluster)
+  129, 130, 143  ended by a hang-up, Ctrl-C or SIGTERM; 141 by a reader that went away
 
 \b
-Every option has a twin in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
+Every option may stand in the environment: fiv run --workers 4 is FIV_RUN_WORKERS=4.
 Data go to stdout, everything else to stderr. FIV_DEBUG=1 shows the traceback of an internal
 error. Shell completion: fiv completion --help.
 """
