@@ -12,7 +12,7 @@ import errno
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from fiv_cli.errors import StorageError, UsageError
@@ -82,9 +82,9 @@ def replacing(path: Path, *, mode: int = ORDINARY, durable: bool = True) -> Iter
 
 
 def write_whole(
-    path: Path, content: bytes | memoryview, *, mode: int = ORDINARY, durable: bool = True
+    path: Path, *content: bytes | memoryview, mode: int = ORDINARY, durable: bool = True
 ) -> None:
-    """Replace the file at `path` by `content`, as `replacing` does.
+    """Replace the file at `path` by `content`, part after part, as `replacing` does.
 
     Raises
     ------
@@ -132,9 +132,9 @@ def leftovers(path: Path) -> Iterator[Path]:
                 yield other
 
 
-def _fill(temporary: Path, content: bytes | memoryview) -> None:
+def _fill(temporary: Path, content: Iterable[bytes | memoryview]) -> None:
     with os.fdopen(_opened(temporary, os.O_WRONLY), "wb") as file:
-        file.write(content)
+        file.writelines(content)
 
 
 def _opened(path: Path, flags: int) -> int:

@@ -22,7 +22,7 @@ from fiv_cli.data.shard import (
     UnreadableShard,
     from_plain,
     read_shard,
-    shard_bytes,
+    shard_parts,
     to_plain,
     write_shard,
 )
@@ -99,7 +99,7 @@ def test_rows_given_as_a_value_fail_their_point() -> None:
 @pytest.mark.parametrize("keep", [0, 1, 100, 0.5, 0.9, -1])
 def test_a_truncated_shard_is_unreadable(tmp_path: Path, keep: float) -> None:
     path = tmp_path / "a.h5"
-    content = shard_bytes(block(), "response")
+    content = b"".join(shard_parts(block(), "response"))
     path.write_bytes(content[: int(keep * len(content)) if 0 < keep < 1 else int(keep)])
     with pytest.raises(UnreadableShard):
         read_shard(path)
@@ -107,7 +107,7 @@ def test_a_truncated_shard_is_unreadable(tmp_path: Path, keep: float) -> None:
 
 def test_no_flipped_byte_changes_an_answer(tmp_path: Path) -> None:
     """Nor does one reach HDF5, which may never return from what it damages."""
-    path, content = tmp_path / "a.h5", shard_bytes(block(), "response")
+    path, content = tmp_path / "a.h5", b"".join(shard_parts(block(), "response"))
     for place in range(0, len(content), 7):
         damaged = bytearray(content)
         damaged[place] ^= 1 + place % 255

@@ -37,7 +37,7 @@ ANEW = "remove it, and `fiv run CASE` writes it anew from what is stored beside 
 LARGE = 64 * 1024
 """Arrays above this many bytes are compressed, where that pays."""
 
-WORTH = 0.5
+WORTH = 0.25
 """Size of a part of an array when it is compressed, over what it was, below which it pays: the
 digits of a motion are noise, and to compress them takes longer than to compute them."""
 

@@ -50,11 +50,11 @@ def write_shard(path: Path, block: Block, analysis: str) -> None:
     StorageError
         no space, no permission; `path` is left as it was and no temporary file stays behind.
     """
-    write_atomically(path, shard_bytes(block, analysis))
+    write_atomically(path, *shard_parts(block, analysis))
 
 
-def shard_bytes(block: Block, analysis: str) -> bytes:
-    """The HDF5 file of a block, as bytes."""
+def shard_parts(block: Block, analysis: str) -> list[bytes | memoryview]:
+    """The HDF5 file of a block, part after part."""
     arrays = _to_arrays(block)
     table = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
     content = [_aligned(array) for array in arrays.values()]
@@ -62,7 +62,7 @@ def shard_bytes(block: Block, analysis: str) -> bytes:
     digest = hashlib.sha256(head[BEFORE:])
     for part in content:
         digest.update(part)
-    return b"".join([digest.digest(), head[DIGEST_BYTES:], *content])
+    return [digest.digest(), head[DIGEST_BYTES:], *content]
 
 
 def _aligned(array: Array) -> memoryview:
@@ -103,7 +103,7 @@ def read_shard(path: Path) -> tuple[Block, str]:
         raise UnreadableShard(f"it holds no block: {type(error).__name__}: {error}") from error
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, *content: bytes | memoryview) -> None:
     """Replace the file at `path` by `content`: all of it or nothing.
 
     Raises
@@ -112,7 +112,7 @@ def write_atomically(path: Path, content: bytes) -> None:
         no space, no permission; nothing is left behind.
     """
     try:
-        write_whole(path, content)
+        write_whole(path, *content)
     except OSError as error:
         raise StorageError(
             f"{path}: cannot be written: {error.strerror or error}\n"
