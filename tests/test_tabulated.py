@@ -148,6 +148,20 @@ def test_a_case_names_the_file_and_its_content_is_the_case(folder: Path) -> None
     assert x == pytest.approx(10.0 * coefficient(law, 0.3), rel=1e-12)
 
 
+def test_a_table_may_lie_in_another_folder_which_is_named_from_that_of_the_case(
+    folder: Path,
+) -> None:
+    """The law is called as the case calls it, wherever the command is typed."""
+    Path("cases").mkdir()
+    Path("cases/one.toml").write_text(CASE.replace("pad.csv", "../pad.csv"))
+    policy = Policy(workers=2, chunk_points=1, in_process_below=0.0)
+    run_case(api.load("cases/one.toml"), Path("one.nc"), policy, for_stderr(quiet=True))
+    run_case(api.load("case.toml"), Path("two.nc"), policy, for_stderr(quiet=True))
+    one, two = api.read("one.nc"), api.read("two.nc")
+    assert one.drop_attrs().identical(two.drop_attrs())
+    assert one.attrs["law"] == "../pad.csv" and one.attrs["history"] == "fiv run cases/one.toml"
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -163,8 +163,8 @@ law. `fiv models --laws` lists laws, `fiv models NAME` the parameters of one.
     [grid]
     friction = ["coulomb", "stribeck"]    # a single one: law = "stribeck" under [friction]
 
-Measured friction is law = "FILE.csv", a table beside the case of slip velocity and coefficient.
-Any law that sticks is smoothed by law = "tanh", of = "stribeck". Example:
+Measured friction is law = "FILE.csv", a table of slip velocity and coefficient, named from the
+folder of the case. Any law that sticks is smoothed by law = "tanh", of = "stribeck". Example:
 configs/ch7/pin_laws.toml.
 """
 

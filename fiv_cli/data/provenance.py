@@ -79,7 +79,7 @@ def surroundings() -> dict[str, str]:
 def _command(case: Case) -> Iterator[str]:
     """What was typed to run the case."""
     yield from ("fiv run", case.source)
-    yield from dict.fromkeys(f"--with {o.path}" for o in case.own.values() if not o.entry)
+    yield from dict.fromkeys(f"--with {o.path}" for o in case.own.values() if o.is_named)
     yield from (f"--set {override!r}" for override in case.overrides)
 
 

@@ -127,7 +127,7 @@ def declared(origin: Origin) -> tuple[Model | Law, ...]:
         there are none, or the file cannot be run.
     """
     if origin.path.endswith(SUFFIX):
-        return (replace(tabulated(Path(origin.path).name, origin.text), origin=origin),)
+        return (replace(tabulated(origin.path, origin.text), origin=origin),)
     if origin.entry:
         things: Iterable[Any] = [_of_entry(origin)]
     else:
@@ -283,7 +283,7 @@ def _of_entry(origin: Origin) -> object:
 
 # --- tables ---------------------------------------------------------------------------------------
 def know_table(name: str, case: str) -> None:
-    """Know the law of the table in a file beside a case.
+    """Know the law of the table in a file, by the path that a case gives from its folder.
 
     Raises
     ------
@@ -291,8 +291,6 @@ def know_table(name: str, case: str) -> None:
         there is no such file, or which of its rows is wrong.
     """
     path = Path(case).parent / name
-    if path.name != name:
-        raise ValueError(f"{name!r} is a path: the file lies beside the case")
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -300,7 +298,7 @@ def know_table(name: str, case: str) -> None:
     except UnicodeDecodeError:
         raise ValueError(f"{str(path)!r} is no text") from None
     try:
-        know([Origin(str(path), text)])
+        know([Origin(name, text)])
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
 
