@@ -55,7 +55,7 @@ __all__ = [
 ]
 
 
-AT_ONCE = 64
+AT_ONCE = 128
 """Points of which what can be found at once is."""
 
 EACH = "each"
