@@ -1,15 +1,16 @@
 """Generated text to LLVM assembly.
 
-The text is straight-line (see `emit.py`), so reading it takes a tokeniser and three rules, and
-writing it one line of assembly per operation: nothing is typed or inferred. There is no fast-math:
-what is computed is what the text says, operation by operation. Only a sum with a product is one
-operation with one rounding, where the processor has it: half the time that the next one waits.
+The text is straight-line but for a loop (see `emit.py`), so reading it takes a tokeniser and a few
+rules, and writing it one line of assembly per operation: nothing is typed or inferred. There is no
+fast-math: what is computed is what the text says, operation by operation. Only a sum with a product
+is one operation with one rounding, where the processor has it: half the time that the next one
+waits.
 
-LLVM's register allocator takes time with the square of a function's length. The Taylor step of a
-disc has tens of thousands of operations and is therefore cut into *pieces*: functions of their
-own, a few statements each, called one after the other. What a later piece needs of an earlier one
-goes through memory, where an allocator would have put most of it too: through ``out`` if it is
-stored there anyway, else through the workspace ``w``.
+LLVM's register allocator takes time with the square of a function's length. The tangent step of a
+disc has tens of thousands of operations and is therefore cut into *pieces*: functions of their own,
+a few statements each, called one after the other. What a later piece needs of an earlier one goes
+through memory, where an allocator would have put most of it too: through ``out`` if it is stored
+there anyway, else through the workspace ``w``.
 
 What a function writes to ``lanes`` it computes of `LANES` vectors at once, what it writes to
 ``nodes`` of `NODES`.
@@ -19,7 +20,7 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from llvmlite import ir
@@ -55,51 +56,47 @@ def assembly(text: str, fused: bool) -> str:
 
 def _convolution(width: int, stride: int, fused: bool) -> list[str]:
     """Sums of the products of rows 2 to k - 2 of a table with rows k - 2 to 2; see `table.py`."""
-    vector = VECTORS["lanes"]
-    pointer = str(vector.as_pointer())
+    kind = VECTORS["lanes"]
     places = [*range(0, width - LANES, LANES), width - LANES]  # the last two may overlap
+    totals = (f"%total{i} = phi {kind} [zeroinitializer, %entry], [%sum{i}, %rows]" for i in places)
+    name, arguments = f"@convolve.{width}.{stride}", f"{POINTER} noalias %v, i64 %k"
     lines = [
-        f"define internal void @convolve.{width}.{stride}({POINTER} noalias %v, i64 %k) "
-        "noinline nounwind {",
-        "entry:", "%last = sub i64 %k, 2", "br label %products", "products:",
-        "%j = phi i64 [2, %entry], [%next, %products]",
-    ]  # fmt: skip
-    lines += [
-        f"%total{i} = phi {vector} [zeroinitializer, %entry], [%sum{i}, %products]" for i in places
+        f"define internal void {name}({arguments}) noinline nounwind {{\nentry:",
+        "%last = sub i64 %k, 2\nbr label %rows\nrows:",
+        "%j = phi i64 [2, %entry], [%next, %rows]",
+        *totals,
+        "%rest = sub i64 %k, %j",
+        *_column("left", "%j", stride, 0, places),
+        *_column("right", "%rest", stride, width, places),
     ]
-
-    def row(name: str, order: str, column: int) -> None:
-        lines.append(f"%{name}.row = mul nsw i64 {order}, {stride}")
-        lines.append(f"%{name}.at = add nsw i64 %{name}.row, {column}")
-        lines.append(f"%{name} = getelementptr double, {POINTER} %v, i64 %{name}.at")
-
-    def address(name: str, place: int) -> str:
-        lines.append(f"%{name}.{place}.at = getelementptr double, {POINTER} %{name}, i64 {place}")
-        lines.append(f"%{name}.{place} = bitcast {POINTER} %{name}.{place}.at to {pointer}")
-        return f"{pointer} %{name}.{place}, align 8"
-
-    lines.append("%rest = sub i64 %k, %j")
-    row("left", "%j", 0)
-    row("right", "%rest", width)
     for i in places:
-        lines.append(f"%l{i} = load {vector}, {address('left', i)}")
-        lines.append(f"%r{i} = load {vector}, {address('right', i)}")
+        lines += [f"%{at}{i} = load {kind}, {_vector_at(at, i)}" for at in ("left", "right")]
         if fused:
-            given = ", ".join(f"{vector} %{name}{i}" for name in ("l", "r", "total"))
-            lines.append(f"%sum{i} = call {vector} @{_builtin('fma', vector)}({given})")
+            given = ", ".join(f"{kind} %{name}{i}" for name in ("left", "right", "total"))
+            lines.append(f"%sum{i} = call {kind} @{_builtin('fma', kind)}({given})")
         else:
-            lines.append(f"%product{i} = fmul {vector} %l{i}, %r{i}")
-            lines.append(f"%sum{i} = fadd {vector} %total{i}, %product{i}")
-    lines += [
-        "%next = add i64 %j, 1",
-        "%more = icmp slt i64 %j, %last",
-        "br i1 %more, label %products, label %done",
-        "done:",
-    ]
-    row("inner", "%k", 2 * width)
-    for i in places:
-        lines.append(f"store {vector} %sum{i}, {address('inner', i)}")
+            lines.append(f"%product{i} = fmul {kind} %left{i}, %right{i}")
+            lines.append(f"%sum{i} = fadd {kind} %total{i}, %product{i}")
+    lines.append("%next = add i64 %j, 1\n%more = icmp slt i64 %j, %last")
+    lines.append("br i1 %more, label %rows, label %done\ndone:")
+    lines += _column("sum", "%k", stride, 2 * width, places)
+    lines += [f"store {kind} %sum{i}, {_vector_at('sum', i)}" for i in places]
     return [*lines, "ret void\n}"]
+
+
+def _column(name: str, row: str, stride: int, column: int, places: Sequence[int]) -> Iterator[str]:
+    """Addresses of vectors in a row of a table, from a column on."""
+    yield f"%{name}.row = mul nsw i64 {row}, {stride}"
+    yield f"%{name}.at = add nsw i64 %{name}.row, {column}"
+    yield f"%{name} = getelementptr double, {POINTER} %v, i64 %{name}.at"
+    for i in places:
+        yield f"%{name}.{i}.number = getelementptr double, {POINTER} %{name}, i64 {i}"
+        kind = VECTORS["lanes"].as_pointer()
+        yield f"%{name}.{i} = bitcast {POINTER} %{name}.{i}.number to {kind}"
+
+
+def _vector_at(name: str, place: int) -> str:
+    return f"{VECTORS['lanes'].as_pointer()} %{name}.{place}, align 8"
 
 
 def is_piece(name: str) -> bool:
@@ -210,6 +207,7 @@ class _Piece:
         they may change places
     values : names, literals and inputs -> their value in the assembly; what comes from memory
         does not change while the function runs and is read once
+    loops, after : how many loops have begun, and where the one that is on ends
     """
 
     def __init__(self, function: _Function) -> None:
@@ -219,7 +217,7 @@ class _Piece:
         self.stores = self.lines if function.is_whole else []
         self.kind, self.pointer = function.kind, function.pointer
         self.values: dict[str, str] = {}
-        self.loops, self.after = 0, ""  # how many have begun, and where the one that is on ends
+        self.loops, self.after = 0, ""
         self._count = 0
         self._tokens: list[str] = []
         self._at = 0
@@ -227,7 +225,6 @@ class _Piece:
     def add(self, statement: str) -> None:
         """Write the assembly of one statement."""
         if statement.startswith("for "):
-            self.end_loop()
             self._begin_loop(*re.findall(r"\d+", statement))
         elif call := CONVOLVE.fullmatch(statement):
             self._convolve(*call.groups())
@@ -261,7 +258,8 @@ class _Piece:
             f"after{number}:",
         ]
         self.after = ""
-        self.values = {text: value for text, value in self.values.items() if "k" not in text}
+        moving = re.compile(r"\bk\b")
+        self.values = {text: at for text, at in self.values.items() if not moving.search(text)}
 
     def _convolve(self, order: str, width: str, stride: str) -> None:
         at = self._index(order)

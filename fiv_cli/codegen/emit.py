@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterable, Sequence
 from math import comb, factorial, pi
 
 from fiv_cli.codegen.graph import Graph, Node, reachable
-from fiv_cli.codegen.table import Table
+from fiv_cli.codegen.table import Factors, Table
 
 UNBOUNDED = 10**6  # degree of a series that does not end
 # What a value waits for: coefficients, sums, and what takes as long as several of them.
@@ -409,31 +409,31 @@ class TaylorStep:
     # --- a loop over orders -----------------------------------------------------------------------
     def _table(self) -> Table | None:
         """What a loop needs of earlier orders; None where there is to be none."""
-        pairs = {node.index: self._factors(node) for node in self.nodes}
         endless = {node.index for node in self.nodes if self.degrees[node.index] == UNBOUNDED}
-        products, kept = [], {self.rates[self.leaves[i]].index for i in self.leaves if i in endless}
+        rates = (self.rates[self.leaves[leaf]] for leaf in self.leaves if leaf in endless)
+        factors, kept = {}, {rate.index: rate for rate in rates}
         for node in self.nodes:
-            pair = pairs[node.index]
             if node.index not in endless or node.op in ("linear", "state"):
                 continue
+            pair = self._factors(node)
             if pair is None:
                 return None
-            long = [factor.index for factor in pair if factor.index in endless]
-            if len(long) == len(pair):
-                products.append(node.index)
+            long = [factor for factor in (pair.left, pair.right) if factor.index in endless]
+            if len(long) == 2:
+                factors[node.index] = pair
             else:
-                kept.update(long)
-        return Table(products, sorted(kept)) if len(products) >= MANY else None
+                kept |= {factor.index: factor for factor in long}
+        return Table(factors, kept) if len(factors) >= MANY else None
 
-    def _factors(self, node: Node) -> tuple[Node, Node] | None:
-        """The two series whose coefficients are multiplied in those of `node`."""
+    def _factors(self, node: Node) -> Factors | None:
+        """What is multiplied in the coefficients of `node`, if they are one sum of products."""
         if node.op == "mul":
-            return node.args[0], node.args[1]
+            return Factors(node.args[0], node.args[1])
         if node.op == "div":
-            return node, node.args[1]
+            return Factors(node, node.args[1])
         if node.op in ("sin", "cos"):
-            return node.args[0], self.partners[node.index]
-        return (node.args[0], node) if node.op == "exp" else None
+            return Factors(node.args[0], self.partners[node.index], by_order=True)
+        return Factors(node.args[0], node, by_order=True) if node.op == "exp" else None
 
     @property
     def _first_looped(self) -> int:
@@ -468,32 +468,30 @@ class TaylorStep:
             place = table.at(k, column) if self.looped is None else table.back(0, column)
             self.lines.append(f"    {place} = {text}")
 
-        nodes = {node.index: node for node in self.nodes}
-        for index in table.products:
-            left, right = self._factors(nodes[index]) or (nodes[index], nodes[index])
-            put(table.factor(0, index), self._left(nodes[index], left, k))
-            put(table.factor(1, index), self._known(right, k))
-        for index in table.kept:
-            put(table.own(index), self._known(nodes[index], k))
+        for index, factors in table.factors.items():
+            put(table.factor(0, index), self._left(factors, k))
+            put(table.factor(1, index), self._known(factors.right, k))
+        for index, node in table.kept.items():
+            put(table.own(index), self._known(node, k))
 
-    def _left(self, node: Node, left: Node, k: int) -> str:
+    def _left(self, factors: Factors, k: int) -> str:
         """The left factor of order k in a sum of products."""
-        weight = "" if node.op in ("mul", "div") else "k * " if self.looped else f"{float(k)!r} * "
-        return weight + self._known(left, k)
+        weight = f"{float(k)!r} * " if self.looped is None else "k * "
+        return (weight if factors.by_order else "") + self._known(factors.left, k)
 
     def _convolved(self, node: Node, k: int) -> list[str]:
-        """Terms of the sum of products that order k of a node is made of, in a loop; else none."""
-        table, pair = self.table, self._factors(node)
-        if self.looped is None or table is None or not pair or node.index not in table.products:
+        """In a loop, terms of the sum of products that order k of a node is made of; else none."""
+        table = self.table
+        if self.looped is None or table is None or node.index not in table.factors:
             return []
-        left, right = pair
+        factors = left, right, by_order = table.factors[node.index]
         before = [table.back(1, table.factor(side, node.index)) for side in (0, 1)]
         terms = [table.back(0, table.factor(2, node.index))]
         terms += [f"{self._known(left, 1)} * {before[1]}", f"{before[0]} * {self._known(right, 1)}"]
-        if node.op in ("mul", "div"):
+        if not by_order:
             terms.append(f"{self._known(left, 0)} * {self._known(right, k)}")
-        if node.op != "div":
-            terms.append(f"{self._left(node, left, k)} * {self._known(right, 0)}")
+        if left is not node:
+            terms.append(f"{self._left(factors, k)} * {self._known(right, 0)}")
         return terms
 
     # --- text -------------------------------------------------------------------------------------

@@ -7,40 +7,57 @@ as it is. So the products of a sum, of which a disc has dozens, are added for se
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
+
+from fiv_cli.codegen.graph import Node
+
+
+class Factors(NamedTuple):
+    """What is multiplied in a sum of products.
+
+    Attributes
+    ----------
+    left, right : the coefficients of order k are sums over j of left_j right_{k-j}
+    by_order : times j: what is summed is the product of a rate
+    """
+
+    left: Node
+    right: Node
+    by_order: bool = False
 
 
 @dataclass(frozen=True)
 class Table:
-    """The columns of such a table, by nodes.
+    """The columns of such a table.
 
     Attributes
     ----------
-    products : nodes whose coefficients are sums of products
-    kept : nodes whose lower coefficients are needed as they are
+    factors : index of a node whose coefficients are sums of products -> its factors
+    kept : index -> node whose lower coefficients are needed as they are
     """
 
-    products: Sequence[int]
-    kept: Sequence[int]
+    factors: Mapping[int, Factors]
+    kept: Mapping[int, Node]
 
     @property
     def width(self) -> int:
         """Numbers in a stretch."""
-        return len(self.products)
+        return len(self.factors)
 
     @property
     def stride(self) -> int:
         """Numbers in a row."""
         return 3 * self.width + len(self.kept)
 
-    def factor(self, side: int, node: int) -> int:
-        """Column of the left (0) or right (1) factor of a product, or (2) of their sum."""
-        return side * self.width + self.products.index(node)
+    def factor(self, side: int, index: int) -> int:
+        """Column of the left (0) or right (1) factor of a node, or (2) of their sum."""
+        return side * self.width + list(self.factors).index(index)
 
-    def own(self, node: int) -> int:
+    def own(self, index: int) -> int:
         """Column of a node that is kept as it is."""
-        return 3 * self.width + self.kept.index(node)
+        return 3 * self.width + list(self.kept).index(index)
 
     def at(self, order: int, column: int) -> str:
         """An entry of the row of an order, as text."""
@@ -48,9 +65,5 @@ class Table:
 
     def back(self, orders: int, column: int) -> str:
         """An entry so many rows above that of order k, as text."""
-        return f"v[{self.stride} * k {signed(column - orders * self.stride)}]"
-
-
-def signed(number: int) -> str:
-    """Text of ``+ number``."""
-    return f"{'-' if number < 0 else '+'} {abs(number)}"
+        offset = column - orders * self.stride
+        return f"v[{self.stride} * k {'-' if offset < 0 else '+'} {abs(offset)}]"
