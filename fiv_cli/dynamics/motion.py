@@ -504,7 +504,8 @@ class Motion:
     def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
         self._has_begun, frame = True, self._frame
-        stop = self.drive(partial(DRIVER.function, frame.address, t_stop, phase_interval, measuring))
+        asked = frame.address, t_stop, phase_interval, measuring
+        stop = self.drive(partial(DRIVER.function, *asked))
         self.samples.count = frame.n_sampled
         return stop
 
