@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from fiv_cli import ending
 from fiv_cli.codegen.codes import (
-    ENERGY_OUTPUTS,
     JAMMING,
     KINETIC,
     PER_CONTACT,
@@ -170,16 +169,6 @@ class Samples:
         contacts = self.codes.shape[1]
         of_contacts = self.outputs[:, : PER_CONTACT * contacts]
         return of_contacts.reshape(len(self.times), contacts, PER_CONTACT)
-
-    @property
-    def stored(self) -> NDArray[np.float64]:
-        """What each contact has stored, J; shape (n, n_contacts), (n, 0) where the law does not."""
-        return self.outputs[:, PER_CONTACT * self.codes.shape[1] : -len(ENERGY_OUTPUTS)]
-
-    @property
-    def energies(self) -> dict[str, Vector]:
-        """Energies and powers by name; shape (n,)."""
-        return dict(zip(ENERGY_OUTPUTS, self.outputs.T[-len(ENERGY_OUTPUTS) :], strict=True))
 
 
 class Motion:
@@ -556,13 +545,6 @@ class Motion:
         """Kinetic and potential energy, J; NaN where no contact state holds."""
         outputs, first = self._outputs()
         return outputs.item(first + KINETIC) + outputs.item(first + POTENTIAL)
-
-    def stored_energy(self) -> float:
-        """What friction has stored in all contacts, J; NaN of one in no contact state."""
-        if not self.system.generated.n_stored:
-            return 0.0
-        outputs, first = self._outputs()
-        return float(outputs[np.arange(-self.system.generated.n_stored, 0) + first].sum())
 
 
 def next_stride(stride: int, seconds: float) -> int:
