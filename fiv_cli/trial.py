@@ -32,6 +32,7 @@ from fiv_cli.verify import RTOL, Bench, Check, solve
 
 PERIODS = 5.0  # of the slowest mode, that a motion is followed
 STEPS = 400.0  # of rk4 in a period of the fastest mode
+DECAY, MOST = 10.0, 1e6  # of them while what decays fastest falls to 1/e, and in all
 BEGUN = 0.7  # of the speed of the drive, at the start
 BALANCED, DERIVED, SAME = 1e-10, 1e-6, 1e-6  # largest relative errors
 NUDGE = 0.01  # of a coordinate or velocity, over its size, for differences
@@ -119,9 +120,10 @@ def _of_motion(
     """A motion: its energy, and the same by steps of rk4."""
     rates = np.abs(eigenvalues.imag)
     rates = rates[rates > 0.0] if rates.any() else np.ones(1)
-    t_end = PERIODS * 2.0 * np.pi / rates.min()
+    fastest = max(rates.max() * STEPS / (2.0 * np.pi), np.abs(eigenvalues.real).max() * DECAY)
+    t_end = min(PERIODS * 2.0 * np.pi / rates.min(), MOST / fastest)
     settings = {"t_end": float(t_end)}
-    rk4 = SolverSettings("rk4", RTOL, float(2.0 * np.pi / rates.max() / STEPS))
+    rk4 = SolverSettings("rk4", RTOL, float(1.0 / fastest))
     begin = Start("trial", "equilibrium", _speeds(model, parameters))
     if bench(model, law, "equilibrium", **parameters).status != "ok":
         begin = Start("trial", "state", begin.values)

@@ -264,6 +264,27 @@ def test_neighbours_follow_their_branch() -> None:
     assert following(cycle, c=0.7).values["x_max"] > following(rest, c=0.7).values["x_max"] + 0.5
 
 
+@pytest.mark.parametrize(
+    ("N0", "told"), [(8.0, "equilibrium"), (20.0, "periodic"), (30.0, "chaotic")]
+)
+def test_what_is_told_in_passing_is_told_the_same(N0: float, told: str) -> None:
+    """What is neither rest nor a cycle by half of its time leaves nothing to go on from."""
+    one, start = system("pin-on-disc"), Start("a", "state", {"phi_dot": 1.75})
+    parameters = defaults("pin-on-disc", "coulomb", Omega=1.75, N0=N0)
+    default = get_analysis("response").default_settings
+    settings = default | {"section": RELEASE, "observe": "phi", "t_max": 150.0}
+    whole = Request(one.setup, parameters, "response", settings, start=start)
+    found = execute.answer(whole)
+    passed = execute.answer(replace(whole, in_passing=True))
+    assert found.values["attractor"] == told
+    if told == "chaotic":
+        assert passed.values == {"attractor": "undecided"}
+        assert passed.carry is None
+    else:
+        assert passed.carry == found.carry
+        np.testing.assert_equal(passed.values, found.values)
+
+
 def test_a_sticking_contact_takes_on_the_new_drive_velocity() -> None:
     from fiv_cli.analyses.common import start_motion
     from fiv_cli.dynamics.motion import Motion

@@ -22,7 +22,7 @@ from fiv_cli.models.origin import Origin
 from fiv_cli.own import load
 from fiv_cli.own.check import problems_of
 from fiv_cli.own.probe import examine, use_files
-from fiv_cli.own.template import model_template
+from fiv_cli.own.template import law_template, model_template
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import for_stderr
 from fiv_cli.sweep.run import run_case
@@ -84,6 +84,12 @@ def test_a_case_alone_runs_no_code_and_says_what_to_type(capsys):
                           ("new my-belt", "next: fiv new my-belt --with my.py")):  # fmt: skip
         assert run(command.split()) in (2, 3)
         assert said in capsys.readouterr().err
+    Path("a.py").write_text(MODEL.replace("MODEL = Model(", "MODEL = Model(("))
+    assert run(["check", "case.toml"]) == 3
+    assert "--with my.py\n" in capsys.readouterr().err  # not a.py, which cannot be loaded
+    Path("my.py").unlink()
+    assert run(["check", "case.toml"]) == 3
+    assert re.search(r"--with a\.py \(mend its line \d+ first: .*never", capsys.readouterr().err)
     assert not Path("was_run").exists()
 
 
@@ -184,7 +190,8 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([('"x", p("N"))', '"x", p("N") * symbols.normal_force(0))')], "p(\"N\")",
          "depends on the force"),
         ([("p(\"v\") - x_dot", "x_dot - p(\"v\")")], "Contact(", "drives its slip"),
-        ([("slip.speed**2)", "slip.speed**2 + slip.states['x'])")], "force=", "there is no 'x'"),
+        ([("slip.speed**2)", "slip.speed**2 + slip.states['x'])")], "force=",
+         "there is no state 'x'; the law"),
         ([('name="my-belt"', 'name="belt-1dof"')], 'name="belt-1dof"', "comes with fiv"),
         ([('default_law="coulomb"', 'default_law="culomb"')], "default_law", "coulomb"),
         ([("PARAMETERS = (", "import own_models\nPARAMETERS = (")], "import own_models",
@@ -216,6 +223,50 @@ def test_a_mistake_is_told_with_its_line(changes, part, said):
     assert re.search(said, str(error)), error
     line_of(error, part)
     assert error.exit_code == 3
+
+
+BRISTLE = {  # of the file that a law is begun with: what it says of states, in place of the rest
+    r"    force=lambda.*\n    capacity=.*\n": "    capacity=None,\n",
+    "    # (states|rates|force)": r"    \1",
+    "import Parameter": "import Parameter, State",
+    r'Parameter\("fall".*': 'Parameter("stiff", "s", "m-1", 1e3, "stiffness", minimum=0.0),',
+    '4, "coefficient at zero slip", minimum=0.0': '4, "as it slips", minimum=0.0, exclusive=True',
+}
+
+
+def bristle() -> str:
+    text = law_template("my-bristle")
+    for written, instead in BRISTLE.items():
+        assert re.search(written, text)
+        text = re.sub(written, instead, text)
+    return text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "part", "said"),
+    [
+        ('"z": slip.v', '"z": -slip.v', "force=", "drives the slip"),
+        ('"z": slip.v', '"y": slip.v', "rates=", "gives the rates of y; its states are z"),
+        (r'\{"z": (slip.v.*)\},', r"[\1],", "rates=", "gives list\n.*name of a state: its rate"),
+        (r"slip.states\[.z.\] / p\[.mu_0.\]", "slip.v**-2", "rates=", "v in m s-1 and"),
+        (r'(p."stiff".*z"\] / p\["mu_0"\])\}', r"(\1) ** 3}", "rates=",
+         "no single solution.*\n.*steady=lambda slip, p"),
+        (r'"deflection"\),\)', '"deflection"))', "states=", "something else\n.*with a comma"),
+        (r'p\["stiff"\]', "p.stiff", "force=|rates=", r'write \["stiff"\] for \.stiff'),
+        (r'p\["stiff"\]', 'p["stif"]', "force=", "'stif'; the law has mu_0, stiff\n.*mean"),
+        (r'/ p\["mu_0"\]', "/ 0.4", '"mu_0"', "the law does not read it"),
+        ("slip.N,", "slip.F,", "force=", "it has v, sign, speed, N, states"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_a_law_with_a_state_of_its_own_is_told_with_its_line(old, new, part, said):
+    text = bristle()
+    assert re.search(old, text)
+    Path("law.py").write_text(re.sub(old, new, text))
+    with pytest.raises(ModelFileError) as caught:
+        use_files([Path("law.py")])
+    assert re.search(said, str(caught.value)), caught.value
+    line = caught.value.problems[0].line
+    assert line and re.search(part, Path("law.py").read_text().splitlines()[line - 1]), caught.value
 
 
 def test_two_contacts_solved_for_one_coordinate_are_refused_where_the_second_stands():
@@ -304,7 +355,9 @@ def test_a_new_model_passes_its_own_test_as_does_a_new_law(capsys):
     for kind in ("model", "law"):
         assert run([f"new-{kind}", f"a-{kind}"]) == 0
         Path(f"{kind}.py").write_text(capsys.readouterr().out)
-    assert run(["verify", "--with", "model.py", "--with", "law.py", "--json"]) == 0
+    Path("stiff.py").write_text(bristle())
+    files = ("model.py", "law.py", "stiff.py")
+    assert run(["verify", "--json", *(word for file in files for word in ("--with", file))]) == 0
     checks = json.loads(capsys.readouterr().out)["checks"]
     assert {check["source"] for check in checks} >= {"model.py: a-model", "law.py: a-law"}
     assert any("derivatives" in check["name"] for check in checks)

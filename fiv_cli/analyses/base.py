@@ -55,7 +55,7 @@ __all__ = [
 ]
 
 
-AT_ONCE = 64
+AT_ONCE = 128
 """Points of which what can be found at once is."""
 
 EACH = "each"
@@ -266,8 +266,8 @@ class Analysis:
     constant : whether parameters may all be constant in time
     counterpart : the kind that is meant where they vary, or do not; "" where there is none
     unsuited : model -> why it cannot be analysed so; empty where it can
-    in_blocks : whether `run` takes requests that differ in their parameters alone, and answers in
-        a list
+    in_blocks : whether `run` takes requests that differ in parameters and starts alone, and answers
+        in a list
     generated : whether `run` takes a compiled system; otherwise its `Setup` is enough
     chains : whether a point may continue from its neighbour along an axis
     recorded : whether `run` follows a motion and no more, so that tangents are not needed nor,

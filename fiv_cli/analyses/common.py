@@ -89,18 +89,13 @@ def start_state(system: System, start: Start, equilibrium: Vector | None) -> Vec
     return None if equilibrium is None else equilibrium + given
 
 
-def start_motion(
-    system: System, request: Request, equilibrium: Vector | None, events: int = 0
-) -> Motion | Outcome:
-    """The motion that the start describes, or the outcome that says why there is none.
-
-    `events` : room for a ledger that is kept from the start
-    """
+def start_motion(system: System, request: Request, equilibrium: Vector | None) -> Motion | Outcome:
+    """The motion that the start describes, or the outcome that says why there is none."""
     begun = beginning(system, request, equilibrium)
     if isinstance(begun, Outcome):
         return begun
     state, sticking = begun.state, begun.sticking
-    return Motion(system, begun.parameters, request.solver, state, 0.0, sticking, events)
+    return Motion(system, begun.parameters, request.solver, state, 0.0, sticking)
 
 
 def beginning(system: System, request: Request, equilibrium: Vector | None) -> Beginning | Outcome:

@@ -38,7 +38,7 @@ from fiv_cli.models import all_models
 from fiv_cli.models.excitation import NAMES
 from fiv_cli.notation.names import axis_name, nearest, suggest
 from fiv_cli.notation.values import describe
-from fiv_cli.own.load import file_with, know_installed, know_table
+from fiv_cli.own.load import file_with, know_installed, know_table, to_mend
 
 T = TypeVar("T", bound=BaseModel)
 V = TypeVar("V")
@@ -197,7 +197,10 @@ def _tables(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
 def own_file(word: str, case: str) -> str:
     """What to type where a file beside a case has what it names; empty where none has."""
     file = file_with(word, case)
-    return f"{file} has it; it is run where you say so: fiv run {case} --with {file}" * bool(file)
+    if file is None:
+        return ""
+    how = f"fiv run {case} --with {file}{to_mend(file)}"
+    return f"{file} has it; it is run where you say so: {how}"
 
 
 def _refuse_misplaced_laws(friction: object, report: Report) -> None:

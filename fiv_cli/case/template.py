@@ -30,8 +30,8 @@ _POINTS = 7
 _WINDOWS = 40.0  # over a resolution: how long a drive slows down, ten windows of a spectrogram
 _COMMENT_COLUMN = 34
 _HOW_TO_READ = (
-    "take the # off a line, and off those with #   below it, to have what it says; "
-    "the ## off one line alone"
+    "to take in what stands behind a #, remove it, and that of the lines indented below; "
+    "of lines behind ## take in one"
 )
 _AXES = "ordered; ends included; a list, or step = instead of num ="
 

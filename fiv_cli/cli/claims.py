@@ -52,8 +52,8 @@ def command(
     DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
     or undetermined (points it needs are not computed or undecided); a case whose dataset is not
     there is "not run", with the command that computes it. Nothing is computed here. With --set
-    the dataset is that of `fiv run` with the same. The last line counts the points of the
-    datasets that have no class, and why.
+    the dataset is the one that `fiv run` writes with the same --set. The last line counts the
+    points of the datasets that have no class, and why.
 
     \b
     Examples:

@@ -60,9 +60,9 @@ class Recorder:
         self._blank, count, contacts = blank_frame(system, solver), len(begun), system.n_contacts
         self._words = np.tile(self._blank.words, (count, 1))
         self._begins_at = address_of(self._words)
-        self.states = np.zeros((count, len(system.state_names), len(times)))
-        self.outputs = np.zeros((count, sample_width(system), len(times)))
-        self.codes = np.zeros((count, contacts, len(times)), np.int64)
+        self.states = np.empty((count, len(system.state_names), len(times)))
+        self.outputs = np.empty((count, sample_width(system), len(times)))
+        self.codes = np.empty((count, contacts, len(times)), np.int64)
         self.works = np.zeros((count, len(system.setup.model.powers)))
         self._page = ledger_of(LEDGER_ROWS + contacts)  # several change at one instant
         self._pages: list[list[Array]] = []

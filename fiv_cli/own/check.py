@@ -6,20 +6,21 @@ tables declare, units fit, accelerations follow from the energies, friction oppo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 
 import sympy
 from sympy import Expr
 
-from fiv_cli.errors import Problem
+from fiv_cli.errors import Problem, UsageError
 from fiv_cli.flags import PIECES
 from fiv_cli.friction.base import HELD, Law, Slip
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
-from fiv_cli.notation.names import listed
+from fiv_cli.notation.names import listed, suggest
 from fiv_cli.own.dimensions import Dimension, MixedUnitsError, dimension, dimension_of, spoken
 from fiv_cli.own.equations import (
+    names_in,
     names_of_equations,
     units_of_equations,
     unused_parameters,
@@ -28,7 +29,7 @@ from fiv_cli.own.equations import (
 from fiv_cli.own.fault import Fault, named, none_called
 from fiv_cli.own.lines import Lines
 from fiv_cli.own.mechanics import energies, mechanics
-from fiv_cli.own.tables import tables_of_law, tables_of_model, twice, types_of_model
+from fiv_cli.own.tables import tables_of_law, tables_of_model, twice, types_of_law, types_of_model
 from fiv_cli.own.written import each_option, per_second, some_option
 
 _SLIP = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
@@ -52,22 +53,43 @@ def problems_of(thing: Model | Law, origin: Origin) -> list[Problem]:
     return []
 
 
+class Names(dict[str, Expr]):
+    """Parameters, or states, of a law by name; what is not there is told with what is."""
+
+    def __init__(self, what: str, prefix: str, names: Iterable[str]) -> None:
+        self.what = what
+        super().__init__({name: sympy.Symbol(f"{prefix}{name}", real=True) for name in names})
+
+    def __missing__(self, name: str) -> Expr:
+        hint = suggest(name, [*self])
+        message = f"there is no {self.what} {name!r}; the law has {listed([*self])}"
+        raise UsageError(f"{message}\nnext: {hint}" if hint else message)
+
+
+def _symbols_of(law: Law) -> tuple[Slip, Names]:
+    """What a law is written in, and its parameters."""
+    v, sign, speed, normal = (sympy.Symbol(name, real=True) for name in _SLIP)
+    states = Names("state", "", [state.name for state in law.states])
+    slip = Slip(v, sign, speed, normal, states, law.row_symbols())
+    return slip, Names("parameter", "p.", [parameter.name for parameter in law.parameters])
+
+
 def _forces_of_law(law: Law) -> Iterator[Fault]:
-    names = _SLIP
+    slip, parameters = _symbols_of(law)
     states = {state.name: state.unit for state in law.states}
-    own = {name: sympy.Symbol(name, real=True) for name in (*names, *states)}
-    v, sign, speed, normal = (own[name] for name in names)
-    rows = law.row_symbols()
-    slip = Slip(v, sign, speed, normal, {name: own[name] for name in states}, rows)
-    parameters = {p.name: sympy.Symbol(f"p.{p.name}", real=True) for p in law.parameters}
-    units: dict[Expr, Dimension | None] = {own[n]: dimension(u) for n, u in names.items()}
+    own = {name: sympy.Symbol(name, real=True) for name in (*_SLIP, *states)}
+    units: dict[Expr, Dimension | None] = {own[n]: dimension(u) for n, u in _SLIP.items()}
     units |= {own[name]: dimension(unit) for name, unit in states.items()}
     units |= {parameters[p.name]: dimension(p.unit) for p in law.parameters}
-    units |= {number: None for row in rows for number in row}
+    units |= {number: None for row in slip.rows for number in row}
     found = {"force": (law.force(slip, parameters), dimension("N"))}
     if law.capacity is not None:
         found["capacity"] = (law.capacity(slip.N, parameters), dimension("N"))
     rates = law.rates(slip, parameters) if law.rates is not None else {}
+    if not isinstance(rates, Mapping):
+        allowed = "{name of a state: its rate, ...}"
+        yield Fault(("Law", law.name, "rates"), f"gives {type(rates).__name__}", allowed)
+        return
     if set(rates) != set(states):
         message = f"gives the rates of {listed([*rates])}; its states are {listed(states)}"
         yield Fault(("Law", law.name, "rates"), message)
@@ -117,16 +139,28 @@ def _guards_of_law(law: Law, elements: int, ways: int) -> Iterator[Fault]:
         yield none_called("Law", law.name, "resting", "piece", law.places, name)
 
 
+def _rests(law: Law) -> Iterator[Fault]:
+    """What steady slip comes to is asked for where equilibria are."""
+    try:
+        if law.rests and not law.pieces:
+            law.sliding(*_symbols_of(law))
+    except (ValueError, NotImplementedError):
+        message = "steady slip does not follow from the rates: no single solution in closed form"
+        hint = "say the force there: steady=lambda slip, p: ..."
+        yield Fault(("Law", law.name, "rates"), message, "", hint)
+
+
 def _opposes_slip(law: Law) -> Iterator[Fault]:
-    """A force without memory is along v_rel, and stick bears what slip begins with."""
-    if law.states or law.pieces:
+    """The force of steady slip is along v_rel, and stick bears what slip begins with."""
+    if law.pieces:
         return
     drives = [v for v in (-SLOW, SLOW) if _force_at(law, v) * v < 0.0]
     if drives:
         message = f"at v = {drives[0]:g} m/s it drives the slip: F_T is along v, which turns"
         hint = "friction that turns with slip is slip.sign * ..., or an odd function of slip.v"
+        hint += ", or of states where their rates are zero" if law.states else ""
         yield Fault(("Law", law.name, "force"), message, "", hint)
-    elif law.capacity is not None:
+    elif law.capacity is not None and not law.states:
         borne, begun = float(law.capacity(1.0, law.defaults)), abs(_force_at(law, 0.0))
         if borne < begun * (1.0 - ROUNDING):
             message = f"stick bears {borne:g} N where slip begins with {begun:g} N (N = 1 N)"
@@ -137,7 +171,21 @@ def _opposes_slip(law: Law) -> Iterator[Fault]:
 def _force_at(law: Law, v: float) -> float:
     sign = -1.0 if v < 0.0 else 1.0
     at = Slip(*map(sympy.Float, (v, sign, abs(v), 1.0)))
-    return float(sympy.sympify(law.force(at, law.defaults)))
+    return float(sympy.sympify(law.sliding(at, law.defaults)))
+
+
+def _unused_parameters(law: Law) -> Iterator[Fault]:
+    """Parameters that nothing reads: a sweep over one would be flat."""
+    slip, parameters = _symbols_of(law)
+    given = [law.force(slip, parameters)]
+    given += [] if law.capacity is None else [law.capacity(slip.N, parameters)]
+    given += [] if law.rates is None else law.rates(slip, parameters).values()
+    others = [requirement.reads for requirement in law.requirements], law.structural
+    used = names_in((given, others, [parameter.default_from for parameter in law.parameters]))
+    for parameter in () if law.pieces or law.surface else law.parameters:
+        if parameter.name not in used:
+            hint = "use it, or take it out"
+            yield Fault(("Parameter", parameter.name, ""), "the law does not read it", "", hint)
 
 
 def _of_law(
@@ -173,4 +221,12 @@ _OF_MODELS = (
     partial(some_option, energies),
     unused_parameters,
 )
-_OF_LAWS = (tables_of_law, _pieces_of_law, _forces_of_law, _opposes_slip)
+_OF_LAWS = (
+    types_of_law,
+    tables_of_law,
+    _pieces_of_law,
+    _forces_of_law,
+    _rests,
+    _opposes_slip,
+    _unused_parameters,
+)

@@ -124,7 +124,7 @@ def unused_parameters(model: Model) -> Iterator[Fault]:
     read = [requirement.reads for requirement in model.requirements]
     others = [parameter.default_from for parameter in model.parameters]
     told = (model.law_defaults, model.derived and model.derived.sources, read, others, model.varied)
-    used = _names_in((told, model.forcings, [w.equations for w in under_options(model)]))
+    used = names_in((told, model.forcings, [w.equations for w in under_options(model)]))
     if model.revolution or model.surface:  # functions, of which only the text tells
         text = model.origin.text if model.origin else ""
         used |= {
@@ -136,7 +136,7 @@ def unused_parameters(model: Model) -> Iterator[Fault]:
             yield Fault(("Parameter", parameter.name, ""), "no equation depends on it", "", hint)
 
 
-def _names_in(thing: Any) -> set[str]:
+def names_in(thing: Any) -> set[str]:
     """Names of parameters, and texts, in expressions and in all that holds them."""
     if isinstance(thing, str):
         return {thing}
@@ -145,7 +145,7 @@ def _names_in(thing: Any) -> set[str]:
     if is_dataclass(thing):
         thing = vars(thing)
     values = thing.values() if isinstance(thing, Mapping) else thing
-    return set().union(*map(_names_in, values)) if isinstance(values, Iterable) else set()
+    return set().union(*map(names_in, values)) if isinstance(values, Iterable) else set()
 
 
 def units_of_equations(written: Written) -> Iterator[Fault]:

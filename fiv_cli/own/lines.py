@@ -5,7 +5,8 @@ from __future__ import annotations
 import ast
 import re
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
 
 from fiv_cli.errors import Problem
 
@@ -60,7 +61,7 @@ class Lines:
         frames = traceback.extract_tb(error.__traceback__)
         line = next((f.lineno for f in reversed(frames) if f.filename == path), None)
         place = next((f.name for f in reversed(frames) if f.filename == path), "file")
-        advice = str(error).partition("\nnext: ")[2]
+        advice = str(error).partition("\nnext: ")[2] or _advice(error)
         return Problem(place.strip("<>"), _said(error), "", advice, line or self.of("Model"))
 
     def _calls(self, name: str) -> Iterator[ast.Call]:
@@ -86,6 +87,17 @@ def _said(error: BaseException) -> str:
         return f"there is no {error}"
     first = str(error).partition("\nnext:")[0]
     return first if type(error).__module__.startswith("fiv_cli") else _spoken(error, first)
+
+
+def _advice(error: BaseException) -> str:
+    """What mends a mistake that Python tells in words of its own."""
+    if isinstance(error, AttributeError) and isinstance(error.obj, Mapping):
+        return f'write ["{error.name}"] for .{error.name}'
+    if isinstance(error, AttributeError) and is_dataclass(error.obj):
+        return f"it has {', '.join(one.name for one in fields(error.obj))}"
+    if isinstance(error, TypeError) and "expression to float" in str(error):
+        return "functions of math and numpy take numbers alone: use those of sympy"
+    return ""
 
 
 def _spoken(error: BaseException, text: str) -> str:

@@ -7,6 +7,7 @@ somebody named it (``--with``, `using`), never because a case file names one of 
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import re
@@ -306,18 +307,30 @@ def know_table(name: str, case: str) -> None:
 # --- which file is meant --------------------------------------------------------------------------
 def file_with(name: str, case: str) -> Path | None:
     """A file of models beside a case in which `name` is written in quotes; it is not run."""
-    folder = Path(case).parent
-    for path in sorted(folder.glob("*.py"))[:SEARCHED]:
-        try:
-            text = path.read_text(encoding="utf-8", errors="replace")
-        except OSError:
-            continue
-        if re.search(_MADE, text) and (f'"{name}"' in text or f"'{name}'" in text):
-            return path
-    return None
+    found = [path for path in sorted(Path(case).parent.glob("*.py"))[:SEARCHED] if _has(path, name)]
+    return min(found, key=lambda path: bool(to_mend(path)), default=None)
+
+
+def _has(path: Path, name: str) -> bool:
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return bool(re.search(_MADE, text)) and (f'"{name}"' in text or f"'{name}'" in text)
+
+
+def to_mend(path: Path) -> str:
+    """Where a file is no Python and cannot be loaded; empty where nothing is to be seen."""
+    try:
+        ast.parse(path.read_bytes())
+    except SyntaxError as error:
+        return f" (mend its line {error.lineno} first: {error.msg})"
+    except (OSError, ValueError):
+        return " (which is no Python)"
+    return ""
 
 
 def following(command: str, name: str, otherwise: str) -> str:
     """What to type where `command` knows no `name`: with the file here that has it, if one has."""
     file = file_with(name, "")
-    return f"fiv {command} {name} --with {file}" if file else otherwise
+    return f"fiv {command} {name} --with {file}{to_mend(file)}" if file else otherwise

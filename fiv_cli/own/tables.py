@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import isinf
 from typing import Any
 
@@ -15,27 +15,54 @@ from fiv_cli.notation.units import parse_unit
 from fiv_cli.own.fault import Fault, none_called
 from fiv_cli.own.load import is_name
 
-_TYPES: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "parameters": (
-        lambda value: isinstance(value, tuple) and all(isinstance(p, Parameter) for p in value),
-        "a tuple of Parameter(...), one alone with a comma behind it",
-    ),
+Type = tuple[Callable[[Any], bool], str]
+
+
+def _tuple_of(kind: type) -> Type:
+    allowed = f"a tuple of {kind.__name__}(...), one alone with a comma behind it"
+    return (
+        lambda value: isinstance(value, tuple) and all(isinstance(v, kind) for v in value),
+        allowed,
+    )
+
+
+_OF_MODEL: dict[str, Type] = {
+    "parameters": _tuple_of(Parameter),
     "states": (callable, "lambda options: (State(...), ...), one alone with a comma behind it"),
-    "options": (
-        lambda value: isinstance(value, tuple) and all(isinstance(o, Option) for o in value),
-        "a tuple of Option(...), one alone with a comma behind it",
-    ),
+    "options": _tuple_of(Option),
     "equations": (callable, "a function equations(symbols, options)"),
     "contacts": (lambda value: isinstance(value, int), "how many contacts the equations return"),
     "stops": (lambda value: isinstance(value, int), "how many of these are stops"),
+}
+_OF_LAW: dict[str, Type] = {
+    "parameters": _tuple_of(Parameter),
+    "states": _tuple_of(State),
+    "force": (callable, "lambda slip, p: F_T in N"),
+    "capacity": (
+        lambda value: value is None or callable(value),
+        "lambda N, p: what stick can bear, in N; None: it never sticks",
+    ),
+    "rates": (
+        lambda value: value is None or callable(value),
+        "lambda slip, p: {name of a state: its rate}; leave it out of a law without states",
+    ),
 }
 
 
 def types_of_model(model: Model) -> Iterator[Fault]:
     """What a model is given in place of tables and functions."""
-    for name, (fits, allowed) in _TYPES.items():
-        if not fits(getattr(model, name)):
-            yield Fault(("Model", model.name, name), f"{name} is something else", allowed)
+    return _types(model, _OF_MODEL)
+
+
+def types_of_law(law: Law) -> Iterator[Fault]:
+    """What a law is given in place of tables and functions."""
+    return _types(law, _OF_LAW)
+
+
+def _types(thing: Model | Law, types: Mapping[str, Type]) -> Iterator[Fault]:
+    for name, (fits, allowed) in types.items():
+        if not fits(getattr(thing, name)):
+            yield Fault((type(thing).__name__, thing.name, name), "is something else", allowed)
 
 
 def tables_of_model(model: Model) -> Iterator[Fault]:
@@ -45,7 +72,7 @@ def tables_of_model(model: Model) -> Iterator[Fault]:
     names = [p.name for p in model.parameters]
     states: object = model.states(model.default_options())
     if not isinstance(states, tuple) or not all(isinstance(one, State) for one in states):
-        yield Fault(("Model", model.name, "states"), "gives something else", _TYPES["states"][1])
+        yield Fault(("Model", model.name, "states"), "gives something else", _OF_MODEL["states"][1])
         return
     yield from _states(states)
     for attribute in ("base", "vibration"):

@@ -124,6 +124,10 @@ LAW = Law(
     # slip.v is the slip velocity, slip.sign its sign, slip.speed = |v|, slip.N the normal force
     force=lambda slip, p: slip.sign * p["mu_0"] / (1 + p["fall"] * slip.speed**2) * slip.N,
     capacity=lambda N, p: p["mu_0"] * N,  # what stick can bear; None: it never sticks
+    # A state of its own begins at zero; that of a bristle (State is imported as Parameter is):
+    # states=(State("z", "z", "m", "deflection"),),
+    # rates=lambda slip, p: {"z": slip.v - slip.speed * p["stiff"] * slip.states["z"] / p["mu_0"]},
+    # force=lambda slip, p: p["stiff"] * slip.states["z"] * slip.N,
 )
 '''
 

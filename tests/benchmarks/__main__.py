@@ -5,10 +5,20 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from tests.benchmarks import against_rk4, against_scipy, discs, histories, maps, processes, steps
+from tests.benchmarks import (
+    against_rk4,
+    against_scipy,
+    against_taylor,
+    discs,
+    histories,
+    maps,
+    processes,
+    steps,
+)
 
 BENCHMARKS: dict[str, Callable[[], None]] = {
     "scipy": against_scipy.report,
+    "taylor": against_taylor.report,
     "rk4": against_rk4.report,
     "histories": histories.report,
     "discs": discs.report,
