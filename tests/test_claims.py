@@ -2,6 +2,7 @@
 
 import json
 import operator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -305,6 +306,16 @@ def test_section_values_are_claimed_row_by_row():
     assert (known.verdict, known.points) == (CONFIRMED, 2)
     every = tried(dataset, "section_value", {"value": 1.5, "tolerance": 0.5})
     assert (every.verdict, every.points, every.open) == (UNDETERMINED, 3, 1)
+
+
+def test_what_was_measured_of_undecided_points_counts_where_a_claim_says_so():
+    dataset = sweep(["periodic", "undecided"], L_s=[1.0, 2.0])
+    said = claim("L_s", {"between": [0.5, 2.5]})
+    counted = replace(said, undecided_counts=True)
+    verdicts = [evaluate(one, {"": dataset}, lambda case: None) for one in (said, counted)]
+    assert [(v.verdict, v.hits) for v in verdicts] == [(UNDETERMINED, 1), (CONFIRMED, 2)]
+    classes = replace(claim("attractor", "periodic"), undecided_counts=True)
+    assert evaluate(classes, {"": dataset}, lambda case: None).verdict == UNDETERMINED
 
 
 def test_no_values_at_all_is_undetermined():

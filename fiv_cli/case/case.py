@@ -128,6 +128,7 @@ class ClaimSpec:
     note: str = ""
     analysis: str = ""
     take: Mapping[str, Any] = field(default_factory=dict)
+    undecided_counts: bool = False
 
 
 @dataclass(frozen=True)

@@ -214,4 +214,5 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         note=table.note,
         analysis=table.analysis or "",
         take=_take(table.take, answers, (*place, "take"), report) if table.take else {},
+        undecided_counts=table.undecided == "counts",
     )

@@ -383,6 +383,11 @@ class ClaimTable(Table):
     holds: Annotated[Any, PlainValidator(check_holds), WithJsonSchema(HOLDS_SCHEMA)] = Field(
         default="all", description="all, any, or the share of points that must agree"
     )
+    undecided: Literal["open", "counts"] = Field(
+        default="open",
+        description="a point of undecided class: open, it has no answer; counts, what was measured "
+        "of it until t_max is one",
+    )
     note: str = Field(default="", description="what is known about a difference")
     analysis: str | None = Field(default=None, description="name of the analysis that decides")
 

@@ -181,6 +181,8 @@ def evaluate(
     """
     try:
         dataset = _dataset_of(claim.variable, claim.analysis, analyses)
+        if claim.undecided_counts and claim.variable != "attractor":  # numbers, as measured
+            dataset = dataset.drop_vars("attractor", errors="ignore")
         part, variable = _asked(dataset, claim, drawn)
         match claim.expect:
             case OfClass():
