@@ -275,6 +275,23 @@ def test_a_mistake_in_a_law_with_a_state_of_its_own_is_told_with_its_line(old, n
     assert line and re.search(part, Path("law.py").read_text().splitlines()[line - 1]), caught.value
 
 
+@pytest.mark.parametrize(
+    ("name", "instead", "said"),
+    [("mu_0", "m", "parameters of one name: m"), ("z", "x", "states of one name: x")],
+)
+@pytest.mark.parametrize("place", ['[friction]\nlaw = "my-bristle"\n', ""])
+def test_a_law_that_shares_a_name_with_the_model_is_refused_with_it(
+    name, instead, said, place, capsys
+):
+    Path("law.py").write_text(bristle().replace(f'"{name}"', f'"{instead}"'))
+    axis = "" if place else 'friction = ["coulomb", "my-bristle"]\n'
+    Path("case.toml").write_text(CASE.replace("[grid]\n", f"{place}[grid]\n{axis}"))
+    assert run(["check", "case.toml", "--with", "my.py"]) == 3
+    assert "law.py has it" in capsys.readouterr().err
+    assert run(["check", "case.toml", "--with", "my.py", "--with", "law.py"]) == 3
+    assert f"'my-bristle' and my-belt have {said}" in capsys.readouterr().err
+
+
 def test_two_contacts_solved_for_one_coordinate_are_refused_where_the_second_stands():
     contact = 'contacts=(Contact(p("v") - x_dot, "x", p("N")),),'
     second = (

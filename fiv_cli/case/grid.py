@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Candidate, Span, span_by_count, span_by_step
 from fiv_cli.case.case import Axis, Refinement
-from fiv_cli.case.form import Form
+from fiv_cli.case.form import Form, own_file
 from fiv_cli.case.physics import (
     Physics,
     law_names,
@@ -23,6 +23,7 @@ from fiv_cli.case.physics import (
 from fiv_cli.case.refinement import halved, read_refinement
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import RangeTable, SweepTable
+from fiv_cli.friction import all_laws
 from fiv_cli.notation.names import axis_name, listed, suggest
 from fiv_cli.notation.units import exact, nearest_double
 from fiv_cli.notation.values import check_quantity
@@ -164,6 +165,8 @@ def _element(candidate: Candidate, index: int, value: Any, report: Report) -> An
         return candidate.read(value)
     except ValueError as error:
         place, hint = (*candidate.place, index), suggest(str(value), candidate.choices)
+        if candidate.kind == "law" and value not in all_laws():
+            hint = own_file(str(value), report.source) or hint
         report.add(place, str(error), candidate.allowed, hint, of_name=candidate.unit is None)
         return None
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from fiv_cli.case.form import Form, own_file
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import SEVERAL_LAWS, FrictionTable, ModelTable
-from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of
+from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of, why_unfit
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
@@ -187,7 +187,9 @@ def resolve_law(model: Model, name: object, of: str | None = None) -> str:
     regularised = TANH_OF + (of or model.default_law.removeprefix(TANH_OF))
     full = regularised if name == "tanh" else name
     if full not in laws_of(model):
-        raise ValueError(f"{full!r} is no friction law of {model.name}")
+        law = all_laws().get(str(full))
+        why = why_unfit(model, law) if law else f"{full!r} is no friction law of {model.name}"
+        raise ValueError(why)
     return str(full)
 
 
@@ -278,7 +280,8 @@ class _Reader:
             of = table.law == "tanh" and table.of
             written, place = (of, "of") if of else (table.law, "law")
             message = f"{written!r} is no friction law of {model.name}"
-            hint = own_file(written, self.report.source)
+            law = all_laws().get(written)
+            hint = why_unfit(model, law) if law else own_file(written, self.report.source)
             self.report.unknown(("friction", place), message, written, law_names(model), hint)
         return [name]
 

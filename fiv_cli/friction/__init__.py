@@ -36,6 +36,7 @@ from fiv_cli.friction import (
 )
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model
+from fiv_cli.notation.names import listed
 
 _LAWS: tuple[Law, ...] = (
     coulomb.LAW,
@@ -118,7 +119,11 @@ def why_unfit(model: Model, law: Law) -> str:
         return f"{model.name} has no frictional contact"
     if law.constant_load and not model.constant_load:
         return f"{law.name!r} gives a force whatever the load, and that of {model.name} varies"
-    shared = {p.name for p in law.parameters} & {p.name for p in model.parameters}
-    if shared:
-        return f"{law.name!r} and {model.name} have parameters of one name: {', '.join(shared)}"
+    for what, own, others in (
+        ("parameters", law.parameters, model.parameters),
+        ("states", law.states, model.states(model.default_options())),
+    ):
+        shared = {one.name for one in own} & {one.name for one in others}
+        if shared:
+            return f"{law.name!r} and {model.name} have {what} of one name: {listed(shared)}"
     return ""

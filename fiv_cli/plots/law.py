@@ -11,6 +11,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.friction import all_laws
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.notation.names import pick
+from fiv_cli.own.load import following
 from fiv_cli.plots import labels, style
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ def draw_laws(
 def _given(words: str) -> Given:
     """A law and the values of its parameters: ``stribeck:v_s=5 cm/s,mu_s=0.5``."""
     name, _, changes = words.partition(":")
-    law = pick(name.strip(), all_laws(), "friction law", "fiv models --laws")
+    lists = following("plot --law", name.strip(), "fiv models --laws")
+    law = pick(name.strip(), all_laws(), "friction law", lists)
     table = {parameter.name: parameter for parameter in law.parameters}
     given = {}
     for change in filter(str.strip, changes.split(",")):
