@@ -212,11 +212,17 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
           ("Model, Parameter", "Forcing, Model, Parameter")], "Forcing(", "no parameter 'w'"),
         ([('slip.sign * p["mu_0"]', 'p["mu_0"]')], "force=", "drives the slip"),
         ([('p["mu_0"] * N', 'p["mu_0"] * N / 2')], "capacity=", "bears 0.2 N where slip"),
+        ([("tangential_force(0)", "tangential_force(1)")], "accelerations",
+         "F_T of contact 2, of 1"),
+        ([('"x", p("N"))', '"x", p["N"])')], 'p["N"]', r'write \("name"\) for \["name"\]'),
+        ([("kinetic_energy=", "kinetic=")], "Equations(", "did you mean 'kinetic_energy'"),
+        ([("import Contact, ", "import ")], "Contact(", "from fiv_cli.models.base import Contact"),
     ],
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
          "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
          "companion", "contacts", "load", "default of a law", "number", "comma", "exit", "return",
-         "unused", "series", "pull", "base", "frequency", "one way", "capacity"],
+         "unused", "series", "pull", "base", "frequency", "one way", "capacity",
+         "force of no contact", "brackets", "keyword", "import"],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_line(changes, part, said):
     error = mistaken(*changes)

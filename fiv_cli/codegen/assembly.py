@@ -29,7 +29,7 @@ from fiv_cli.codegen.codes import LANES, NODES
 
 LIBRARY = ("exp", "log", "sin", "cos", "tanh", "asin", "pow")  # called in the C library
 # A function of more characters is cut, into pieces of so many. The lumped models' are not so long.
-WHOLE, PIECE = 180_000, 1000
+WHOLE, PIECE = 180_000, 3000
 
 REAL = ir.DoubleType()
 VECTORS = {"lanes": ir.VectorType(REAL, LANES), "nodes": ir.VectorType(REAL, NODES)}

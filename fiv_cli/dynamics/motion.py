@@ -183,11 +183,6 @@ class Motion:
     time : initial time, s
     sticking : contacts that stick from the start; they take on the drive's velocity
     events : room for a ledger that is kept from the start, and is the next motion's too
-
-    Attributes
-    ----------
-    frame : what the driver reads and writes
-    started : whether a contact state is consistent with the initial state
     """
 
     def __init__(
@@ -210,7 +205,6 @@ class Motion:
         frame.time = time
         for contact, sticks in enumerate(sticking):
             frame.kinds[contact] = STICK if sticks else frame.sliding_kinds[contact]
-        self.started = self._advance(time, False, 0.0) != Stop.NO_STATE
 
     @classmethod
     def of_frame(
@@ -229,10 +223,26 @@ class Motion:
         samples: Samples,
         time: float,
     ) -> None:
-        self.system, self.solver, self.frame, self.samples = system, solver, frame, samples
-        self.started = True  # unless it shows otherwise
+        self.system, self.solver, self._frame, self.samples = system, solver, frame, samples
+        self._has_begun = False
         self.stride = FIRST_STRIDE  # steps of a call of the driver
         self.kink = self._take_up_schedule(time) if system.setup.schedule.curves else INFINITE
+
+    @property
+    def frame(self) -> kernel.Run:
+        """What the driver reads and writes.
+
+        The contact state that a motion begins in is decided when it is first looked at, or by
+        the call of the driver that takes it on.
+        """
+        if not self._has_begun:
+            self._advance(self._frame.time, False, 0.0)
+        return self._frame
+
+    @property
+    def started(self) -> bool:
+        """Whether a contact state is consistent with the initial state."""
+        return self.frame.task != kernel.ENTER
 
     @property
     def y(self) -> Vector:
@@ -290,15 +300,15 @@ class Motion:
         """Set what varies to the piece that begins at `time`; returns where it ends, s."""
         schedule, names = self.system.setup.schedule, self.system.generated.parameter_names
         for name, (value, rate) in schedule.piece(time).items():
-            self.frame.parameters[names.index(name)] = value
-            self.frame.parameters[names.index(rate_of(name))] = rate
-        self.frame.filled_for = 0.0
+            self._frame.parameters[names.index(name)] = value
+            self._frame.parameters[names.index(rate_of(name))] = rate
+        self._frame.filled_for = 0.0
         return schedule.next_kink(time)
 
     def _pass_kink(self) -> None:
         """Go on with the next piece: forces jump, so the contact states are decided anew."""
         self.kink = self._take_up_schedule(self.kink)
-        self.frame.task = kernel.DECIDE
+        self._frame.task = kernel.DECIDE
 
     # --- generated functions at the present state -------------------------------------------------
     @property
@@ -390,7 +400,7 @@ class Motion:
         ------
         UsageError : a stroboscopic section without a period
         """
-        frame = self.frame
+        frame = self._frame
         frame.first_step = 0.0  # another motion may have used the scratch arrays
         frame.n_sections = 0
         if section is not None and section.kind == "phase":
@@ -462,28 +472,30 @@ class Motion:
     ) -> None:
         """Say what goes into which section points: times (m,), states (m, n_states) and, where
         they are asked for, `Measures.all_works` done by then, (m, works)."""
-        self.frame.words[SECTION_WORDS] = section_words(self.system, section)
-        self.frame.max_sections = len(times)
-        self.frame.show("section_times", times)
-        self.frame.show("section_states", states)
-        self.frame.show("section_works", works)
+        frame = self._frame
+        frame.words[SECTION_WORDS] = section_words(self.system, section)
+        frame.max_sections = len(times)
+        frame.show("section_times", times)
+        frame.show("section_states", states)
+        frame.show("section_works", works)
 
     def _no_sections(self) -> tuple[Vector, NDArray[np.float64]]:
         """Where no section is asked for (shared: nothing is ever written)."""
-        return self.frame.shown["section_times"], self.frame.shown["section_states"]
+        return self._frame.shown["section_times"], self._frame.shown["section_states"]
 
     def _fill_samples(self, samples: Samples) -> None:
-        self.frame.n_sampled = samples.count
+        self._frame.n_sampled = samples.count
         if samples is not self.samples:
             self.samples = samples
             for name in ("times", "states", "outputs", "codes"):
-                self.frame.show(f"sample_{name}", getattr(samples, name).T)
+                self._frame.show(f"sample_{name}", getattr(samples, name).T)
 
     def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
-        asked = self.frame.address, t_stop, phase_interval, measuring
+        self._has_begun, frame = True, self._frame
+        asked = frame.address, t_stop, phase_interval, measuring
         stop = self.drive(partial(DRIVER.function, *asked))
-        self.samples.count = self.frame.n_sampled
+        self.samples.count = frame.n_sampled
         return stop
 
     def drive(self, call: Callable[[], int]) -> Stop:

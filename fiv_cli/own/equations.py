@@ -52,7 +52,11 @@ def without_series(
 
 def _unknown_symbol(place: Place, symbol: Expr, written: Written) -> Fault:
     kind, _, name = symbol.name.partition(".")
-    what = {"p": "parameter", "q": "state"}.get(kind, "symbol")
+    what = {"p": "parameter", "q": "state", "F_T": "force", "F_N": "force"}.get(kind, "symbol")
+    if what == "force":
+        count = len(written.equations.contacts)
+        message = f"names {named(symbol.name)}, of {count}: tangential_force(0) is of the first"
+        return Fault(place, message)
     known = [s.name.partition(".")[2] for s in written.units if s.name.startswith(f"{kind}.")]
     return Fault(
         place, f"names the {what} {name or kind!r}, which no table has", listed(known),

@@ -7,11 +7,16 @@ import re
 import traceback
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
+from typing import Any
 
 from fiv_cli.errors import Problem
+from fiv_cli.friction.base import Law
+from fiv_cli.models import base
+from fiv_cli.notation.names import suggest
 
 _ALIKE = {"Contact": ("Contact", "stop")}
-_LACKS = re.compile(r"(?:\w+\.)?(\w+?)(?:\.__init__)?\(\) missing \d+ .*? arguments?: (.*)")
+_TOO_MUCH = re.compile(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'.*")
+_LACKS = re.compile(r"(?:\w+\.)*?(\w+?)(?:\.__init__)?\(\) missing \d+ .*? arguments?: (.*)")
 
 
 class Lines:
@@ -95,9 +100,22 @@ def _advice(error: BaseException) -> str:
         return f'write ["{error.name}"] for .{error.name}'
     if isinstance(error, AttributeError) and is_dataclass(error.obj):
         return f"it has {', '.join(one.name for one in fields(error.obj))}"
-    if isinstance(error, TypeError) and "expression to float" in str(error):
+    if isinstance(error, NameError) and hasattr(base, error.name or ""):
+        return f"from fiv_cli.models.base import {error.name}"
+    return _advice_on_types(str(error)) if isinstance(error, TypeError) else ""
+
+
+def _advice_on_types(said: str) -> str:
+    if "expression to float" in said:
         return "functions of math and numpy take numbers alone: use those of sympy"
-    return ""
+    if said == "'method' object is not subscriptable":
+        return 'write ("name") for ["name"]: what `symbols` has is called'
+    given = _TOO_MUCH.fullmatch(said)
+    kind: Any = given and {**vars(base), "Law": Law}.get(given[1])
+    if given is None or kind is None:
+        return ""
+    names = [one.name for one in fields(kind)]
+    return suggest(given[2], names) or f"it has {', '.join(names)}"
 
 
 def _spoken(error: BaseException, text: str) -> str:
