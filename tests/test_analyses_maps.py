@@ -251,6 +251,9 @@ def test_the_test_is_that_of_its_definition(name: str, count: int) -> None:
         ]
         found.append(np.corrcoef(lags, squares)[0, 1])
     assert regularity(values) == pytest.approx(np.median(found), abs=1e-12)
+    bounds = np.quantile(found, np.linspace(0.05, 0.95, 18))
+    told = [regularity(values, (bound,)) > bound for bound in bounds]
+    assert told == (np.median(found) > bounds).tolist()
 
 
 def test_too_few_or_constant_values_say_nothing() -> None:

@@ -20,23 +20,35 @@ from numpy.typing import NDArray
 FEWEST = 100  # section values below which the test says nothing
 FREQUENCIES = 40  # test frequencies, spread over (pi/5, 4 pi/5) away from resonances
 LONGEST_LAG = 10  # as a share of the sequence, one over this
-AT_ONCE = 10  # frequencies whose paths are looked at together: more do not fit a cache
+AT_ONCE = 7  # frequencies looked at together: three times that is more than half of all
 SMOOTH = 128  # a transform is as long as a multiple of this: a product of small primes
 
 Values = NDArray[np.float64]
 Paths = NDArray[np.complex128]
 
 
-def regularity(values: Values) -> float:
-    """K of the 0-1 test: near 0 regular, near 1 chaotic; NaN for too few or constant values."""
+def regularity(values: Values, bounds: tuple[float, ...] = ()) -> float:
+    """K of the 0-1 test: near 0 regular, near 1 chaotic; NaN for too few or constant values.
+
+    K is the median over test frequencies. Where `bounds` are given only on which side of each it
+    lies is sure: no more frequencies are looked at than settle that.
+    """
     if len(values) < FEWEST or np.ptp(values) == 0.0:
         return float("nan")
     centred, turning = values - np.mean(values), _turning(len(values))
-    found = [
-        _correlations(displacements(np.cumsum(centred * turning[first : first + AT_ONCE], axis=1)))
-        for first in range(0, FREQUENCIES, AT_ONCE)
-    ]
+    found = np.zeros(0)
+    while len(found) < FREQUENCIES and not _are_told(found, bounds):
+        some = turning[len(found) : len(found) + AT_ONCE]
+        more = _correlations(displacements(np.cumsum(centred * some, axis=1)))
+        found = np.append(found, more)
     return float(np.median(found))
+
+
+def _are_told(found: Values, bounds: tuple[float, ...]) -> bool:
+    """Whether more than half of all frequencies are known to be on one side of each bound."""
+    above = [int(np.count_nonzero(found > bound)) for bound in bounds]
+    sides = [max(count, len(found) - count) for count in above]
+    return bool(bounds) and min(sides) > FREQUENCIES // 2
 
 
 def _turning(count: int) -> Paths:

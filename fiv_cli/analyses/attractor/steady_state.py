@@ -738,7 +738,9 @@ class _Response:
             slides = self._is_quiet() and self.excitation is None
             return "undecided", "slide_not_decided" if slides else "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
-        regular = regularity(self._points[:, self.observed]) if np.isfinite(exponent) else np.nan
+        regular, bounds = np.nan, (REGULAR, CHAOTIC)
+        if np.isfinite(exponent):
+            regular = regularity(self._points[:, self.observed], bounds)
         if np.isnan(regular):
             return "undecided", "time_budget"
         told, reason = self._by_two_tests(exponent, regular)
