@@ -7,7 +7,7 @@ itself holds to be known, in a function ``verify(bench)`` that yields `Check`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from math import nan
 from typing import Any
@@ -52,7 +52,11 @@ def try_own(announce: Callable[[str], None] = lambda message: None) -> list[Chec
 def _of_file(origin: Origin, bench: Bench) -> Iterator[Check]:
     """What a file holds to be known; of what cannot be computed, the line."""
     try:
-        yield from getattr(module_of(origin), "verify", lambda bench: ())(bench)
+        found = getattr(module_of(origin), "verify", lambda bench: ())(bench)
+        for check in found if isinstance(found, Iterable) else (found,):
+            if not isinstance(check, Check):
+                raise TypeError(f"verify is to yield Check(...), not {type(check).__name__}")
+            yield check
     except Exception as error:
         wrong = Lines(origin.text).problem(error, origin.path)
         what = f"{origin.path}:{wrong.line}: {wrong.path}: {wrong.message}"

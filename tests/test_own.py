@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 from own_models import CASE, MODEL
 
-from fiv_cli import api
+from fiv_cli import api, trial
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.cli.main import run
 from fiv_cli.errors import ModelFileError, StoreMismatchError
@@ -397,6 +397,15 @@ def test_what_a_file_cannot_compute_is_told_with_its_line(capsys):
     told = capsys.readouterr()
     assert f"model.py:{line}: verify: there is no 'perod'" in told.out
     assert "5 of 6 checks passed" in told.err
+
+
+@pytest.mark.parametrize(
+    ("given", "said"), [("yield 'T', 3.0, 3.1", "tuple"), ("pass", "NoneType")]
+)
+def test_what_is_no_check_is_told(given, said):
+    text = f"{MODEL}\ndef verify(bench):\n    {given}\n"
+    (told,) = trial._of_file(Origin("own.py", text), api.analyse)
+    assert not told.passed and f"verify is to yield Check(...), not {said}" in told.name
 
 
 def test_what_a_file_holds_to_be_known_is_checked(capsys):
