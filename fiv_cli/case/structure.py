@@ -114,6 +114,8 @@ class OpenTable(BaseModel):
 class ModelTable(Table):
     """The mechanical model."""
 
+    example: ClassVar[str] = "parameters = { m = 2.0 }, or on the command line model.parameters.m=2"
+
     name: str = Field(description="name of the model; `fiv models` lists them")
     parameters: dict[str, Quantity] = Field(default={}, description="what differs from the default")
     options: dict[str, Any] = Field(default={}, description="switches of the model")
