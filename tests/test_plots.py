@@ -224,6 +224,32 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     assert r"unstable cycle: least and greatest $\varphi$" in legend_texts(ax)
 
 
+def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
+    response, omega = resting(), data.bifurcation()["Omega"].values
+    states = xr.DataArray(0.01 * omega, dims="Omega") * xr.ones_like(response["L_s"])
+    response = response.assign(
+        L_s_reference=states.expand_dims(state=["phi"]), L_s_reference_index=0.0 * states + 1.0
+    )
+    words = np.where(omega < 3.0, "unstable", "stable")
+    eigenvalues = xr.Dataset(
+        {
+            "status": data.statuses(("Omega",), np.full(46, "ok")),
+            "stable": data.flags(("Omega",), words, ("unstable", "stable")),
+            "growth_rate": ("Omega", 3.0 - omega),
+        },
+        data.axes(Omega=omega),
+        data.attributes(),
+    )
+    analyses = {"response": response, "eigenvalues": eigenvalues}
+    (ax,) = draw(analyses, figure("bifurcation")).axes
+    lines = {line.get_label(): line.get_xydata() for line in ax.lines}
+    for word in ("stable", "unstable"):
+        drawn = lines[f"{word} equilibrium"]
+        there = drawn[np.isfinite(drawn[:, 1])]
+        np.testing.assert_array_equal(there[:, 0], omega[words == word])
+        np.testing.assert_allclose(there[:, 1], 0.01 * there[:, 0])
+
+
 def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():
     response = data.bifurcation()
     named = [("", response), ("branch", branch_along_the_speed())]

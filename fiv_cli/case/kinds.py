@@ -53,7 +53,11 @@ FIGURES = {
         ("x", "y", "variable", "take", "level", "overlay"),
     ),
     "basin": ("starts over two of their states, coloured by what they reach", ("x", "y")),
-    "bifurcation": ("what motions pass at the section, along an axis", ("x",)),
+    "bifurcation": (
+        "what motions pass at the section and where they rest, along an axis; with the equilibria, "
+        "stable or not, of an `eigenvalues` analysis of the case, the unstable cycles of a `cycle`",
+        ("x",),
+    ),
     "curve": ("a variable along an axis, a line for each start", ("x", "variable", "take")),
     "branch": ("branches of cycles and their ends, along their parameter", ()),
     "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x",)),

@@ -1,12 +1,14 @@
 """Bifurcation diagram: what the motion passes at the Poincaré section, against a parameter.
 
-An equilibrium is drawn at its value. Cycles that are unstable, which no motion shows, come from a
-`cycle` analysis of the same case, or from the dataset of a branch that is drawn with it.
+Where a motion rests it is drawn at its value. What no motion comes to, as all that is unstable,
+other analyses of the case know: equilibria an `eigenvalues` analysis, cycles a `cycle` analysis, or
+the dataset of a branch that is drawn with it.
 """
 
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -54,6 +56,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     fitting = [part for one in others if (part := _of_the_same(one, first)) is not None]
     _dash_unstable(ax, fitting, points.abscissa(first, settings), _observed(first[name]))
+    _draw_equilibria(ax, first, fitting, points.abscissa(first, settings), _observed(first[name]))
     ax.set_ylabel(labels.axis_label(first[name]))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
@@ -170,7 +173,7 @@ def _other_sections(dataset: xr.Dataset, settings: points.Settings) -> Iterator[
                 yield float(0.5 * (x[one] + x[other]))
 
 
-# --- unstable cycles ------------------------------------------------------------------------------
+# --- what motions do not show ---------------------------------------------------------------------
 def _of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
     """The part of a dataset at the parameters that a diagram holds fixed; None: it has no such."""
     known = {str(name): coord for name, coord in dataset.coords.items() if coord.ndim < 2}
@@ -199,6 +202,34 @@ def _dash_unstable(
             for height in extremes:
                 ax.plot(x, height, "--", lw=0.9, color=style.BLACK, zorder=1.5, label=label)
                 label = None
+
+
+def _draw_equilibria(
+    ax: Axes, diagram: xr.Dataset, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+) -> None:
+    """Equilibria of a diagram, by what the eigenvalues of its case tell of them."""
+    told = [d for d in datasets if {"stable", "growth_rate"} <= {*d} and axis.name in d.coords]
+    if not told or "L_s_reference" not in diagram or observed not in diagram["state"]:
+        return
+    number = _linearised_at(diagram)
+    known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
+    place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
+    for word, dashes in (("stable", "-"), ("unstable", ":")):
+        height = place.where(is_class(told[0]["stable"], (word,)))
+        label: str | None = f"{word} equilibrium"
+        for line in points.lines(diagram, [str(axis.dims[0])], [str(d) for d in height.dims]):
+            values = height.isel(line.index).values
+            if np.isfinite(values).any():
+                ax.plot(points.positions(axis), values, dashes, lw=1.1, color=style.BLACK,
+                        zorder=3.5 if word == "unstable" else 1.5, label=label)  # fmt: skip
+                label = None
+
+
+def _linearised_at(diagram: xr.Dataset) -> int:
+    """The number of the equilibrium that the `eigenvalues` of a case are of."""
+    analyses = json.loads(diagram.attrs.get("analyses_json", "{}")).values()
+    settings = [one["settings"] for one in analyses if one["kind"] == "eigenvalues"]
+    return int(settings[0].get("at_equilibrium", 1)) if settings else 1
 
 
 def _unstable(
