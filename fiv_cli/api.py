@@ -301,10 +301,12 @@ def observations(dataset: xr.Dataset, variable: str) -> xr.DataArray:
 
     Parameters
     ----------
-    dataset : of one analysis; or several such, joined along a parameter by ``xr.concat``
+    dataset : whole, of one analysis; or several such, joined along a parameter by ``xr.concat``
     variable : ``section_value``, say
 
-    Join runs along an axis that both have without these values: ``a.drop_dims("section_obs")``.
+    Select afterwards, ``values[values["v"] == 1.0]``: a part of the dataset is refused, for the
+    values do not follow its points. Join runs along an axis that both have without these values:
+    ``a.drop_dims("section_obs")``.
 
     Examples
     --------

@@ -146,7 +146,7 @@ def test_a_model_of_ones_own_runs_on_a_cluster_and_in_parts_and_meets_no_older_t
         lambda: run_case(case, parts, Policy(workers=1, part=Part(1, 2)), Silent()),
         lambda: assemble_case(case, parts),
     ):
-        with pytest.raises(StoreMismatchError, match=r"own\.my-belt"):
+        with pytest.raises(StoreMismatchError, match=r"my\.py was changed since"):
             refused()
 
 

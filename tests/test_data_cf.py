@@ -146,6 +146,11 @@ def test_values_of_any_number_are_found_with_their_points_in_joined_runs_too() -
     assert {*map(tuple, np.concatenate(points))} >= {
         *zip(whole["v"].values, whole.values, strict=True)
     }
+    for part in (runs[0].isel(v=1), runs[0].isel(v=[1, 0])):
+        with pytest.raises(api.UsageError, match="take the values of the whole dataset"):
+            api.observations(part, "section_value")
+    one = api.observations(xr.concat(runs, "N", join="outer").isel(N=1), "section_value")
+    np.testing.assert_array_equal(one, alone[1])
     with pytest.raises(api.UsageError, match="for run in runs"):
         api.observations(xr.concat([runs[0], other], "N", join="outer"), "section_value")
     with pytest.raises(api.UsageError, match="section_point, section_value"):

@@ -7,9 +7,10 @@ a random start (``far`` for ``far-000``, ``far-001``, ...).
 
 from __future__ import annotations
 
+import math
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -218,12 +219,36 @@ def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
     counts = rows.values.reshape(*(rows.sizes[dim] for dim in joined), -1).sum(axis=-1)
     kept = np.arange(dataset.sizes[obs]) < counts[..., None]
     row = row_of_each(rows)
+    _refuse_cut(dataset, obs, joined, kept, row)
     of_points = {
         str(axis): (obs, xr.broadcast(rows, coord)[1].values.ravel()[row], coord.attrs)
         for axis, coord in rows.coords.items()
     }
     values = dataset[name].transpose(*joined, obs)
     return xr.DataArray(values.values[kept], of_points, [obs], name, values.attrs)
+
+
+def _refuse_cut(
+    dataset: xr.Dataset, obs: str, joined: Sequence[Hashable], kept: np.ndarray, row: np.ndarray
+) -> None:
+    """Refuse what was selected, or reordered, apart from its ragged values: they would be others'.
+
+    Raises
+    ------
+    SelectionError
+    """
+    point = f"{obs.removesuffix('_obs')}_point"
+    if point not in dataset:
+        return
+    stored = dataset[point].transpose(*joined, obs).values  # NaN: fills up a shorter run
+    size = dataset["status"].size // math.prod(dataset.sizes[dim] for dim in joined)
+    whole = np.array_equal(kept, ~np.isnan(stored))
+    if not (whole and np.array_equal(stored[kept], row % size)):
+        raise SelectionError(
+            "points were selected, or axes transposed, apart from the values that belong to them\n"
+            "next: take the values of the whole dataset, then select: "
+            "values = api.observations(whole, ...); values[values['AXIS'] == 2.0]"
+        )
 
 
 def contiguous(dataset: xr.Dataset) -> xr.Dataset:
