@@ -8,6 +8,7 @@ import json
 import os
 import shlex
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -360,9 +361,10 @@ def test_a_stop_at_any_write_loses_only_what_was_in_flight(
         if next(calls) == number:
             raise Killed
 
-    def half_written(path: Path, content: bytes) -> None:
+    def half_written(path: Path, content: Sequence[bytes]) -> None:
         if next(calls) == number:
-            path.write_bytes(content[: len(content) // 2])
+            whole = b"".join(content)
+            path.write_bytes(whole[: len(whole) // 2])
             raise Killed
         genuine["write"](path, content)
 
@@ -395,9 +397,9 @@ def test_a_full_disk_is_a_clear_error_and_loses_nothing(
     genuine = files._fill
     shards = iter(range(100))
 
-    def full(path: Path, content: bytes) -> None:
+    def full(path: Path, content: Sequence[bytes]) -> None:
         if path.parent.name == "shards" and next(shards) == 2:
-            path.write_bytes(content[:100])
+            path.write_bytes(b"".join(content)[:100])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         genuine(path, content)
 
