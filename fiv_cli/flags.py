@@ -86,7 +86,11 @@ REASONS: tuple[Reason, ...] = (
         "the motion grows without bound: an answer, not a failure; where the contact is bilateral "
         "only separation or damping would end it",
     ),
-    Reason("contact_lost", "the normal force reached zero, where this model ends"),
+    Reason(
+        "contact_lost",
+        "the normal force reached zero, where this model ends (`fiv models NAME`: an option may "
+        "let it go on in separation)",
+    ),
     Reason(
         "no_consistent_state",
         "no contact state agrees with the forces: a Painlevé paradox (lower mu or move the start), "
@@ -134,8 +138,9 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_crossing",
-        "nothing changes inside the bracket (`boundary`: scan_class says what holds): widen it, or "
-        "look closer (`critical`: at `eigenvalues` along it; `boundary`: at more points, scan)",
+        "nothing changes inside the bracket (`boundary`: scan_class says what holds; `critical`: "
+        "unstable throughout where growth_at_low is above 0, stable where it is below): widen it, "
+        "or look closer (`critical`: at `eigenvalues` along it; `boundary`: at more points, scan)",
     ),
     Reason(
         "no_equilibrium_in_part",

@@ -25,7 +25,7 @@ from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
-from fiv_cli.own.check import problems_of
+from fiv_cli.own.check import asymmetry, problems_of
 from fiv_cli.own.lines import Lines
 from fiv_cli.own.load import module_of
 from fiv_cli.verify import RTOL, Bench, Check, solve
@@ -43,6 +43,8 @@ def try_own(announce: Callable[[str], None] = lambda message: None) -> list[Chec
     known: Sequence[Model | Law] = (*all_models().values(), *all_laws().values())
     own = [t for t in known if t.origin is not None and not t.name.startswith(TANH_OF)]
     bench = partial(api.analyse, solver=SolverSettings(rtol=RTOL), announce=announce)
+    for remark in filter(None, (asymmetry(thing) for thing in own if isinstance(thing, Law))):
+        announce(remark)
     checks = [check for thing in own for check in solve(partial(_trial, thing), bench)]
     for origin in dict.fromkeys(thing.origin for thing in own if thing.origin):
         checks += solve(partial(_of_file, origin), bench)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import xarray as xr
 
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR, STATUS
+from fiv_cli.reading.causes import causes
 from fiv_cli.reading.compare import Difference, Tolerance, Tolerances, compare, read_tolerances
 
 PERIODIC, CHAOTIC = ATTRACTOR.codes["periodic"], ATTRACTOR.codes["chaotic"]
@@ -156,6 +159,29 @@ def test_the_shape_of_a_dataset() -> None:
     turned = dataset()
     turned["L_s"] = turned["L_s"].transpose()
     assert differences(turned)[0].what == "L_s"
+
+
+def computed_with(k: float, line: str, t_max: float) -> dict[str, Any]:
+    """Global attributes of a dataset of a model of one's own."""
+    return {
+        "model": "my-belt",
+        "numerics_version": 9,
+        "parameters_json": json.dumps({"k": k, "m": 1.0}),
+        "analyses_json": json.dumps({"response": {"settings": {"t_max": t_max}}}),
+        "own_json": json.dumps({"b.py": {"holds": ["my-belt"], "text": f"one\n{line}\n"}}),
+    }
+
+
+def test_what_was_computed_with_other_values_says_so() -> None:
+    left = computed_with(4.0, "two", 100.0)
+    assert causes(left, left) == []
+    assert causes(left, computed_with(2.0, "three", 50.0)) == [
+        "parameter k: 4 against 2",
+        "analysis response.settings.t_max: 100 against 50",
+        "text of my-belt (b.py), of 2 changed lines: - two",
+    ]
+    assert causes(left, left | {"numerics_version": 8}) == ["numerics version: 9 against 8"]
+    assert causes(left, left | {"parameters_json": '{"m": 1.0}'}) == []  # k is an axis there
 
 
 def test_analyses_are_compared_by_name() -> None:

@@ -46,6 +46,13 @@ def test_classes_agree_and_numbers_differ_where_every_law_knows_them() -> None:
     assert over_laws.spread(response(classes, np.ones((3, 3)), dict(dataset.coords))).keys() == {
         "attractor"
     }
+    alike = response([["periodic"] * 3] * 3, np.ones((3, 3)), dict(dataset.coords))
+    rounded = alike.assign(L_s=alike["L_s"] * (1.0 + 1e-15 * (alike["L_s"].mu_k > 0.1)))
+    assert over_laws.lines(over_laws.spread(rounded))[-1] == over_laws.ALIKE
+    assert over_laws.ALIKE not in said
+    first = dataset.rename(L_s="critical_value").expand_dims(crossing=2, axis=-1)
+    found = over_laws.spread(first.assign(status=dataset["status"]))
+    assert found["critical_value"] == told["L_s"]
     assert over_laws.spread(dataset.isel(friction=[0])) == {}
     assert over_laws.spread(dataset.isel(friction=0)) == {}
 

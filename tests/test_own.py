@@ -19,8 +19,9 @@ from fiv_cli.errors import ModelFileError, StoreMismatchError
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.models import all_models
 from fiv_cli.models.origin import Origin
+from fiv_cli.notation.names import ascii_name
 from fiv_cli.own import load
-from fiv_cli.own.check import problems_of
+from fiv_cli.own.check import asymmetry, problems_of
 from fiv_cli.own.probe import examine, use_files
 from fiv_cli.own.template import law_template, model_template
 from fiv_cli.sweep.policy import Policy
@@ -215,14 +216,18 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([("tangential_force(0)", "tangential_force(1)")], "accelerations",
          "F_T of contact 2, of 1"),
         ([('"x", p("N"))', '"x", p["N"])')], 'p["N"]', r'write \("name"\) for \["name"\]'),
-        ([("kinetic_energy=", "kinetic=")], "Equations(", "did you mean 'kinetic_energy'"),
+        ([("kinetic_energy=", "kinetic=")], "Equations(",
+         "Equations is given 'kinetic', which it does not have\n *did you mean 'kinetic_energy'"),
+        ([('p("k3") * x**3', "np.exp(x)"),
+          ("PARAMETERS = (", "import numpy as np\nPARAMETERS = (")],
+         "np.exp", "use those of sympy"),
         ([("import Contact, ", "import ")], "Contact(", "from fiv_cli.models.base import Contact"),
     ],
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
          "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
          "companion", "contacts", "load", "default of a law", "number", "comma", "exit", "return",
          "unused", "series", "pull", "base", "frequency", "one way", "capacity",
-         "force of no contact", "brackets", "keyword", "import"],
+         "force of no contact", "brackets", "keyword", "numpy", "import"],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_line(changes, part, said):
     error = mistaken(*changes)
@@ -285,11 +290,48 @@ def test_a_law_that_shares_a_name_with_the_model_is_refused_with_it(
 ):
     Path("law.py").write_text(bristle().replace(f'"{name}"', f'"{instead}"'))
     axis = "" if place else 'friction = ["coulomb", "my-bristle"]\n'
-    Path("case.toml").write_text(CASE.replace("[grid]\n", f"{place}[grid]\n{axis}"))
+    table = "[friction.my-bristle]\nstiff = 2e3\n"
+    Path("case.toml").write_text(CASE.replace("[grid]\n", f"{place}{table}[grid]\n{axis}"))
     assert run(["check", "case.toml", "--with", "my.py"]) == 3
     assert "law.py has it" in capsys.readouterr().err
     assert run(["check", "case.toml", "--with", "my.py", "--with", "law.py"]) == 3
-    assert f"'my-bristle' and my-belt have {said}" in capsys.readouterr().err
+    err = capsys.readouterr().err  # once, where the law is named; not at its table again
+    assert "1 problem;" in err and f": 'my-bristle' and my-belt have {said}" in err
+
+
+def test_a_name_that_a_law_declares_is_no_other_spelling_of_another():
+    Path("law.py").write_text(law_template("tilted").replace("mu_0", "mu_1"))
+    text = CASE.replace("[grid]\n", '[friction]\nlaw = "tilted"\n[grid]\nmu_1 = [0.2, 0.3]\n')
+    Path("case.toml").write_text(text)
+    case = api.load("case.toml", using=["my.py", "law.py"])
+    assert [axis.name for axis in case.axes] == ["mu_1", "v"]
+    use_files([Path("my.py")])
+    assert ascii_name("mu_1") == "mu_k"  # as the thesis calls it
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("sigma_0 = 1.0", "'sigma_0'(.|\n)*'sigma_0' is of law dahl,"),
+        ('law = "linear-slope"\nmu_1 = 0.1', "unknown parameter 'mu_1'\n"),
+        ("other-law.mu_0 = 0.1", "law.py has it"),
+    ],
+)
+def test_what_is_not_of_the_laws_in_use_is_told_as_it_was_typed(line, said, capsys):
+    Path("law.py").write_text(law_template("other-law"))
+    Path("case.toml").write_text(CASE.replace("[grid]\n", f"[friction]\n{line}\n[grid]\n"))
+    assert run(["check", "case.toml", "--with", "my.py"]) == 3
+    assert re.search(said, capsys.readouterr().err)
+
+
+def test_a_law_that_differs_between_both_sides_is_remarked(capsys):
+    assert not any(asymmetry(law) for law in all_laws().values())
+    text = law_template("one-sided").replace("slip.speed**2", "slip.v * slip.speed")
+    Path("law.py").write_text(text.replace('"s2 m-2", 1.0', '"s2 m-2", 0.1'))
+    for command in (["models", "one-sided"], ["verify"]):
+        assert run([*command, "--with", "law.py"]) == 0
+        told = "".join(capsys.readouterr())
+        assert "at v = -1 m/s |F_T| is 0.444 N, at 1 m/s 0.364 N" in told  # 0.4 / (1 -+ 0.1)
 
 
 def test_two_contacts_solved_for_one_coordinate_are_refused_where_the_second_stands():

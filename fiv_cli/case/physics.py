@@ -232,12 +232,20 @@ def _in_another(name: str, elsewhere: Mapping[str, str]) -> str:
     return f"did you mean {near!r}? It stands in [{elsewhere[near]}]" if near else ""
 
 
+def _laws_with(name: str) -> str:
+    """The laws that have a parameter `name`."""
+    plain = (law for law in all_laws().values() if not law.name.startswith(TANH_OF))
+    having = [law.name for law in plain if name in {p.name for p in law.parameters}]
+    return f"{name!r} is of law {listed(having)}" if having else ""
+
+
 class _Reader:
-    """Reads what a case gives for options, laws and parameters; keeps which are not sound."""
+    """Reads what a case gives for options, laws and parameters; keeps what is not sound."""
 
     def __init__(self, report: Report) -> None:
         self.report = report
         self.unread: set[str] = set()
+        self.refused: list[object] = []
 
     def options(self, model: Model, table: ModelTable) -> dict[str, str]:
         known = {option.name: option for option in model.options}
@@ -263,6 +271,8 @@ class _Reader:
         names = [_known_law(model, name) for name in written] + self.law_of_table(model, table)
         chosen = [name for name in names if name is not None] or [model.default_law]
         known = None not in names
+        named = (*written, table.law, table.of)
+        self.refused = [name for name in named if name and _known_law(model, name) is None]
         return tuple(
             get_law(name) for name in dict.fromkeys(chosen if known else laws_of(model))
         ), known
@@ -279,11 +289,16 @@ class _Reader:
         if name is None:
             of = table.law == "tanh" and table.of
             written, place = (of, "of") if of else (table.law, "law")
-            message = f"{written!r} is no friction law of {model.name}"
-            law = all_laws().get(written)
-            hint = why_unfit(model, law) if law else own_file(written, self.report.source)
+            message, hint = self.why_not(model, written, f"of {model.name}")
             self.report.unknown(("friction", place), message, written, law_names(model), hint)
         return [name]
+
+    def why_not(self, model: Model, name: str, whose: str) -> tuple[str, str]:
+        """Why the law `name` is not to be had, and what to do."""
+        law = all_laws().get(name)
+        unfit = why_unfit(model, law) if law else ""
+        hint = "" if law else own_file(name, self.report.source)
+        return unfit or f"{name!r} is no friction law {whose}", hint
 
     def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:
         known = {p.name: p for p in model.parameters}
@@ -300,7 +315,8 @@ class _Reader:
         found = self.parameters(plain, known, elsewhere, ("friction",))
         self.refuse_ambiguous(laws, found)
         for name, values in own_tables.items():
-            found |= self.of_law(laws, name, values)
+            if name not in self.refused:  # which is told where it is named
+                found |= self.of_law(model, laws, name, values)
         return found
 
     def refuse_ambiguous(self, laws: Sequence[Law], names: Iterable[str]) -> None:
@@ -314,15 +330,15 @@ class _Reader:
                 )
 
     def of_law(
-        self, laws: Sequence[Law], name: str, values: Mapping[str, object]
+        self, model: Model, laws: Sequence[Law], name: str, values: Mapping[str, object]
     ) -> dict[str, float]:
         """``[friction.NAME]``: the parameters of one of the laws in use."""
         whole = [law for law in laws if law.name == name]
         matching = whole or [law for law in laws if law.name.startswith(f"{name} of ")]
         if not matching:
             names = [*(law.name for law in laws), *(p.name for law in laws for p in law.parameters)]
-            message = f"{name!r} is no friction law that this case uses"
-            self.report.unknown(("friction", name), message, name, dict.fromkeys(names))
+            message, hint = self.why_not(model, name, "that this case uses")
+            self.report.unknown(("friction", name), message, name, dict.fromkeys(names), hint)
             return {}
         known = _of_laws({law.name: law.parameters for law in matching})
         found = self.parameters(values, known, {}, ("friction", name))
@@ -346,7 +362,8 @@ class _Reader:
                 home = elsewhere.get(name)
                 hint = f"{name!r} stands in [{home}]: write it there" if home else ""
                 hint = hint or counterpart(name, known) or _in_another(name, elsewhere)
-                self.report.unknown(place, f"unknown parameter {name!r}", name, meanings, hint)
+                hint = hint or " ".join(filter(None, (suggest(name, meanings), _laws_with(name))))
+                self.report.unknown(place, f"unknown parameter {key!r}", name, meanings, hint)
             elif name in found:
                 self.report.add(place, f"{name} is given twice")
             else:

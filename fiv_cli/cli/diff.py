@@ -24,6 +24,9 @@ DIFFERENT = 5
 def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -> int:
     """Compare two datasets; the exit code is 5 when they differ.
 
+    First it says what they were computed from, where it differs: parameters, settings, versions,
+    files of your own.
+
     Status and class are compared exactly; numbers where both sides are equilibrium or periodic
     (relative 1e-6 unless --tolerances says otherwise); quasi-periodic and chaotic motions by L_s
     and shares of time only.
@@ -35,14 +38,19 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
       fiv diff runs/a.nc lighter.nc
       fiv diff runs/a.nc lighter.nc --tolerances sweeps/pin-reached/tolerances.toml
     """
+    from fiv_cli.reading.causes import causes
     from fiv_cli.reading.compare import Tolerances, compare, read_tolerances
     from fiv_cli.reading.datasets import read_analyses
 
     chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
-    found = compare(read_analyses(first), read_analyses(second), chosen)
+    left, right = read_analyses(first), read_analyses(second)
+    found = compare(left, right, chosen)
+    behind = causes(*(next(iter(side.values())).attrs for side in (left, right)))
     if as_json:
-        print_json({"equal": not found, "differences": found})
+        print_json({"equal": not found, "causes": behind, "differences": found})
     else:
+        for cause in behind:
+            click.echo(printable(f"computed with another {cause}"))
         for one in found:
             count = f" ({one.count})" if one.count > 1 else ""
             click.echo(printable(f"{one.what}: {one.text}{count}"))

@@ -214,6 +214,17 @@ def _print_law(law: Law) -> None:
     click.echo("\n" + "\n".join(law_lines(law)))
     if law.capacity is None:
         click.echo("\nIt never sticks: it has no static coefficient.")
+    if law.origin is not None:
+        _print_remark(law)
+
+
+def _print_remark(law: Law) -> None:
+    """What may be meant so in a law of one's own, and may be a slip of the pen."""
+    from fiv_cli.own.check import asymmetry
+
+    remark = asymmetry(law)
+    if remark:
+        click.echo(f"\nRemark: {remark}.")
 
 
 def _print_parameters(title: str, parameters: tuple[Parameter, ...]) -> None:

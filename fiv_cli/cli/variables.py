@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from fiv_cli.analyses.variables import Variable
 
 
+MOST_WORDS = 12  # classes of a variable that are listed in a table
+
+
 @click.command("variables")
 @click.argument("case")
 @set_option
@@ -39,19 +42,21 @@ def command(case: str, overrides: tuple[str, ...], as_json: bool) -> None:
         print_json({"analyses": {name: list(map(_described, v)) for name, v in given.items()}})
         return
     for layout in layouts:
-        rows = [tuple(_described(variable).values()) for variable in given[layout.name]]
+        rows = [tuple(_described(v, MOST_WORDS).values()) for v in given[layout.name]]
         title = f"{layout.name}: over {', '.join(layout.dim_names) or 'one point'}"
         print_table(title, ("name", "own dims", "unit", "what it is"), rows)
         click.echo()
 
 
-def _described(variable: Variable) -> dict[str, str]:
-    """A variable in words."""
+def _described(variable: Variable, most: int | None = None) -> dict[str, str]:
+    """A variable in words, of its classes no more than `most`."""
     from fiv_cli.flags import TABLES
 
     own = variable.sample_dim if variable.ragged else variable.along
     classes = TABLES[variable.flags].codes if variable.flags else ()
-    meaning = [variable.long_name, " | ".join(classes), variable.comment]
+    few = most is None or len(classes) <= most
+    words = " | ".join(classes) if few else f"{len(classes)} words, which --json lists"
+    meaning = [variable.long_name, words, variable.comment]
     return {
         "name": variable.name,
         "dims": own,

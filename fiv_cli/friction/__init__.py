@@ -36,7 +36,7 @@ from fiv_cli.friction import (
 )
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model
-from fiv_cli.notation.names import listed
+from fiv_cli.notation.names import declare, listed
 
 _LAWS: tuple[Law, ...] = (
     coulomb.LAW,
@@ -92,6 +92,7 @@ def know_laws(laws: Iterable[Law], alone: bool = False) -> None:
     known = dict(_BOX) if alone else dict(_BY_NAME)
     _BY_NAME.clear()
     _BY_NAME.update(known | _with_regularised(laws))
+    declare("laws", (p.name for law in _BY_NAME.values() for p in law.parameters))
 
 
 def get_law(name: str) -> Law:

@@ -18,6 +18,7 @@ from fiv_cli.models import (
 )
 from fiv_cli.models.base import Model
 from fiv_cli.models.excitation import BETWEEN, excited
+from fiv_cli.notation.names import declare
 
 _BOX: tuple[Model, ...] = (
     belt_1dof.MODEL,
@@ -45,6 +46,7 @@ def know_models(models: Iterable[Model], alone: bool = False) -> None:
         _BY_NAME.clear()
         _BY_NAME.update({model.name: model for model in _BOX})
     _BY_NAME.update({model.name: model for model in models})
+    declare("models", (p.name for model in _BY_NAME.values() for p in model.parameters))
 
 
 def get_model(name: str) -> Model:

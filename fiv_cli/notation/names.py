@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TypeVar
 
 from fiv_cli.errors import UsageError
@@ -39,12 +39,22 @@ _GREEK = {
 _SUBSCRIPTS = dict(zip("₀₁₂₃₄₅₆₇₈₉ₖₛₐ", "0123456789ksa", strict=True))
 _ASCII = str.maketrans({**_GREEK, **_SUBSCRIPTS})
 _SYNONYMS = {"mu_1": "mu_k"}  # chapter 4 of the thesis
+_DECLARED: dict[str, frozenset[str]] = {}
 
 
 def ascii_name(name: str) -> str:
     """The contract spelling of `name`: ``Ω`` -> ``Omega``, ``μ_k`` and ``μ_1`` -> ``mu_k``."""
     parts = name.translate(_ASCII).split(".")
-    return ".".join(_SYNONYMS.get(part, part) for part in parts)
+    return ".".join(part if _is_declared(part) else _SYNONYMS.get(part, part) for part in parts)
+
+
+def declare(kind: str, names: Iterable[str]) -> None:
+    """Have the names that things of a `kind` declare mean themselves, though one be a synonym."""
+    _DECLARED[kind] = frozenset(names)
+
+
+def _is_declared(name: str) -> bool:
+    return any(name in names for names in _DECLARED.values())
 
 
 def axis_name(name: str) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
+from math import nan
 
 import sympy
 from sympy import Expr
@@ -36,7 +37,9 @@ _SLIP = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
 """What a law is written in."""
 
 SLOW = 1e-3  # m/s, of a slip that no law is known to drive
+FAST = 1.0  # m/s, at which both sides are compared
 ROUNDING = 1e-12
+ALIKE = 1e-9  # of the larger force
 
 
 def problems_of(thing: Model | Law, origin: Origin) -> list[Problem]:
@@ -166,6 +169,25 @@ def _opposes_slip(law: Law) -> Iterator[Fault]:
             message = f"stick bears {borne:g} N where slip begins with {begun:g} N (N = 1 N)"
             hint = "what sticks would have no state to go on in"
             yield Fault(("Law", law.name, "capacity"), message, "", hint)
+
+
+def asymmetry(law: Law) -> str:
+    """What differs between slip to the one and to the other side, in one line; empty if none."""
+    if law.pieces:
+        return ""
+    back, forth = (_size_at(law, v) for v in (-FAST, FAST))
+    if abs(back - forth) <= ALIKE * max(back, forth):
+        return ""
+    sizes = f"at v = {-FAST:g} m/s |F_T| is {back:.3g} N, at {FAST:g} m/s {forth:.3g} N (N = 1 N)"
+    return f"{law.name} is asymmetric: {sizes}; slip.speed is |v|, slip.v has a sign"
+
+
+def _size_at(law: Law, v: float) -> float:
+    """|F_T| in N; nan where it is no number, as the logarithm of what is negative is none."""
+    try:
+        return abs(_force_at(law, v))
+    except TypeError:
+        return nan
 
 
 def _force_at(law: Law, v: float) -> float:

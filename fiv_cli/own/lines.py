@@ -88,6 +88,9 @@ def _said(error: BaseException) -> str:
     lacks = _LACKS.fullmatch(str(error)) if isinstance(error, TypeError) else None
     if lacks is not None:
         return f"{lacks[1]} is not given {lacks[2]}".replace("'", "")
+    given = _TOO_MUCH.fullmatch(str(error))
+    if given is not None:
+        return f"{given[1]} is given {given[2]!r}, which it does not have"
     if isinstance(error, KeyError):
         return f"there is no {error}"
     first = str(error).partition("\nnext:")[0]
@@ -106,7 +109,7 @@ def _advice(error: BaseException) -> str:
 
 
 def _advice_on_types(said: str) -> str:
-    if "expression to float" in said:
+    if "expression to float" in said or "loop of ufunc" in said:
         return "functions of math and numpy take numbers alone: use those of sympy"
     if said == "'method' object is not subscriptable":
         return 'write ("name") for ["name"]: what `symbols` has is called'

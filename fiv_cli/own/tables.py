@@ -10,7 +10,7 @@ from fiv_cli.friction import all_laws, why_unfit
 from fiv_cli.friction.base import Law
 from fiv_cli.models.base import Model, Option, Parameter, State
 from fiv_cli.models.excitation import frequency_of
-from fiv_cli.notation.names import ascii_name, suggest
+from fiv_cli.notation.names import suggest
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.own.fault import Fault, none_called
 from fiv_cli.own.load import is_name
@@ -153,7 +153,7 @@ def _parameters(table: Iterable[Parameter]) -> Iterator[Fault]:
     names = [p.name for p in parameters]
     yield from twice("Parameter", names)
     for p in parameters:
-        if ascii_name(p.name) != p.name or not p.name.isidentifier():
+        if not (p.name.isascii() and p.name.isidentifier()):
             yield Fault(("Parameter", p.name, ""), f"{p.name!r} is no name", "letters of ASCII")
         if not (p.symbol and p.meaning):
             yield Fault(("Parameter", p.name, ""), "has no symbol or no meaning")

@@ -25,6 +25,11 @@ HEADING = (
 OPEN = (NOT_COMPUTED, "undecided")  # no class
 OF_STICK = ("stick_fraction", "slip_fraction")  # say nothing of a law that never sticks
 NAMED = 4  # stretches of a grid that are named
+ROUNDING = 1e-12  # relative; numbers that differ by no more are one
+ALIKE = (
+    "    no number differs by more than rounding: at these parameters the laws may be one (as "
+    "coulomb and stribeck where mu_s = mu_k)"
+)
 
 
 def spread(dataset: xr.Dataset) -> dict[str, Any]:
@@ -38,8 +43,8 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     many ``points`` it is known under every law, the ``median`` and ``greatest`` spread there
     (greatest less least over the laws, relative to the largest magnitude among them), where the
     greatest lies (``at``), and law -> at how many points it gives the ``lowest`` and the
-    ``highest``. Numbers that differ nowhere are left out; of shares of stick and slip the laws
-    ``without`` stick are.
+    ``highest``. Of several crossings the first is meant. Numbers that differ nowhere are left out;
+    of shares of stick and slip the laws ``without`` stick are.
     """
     if LAWS not in dataset["status"].dims or dataset.sizes[LAWS] < 2:
         return {}
@@ -47,9 +52,12 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     asked = [v.name for v in variables_in(dataset, Role.CLASS, Role.ANSWER, Role.SHARE)]
     counts = {str(sizes.name) for sizes in select.ragged_dims(dataset).values()}
     held = [dataset[name] for name in asked if name in dataset.keys() - counts]
-    told = {str(variable.name): _told(variable) for variable in held if variable.dims == grid}
+    first = [one.isel(crossing=0) if "crossing" in one.dims else one for one in held]
+    told = {str(variable.name): _told(variable) for variable in first if variable.dims == grid}
     return {
-        name: facts for name, facts in told.items() if facts["points"] and facts.get("greatest", 1)
+        name: facts
+        for name, facts in told.items()
+        if facts["points"] and facts.get("greatest", 1.0) > ROUNDING
     }
 
 
@@ -122,9 +130,9 @@ def _stretches(marked: xr.DataArray) -> list[str]:
 
 def lines(spreads: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """The same for people."""
-    return [HEADING] * bool(spreads) + [
-        line for name, facts in spreads.items() for line in _lines(name, facts)
-    ]
+    alike = all(facts.get("same") == facts["points"] for facts in spreads.values())
+    told = [line for name, facts in spreads.items() for line in _lines(name, facts)]
+    return [HEADING, *told, *[ALIKE] * alike] if spreads else []
 
 
 def _lines(name: str, facts: Mapping[str, Any]) -> Iterator[str]:

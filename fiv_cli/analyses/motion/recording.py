@@ -163,8 +163,8 @@ def _works(system: System, recorder: Recorder, curves: Curves) -> Curves:
     motions = recorder.own("y")[:, : len(system.motions)]
     initial = np.column_stack([first[name] for name in system.motions])
     before = np.where(has_begun, first["kinetic_energy"] + first["potential_energy"], after)
-    names = ("other_work", "friction_work", "drive_work", "impact_loss")
-    works = {name: recorder.told(name) for name in names}
+    terms = [f"{term}_{'loss' if term == 'impact' else 'work'}" for term in Balance._fields[2:]]
+    works = {name: recorder.told(name) for name in terms}
     balances = zip(before, after, *works.values(), strict=True)
     works["energy_residual"] = np.array([Balance(*map(float, one)).residual for one in balances])
     works["initial_state"] = np.where(has_begun[:, None], initial, motions)

@@ -1,0 +1,79 @@
+"""What two datasets were computed from, where it differs: the causes of what differs in them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from difflib import ndiff
+from typing import Any
+
+WORDS = {
+    "model": "model",
+    "law": "law",
+    "source": "program",
+    "numerics_version": "numerics version",
+    "model_numerics_version": "numerics version of the model",
+    "law_numerics_version": "numerics version of the law",
+}
+TABLES = {
+    "parameters_json": "parameter",
+    "options_json": "option",
+    "schedule_json": "schedule",
+    "solver_json": "solver",
+    "analyses_json": "analysis",
+}
+
+
+def causes(left: Mapping[str, Any], right: Mapping[str, Any]) -> list[str]:
+    """What the global attributes of two datasets say of different models, values and settings.
+
+    A line each; what only one of them fixes (the other has it on an axis) is a difference of
+    their coordinates.
+    """
+    words = [(WORDS[key], left.get(key), right.get(key)) for key in WORDS]
+    tables = [
+        (f"{what} {name}", one[name], other[name])
+        for key, what in TABLES.items()
+        for one, other in [(_flat(_read(side, key)) for side in (left, right))]
+        for name in one
+        if name in other
+    ]
+    told = [f"{what}: {_spoken(a)} against {_spoken(b)}" for what, a, b in words + tables if a != b]
+    return [*told, *_of_texts(_texts(left), _texts(right))]
+
+
+def _read(attributes: Mapping[str, Any], key: str) -> dict[str, Any]:
+    return dict(json.loads(attributes.get(key, "{}")))
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Dotted name -> value."""
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        if isinstance(value, dict):
+            found |= _flat(value, f"{prefix}{key}.")
+        else:
+            found[prefix + key] = value
+    return found
+
+
+def _spoken(value: object) -> str:
+    return f"{value:.12g}" if isinstance(value, float) else str(value)
+
+
+def _texts(attributes: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Model or law of an own file -> the file, and what stood there."""
+    files = _read(attributes, "own_json")
+    return {name: (path, file["text"]) for path, file in files.items() for name in file["holds"]}
+
+
+def _of_texts(
+    left: Mapping[str, tuple[str, str]], right: Mapping[str, tuple[str, str]]
+) -> Iterator[str]:
+    for name, (path, text) in left.items():
+        other = right.get(name, (path, text))
+        if other[1] != text:
+            lines = ndiff(text.splitlines(), other[1].splitlines())
+            changed = [line for line in lines if line[:2] in ("- ", "+ ")]
+            files = path if path == other[0] else f"{path}, {other[0]}"
+            yield f"text of {name} ({files}), of {len(changed)} changed lines: {changed[0]}"
