@@ -501,6 +501,11 @@ class TestBadInput:
         assert fragment in found[path].message
         assert found[path].line is not None
 
+    def test_a_key_of_another_table_is_led_to_that_of_this_one(self) -> None:
+        said = problems(belt("[[figure]]", 'kind = "bifurcation"', 'of = "L_s"'))
+        found = next(problem for problem in said if problem.path == "figure.0.of")
+        assert found.suggestion.startswith("did you mean 'variable'")
+
     def test_unknown_model(self) -> None:
         problem = only_problem(BELT.replace("belt-1dof", "belt-1dov"))
         assert problem.suggestion.startswith("did you mean 'belt-1dof'")

@@ -16,6 +16,7 @@ from fiv_cli.cli.equations import equation_lines
 from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK, SLIP, STICK
 from fiv_cli.dynamics.motion import Stop, samples_at
 from fiv_cli.errors import UsageError
+from fiv_cli.models import get_model
 from fiv_cli.models.base import Equations, Options
 
 MU = {"mu_k": 0.3, "mu_s": 0.4}
@@ -60,6 +61,13 @@ def test_what_holds_jointly_is_shared_as_it_can_be_borne() -> None:
     # it lets go where the spring pulls with all that both can bear
     assert times(begun) == pytest.approx([4.0, 4.0], abs=1e-13)
     assert transitions(begun) == ["stick->slip+ 0", "stick->slip+ 1"]
+
+
+def test_the_equations_say_that_the_parts_are_assumed() -> None:
+    told = "\n".join(equation_lines(ON_TWO_BELTS))
+    assert "contacts 1, 2 hold jointly" in told and "assumed" in told
+    for apart in (TWO_MASSES, get_model("belt-2mass"), get_model("belt-5dof")):
+        assert "jointly" not in "\n".join(equation_lines(apart))
 
 
 def test_of_two_belts_of_different_speeds_one_holds() -> None:

@@ -1399,6 +1399,22 @@ def test_show_lists_few_labels_and_counts_many():
     assert "far-000, ..., far-029, 30 values" in "\n".join(summary_lines(summarise({"": dataset})))
 
 
+def test_show_tells_works_that_range_alike_in_one_line():
+    told = {"wear_work": (1.0, 2.0), "section_wear_work": (1.0, 2.0)}
+    told |= {"drive_work": (1.0, 3.0), "section_drive_work": (2.0, 3.0)}
+    told |= {"other_work": (0.0, 0.0), "impact_work": (0.0, 0.0)}
+    dataset = data.stability_map().isel(Omega=slice(2), N0=0, initial=0, drop=True)
+    (dim,) = dataset["status"].dims
+    works = {name: (dim, np.array(pair), {"units": "J"}) for name, pair in told.items()}
+    printed = summary_lines(summarise({"": dataset.assign(works)}))
+    assert [line.split() for line in printed if "_work" in line] == [
+        ["[section_]wear_work", "1", "to", "2", "J"],
+        ["drive_work", "1", "to", "3", "J"],
+        ["section_drive_work", "2", "to", "3", "J"],
+        ["0", "throughout", "other_work,", "impact_work"],
+    ]
+
+
 def test_show_says_what_the_reasons_mean_that_occur():
     dataset = data.stability_map()
     codes = np.zeros(dataset["status"].shape, np.int8)

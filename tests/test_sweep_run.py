@@ -8,7 +8,7 @@ import json
 import os
 import shlex
 import threading
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -361,12 +361,12 @@ def test_a_stop_at_any_write_loses_only_what_was_in_flight(
         if next(calls) == number:
             raise Killed
 
-    def half_written(path: Path, parts: Iterable[bytes]) -> None:
-        content = b"".join(parts)
+    def half_written(path: Path, content: Sequence[bytes]) -> None:
         if next(calls) == number:
-            path.write_bytes(content[: len(content) // 2])
+            whole = b"".join(content)
+            path.write_bytes(whole[: len(whole) // 2])
             raise Killed
-        genuine["write"](path, [content])
+        genuine["write"](path, content)
 
     if step == "fsync":
         monkeypatch.setattr(files.os, "fsync", lambda fd: (strike(), genuine["fsync"](fd)))
@@ -397,12 +397,11 @@ def test_a_full_disk_is_a_clear_error_and_loses_nothing(
     genuine = files._fill
     shards = iter(range(100))
 
-    def full(path: Path, parts: Iterable[bytes]) -> None:
-        content = b"".join(parts)
+    def full(path: Path, content: Sequence[bytes]) -> None:
         if path.parent.name == "shards" and next(shards) == 2:
-            path.write_bytes(content[:100])
+            path.write_bytes(b"".join(content)[:100])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        genuine(path, [content])
+        genuine(path, content)
 
     monkeypatch.setattr(files, "_fill", full)
     with pytest.raises(StorageError, match="No space left on device") as caught:

@@ -102,6 +102,8 @@ class Table(BaseModel):
 
     # Key of 0.1.0 that is gone -> what to write now for the value it has.
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {}
+    # What another table calls it -> the key of this one.
+    elsewhere: ClassVar[Mapping[str, str]] = {}
     example: ClassVar[str] = ""
 
 
@@ -323,6 +325,7 @@ class FigureTable(Table):
     """One figure that `fiv plot` draws."""
 
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {"share": in_place_of_share}
+    elsewhere: ClassVar[Mapping[str, str]] = {"of": "variable", "at": "select"}
 
     kind: FigureKind = Field(description="kind of figure")
     name: str | None = Field(default=None, description="unique name; default: the kind")

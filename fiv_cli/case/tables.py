@@ -130,7 +130,8 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
 
 def _note_unknown(form: type[BaseModel], path: Path, report: Report) -> None:
     key, example = str(path[-1]), getattr(form, "example", "")
-    hint = suggest(key, keys_of(form)) or (f"for example {example}" if example else "")
+    here = getattr(form, "elsewhere", {}).get(key, key)
+    hint = suggest(here, keys_of(form)) or (f"for example {example}" if example else "")
     report.unknown(path, f"unknown key {key!r}", key, keys_of(form), hint, of_key=True)
 
 

@@ -72,6 +72,16 @@ def seal(path: Path) -> None:
         file.write(SEAL + digest)
 
 
+def seal_of(path: Path) -> bytes:
+    """What `seal` has appended to a file; ValueError where that is no longer its end."""
+    with path.open("rb") as file:
+        file.seek(max(path.stat().st_size - len(SEAL) - DIGEST_BYTES, 0))
+        found = file.read()
+    if not found.startswith(SEAL):
+        raise ValueError("no digest stands at its end")
+    return found
+
+
 def refuse_damaged(path: Path) -> None:
     """ValueError where a file is not what its digest says; without one nothing is known."""
     with path.open("rb") as file:

@@ -58,6 +58,9 @@ def equations(symbols, options):
             # A stop at x = d, behind it: stop(gap=p("d") - x, coordinate="x", restitution=p("e")),
             # imported as Contact is; its force, symbols.normal_force(1), is taken from that on the
             # mass, and MODEL says contacts=2, stops=1.
+            # A second belt that rubs: Contact(slip_velocity=p("v_2") - x_dot, slip_coordinate="x",
+            # normal_force=p("N_2")); its symbols.tangential_force(1) is added to friction, v_2 and
+            # N_2 to PARAMETERS, and MODEL says contacts=2.
         ),
         kinetic_energy=p("m") * x_dot**2 / 2,
         potential_energy=p("k") * x**2 / 2 + sympy.Rational(1, 4) * p("k_3") * x**4,

@@ -168,7 +168,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *(f"  {axis:<22} {_axis_line(facts)}" for axis, facts in part["axes"].items()),
         *_count_lines(part),
         *shares.lines(part["shares"]),
-        *(f"  {key:<22} {_range_line(facts)}" for key, facts in part["ranges"].items()),
+        *_range_lines(part["ranges"]),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
         *_scan_lines(part),
         *over_laws.lines(part["over_laws"]),
@@ -210,6 +210,27 @@ def _count_lines(part: Mapping[str, Any]) -> list[str]:
 
 def _count_line(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {count}" for name, count in counts.items())
+
+
+def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A line for each; one for a work that ranges alike at the section, and for terms that vanish.
+
+    Terms are the powers and works of the balance of energy.
+    """
+    told = {name: _range_line(span) for name, span in ranges.items()}
+    terms = [name for name in told if name.endswith(("_work", "_power"))]
+    alike = {name for name in terms if told.get(f"section_{name}") == told[name]}
+    names = {
+        name: f"[section_]{name}" if name in alike else name
+        for name in told
+        if name.removeprefix("section_") not in alike or name in alike
+    }
+    zero = [name for name in terms if name in names and told[name] == f"0{_unit(ranges[name])}"]
+    lines = [f"  {names[n]:<22} {told[n]}" for n in names if n not in zero]
+    return [
+        *lines,
+        *([f"  {'0 throughout':<22} {', '.join(names[n] for n in zero)}"] if zero else []),
+    ]
 
 
 def _range_line(span: Mapping[str, Any]) -> str:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import fiv_cli
+from fiv_cli.data.hdf5 import refuse_damaged, seal_of
 from fiv_cli.data.shard import digest_of, write_atomically
 from fiv_cli.errors import StorageError
 
@@ -34,7 +35,10 @@ def is_made(folder: Path, output: Path, sources: str) -> bool:
     try:
         receipt = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
         is_same = receipt is not None and receipt["made_from"] == sources
-        return bool(is_same and receipt == _receipt(output, sources))
+        if not is_same or receipt != _receipt(output, sources):
+            return False
+        refuse_damaged(output)
+        return True
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return False
 
@@ -43,10 +47,9 @@ def write_receipt(folder: Path, output: Path, sources: str) -> None:
     """Note what the dataset at `output` was made from; without the note it is made again."""
     try:
         write_atomically(folder / NAME, json.dumps(_receipt(output, sources)).encode())
-    except (OSError, StorageError):
+    except (OSError, ValueError, StorageError):
         return
 
 
 def _receipt(output: Path, sources: str) -> dict[str, str]:
-    with output.open("rb") as file:
-        return {"made_from": sources, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}
+    return {"made_from": sources, "seal": seal_of(output).hex()}
