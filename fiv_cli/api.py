@@ -55,6 +55,7 @@ __all__ = [
     "claims",
     "figure",
     "history",
+    "join",
     "load",
     "names_of",
     "observations",
@@ -266,7 +267,48 @@ def read(path: str | Path) -> Results:
     from fiv_cli.reading.datasets import read_analyses
 
     with _ALONE:
-        analyses = read_analyses(path)
+        return _results_of(read_analyses(path))
+
+
+def join(runs: Sequence[str | Path | Results], along: str) -> Results:
+    """Several runs as one dataset, as one run of all their points would have it.
+
+    Where no run has a point of the grid of all, it is ``pending``.
+
+    Parameters
+    ----------
+    runs : what `run`, `history` or `read` returned, or paths of datasets
+    along : an axis of the grid, or a parameter that each run had another value of
+
+    Raises
+    ------
+    UsageError
+        a run has no such parameter, two have the same value of it, or they are of different
+        analyses.
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "response"}]}
+    >>> case = belt | {"grid": {"v": [0.5, 1.0]}}
+    >>> runs = [api.run(api.load(case, {"model.parameters.N": N})) for N in (5.0, 10.0)]
+    >>> both = api.join(runs, "N")
+    >>> dict(both["attractor"].sizes)
+    {'N': 2, 'v': 2, 'initial': 1}
+    >>> api.observations(both, "section_value").groupby("N").mean().values.round(3).tolist()
+    [0.3, 0.6]
+    """
+    from fiv_cli.reading.join import joined
+
+    each = [_analyses_of(run) for run in runs]
+    names = {*each[0]} if each else set()
+    if not names or any({*one} != names for one in each):
+        raise UsageError("runs of different analyses, or none\nnext: join runs of one case")
+    return _results_of({name: joined([one[name] for one in each], along) for name in each[0]})
+
+
+def _results_of(analyses: Mapping[str, xr.Dataset]) -> Results:
+    """The dataset of one analysis, or a tree of several."""
     if len(analyses) > 1:
         from xarray import DataTree
 
@@ -301,22 +343,18 @@ def observations(dataset: xr.Dataset, variable: str) -> xr.DataArray:
 
     Parameters
     ----------
-    dataset : whole, of one analysis; or several such, joined along a parameter by ``xr.concat``
+    dataset : whole, of one analysis; several runs are one by `join`
     variable : ``section_value``, say
 
     Select afterwards, ``values[values["v"] == 1.0]``: a part of the dataset is refused, for the
-    values do not follow its points. Join runs along an axis that both have without these values:
-    ``a.drop_dims("section_obs")``.
+    values do not follow its points.
 
     Examples
     --------
-    >>> import xarray as xr
     >>> from fiv_cli import api
     >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "response"}]}
-    >>> case = belt | {"grid": {"v": [0.5, 1.0]}}
-    >>> runs = [api.run(api.load(case, {"model.parameters.N": N})) for N in (5.0, 10.0)]
-    >>> found = api.observations(xr.concat(runs, "N", join="outer"), "section_value")
-    >>> found.groupby("N").mean().values.round(3).tolist()
+    >>> found = api.run(api.load(belt, overrides={"grid.N": [5.0, 10.0]}))
+    >>> api.observations(found, "section_value").groupby("N").mean().values.round(3).tolist()
     [0.3, 0.6]
     """
     from fiv_cli.reading import select

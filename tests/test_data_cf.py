@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -151,7 +152,7 @@ def test_values_of_any_number_are_found_with_their_points_in_joined_runs_too() -
             api.observations(part, "section_value")
     one = api.observations(xr.concat(runs, "N", join="outer").isel(N=1), "section_value")
     np.testing.assert_array_equal(one, alone[1])
-    with pytest.raises(api.UsageError, match="for run in runs"):
+    with pytest.raises(api.UsageError, match=r"api\.join"):
         api.observations(xr.concat([runs[0], other], "N", join="outer"), "section_value")
     with pytest.raises(api.UsageError, match="section_point, section_value"):
         api.observations(other, "L_s")
@@ -185,14 +186,67 @@ def test_two_runs_are_one_along_a_parameter_that_neither_varied() -> None:
         np.testing.assert_array_equal(points, one["section_point"])
 
 
-@pytest.mark.usefixtures("_defaults")
-def test_two_runs_are_one_along_a_parameter_that_both_varied() -> None:
-    first, second = run(), run(**{"grid.v": [2.0, 3.0]})
-    whole = run(**{"grid.v": [0.5, 1.0, 9.0, 2.0, 3.0]})
-    both = xr.concat([one.drop_dims("section_obs") for one in (first, second)], "v", join="outer")
-    for name in ("status", "attractor", "L_s", "period", "floquet_multiplier", "initial_state"):
-        np.testing.assert_array_equal(both[name], whole[name])
-    assert both["c"].ndim == 0
+def test_runs_of_parts_of_a_grid_are_joined_to_the_run_of_the_whole() -> None:
+    """Bit for bit, with all values of any number per point, whatever else the grid varies."""
+    parts = [run(**{"grid.N": [5.0, 60.0], "grid.v": v}) for v in ([0.5, 9.0], [3.0, 1.0])]
+    whole = run(**{"grid.N": [5.0, 60.0], "grid.v": [0.5, 9.0, 3.0, 1.0]})
+    both = api.join(parts, "v")
+    xr.testing.assert_identical(both.drop_attrs(deep=False), whole.drop_attrs(deep=False))
+    assert both.sizes["section_obs"] == sum(one.sizes["section_obs"] for one in parts) > 0
+    with pytest.raises(api.UsageError, match="take the values of the whole dataset"):
+        api.join([parts[0].isel(v=[1]), parts[1]], "v")
+
+
+def test_the_modes_of_joined_runs_are_followed_across_them() -> None:
+    case = {"schema": 1, "model": {"name": "belt-2mass"}, "analysis": [{"kind": "eigenvalues"}]}
+    mu = np.linspace(0.05, 1.5, 12).tolist()
+    grids = (mu[:6], mu[6:], mu)
+    *parts, whole = (api.run(api.load(case, {"grid.mu_k": g}), workers=1) for g in grids)
+    both = api.join(parts, "mu_k")
+    xr.testing.assert_identical(both.drop_attrs(deep=False), whole.drop_attrs(deep=False))
+
+
+def test_where_no_run_has_a_point_it_is_pending() -> None:
+    runs = [run(**{"model.parameters.N": 5.0, "grid.v": [3.0, 0.5]}), run(**{"grid.N": [60.0]})]
+    both = api.join(runs, "N")
+    assert {n: one.dtype for n, one in both.items()} == {n: o.dtype for n, o in runs[0].items()}
+    status = api.names_of(both["status"]).isel(initial=0).sel(v=[0.5, 1.0, 3.0, 9.0])
+    assert status.values.tolist() == [
+        ["ok", "pending", "ok", "pending"],
+        ["ok", "ok", "pending", "ok"],
+    ]
+    found = api.observations(both, "section_value")
+    for one in runs:
+        values = api.observations(one, "section_value").sortby("v")
+        of_run = found[found["N"] == one["N"].item()]
+        np.testing.assert_array_equal(of_run, values)
+        np.testing.assert_array_equal(of_run["v"], values["v"])
+    for wrong, along, words in (
+        (runs, "omega_y", "no parameter of run 1"),
+        ([runs[0], runs[0]], "N", "2 runs have it"),
+        ([runs[0], api.run(api.load(KINDS["history"]), workers=1)], "N", "join runs of one"),
+        ([], "N", "join runs of one case"),
+    ):
+        with pytest.raises(api.UsageError, match=words):
+            api.join(wrong, along)
+
+
+def test_joined_runs_of_every_kind_are_written_without_a_warning(written: Path) -> None:
+    """And are read again by fiv, each part as it was."""
+    one = api.read(written)
+    along = next(str(n) for n, c in one.coords.items() if c.ndim == 0 and c > 0.0)
+    other = one.assign_coords({along: 2.0 * one[along]})
+    path = written.with_name("joined.nc")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        api.join([one, other], along).to_netcdf(path)
+        both = api.read(path)
+    for place, part in enumerate((one, other)):
+        for name, values in part.items():
+            if along in both[name].dims:
+                np.testing.assert_array_equal(both[name].isel({along: place}), values)
+            elif not str(name).endswith("_point"):
+                np.testing.assert_array_equal(both[name], np.tile(values, 2))
 
 
 def test_what_the_analysis_itself_varies_is_no_fixed_parameter() -> None:

@@ -121,7 +121,21 @@ def test_status_and_class_are_exact() -> None:
     (found,) = differences(changed("status", (1, 1), STATUS.codes["failed"]))
     assert found.what == "status"
     (found,) = differences(changed("attractor", (0, 0), CHAOTIC))
-    assert "periodic against chaotic at mu_k=0.1, initial=near" in found.text
+    assert found.text == "periodic -> chaotic 1 at mu_k=0.1, initial=near"
+
+
+def test_classes_that_became_others_are_counted_and_numbers_compared_where_they_did_not() -> None:
+    right = changed("L_s", (0, 1), 2.001)
+    right["attractor"].values[:] = [[0, 0], [0, 1]]
+    right["L_s"].values[1, 0] = 99.0
+    (found,) = differences(right)
+    assert (found.what, found.count) == ("attractor", 4)
+    rest, other = found.changes
+    assert (rest.first, rest.second, rest.count) == ("periodic", "equilibrium", 3)
+    assert rest.places[0] == "mu_k=0.1, initial=near" and len(rest.places) == 3
+    assert (other.first, other.second, other.count) == ("chaotic", "periodic", 1)
+    names = [one.what for one in differences(right, Tolerances(ignore=("attractor",)))]
+    assert names == ["L_s"], "who asks for no classes gets every number"
 
 
 def test_chaotic_points_are_compared_by_statistics_only() -> None:

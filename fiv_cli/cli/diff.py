@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json
+from fiv_cli.cli.common import json_option, print_json, print_table
 from fiv_cli.errors import printable
+
+if TYPE_CHECKING:
+    from fiv_cli.reading.compare import Change, Difference
 
 DIFFERENT = 5
 
@@ -27,9 +31,9 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
     First it says what they were computed from, where it differs: parameters, settings, versions,
     files of your own.
 
-    Status and class are compared exactly; numbers where both sides are equilibrium or periodic
-    (relative 1e-6 unless --tolerances says otherwise); quasi-periodic and chaotic motions by L_s
-    and shares of time only.
+    Then how many points have come from which class into which; then, of numbers, the worst where
+    both are of the same class, equilibrium or periodic (relative 1e-6 unless --tolerances says
+    otherwise); quasi-periodic and chaotic motions are compared by L_s and shares of time only.
 
     \b
     Examples:
@@ -52,8 +56,22 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
         for cause in behind:
             click.echo(printable(f"computed with another {cause}"))
         for one in found:
-            count = f" ({one.count})" if one.count > 1 else ""
-            click.echo(printable(f"{one.what}: {one.text}{count}"))
+            _print(one)
         if not found:
             click.echo(f"{first} and {second} agree")
     return DIFFERENT if found else 0
+
+
+def _print(difference: Difference) -> None:
+    if difference.changes:
+        title = f"{difference.what}: {difference.count} of another class"
+        rows = [(c.first, c.second, str(c.count), _places(c)) for c in difference.changes]
+        print_table(title, ("from", "to", "how many", "where"), rows)
+    else:
+        count = f" ({difference.count})" if difference.count > 1 else ""
+        click.echo(printable(f"{difference.what}: {difference.text}{count}"))
+
+
+def _places(change: Change) -> str:
+    more = "; ..." if change.count > len(change.places) else ""
+    return printable("; ".join(change.places) + more)

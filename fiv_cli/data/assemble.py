@@ -189,8 +189,10 @@ class _Assembly:
         for group, sizes in self.survey.row_sizes.items():
             count = int(sizes.sum(dtype=np.int64))
             variables[f"{group}_row_size"] = _row_size(group, self.layout, sizes)
-            variables[f"{group}_point"] = self._aside(_point(group, self.layout, sizes))
-            coordinates[f"{group}_obs"] = self._aside(_numbers(f"{group}_obs", count))
+            variables[f"{group}_point"] = self._aside(
+                point_of_each(f"{group}_obs", self.layout.dim_names, sizes)
+            )
+            coordinates[f"{group}_obs"] = self._aside(numbered(f"{group}_obs", count))
         for variable in self.layout.variables:
             if variable.role is Role.ALONG:
                 coordinates[variable.name] = variables.pop(variable.name)
@@ -216,7 +218,7 @@ class _Assembly:
         """Of states their names and units, of contacts and all else their numbers."""
         dims = dict.fromkeys(dim for variable in self.layout.variables for dim in variable.dims)
         named = {"state", "contact", *(v.name for v in self.layout.variables)}
-        coordinates = {dim: _numbers(dim, self._dim_size(dim)) for dim in dims if dim not in named}
+        coordinates = {dim: numbered(dim, self._dim_size(dim)) for dim in dims if dim not in named}
         if "state" in dims:
             names, units, *_ = zip(*self._motions()[: self._dim_size("state")], strict=True)
             coordinates["state"] = _texts("state", names, "state")
@@ -254,18 +256,17 @@ def _row_size(group: str, layout: Layout, sizes: NDArray[np.int32]) -> Labelled:
     return Labelled(layout.dim_names, sizes.reshape(layout.shape), attributes)
 
 
-def _point(group: str, layout: Layout, sizes: NDArray[np.int32]) -> Labelled:
-    """The point that each value of a ragged group belongs to."""
+def point_of_each(dim: str, points: tuple[str, ...], sizes: NDArray[np.int32]) -> Labelled:
+    """The point that each value along a ragged dim belongs to, of points over the dims `points`."""
     attributes = {
         "units": "1",
         "long_name": "point that the value belongs to",
-        "comment": f"flat (C order) index over ({', '.join(layout.dim_names)}), from 0",
+        "comment": f"flat (C order) index over ({', '.join(points)}), from 0",
     }
-    points = np.repeat(np.arange(layout.size, dtype=np.int32), sizes)
-    return Labelled((f"{group}_obs",), points, attributes)
+    return Labelled((dim,), np.repeat(np.arange(len(sizes), dtype=np.int32), sizes), attributes)
 
 
-def _numbers(dim: str, count: int) -> Labelled:
+def numbered(dim: str, count: int) -> Labelled:
     """Counts along a dim, by which two datasets are aligned."""
     attributes = {"units": "1", "long_name": f"number along {dim}, counted from 0"}
     return Labelled((dim,), np.arange(count, dtype=np.int32), attributes)

@@ -1,10 +1,11 @@
 """Whether two datasets agree, and where they do not.
 
-Status and class are compared exactly. Numbers are compared where both sides are equilibrium or
-periodic, or where the analysis knows no classes; quasi-periodic and chaotic motions only by L_s
-and by the shares of time, within the error of a finite window, because two computations of such
-a motion agree for a while only. What says how an answer was reached (how far to trust it, what it
-cost) is left out unless a tolerance is given.
+Status and class are compared exactly. Numbers are compared where both sides are of the same class
+(the L_s of a rest against that of stick-slip is no error of a number), equilibrium or periodic, or
+where the analysis knows no classes; quasi-periodic and chaotic motions only by L_s and by the
+shares of time, within the error of a finite window, because two computations of such a motion agree
+for a while only. What says how an answer was reached (how far to trust it, what it cost) is left
+out unless a tolerance is given.
 """
 
 from __future__ import annotations
@@ -64,6 +65,27 @@ class Tolerances:
         return self.variables.get(name, self.default)
 
 
+PLACES = 3
+"""How many of the points that have come into another class are named."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """Points that are of one class in the first dataset, and of another in the second.
+
+    Attributes
+    ----------
+    first, second : the classes
+    count : of the points
+    places : the first few of them
+    """
+
+    first: str
+    second: str
+    count: int
+    places: tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class Difference:
     """One thing in which two datasets differ.
@@ -73,11 +95,13 @@ class Difference:
     what : variable, coordinate or dim
     text : how, with the worst offender and where it is
     count : number of values that differ
+    changes : of classes, the most frequent first
     """
 
     what: str
     text: str
     count: int = 1
+    changes: tuple[Change, ...] = ()
 
 
 def read_tolerances(path: Path) -> Tolerances:
@@ -209,8 +233,30 @@ class _Pair:
         exact, sampled = self._compared(name)
         bad = a.copy(data=_differs(x, y, self.tolerances.of(name))) & exact
         bad = bad | (a.copy(data=_differs(x, y, self.tolerances.sampled)) & sampled)
-        mask = bad.transpose(*a.dims).values
-        yield from self._of_worst(name, x.ravel(), y.ravel(), mask.ravel(), partial(_place, a))
+        mask = bad.transpose(*a.dims).values.ravel()
+        if flag_names(a.attrs) and mask.any():
+            yield self._of_classes(name, x.ravel(), y.ravel(), mask)
+        else:
+            yield from self._of_worst(name, x.ravel(), y.ravel(), mask, partial(_place, a))
+
+    def _of_classes(self, name: str, x: Array, y: Array, bad: Mask) -> Difference:
+        """Which class became which, at how many points."""
+        pairs, counts = np.unique(np.stack([x[bad], y[bad]], axis=1), axis=0, return_counts=True)
+        changes = tuple(
+            Change(
+                _named(self.left[name], first),
+                _named(self.right[name], second),
+                int(count),
+                tuple(
+                    _place(self.left[name], int(index))
+                    for index in np.flatnonzero((x == first) & (y == second) & bad)[:PLACES]
+                ),
+            )
+            for (first, second), count in zip(pairs, counts, strict=True)
+        )
+        changes = tuple(sorted(changes, key=lambda one: -one.count))
+        told = [f"{one.first} -> {one.second} {one.count} at {one.places[0]}" for one in changes]
+        return Difference(self.prefix + name, ", ".join(told), int(bad.sum()), changes)
 
     def _of_rows(
         self, name: str, sizes: xr.DataArray, others: xr.DataArray
@@ -257,8 +303,11 @@ class _Pair:
         )
 
     def _both(self, classes: Iterable[str]) -> xr.DataArray:
+        """Where both are of one of the classes; of the same, unless nobody asks for that."""
+        left, right = self.left["attractor"], self.right["attractor"]
         codes = [ATTRACTOR.codes[name] for name in classes]
-        return self.left["attractor"].isin(codes) & self.right["attractor"].isin(codes)
+        alike = (left == right) | ("attractor" in self.tolerances.ignore)
+        return left.isin(codes) & right.isin(codes) & alike
 
 
 def _difference_of_form(a: xr.DataArray, b: xr.DataArray) -> str:
@@ -297,10 +346,15 @@ def _named(variable: xr.DataArray, value: float) -> str:
 
 
 def _place(variable: xr.DataArray, index: int) -> str:
-    """Coordinates of the element at a flat (C order) index: ``mu_k=0.4, initial=far``."""
+    """Coordinates of the element at a flat (C order) index: ``mu_k=0.4, initial=far``.
+
+    Those of which there are several.
+    """
     parts = []
     place = np.unravel_index(index, variable.shape)
     for dim, i in zip(variable.dims, place, strict=True):
+        if variable.sizes[dim] == 1:
+            continue
         coordinates = [n for n, c in variable.coords.items() if c.dims == (dim,)]
         parts += [f"{n}={variable[n].values[int(i)]}" for n in coordinates] or [f"{dim}={int(i)}"]
     return ", ".join(parts) or "the only point"

@@ -212,8 +212,7 @@ def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
         raise SelectionError(f"{name}: not of any number of values per point\nthese are: {known}")
     obs = str(sizes.attrs["sample_dimension"])
     if sizes.isnull().any():
-        each = f'xr.concat([api.observations(run, "{name}") for run in runs], "{obs}")'
-        raise SelectionError(f"the axes of the joined datasets differ\nnext: {each}")
+        raise SelectionError("the axes of the joined datasets differ\nnext: api.join(runs, ...)")
     joined = [dim for dim in dataset[name].dims if dim != obs]
     rows = sizes.transpose(*joined, ...).astype(int)
     counts = rows.values.reshape(*(rows.sizes[dim] for dim in joined), -1).sum(axis=-1)
