@@ -191,8 +191,8 @@ def _last(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
 def _classes(codes: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
     """How many there are; what may be of any class (inf) is of one of its own."""
     known = np.unique(codes.values[np.isfinite(codes.values)])
-    counts = sum((codes == code).any(_dims(axes)) for code in known)
-    return (counts + np.isinf(codes).sum(_dims(axes))).astype(float)
+    counts = sum(codes.isin([code]).any(_dims(axes)) for code in known)
+    return (np.isinf(codes).sum(_dims(axes)) + counts).astype(float)
 
 
 def _peak(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
