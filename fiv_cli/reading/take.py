@@ -192,7 +192,7 @@ def _classes(codes: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
     """How many there are; what may be of any class (inf) is of one of its own."""
     known = np.unique(codes.values[np.isfinite(codes.values)])
     counts = sum(codes.isin([code]).any(_dims(axes)) for code in known)
-    return (np.isinf(codes).sum(_dims(axes)) + counts).astype(float)
+    return (codes.isin([math.inf]).sum(_dims(axes)) + counts).astype(float)
 
 
 def _peak(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
