@@ -15,8 +15,9 @@ from small_cases import BELT
 from fiv_cli import api
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import TableSetting
-from fiv_cli.case.kinds import FIGURES, STARTS, TAKES, all_kinds
+from fiv_cli.case.kinds import FIGURES, STARTS, TABLES, TAKES, all_kinds
 from fiv_cli.case.structure import FigureKind, InitialTable, What
+from fiv_cli.case.words import OTHER_WORDS
 from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.plots.drawing import KINDS
 
@@ -66,6 +67,43 @@ def test_the_keys_of_a_table_are_listed(capsys: pytest.CaptureFixture[str]) -> N
     assert "did you mean 'share'?" in capsys.readouterr().err
     assert run(["kinds", "belt-1dof"]) == 2
     assert "models and laws: fiv models" in capsys.readouterr().err
+
+
+def test_words_of_the_field_lead_to_what_is_called_otherwise_here(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = {*TABLES, *(kind.name for kind in all_kinds() if kind.keys)}
+    assert {kind for kinds in OTHER_WORDS.values() for kind in kinds} <= known
+    assert not known & {*OTHER_WORDS}
+    for word, kind in (
+        *(("neighbour", "continue"), ("hysteresis", "continue"), ("carry", "continue")),
+        *(("Poincaré map", "bifurcation"), ("basin of attraction", "basin"), ("FFT", "spectrum")),
+        *(("time series", "history"), ("timeseries", "history"), ("Hopf", "critical")),
+        *(("Lyapunov", "response"), ("Floquet", "cycle"), ("limit cycle", "cycle")),
+        *(("stability map", "map"), ("stability", "eigenvalues"), ("damping", "eigenvalues")),
+        *(("squeal", "response"), ("stick-slip", "response"), ("eigenvalue", "eigenvalues")),
+    ):
+        assert run(["kinds", word]) == 2
+        told = capsys.readouterr().err
+        assert f"\n  fiv kinds {kind}: " in told, word
+    case = tmp_path / "belt.toml"
+    case.write_text(BELT + '\n[[initial]]\nkind = "hysteresis"\n')
+    assert run(["check", str(case)]) == 3
+    assert "here it is 'continue': `fiv kinds continue`" in capsys.readouterr().err
+
+
+def test_a_model_is_shown_with_a_law(capsys: pytest.CaptureFixture[str]) -> None:
+    out = printed(capsys, "models", "pin-on-disc", "--law", "stribeck")
+    assert re.search(r"^mu_k .* 0\.23 ", out, re.M) and "exp(-(|v|/v_s)^delta)" in out
+    document = json.loads(printed(capsys, "models", "belt-5dof", "--law", "lugre", "--json"))
+    assert {p["name"]: p["default"] for p in document["law"]["parameters"]}["mu_s"] == 3.0
+    for wrong, words in (
+        (["annular-plate", "--law", "coulomb"], "has no frictional contact"),
+        (["pin-on-disc", "--law", "strybeck"], "did you mean 'stribeck'"),
+        (["--law", "stribeck"], "fiv models stribeck"),
+    ):
+        assert run(["models", *wrong]) == 2
+        assert words in capsys.readouterr().err
 
 
 def test_the_variables_listed_are_those_of_the_dataset(

@@ -32,6 +32,7 @@ from fiv_cli.case.structure import (
     SweepTable,
 )
 from fiv_cli.case.tables import keys_of, read_table, read_tables
+from fiv_cli.case.words import called_here
 from fiv_cli.friction import all_laws
 from fiv_cli.friction.tabulated import FORM, SUFFIX
 from fiv_cli.models import all_models
@@ -218,7 +219,7 @@ def _check_word(
     word = table.get(key) if isinstance(table, dict) else None
     if isinstance(word, str) and word not in known:
         file = own_file(word, report.source) if path == ("model",) else ""
-        hint = file or suggest(word, known) or listed
+        hint = file or called_here(word) or suggest(word, known) or listed
         report.unknown((*path, key), f"there is no {path[0]} {word!r}", word, known, hint)
 
 

@@ -193,6 +193,15 @@ folder of the case. Any law that sticks is smoothed by law = "tanh", of = "strib
 configs/ch7/pin_laws.toml.
 """
 
+SWEEP = """\
+How the points of [grid] are taken: axes that advance together, or finer along borders only (`fiv
+kinds refine`). What varies stands under [grid] (`fiv kinds grid`); up and down an axis, each motion
+from the end of its neighbour's, is a start (`fiv kinds continue`).
+
+    [sweep]
+    zip = [["Omega", "N0"]]
+"""
+
 REFINE = """\
 A map that is run along the borders of its classes only: [grid] is coarse, and its spacing is halved
 `levels` times where neighbours differ. 9 x 9 points grow to the picture of 257 x 257 for 3 to 13 %
@@ -257,7 +266,7 @@ Examples: configs/ch7/basin_shares.toml (basins), fig_7_15.toml (lines at a leve
 TABLES: dict[str, tuple[str, type[BaseModel]]] = {
     "model": ("", ModelTable),
     "grid": (GRID, RangeTable),
-    "sweep": ("", SweepTable),
+    "sweep": (SWEEP, SweepTable),
     "refine": (REFINE, RefineTable),
     "friction": (FRICTION, FrictionTable),
     "schedule": (SCHEDULE, CurveTable),

@@ -8,6 +8,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from fiv_cli.case.report import MISSING, Path, Report
+from fiv_cli.case.words import called_here
 from fiv_cli.notation.names import nearest, suggest
 from fiv_cli.notation.values import describe
 
@@ -112,9 +113,9 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
     elif kind == "literal_error":
         expected = str(details["ctx"]["expected"])
         names = expected.replace("'", "").replace(" or ", ", ").split(", ")
-        hint = suggest(str(value), names) or (
-            "`fiv kinds` says what each is" * (path[-1] in ("kind", "what"))
-        )
+        of_kinds = path[-1] in ("kind", "what")
+        hint = called_here(str(value)) * of_kinds or suggest(str(value), names)
+        hint = hint or "`fiv kinds` says what each is" * of_kinds
         report.add(path, f"{describe(value)} is not allowed", expected, hint)
     elif kind == "value_error":
         report.add(path, str(details["ctx"]["error"]))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fiv_cli.cli.common import json_option, print_json, print_table
+from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
@@ -52,8 +53,7 @@ def command(name: str | None, as_json: bool) -> None:
 
     kinds = all_kinds()
     if name is not None:
-        known = [kind.name for kind in kinds if kind.keys]
-        pick(name, dict.fromkeys([*TABLES, *known]), "kind", ELSEWHERE)
+        _refuse_unknown(name, kinds)
         text, form = TABLES.get(name, ("", None))
         found, keys = [kind for kind in kinds if kind.name == name], keys_in(form) if form else ()
         if as_json:
@@ -66,6 +66,25 @@ def command(name: str | None, as_json: bool) -> None:
         print_json({"kinds": kinds})
     else:
         _print_all(kinds)
+
+
+def _refuse_unknown(name: str, kinds: Sequence[Kind]) -> None:
+    """Say what a word of the field is called here, or what resembles it.
+
+    Raises
+    ------
+    UsageError
+        there is no kind of this name.
+    """
+    from fiv_cli.case.kinds import TABLES
+    from fiv_cli.case.words import meant
+
+    known = {**dict.fromkeys(TABLES, ""), **{k.name: k.meaning for k in reversed(kinds) if k.keys}}
+    found = [] if name in known else meant(name)
+    if found:
+        told = "\n".join(f"  fiv kinds {one}: {known[one]}".rstrip(": ") for one in found)
+        raise UsageError(f"there is no kind {name!r}; here it is\n{told}")
+    pick(name, dict.fromkeys(known), "kind", ELSEWHERE)
 
 
 def _print_all(kinds: Sequence[Kind]) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
 from fiv_cli.cli.common import json_option, print_json, print_table, with_option
+from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import pick
 
 if TYPE_CHECKING:
@@ -28,19 +30,22 @@ KINDS = (
 @click.command("models")
 @click.argument("name", required=False)
 @click.option("--laws", "want_laws", is_flag=True, help="Friction laws instead of models.")
+@click.option("--law", metavar="LAW", help="The model NAME with another law than its first.")
 @json_option
 @with_option
-def command(name: str | None, want_laws: bool, as_json: bool) -> None:
+def command(name: str | None, want_laws: bool, law: str | None, as_json: bool) -> None:
     """List the mechanical models, or print everything about the model or law called NAME.
 
     For one model: its parameters with symbol, unit, default, range and the equation that
-    introduces them, its states and options, the friction laws it takes, and its equations. Of a
-    table of measured friction, `fiv models FILE.csv`: what was read.
+    introduces them, its states and options, the friction laws it takes, and its equations, under
+    its default law or --law LAW. Of a table of measured friction, `fiv models FILE.csv`: what was
+    read.
 
     \b
     Examples:
       fiv models
       fiv models pin-on-disc    # then: fiv new pin-on-disc
+      fiv models pin-on-disc --law stribeck
       fiv models --laws
       fiv models stribeck       # then: fiv plot --law stribeck
     """
@@ -55,10 +60,31 @@ def command(name: str | None, want_laws: bool, as_json: bool) -> None:
         known = dict.fromkeys([*all_models(), *laws])
         lists = following("models", name, "fiv models, or fiv models --laws")
         pick(name, known, "model or friction law", lists)
-    if want_laws or name in laws:
+    if law is not None:
+        _show_under(name, seek(law), as_json)
+    elif want_laws or name in laws:
         _show_laws(name, as_json)
     else:
         _show_models(name, as_json)
+
+
+def _show_under(name: str | None, law: str, as_json: bool) -> None:
+    """A model with a law that it has not by default."""
+    from fiv_cli.friction import all_laws, why_unfit
+    from fiv_cli.models import all_models
+
+    under = pick(law, all_laws(), "friction law", "fiv models --laws")
+    if name not in all_models():
+        raise UsageError(f"--law is for a model\nnext: fiv models {law}, or name a model too")
+    model = all_models()[name]
+    unfit = why_unfit(model, under)
+    if unfit:
+        raise UsageError(f"{unfit}\nnext: fiv models {name} lists those that it takes")
+    if as_json:
+        adopted = replace(under, parameters=model.adopted(under.parameters))
+        print_json(_model_document(model) | {"law": _law_document(adopted)})
+    else:
+        _print_model(model, law)
 
 
 def _show_models(name: str | None, as_json: bool) -> None:
@@ -66,7 +92,8 @@ def _show_models(name: str | None, as_json: bool) -> None:
 
     models = all_models()
     if name is not None:
-        print_json(_model_document(models[name])) if as_json else _print_model(models[name])
+        model = models[name]
+        print_json(_model_document(model)) if as_json else _print_model(model, model.default_law)
     elif as_json:
         print_json({"models": [_model_document(model) for model in models.values()]})
     else:
@@ -124,7 +151,7 @@ def _defaults_on(law: Law) -> dict[str, dict[str, float | str]]:
     return {name: defaults for name, defaults in own.items() if defaults}
 
 
-def _print_model(model: Model) -> None:
+def _print_model(model: Model, law: str) -> None:
     click.echo(f"{model.name}: {model.title}\n{model.reference}\n")
     _print_parameters("Parameters, under [model.parameters]", model.parameters)
     states = model.states(model.default_options())
@@ -133,8 +160,8 @@ def _print_model(model: Model) -> None:
     _print_forces(model)
     if model.contacts:
         _print_laws_taken(model)
-        _print_law_parameters(model)
-        _print_equations(model)
+        _print_law_parameters(model, law)
+        _print_equations(replace(model, default_law=law))
 
 
 def _print_states(title: str, states: Sequence[State]) -> None:
@@ -191,13 +218,13 @@ def _print_laws_taken(model: Model) -> None:
         click.echo(f"  not {why_unfit(model, law)}")
 
 
-def _print_law_parameters(model: Model) -> None:
-    """The parameters of the default law, with the defaults they have on this model."""
+def _print_law_parameters(model: Model, law: str) -> None:
+    """The parameters of a law, with the defaults they have on this model."""
     from fiv_cli.friction import get_law
 
-    law = get_law(model.default_law)
+    parameters = model.adopted(get_law(law).parameters)
     click.echo()
-    _print_parameters(f"Parameters of {law.name}, under [friction]", model.adopted(law.parameters))
+    _print_parameters(f"Parameters of {law}, under [friction]", parameters)
     click.echo(f"\nOn this model, under every law: {_assigned(model.law_defaults)}")
 
 
