@@ -81,6 +81,7 @@ def attributes(*figures, title="A sweep", reference="Figure 7.6"):
         "reference": reference,
         "model": "pin-on-disc",
         "law": "coulomb",
+        "solver_json": json.dumps({"rtol": 1e-9}),
         "case": f'schema = 1\ntitle = "{title}"\n',
         "figures_json": json.dumps([asdict(figure) for figure in figures]),
     }

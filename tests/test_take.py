@@ -304,7 +304,7 @@ def test_a_motion_that_was_not_computed_leaves_its_number_open():
 
 @given(
     st.lists(st.tuples(st.sampled_from([0.0, 1.0, 2.0]), st.booleans()), min_size=3, max_size=3),
-    st.sampled_from(["share", "first", "last", "least", "greatest", "mean"]),
+    st.sampled_from(["share", "first", "last", "classes", "least", "greatest", "mean"]),
 )
 def test_what_is_taken_lies_between_its_ends_whatever_the_missing_points_hold(points, what):
     """Over points that were not computed, and of those that were, for every completion."""

@@ -236,11 +236,14 @@ def _check_taken(
     report: Report,
 ) -> None:
     """Note a class that is counted of a number, and a number that is taken of a class."""
-    classes, of = _classes(known[name]), take.get("of", "")
-    if classes and not of:
-        message = f"{name!r} holds a class, of which there is no {take['what']}"
-        report.add((*place, "what"), message, listed(COUNTED))
-    elif classes:
+    classes, of, what = _classes(known[name]), take.get("of", ""), take["what"]
+    if classes and not of and what != "classes":
+        message = f"{name!r} holds a class, of which there is no {what}"
+        report.add((*place, "what"), message, listed([*COUNTED, "classes"]))
+    elif what == "classes" and not classes:
+        message = f"{name!r} is a number and has no classes"
+        report.add((*place, "what"), message, "spread: the greatest less the least")
+    elif classes and of:
         _check_class(name, classes, of.removeprefix("not "), (*place, "of"), report)
     elif of and not parse_condition(of):
         message = f"{name!r} is a number and has no class {of!r}"

@@ -79,7 +79,12 @@ TAKES = {
     ),
     "entries": ("how often `of` comes to hold along an axis", ("of", "over")),
     "first": ("where along an axis `of` holds first", ("of", "over")),
-    "last": ("where along an axis `of` holds last", ("of", "over")),
+    "last": ("where along an axis `of` holds last: a border that was found", ("of", "over")),
+    "classes": (
+        "how many classes there are; over the starts: where there are 2, what is reached depends "
+        "on the start",
+        ("over",),
+    ),
     "least": ("the least of the numbers", ("over",)),
     "greatest": ("the greatest of the numbers", ("over",)),
     "mean": ("their mean", ("over",)),
@@ -135,10 +140,26 @@ What is taken of them, along one axis or several (`over`), grid or own: `fiv kin
 `of` is a condition on a number (". > 0"), and "CLASS" or "not CLASS" of a class; `relative_to`
 gives a share over that at another point, a ratio of areas.
 
+A border that was found is the last place of a class along an axis, or the first; the class changes
+between it and the next value of the axis. Here stick-slip has died out by 7 rad/s:
+
+    variable = "attractor"
+    at = { initial = "up" }                      # one of several starts
+    take = { what = "last", of = "periodic", over = "Omega" }
+    expect = { between = [6.5, 7.0] }
+
+What is reached depends on the start where there are two classes over the starts: `fiv show` says
+where that is, and a map of it with level = 1.5 draws its border.
+
+    at = { Omega = "5.25 <= . <= 6.75" }         # bistable
+    take = { what = "classes", over = "initial" }
+    expect = { greater_than = 1 }
+
 A point that was not computed, or whose class is undecided, may hold anything: what is taken over
 such points is an interval (share_low, share_high), and a claim about it is decided where both ends
-say the same. A map draws the line at which its numbers have a `level` (one or several), of an
-interval that of each end; with overlay = true the lines alone, all in one panel.
+say the same: one about a border is not while undecided points lie beside it. A map draws the line
+at which its numbers have a `level` (one or several), of an interval that of each end; with
+overlay = true the lines alone, all in one panel.
 
 Examples: configs/ch7/fig_7_13.toml, fig_7_15.toml (overlaid lines), configs/ch4/fig_4_15.toml
 (claims about motions and spectra).

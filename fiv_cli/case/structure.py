@@ -270,7 +270,18 @@ Names = Annotated[
     BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
     WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
 ]
-What = Literal["share", "entries", "first", "last", "least", "greatest", "mean", "spread", "peak"]
+What = Literal[
+    "share",
+    "entries",
+    "first",
+    "last",
+    "classes",
+    "least",
+    "greatest",
+    "mean",
+    "spread",
+    "peak",
+]
 # What is counted needs `of`; what is found in one place needs one axis.
 COUNTED = ("share", "entries", "first", "last")
 ALONG_ONE = ("entries", "first", "last", "peak")
@@ -282,7 +293,7 @@ class TakeTable(Table):
     what: What = Field(
         description="least, greatest, mean; spread: greatest less least; peak: where on the axis "
         "the greatest lies; share: of the points at which `of` holds; entries: how often `of` "
-        "comes to hold; first, last: where on the axis `of` holds"
+        "comes to hold; first, last: where on the axis `of` holds; classes: how many there are"
     )
     over: Names = Field(description="axis, or axes, along which it is taken")
     of: str | None = Field(

@@ -16,9 +16,10 @@ from fiv_cli.errors import printable
 def command(file: Path, as_json: bool) -> None:
     """Summarise the dataset FILE.nc.
 
-    Says what was computed, how many points of each status and class there are, the range of every
-    variable, each answer with its error where points are few, and the worst value of each measure
-    of trust with the point where it occurs. `fiv variables CASE` says what a variable is.
+    Says what was computed, how many points of each status and class there are, where starts end
+    differently (hysteresis, bistable ranges), the range of every variable, each answer with its
+    error where points are few, and the worst value of each measure of trust with the point where it
+    occurs. `fiv variables CASE` says what a variable is.
 
     \b
     Examples:

@@ -78,7 +78,7 @@ def _of_class(variable: xr.DataArray) -> dict[str, Any]:
     known = (~variable.isin(unknown)).all(LAWS)
     facts: dict[str, Any] = {"points": int(known.sum())}
     differs = known & ~_agrees(variable)
-    facts |= {"same": facts["points"] - int(differs.sum()), "differs": _stretches(differs)}
+    facts |= {"same": facts["points"] - int(differs.sum()), "differs": stretches(differs)}
     facts |= {"counts": {}, "alone": {}}
     for law in variable[LAWS].values.tolist():
         own, others = variable.sel({LAWS: law}), variable.drop_sel({LAWS: law})
@@ -114,7 +114,7 @@ def _of_number(variable: xr.DataArray) -> dict[str, Any]:
     }
 
 
-def _stretches(marked: xr.DataArray) -> list[str]:
+def stretches(marked: xr.DataArray) -> list[str]:
     """Names of the marked points; neighbours along the longest axis of numbers are one."""
     axes = [c for c in marked.coords.values() if c.ndim == 1 and select.is_numeric(c)]
     if not axes:
@@ -124,8 +124,15 @@ def _stretches(marked: xr.DataArray) -> list[str]:
     edges = np.diff(along.values.reshape(-1, axis.size), prepend=False, append=False)
     ends = np.argwhere(edges).reshape(-1, 2, 2).tolist()  # (row, begin) and (row, one behind)
     names = [point_name(along, row * axis.size + begin) for (row, begin), _ in ends]
-    lasts = [f" to {axis.values[end - 1]:g}" * (end - begin > 1) for (_, begin), (_, end) in ends]
+    lasts = [f" to {_last(along, axis, e - 1)}" * (e - begin > 1) for (_, begin), (_, e) in ends]
     return [name + last for name, last in zip(names, lasts, strict=True)]
+
+
+def _last(along: xr.DataArray, axis: xr.DataArray, place: int) -> str:
+    """A value of an axis; of axes that advance as one, which share its dim, those of all."""
+    if sum(coord.dims == axis.dims for coord in along.coords.values()) == 1:
+        return f"{axis.values[place]:g}"
+    return point_name(along.isel(dict.fromkeys(along.dims[:-1], 0)), place)
 
 
 def lines(spreads: Mapping[str, Mapping[str, Any]]) -> list[str]:

@@ -12,7 +12,7 @@ from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.data.refined import described
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
-from fiv_cli.reading import each_point, over_laws, select, shares
+from fiv_cli.reading import each_point, over_laws, over_starts, select, shares
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import flag_names, is_class, numbers, variables_in
 from fiv_cli.reading.scans import scanned
@@ -51,6 +51,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
             for flag in variables_in(dataset, Role.STATUS, Role.CLASS)
         },
         "shares": shares.shares(dataset),
+        "over_starts": over_starts.differing(dataset),
         "advice": _advice(dataset),
         "ranges": _ranges(dataset),
         "each_point": each_point.each_point(dataset),
@@ -169,6 +170,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *(f"  {axis:<22} {_axis_line(facts)}" for axis, facts in part["axes"].items()),
         *_count_lines(part),
         *shares.lines(part["shares"]),
+        *over_starts.lines(part["over_starts"]),
         *_range_lines(part["ranges"]),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
         *_scan_lines(part),

@@ -142,7 +142,7 @@ def _with_middle(interval: xr.Dataset, what: str, named: Mapping[str, str]) -> x
 
 
 def _unit(array: xr.DataArray, what: str, axis: xr.DataArray) -> str:
-    if what in ("share", "entries"):
+    if what in ("share", "entries", "classes"):
         return "1"
     own = axis if what in ("first", "last", "peak") else array
     return str(own.attrs.get("units", "1"))
@@ -157,7 +157,7 @@ def _words(array: xr.DataArray, take: Mapping[str, Any]) -> str:
     elif of:
         words = f"that is {of.replace('_', ' ')}"
     words += " over that of the reference" if take.get("relative_to") else ""
-    return f"{take['what']} {'of ' * (take['what'] == 'spread')}{words}"
+    return f"{take['what']} {'of ' * (take['what'] in ('spread', 'classes'))}{words}"
 
 
 # --- ways of taking -------------------------------------------------------------------------------
@@ -188,6 +188,13 @@ def _last(held: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
     return _first(held.isel(back), [axis.isel(back) for axis in axes])
 
 
+def _classes(codes: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    """How many there are; what may be of any class (inf) is of one of its own."""
+    known = np.unique(codes.values[np.isfinite(codes.values)])
+    counts = sum(codes.isin([code]).any(_dims(axes)) for code in known)
+    return (codes.isin([math.inf]).sum(_dims(axes)) + counts).astype(float)
+
+
 def _peak(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
     """The place of the greatest value along the axis."""
     return _first((array == array.max(_dims(axes))).astype(float), axes)
@@ -199,6 +206,7 @@ _TAKINGS = {
     "entries": _Taking(_entries),
     "first": _Taking(_first, _HELD_OR_NOT),
     "last": _Taking(_last, _HELD_OR_NOT),
+    "classes": _Taking(_classes, (math.nan, math.inf)),
     "least": _Taking(lambda array, axes: array.min(_dims(axes)), _ANYTHING),
     "greatest": _Taking(lambda array, axes: array.max(_dims(axes)), _ANYTHING),
     "mean": _Taking(lambda array, axes: array.mean(_dims(axes)), _ANYTHING),

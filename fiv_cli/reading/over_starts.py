@@ -1,0 +1,121 @@
+"""Where starts end differently: the range in which what is reached depends on the start."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+from typing import Any
+
+import xarray as xr
+
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import class_names, is_class
+from fiv_cli.reading.over_laws import OPEN, stretches
+
+MOST_PAIRED = 3  # starts that are held against one another; more are told together
+NAMED = 4  # stretches of an axis that are named; of more the range
+# Of the tolerance, relative: in shipped cases L_s differs by no more than 10 of it between starts
+# that reach one cycle, by 1e5 and more where they reach two.
+ANOTHER = 1e3
+
+
+def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """How what is reached depends on the start; [] without classes, or with one start.
+
+    Returns
+    -------
+    list : for each pair of a few starts, or for many together: the ``starts``, in words, at how
+        many ``points`` two of them are decided, at how many of these they ``differ`` in class and
+        where (``at``), of a pair also between which ``classes`` how often; and at how many they
+        reach one class but ``another`` cycle, as L_s says, and where (``another_at``)
+    """
+    reached = dataset.get("attractor")
+    if reached is None or reached.dims != dataset["status"].dims or "initial" not in reached.dims:
+        return []
+    labels = dataset["initial"].values.tolist()
+    if len(labels) > MOST_PAIRED:
+        return [{"starts": f"all {len(labels)} starts", **_among(dataset)}]
+    return [_of_pair(dataset.sel(initial=list(pair))) for pair in combinations(labels, 2)]
+
+
+def _of_pair(pair: xr.Dataset) -> dict[str, Any]:
+    names = (class_names(pair["attractor"].isel(initial=start)).tolist() for start in (0, 1))
+    decided = (both for both in zip(*names, strict=True) if not {*OPEN} & {*both})
+    counts = Counter(both for both in decided if len({*both}) > 1)
+    classes = {" against ".join(both): count for both, count in counts.most_common()}
+    starts = f"starts {' and '.join(pair['initial'].values)}"
+    return {"starts": starts, **_among(pair), "classes": classes}
+
+
+def _among(dataset: xr.Dataset) -> dict[str, Any]:
+    reached = dataset["attractor"]
+    known = reached.where(~is_class(reached, OPEN))
+    differ = known.max("initial") > known.min("initial")
+    another = _another(dataset) & ~differ
+    return {
+        "points": int((known.count("initial") > 1).sum()),
+        "differ": int(differ.sum()),
+        "at": _places(differ),
+        "another": int(another.sum()),
+        "another_at": _places(another),
+    }
+
+
+def _another(dataset: xr.Dataset) -> xr.DataArray:
+    """Where L_s of cycles differs by more than its errors."""
+    is_cycle = is_class(dataset["attractor"], ("periodic",))
+    of_cycles = dataset.get("L_s", xr.zeros_like(is_cycle, float)).where(is_cycle)
+    least, greatest = of_cycles.min("initial"), of_cycles.max("initial")
+    tolerance = float(json.loads(dataset.attrs["solver_json"])["rtol"])
+    return greatest - least > ANOTHER * tolerance * greatest
+
+
+def _places(marked: xr.DataArray) -> list[str]:
+    """Stretches along an axis; of many, over several axes, the range of the marked on each."""
+    axes = [axis for axis in marked.coords.values() if axis.ndim == 1 and axis.size > 1]
+    named = stretches(marked)
+    if len(axes) == 1:
+        return [f"{stretch}{_unit(axes[0])}" for stretch in named]
+    if len(named) <= NAMED:
+        return named
+    others = ((axis, [dim for dim in marked.dims if dim not in axis.dims]) for axis in axes)
+    return [", ".join(_range(axis[marked.any(rest).values]) for axis, rest in others)]
+
+
+def _range(axis: xr.DataArray) -> str:
+    """An axis from its least value to its greatest; of one without numbers each value."""
+    if not select.is_numeric(axis):
+        return f"{axis.name} = {', '.join(map(str, axis.values))}"
+    ends = dict.fromkeys(f"{end:g}" for end in (axis.values.min(), axis.values.max()))
+    return f"{axis.name} = {' to '.join(ends)}{_unit(axis)}"
+
+
+def _unit(axis: xr.DataArray) -> str:
+    unit = str(axis.attrs.get("units", "1"))
+    return "" if unit == "1" else f" {unit}"
+
+
+def lines(told: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The same for people, a line or two for each pair."""
+    return [line for facts in told if facts["points"] for line in _lines(facts)]
+
+
+def _lines(facts: Mapping[str, Any]) -> Iterator[str]:
+    starts, points = f"  {facts['starts']}:", f"{facts['points']} points decided"
+    between = ", ".join(f"{both} {count}" for both, count in facts.get("classes", {}).items())
+    if facts["differ"]:
+        told = f"{facts['differ']} of {points}{_named(facts['at'])}"
+        yield f"{starts} other classes at {told}" + f" ({between})" * bool(between)
+    if facts["another"]:
+        told = f"{facts['another']} of {points}{_named(facts['another_at'])}"
+        yield f"{starts} another periodic motion at {told}"
+    if not facts["differ"] and not facts["another"]:
+        yield f"{starts} the same at all {points}"
+
+
+def _named(places: Sequence[str]) -> str:
+    more = len(places) - NAMED
+    told = "; ".join(filter(None, places[:NAMED]))
+    return f", {told}" * bool(told) + f"; and {more} more" * (more > 0)
