@@ -10,6 +10,7 @@ from typing import get_args
 
 import click
 import pytest
+import xarray as xr
 from small_cases import BELT
 
 from fiv_cli import api
@@ -113,9 +114,13 @@ def test_the_variables_listed_are_those_of_the_dataset(
     case.write_text(BELT)
     out = printed(capsys, "variables", str(case))
     document = json.loads(printed(capsys, "variables", str(case), "--json"))["analyses"]
-    found = api.run(api.load(case), workers=1)
+    found = api.run(api.load(case), tmp_path / "belt.nc", workers=1)
     (listed,) = document.values()
     own = {one["name"] for one in listed}
+    with xr.open_dataset(tmp_path / "belt.nc") as file:
+        assert {one["name"] for one in listed if one["stored"]} == own & {*file.variables}
+    for text in (out, printed(capsys, "show", str(tmp_path / "belt.nc"))):
+        assert text.index("in no file") < text.index("x_amplitude") > text.index("x_max")
     ways_back = {name for name in found.data_vars if str(name).endswith(("_row_size", "_point"))}
     assert set(found.data_vars) - ways_back <= own <= {*found.data_vars, *found.coords}
     for one in listed:

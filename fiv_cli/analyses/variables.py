@@ -359,7 +359,7 @@ def amplitude(name: str, units: str) -> Variable:
         f"{name}_amplitude",
         units,
         f"half the range of {name} in the steady state",
-        comment=f"({name}_max - {name}_min)/2, made when fiv reads a dataset",
+        comment=f"({name}_max - {name}_min)/2",
         unbounded=True,
         derived=True,
     )

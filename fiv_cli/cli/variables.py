@@ -9,6 +9,8 @@ import click
 from fiv_cli.cli.common import json_option, print_json, print_table, set_option, with_option
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fiv_cli.analyses.variables import Variable
 
 
@@ -37,13 +39,21 @@ def command(case: str, overrides: tuple[str, ...], as_json: bool) -> None:
     # who asks may have just been told that a figure or a claim names a variable that there is not
     loaded = api.load(case, (*overrides, "figure=[]", "claim=[]"))
     layouts = [analysis.layout for analysis in api.check(loaded).analyses]
-    given = {one.name: [*one.variables, *derived(one.variables)] for one in layouts}
     if as_json:
-        print_json({"analyses": {name: list(map(_described, v)) for name, v in given.items()}})
+        given = {one.name: [*one.variables, *derived(one.variables)] for one in layouts}
+        told = {
+            n: [_described(v) | {"stored": not v.derived} for v in of] for n, of in given.items()
+        }
+        print_json({"analyses": told})
         return
-    for layout in layouts:
-        rows = [tuple(_described(v, MOST_WORDS).values()) for v in given[layout.name]]
-        title = f"{layout.name}: over {', '.join(layout.dim_names) or 'one point'}"
+    for one in layouts:
+        _print(f"{one.name}: over {', '.join(one.dim_names) or 'one point'}", one.variables)
+        _print(f"{one.name}: made of these by fiv (api.read), in no file", derived(one.variables))
+
+
+def _print(title: str, variables: Sequence[Variable]) -> None:
+    rows = [tuple(_described(variable, MOST_WORDS).values()) for variable in variables]
+    if rows:
         print_table(title, ("name", "own dims", "unit", "what it is"), rows)
         click.echo()
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.data.refined import described
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
@@ -231,10 +232,13 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
         if name.removeprefix("section_") not in alike or name in alike
     }
     zero = [name for name in terms if name in names and told[name] == f"0{_unit(ranges[name])}"]
-    lines = [f"  {names[n]:<22} {told[n]}" for n in names if n not in zero]
+    lines = {n: f"  {names[n]:<22} {told[n]}" for n in names if n not in zero}
+    made = [n for n in lines if named(n).derived]
     return [
-        *lines,
+        *(line for n, line in lines.items() if n not in made),
         *([f"  {'0 throughout':<22} {', '.join(names[n] for n in zero)}"] if zero else []),
+        *(["  made of these by fiv (api.read), in no file:"] if made else []),
+        *(f"  {lines[n]}" for n in made),
     ]
 
 
