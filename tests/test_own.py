@@ -347,10 +347,29 @@ def test_a_law_that_differs_between_both_sides_is_remarked(capsys):
     assert not any(asymmetry(law) for law in all_laws().values())
     text = law_template("one-sided").replace("slip.speed**2", "slip.v * slip.speed")
     Path("law.py").write_text(text.replace('"s2 m-2", 1.0', '"s2 m-2", 0.1'))
-    for command in (["models", "one-sided"], ["verify"]):
+    friction = '[friction]\nlaw = "one-sided"\n[grid]\n'
+    Path("belt.toml").write_text(
+        CASE.replace('"my-belt"', '"belt-1dof"').replace("[grid]\n", friction)
+    )
+    for command in (["models", "one-sided"], ["verify"], ["check", "belt.toml"]):
         assert run([*command, "--with", "law.py"]) == 0
         told = "".join(capsys.readouterr())
         assert "at v = -1 m/s |F_T| is 0.444 N, at 1 m/s 0.364 N" in told  # 0.4 / (1 -+ 0.1)
+
+
+def test_what_is_assumed_of_belts_that_hold_jointly_is_told_by_check_and_show(capsys):
+    """As `fiv models` tells it; of one belt there is nothing to tell."""
+    belt = 'Contact(p("v") - x_dot, "x", p("N"))'
+    two = MODEL.replace(belt, f"{belt}, {belt}")
+    two = two.replace("force(0) -", "force(0) + symbols.tangential_force(1) -")
+    Path("two.py").write_text(two.replace("    constant", "    contacts=2,\n    constant"))
+    for name, count in (("two.py", 1), ("my.py", 0)):
+        case = ["case.toml", "--with", name]
+        assert run(["run", *case, "-q", "-o", f"{name}.nc"]) == 0
+        for command in (["check", *case], ["show", f"{name}.nc"]):
+            capsys.readouterr()
+            assert run(command) == 0
+            assert capsys.readouterr().out.count("contacts 1, 2 hold jointly") == count
 
 
 def test_two_contacts_solved_for_one_coordinate_are_refused_where_the_second_stands():

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from textwrap import wrap
+from typing import Any
 
 from fiv_cli.friction.base import Law, Slip
-from fiv_cli.models.base import Contact, Equations, Model
-
-if TYPE_CHECKING:
-    from fiv_cli.models.symbols import Symbols
+from fiv_cli.models.base import Contact, Model
 
 
 def equation_lines(model: Model) -> list[str]:
@@ -27,7 +25,7 @@ def equation_lines(model: Model) -> list[str]:
         lines += _contact_lines(printer, contact, _suffix(index, model.contacts))
     return [
         *lines,
-        *_joint_lines(model, symbols, equations),
+        *(_joint_lines(model) if model.contacts > 1 else ()),
         f"  kinetic energy = {printer(equations.kinetic_energy)}",
         f"  potential energy = {printer(equations.potential_energy)}",
     ]
@@ -87,25 +85,11 @@ def _contact_lines(printer: Callable[[Any], str], contact: Contact, suffix: str)
         yield f"  law{suffix} = {contact.law}" + (f" ({given})" if given else "")
 
 
-def _joint_lines(model: Model, symbols: Symbols, equations: Equations) -> Iterator[str]:
-    """Contacts that hold jointly where all stick, and what is assumed of their forces then."""
-    import sympy
+def _joint_lines(model: Model) -> Iterator[str]:
+    from fiv_cli.codegen.joint import assumed
 
-    from fiv_cli.codegen.joint import joints
-    from fiv_cli.friction import get_law
-
-    laws = [get_law(contact.law or model.default_law) for contact in equations.contacts]
-    velocities = [symbols.velocity(name) for name in equations.accelerations]
-    slips = {
-        index: [sympy.diff(contact.slip_velocity, velocity) for velocity in velocities]
-        for index, contact in enumerate(equations.contacts)
-        if laws[index].capacity is not None and not contact.sliding_only
-    }
-    for joint in joints(slips, {}):
-        if len(joint.factors) > 1:
-            numbers = ", ".join(str(contact + 1) for contact in joint.factors)
-            yield f"  contacts {numbers} hold jointly where all stick: only the sum of their forces"
-            yield "  follows from the motion; assumed: each bears in proportion to what it can"
+    for sentence in assumed(model, model.default_options(), [model.default_law]):
+        yield from wrap(sentence, 98, initial_indent="  ", subsequent_indent="  ")
 
 
 def _suffix(contact: int, contacts: int) -> str:

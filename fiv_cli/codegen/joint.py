@@ -7,8 +7,9 @@ together, when the demand passes all that they can bear. At different speeds one
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 import sympy
@@ -16,6 +17,9 @@ from numpy.typing import NDArray
 from sympy import Expr
 
 from fiv_cli.errors import UsageError
+from fiv_cli.friction import get_law
+from fiv_cli.models.base import Model, Options
+from fiv_cli.models.symbols import Symbols
 
 Row = Sequence[Expr]
 
@@ -43,6 +47,30 @@ class Joint:
     def followers(self) -> Iterator[tuple[int, Expr]]:
         """The others with their factors."""
         return ((contact, f) for contact, f in self.factors.items() if contact != self.leader)
+
+
+def assumed(model: Model, options: Options, laws: Iterable[str]) -> list[str]:
+    """What is assumed of contacts that hold jointly where all stick; nothing where none do."""
+    every = (_assumed(model, options, law) for law in laws)
+    return list(dict.fromkeys(chain.from_iterable(every)))
+
+
+def _assumed(model: Model, options: Options, law: str) -> Iterator[str]:
+    symbols = Symbols()
+    equations = model.mechanics(symbols, options)
+    velocities = [symbols.velocity(name) for name in equations.accelerations]
+    slips = {
+        index: [sympy.diff(contact.slip_velocity, velocity) for velocity in velocities]
+        for index, contact in enumerate(equations.contacts)
+        if not contact.sliding_only and get_law(contact.law or law).capacity is not None
+    }
+    for joint in joints(slips, {}):
+        if len(joint.factors) > 1:
+            yield (
+                f"contacts {_numbers([*joint.factors])} hold jointly where all stick: only the sum "
+                "of their forces follows from the motion; assumed: each bears in proportion to "
+                "what it can"
+            )
 
 
 def joints(slips: Mapping[int, Row], gaps: Mapping[int, Row]) -> list[Joint]:
@@ -98,9 +126,14 @@ def _factor(leading: Row, row: Row) -> Expr:
 
 
 def _dependent(contacts: Sequence[int], why: str) -> UsageError:
-    numbers = ", ".join(str(contact + 1) for contact in sorted(set(contacts)))
     return UsageError(
-        f"contacts {numbers} stick at once, and {why}: what each of them bears cannot be told\n"
+        f"contacts {_numbers(contacts)} stick at once, and {why}: what each of them bears cannot "
+        "be told\n"
         "next: make one contact of them, let one be sliding_only, or give the body between them "
         "a coordinate of its own, on a stiff spring"
     )
+
+
+def _numbers(contacts: Sequence[int]) -> str:
+    """As people count them."""
+    return ", ".join(str(contact + 1) for contact in sorted(set(contacts)))

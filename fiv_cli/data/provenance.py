@@ -13,6 +13,7 @@ from pathlib import Path
 
 import fiv_cli
 from fiv_cli.analyses import get_analysis
+from fiv_cli.case.assumed import assumed_of_contacts
 from fiv_cli.case.case import Case
 from fiv_cli.codegen import NUMERICS_VERSION
 from fiv_cli.friction import get_law
@@ -24,6 +25,7 @@ PACKAGES = ("numpy", "scipy", "llvmlite", "sympy", "xarray", "netCDF4")
 def provenance(case: Case, fingerprint: str) -> dict[str, object]:
     """Global attributes of the dataset of `case`."""
     model = get_model(case.model)
+    assumptions = assumed_of_contacts(case)
     laws = next((axis.values for axis in case.axes if axis.kind == "law"), (case.law,))
     return {
         "Conventions": "CF-1.11",
@@ -51,6 +53,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         "overrides": case.overrides,
         "fingerprint": fingerprint,
         "solver_json": asdict(case.solver),
+        **({"assumed_of_contacts": assumptions} if assumptions else {}),
         **({"own_json": _texts(case)} if case.own else {}),
         **({"schedule_json": dict(case.schedule.curves)} if case.schedule.curves else {}),
         "packages_json": {name: _version(name) for name in PACKAGES},

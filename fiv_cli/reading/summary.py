@@ -25,7 +25,10 @@ MOST_NAMES = 8
 
 OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
 
-GLOBAL = ("title", "reference", "model", "law", "fingerprint", "source", "partial")
+GLOBAL = (
+    *("title", "reference", "model", "law", "fingerprint", "source", "partial"),
+    "assumed_of_contacts",
+)
 
 
 def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:

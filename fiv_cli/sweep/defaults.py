@@ -1,11 +1,13 @@
-"""What a case leaves to its model and its laws: the defaults in force, and where laws differ."""
+"""What a case leaves to its model and its laws: defaults, what is assumed, where laws differ."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 
+from fiv_cli.case.assumed import assumed_of_contacts
 from fiv_cli.case.case import Case
 from fiv_cli.friction import get_law
+from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
 
 
@@ -34,6 +36,18 @@ def unequal_defaults(case: Case) -> list[str]:
         for name, values in _left(case, ()).items()
         if len({*values.values()}) > 1 and len({tables[law][name] for law in values}) == 1
     ]
+
+
+def remarks(case: Case) -> list[str]:
+    """What is assumed where contacts stick at once, and what may be meant so in one's own law."""
+    own = [law for law in map(get_law, case.laws) if law.origin is not None]
+    return [*assumed_of_contacts(case), *(_asymmetries(own) if own else [])]
+
+
+def _asymmetries(laws: Sequence[Law]) -> Iterator[str]:
+    from fiv_cli.own.check import asymmetry  # brings SymPy
+
+    return filter(None, map(asymmetry, laws))
 
 
 def _left(case: Case, given: Collection[str]) -> dict[str, dict[str, float]]:

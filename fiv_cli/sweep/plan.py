@@ -31,7 +31,7 @@ from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
 from fiv_cli.notation.amounts import size
 from fiv_cli.own.load import know
-from fiv_cli.sweep.defaults import defaults_text, unequal_defaults
+from fiv_cli.sweep.defaults import defaults_text, remarks, unequal_defaults
 from fiv_cli.sweep.refine import Maps, maps_of
 from fiv_cli.sweep.requests import (
     StartEntry,
@@ -284,7 +284,10 @@ class Plan:
         ]
         varied = filter(None, (one.layout.settings.get("parameter") for one in self.analyses))
         given = {name for one in varied for name in (one.name, *one.followers)}
-        head += [*defaults_text(case, given), *(f"  {said}" for said in unequal_defaults(case))]
+        head += [
+            *defaults_text(case, given),
+            *(f"  {said}" for said in (*unequal_defaults(case), *remarks(case))),
+        ]
         lines = [line for analysis in self.analyses for line in _described(analysis)]
         return [*head, *lines, *([_cost_of(self.size)] if self.size >= MANY else [])]
 
