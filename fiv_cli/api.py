@@ -137,6 +137,7 @@ def check(case: Case) -> Plan:
     <dict>
       model belt-1dof, friction coulomb
       by default, in SI: m = 1, k = 1, c = 0, N = 10, v = 1, u0 = 0, omega = 1, mu_s = 0.4
+      mu_s: the default of belt-1dof, not of the law
       response: 3 points (mu_k 3 x initial 1)
         mu_k = 0.2, 0.3, 0.5
         1 point where mu_k is above mu_s will not be computed

@@ -356,7 +356,7 @@ class TestNew:
         bare = parse_case("\n".join(lines), "new.toml")
         tables = (unit for unit in units if "[" not in lines[unit[0]].partition("#")[2][:4])
         spelt = parse_case(with_lines(lines, list(chain(*tables))), "new.toml")
-        following = {p.name for p in all_models()[name].adopted(get_law(bare.law).parameters)}
+        following = {p.name for p in all_models()[name].adopted(get_law(bare.law))}
         for parameter, value in bare.parameters.items():
             assert spelt.parameters[parameter] == value or parameter in following
         assert (spelt.options, spelt.solver) == (bare.options, bare.solver)

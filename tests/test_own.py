@@ -324,6 +324,25 @@ def test_what_is_not_of_the_laws_in_use_is_told_as_it_was_typed(line, said, caps
     assert re.search(said, capsys.readouterr().err)
 
 
+def test_a_law_of_ones_own_keeps_its_defaults_but_on_a_model_of_its_author(capsys):
+    """A model that comes with fiv sets mu_k for the laws that came with it; it says so."""
+    Path("own.py").write_text(MODEL.replace('"mu_0"', '"mu_k"'))
+    case = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "equilibrium"}]}
+    told = "mu_k: the default of"
+    for model, law, value, is_of_model in (
+        ("belt-1dof", "my-law", 0.4, False),
+        ("my-belt", "my-law", 0.2, True),
+        ("belt-1dof", "viscous", 0.23, True),
+    ):
+        loaded = api.load(
+            case | {"model": {"name": model}, "friction": {"law": law}}, using="own.py"
+        )
+        assert loaded.parameters["mu_k"] == value
+        assert (told in str(api.check(loaded))) == is_of_model
+        assert run(["models", model, "--law", law, "--with", "own.py"]) == 0
+        assert re.search(rf"^mu_k .* {value} ", capsys.readouterr().out, re.M)
+
+
 def test_a_law_that_differs_between_both_sides_is_remarked(capsys):
     assert not any(asymmetry(law) for law in all_laws().values())
     text = law_template("one-sided").replace("slip.speed**2", "slip.v * slip.speed")

@@ -72,7 +72,7 @@ def test_a_schedule_of_other_values_shares_the_code() -> None:
 
 def test_followers_take_the_value_of_their_leader() -> None:
     disc, law = get_model("excited-disc"), get_law("exponential")
-    (follower,) = [p for p in disc.adopted(law.parameters) if p.default_from is not None]
+    (follower,) = [p for p in disc.adopted(law) if p.default_from is not None]
     assert follower.default_from is not None
     changed = default_parameters(disc, law, **{follower.default_from: 0.77})
     assert changed[follower.name] == 0.77

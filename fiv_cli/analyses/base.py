@@ -73,7 +73,7 @@ def requirements(model: Model, law: Law, linear: bool = False) -> list[Requireme
     """What the parameters of a point must be to one another; `linear`: no motion is followed."""
     own: Sequence[Requirement] = (*model.requirements, *law.requirements)
     if model.varied:
-        table = {p.name: p for p in model.parameters_under(law.parameters)}
+        table = {p.name: p for p in model.parameters_under(law)}
         own = at_every_phase(own, model.varied, table)
     return [requirement for requirement in own if not (linear and requirement.in_motion)]
 

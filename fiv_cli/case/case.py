@@ -201,7 +201,7 @@ class Case:
     def varying(self) -> tuple[Parameter, ...]:
         """The parameters that vary in time."""
         model = get_model(self.model)
-        table = model.parameters_under(get_law(self.law).parameters)
+        table = model.parameters_under(get_law(self.law))
         return tuple(p for p in table if p.name in self.schedule.names)
 
     def parameters_at(self, law: str, varied: Mapping[str, float]) -> dict[str, float]:
@@ -218,7 +218,7 @@ class Case:
         follows another one (`Parameter.default_from`) takes that one's value at this point.
         """
         model = get_model(self.model)
-        own = model.parameters_under(get_law(law).parameters)
+        own = model.parameters_under(get_law(law))
         given = {**self.parameters, **_of_law(self.parameters, law), **varied}
         return followed(own, given)
 

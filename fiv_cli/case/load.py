@@ -169,7 +169,7 @@ def _fixed_parameters(physics: Physics, axes: Sequence[Axis]) -> dict[str, float
 
 
 def _values_under(physics: Physics, law: Law) -> dict[str, float]:
-    return _values(physics, f"{law.name}.", physics.model.adopted(law.parameters))
+    return _values(physics, f"{law.name}.", physics.model.adopted(law))
 
 
 def _values(physics: Physics, prefix: str, table: Sequence[Parameter]) -> dict[str, float]:

@@ -52,7 +52,7 @@ class Physics:
 
     def table(self) -> dict[str, Parameter]:
         """Every parameter of the model and of the laws in use, by name."""
-        adopted = {law.name: self.model.adopted(law.parameters) for law in self.laws}
+        adopted = {law.name: self.model.adopted(law) for law in self.laws}
         return _of_laws(adopted) | {p.name: p for p in self.model.parameters}
 
     def units_of_states(self) -> dict[str, str]:

@@ -68,7 +68,7 @@ class _Template:
         """The template of a model and an analysis."""
         own = (model.sliding if analysis.linear else None) or model.example
         law = get_law((own.law if own else "") or model.default_law)
-        known = {p.name: p for p in model.parameters_under(law.parameters)}
+        known = {p.name: p for p in model.parameters_under(law)}
         example = own or _example(known)
         first = known.pop(example.axis)
         others = [known[name] for name in _SWEPT_FIRST if name in known] or list(known.values())
@@ -135,12 +135,12 @@ class _Template:
         if others:
             axis = f"friction = {toml_value([self.law.name, others[0]], 'friction')}"
             table = _with_comment(table, f"several laws: {axis} under [grid], and no law here")
-        return [table, head, *self.parameters(self.model.adopted(self.law.parameters))]
+        return [table, head, *self.parameters(self.model.adopted(self.law))]
 
     def parameters(self, table: Iterable[Parameter]) -> list[str]:
         """A line for each parameter that neither the grid nor a schedule gives."""
         elsewhere = [p.name for p in (self.axis, self.drive) if p is not None]
-        values = {p.name: p.default for p in self.model.parameters_under(self.law.parameters)}
+        values = {p.name: p.default for p in self.model.parameters_under(self.law)}
         values[self.example.axis] = self.example.high
         if self.drive is not None:
             values[self.drive.name] = self.beginning(self.drive)

@@ -81,7 +81,7 @@ def _show_under(name: str | None, law: str, as_json: bool) -> None:
     if unfit:
         raise UsageError(f"{unfit}\nnext: fiv models {name} lists those that it takes")
     if as_json:
-        adopted = replace(under, parameters=model.adopted(under.parameters))
+        adopted = replace(under, parameters=model.adopted(under))
         print_json(_model_document(model) | {"law": _law_document(adopted)})
     else:
         _print_model(model, law)
@@ -142,9 +142,8 @@ def _defaults_on(law: Law) -> dict[str, dict[str, float | str]]:
     from fiv_cli.friction import laws_of
     from fiv_cli.models import all_models
 
-    names = [parameter.name for parameter in law.parameters]
     own = {
-        model.name: {n: model.law_defaults[n] for n in names if n in model.law_defaults}
+        model.name: model.defaults_of(law)
         for model in all_models().values()
         if law.name in laws_of(model)
     }
@@ -222,10 +221,11 @@ def _print_law_parameters(model: Model, law: str) -> None:
     """The parameters of a law, with the defaults they have on this model."""
     from fiv_cli.friction import get_law
 
-    parameters = model.adopted(get_law(law).parameters)
+    parameters = model.adopted(get_law(law))
     click.echo()
     _print_parameters(f"Parameters of {law}, under [friction]", parameters)
-    click.echo(f"\nOn this model, under every law: {_assigned(model.law_defaults)}")
+    those = "every law" if model.origin else "every law of fiv"
+    click.echo(f"\nOn this model, under {those}: {_assigned(model.law_defaults)}")
 
 
 def _print_law(law: Law) -> None:

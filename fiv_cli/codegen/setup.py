@@ -134,6 +134,6 @@ class Setup:
 
 def default_parameters(model: Model, law: Law, **changes: float) -> dict[str, float]:
     """Every parameter of a model under a law, SI: as in `changes`, else at its default."""
-    table = model.parameters_under(law.parameters)
+    table = model.parameters_under(law)
     given = {p.name: p.default for p in table if p.default is not None} | changes
     return followed(table, given) | given

@@ -20,7 +20,7 @@ from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import lcm, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from fiv_cli.errors import UsageError
 from fiv_cli.models.origin import Origin
@@ -382,6 +382,18 @@ def _regular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
     return "", ""
 
 
+class Friction(Protocol):
+    """What a model takes of a friction law: tables that stand above it."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Of the law."""
+
+    @property
+    def origin(self) -> Origin | None:
+        """Where it stands, if not in the box."""
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A mechanical model: what the user sees, and where its equations are.
@@ -399,7 +411,8 @@ class Model:
     stops : how many of these are frictionless stops, whose impacts are counted
     constant_load : every contact is pressed by the same force at all times
     default_law : name of the friction law where a case names none
-    law_defaults : law parameter -> default on this model; a name: the value of that parameter
+    law_defaults : law parameter -> default on this model, see `defaults_of`; a name: the value of
+        that parameter
     forcings : periodic excitations
     revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
     derived : numbers that are computed from the parameters, if any
@@ -472,13 +485,24 @@ class Model:
         """Option name -> default choice."""
         return {option.name: option.default for option in self.options}
 
-    def parameters_under(self, law_parameters: Iterable[Parameter]) -> tuple[Parameter, ...]:
+    def parameters_under(self, law: Friction) -> tuple[Parameter, ...]:
         """Its own parameters, then those of a law, as on this model."""
-        return (*self.parameters, *self.adopted(law_parameters))
+        return (*self.parameters, *self.adopted(law))
 
-    def adopted(self, law_parameters: Iterable[Parameter]) -> tuple[Parameter, ...]:
+    def adopted(self, law: Friction) -> tuple[Parameter, ...]:
         """Parameters of a law with the defaults that they have on this model."""
-        return tuple(_with_default(p, self.law_defaults.get(p.name)) for p in law_parameters)
+        defaults = self.defaults_of(law)
+        return tuple(_with_default(p, defaults.get(p.name)) for p in law.parameters)
+
+    def defaults_of(self, law: Friction) -> dict[str, float | str]:
+        """Parameter of a law -> the default that this model gives it.
+
+        A law of one's own keeps what its file says, but on models of one's own.
+        """
+        if law.origin is not None and self.origin is None:
+            return {}
+        names = [p.name for p in law.parameters if p.name in self.law_defaults]
+        return {name: self.law_defaults[name] for name in names}
 
     def excitation_period(self, known: Mapping[str, float]) -> float | None:
         """Common period of the excitations that are on, s; None where none is.

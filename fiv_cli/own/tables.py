@@ -101,7 +101,7 @@ def _law_of(model: Model) -> Iterator[Fault]:
     if unfit and model.contacts:
         yield Fault(("Model", model.name, "default_law"), unfit)
     yield from _defaults_of_laws(model)
-    known = [p.name for p in model.parameters_under(laws[model.default_law].parameters)]
+    known = [p.name for p in model.parameters_under(laws[model.default_law])]
     if model.example is not None and model.example.axis not in known:
         yield none_called("Example", model.example.axis, "", "parameter", known)
 

@@ -33,7 +33,7 @@ class Written:
             symbols.time: dimension("s"),
             symbols.zone: dimension("1"),
         }
-        tables = model.parameters_under(get_law(model.default_law).parameters)
+        tables = model.parameters_under(get_law(model.default_law))
         units |= {symbols.parameter(p.name): dimension(p.unit) for p in tables}
         states = {state.name: state.unit for state in model.states(options)}
         for name, unit in states.items():

@@ -19,7 +19,11 @@ def defaults_text(case: Case, given: Collection[str]) -> list[str]:
         agreed = set(values) == owners[name] and len({*values.values()}) == 1
         of_laws = {name: next(iter(values.values()))} if agreed else _by_law(name, values)
         left += [f"{key} = {value:.12g}" for key, value in of_laws.items()]
-    return [f"  by default, in SI: {', '.join(left)}"] if left else []
+    model = get_model(case.model)
+    set_here = {name for law in case.laws for name in model.defaults_of(get_law(law))}
+    told = [name for name in _left(case, given) if name in set_here]
+    of_model = [f"  {', '.join(told)}: the default of {model.name}, not of the law"] if told else []
+    return [f"  by default, in SI: {', '.join(left)}", *of_model] if left else []
 
 
 def unequal_defaults(case: Case) -> list[str]:
@@ -63,7 +67,7 @@ def _owners(case: Case) -> dict[str, set[str]]:
     """Parameter -> the laws under which the model has it."""
     owners: dict[str, set[str]] = {}
     for law in case.laws:
-        for parameter in get_model(case.model).parameters_under(get_law(law).parameters):
+        for parameter in get_model(case.model).parameters_under(get_law(law)):
             owners.setdefault(parameter.name, set()).add(law)
     return owners
 

@@ -341,7 +341,7 @@ def _template(
 ) -> Template:
     axes = [axis for dim in dims for axis in dim.axes]
     model = get_model(case.model)
-    own = {law: model.parameters_under(get_law(law).parameters) for law in case.laws}
+    own = {law: model.parameters_under(get_law(law)) for law in case.laws}
     every = [parameter for table in own.values() for parameter in table]
     fixed = {law: _unvaried(case, law) for law in case.laws}
     return Template(
