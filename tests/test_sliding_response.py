@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Any
 
 import pytest
@@ -49,3 +50,20 @@ def test_stick_slip_that_died_is_seen_through_a_section_at_velocity_zero() -> No
     found = analyse("belt-1dof", "coulomb", "response", start, turning, c=0.05)
     assert found.values["attractor"] == "equilibrium"
     assert found.values["transient_used"] < 40.0
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0])
+@pytest.mark.parametrize("load", [5.0, 10.0])
+@pytest.mark.parametrize("turns", [0.0, 1 / 3, 2 / 3])
+def test_a_slide_over_a_sector_is_periodic_after_few_turns_whatever_their_rounding(
+    speed: float, load: float, turns: float
+) -> None:
+    """Between two sectors the strongly damped pin comes to rest, and its section to 1e-16."""
+    sector = {"beta": pi / 36, "psi_a": 2 * pi * turns}
+    pin = {"Omega": speed, "N0": load, "c1": 0.01, "c2": 0.01}
+    asked = {"section": Section("event", event="slip->stick"), "observe": "phi", "t_max": 100.0}
+    start = {"phi_dot": speed}
+    found = analyse("pin-on-disc", "coulomb", "response", start, asked, **sector, **pin)
+    assert (found.values["attractor"], found.values["stick_fraction"]) == ("periodic", 0.0)
+    assert found.values["period"] == pytest.approx(2 * pi / speed, rel=1e-12)
+    assert found.values["cycle_residual"] < 1e-12 and found.values["floquet_multiplier"].max() < 0.1

@@ -32,6 +32,8 @@ contacts, no further away than `REACH` times what the contraction leaves of the 
 of the motion's own: it runs on, and the next attempt waits for `CLOSER` (as close as SETTLED), or
 for twice the time. Where the section repeats to `EARLY` only, the return map must be linear as far
 as the cycle besides: the first step of Newton's method leads there, but for `STRAIGHT` of the way.
+Under an excitation a slide, or what has met no section, is asked at the end of its time anyway:
+of few periods, a repetition that is down to rounding comes no closer.
 
 *Quasi-periodic, chaotic.* The set of section points is stationary: means and spreads of its halves
 differ by no more than `WANDERING` times what their partial sums explain, or `NEGLIGIBLE` of the

@@ -497,7 +497,14 @@ class _Response:
             if answer is not None:
                 return answer
         values = {"attractor": "undecided", "transient_used": begun} | self._measured(energy)
-        return self._ended() or Outcome(reason="slide_not_decided", values=values)
+        undecided = Outcome(reason="slide_not_decided", values=values)
+        return self._ended() or self._closed_at_last() or undecided
+
+    def _closed_at_last(self) -> Outcome | None:
+        """The cycle under an excitation whose few section points repeat up to rounding, or none."""
+        period = self.excitation
+        cycle = None if period is None else confirm(self.problem, self.motion, period)
+        return None if cycle is None else self._measured_cycle(cycle, 1, Section("phase"))
 
     # --- periodic ---------------------------------------------------------------------------------
     def _cycle(self, section: Section, lasting: bool = False) -> Outcome | None:
@@ -687,6 +694,8 @@ class _Response:
             return ended
         self.waiting_until = 0.0
         answer = self._cycle(self.section, lasting=True)
+        if answer is None and self.watch.count == 0:
+            answer = self._closed_at_last()
         if answer is not None:
             return answer
         told, outcome.reason = self._class_of(outcome)
