@@ -94,7 +94,7 @@ def _in_rows(run: xr.Dataset) -> list[str]:
 def _over(run: xr.Dataset, axes: set[str], begin: int) -> xr.Dataset:
     """The run over all `axes`, with the places of its points, from `begin`, in place of rows."""
     places = np.arange(begin, begin + run["status"].size).reshape(run["status"].shape)
-    plain = run.drop_dims([dim for dim in ragged_dims(run) if dim in run.dims])
+    plain = run.drop_dims([*ragged_dims(run)])
     placed = plain.assign({ROW: (run["status"].dims, places)})
     return placed.expand_dims([name for name in _fixed(run) if name in axes])
 
