@@ -156,7 +156,10 @@ def _dataset(group: h5py.Group) -> xr.Dataset:
         if not _is_bare_dim(node)
     }
     raw = xr.Dataset(variables, attrs=_attributes(group.attrs))
-    return xr.decode_cf(raw, decode_times=False).load()  # what cannot be decoded fails here
+    dataset = xr.decode_cf(raw, decode_times=False).load()  # what cannot be decoded fails here
+    for variable in dataset.variables.values():  # of texts that are selected others are the longest
+        variable.encoding.pop("char_dim_name", None)
+    return dataset
 
 
 def _content(node: h5py.Dataset) -> np.ndarray:

@@ -200,7 +200,8 @@ def _write(path: Path, datasets: Mapping[str, Dataset], attributes: Mapping[str,
             (dataset,) = datasets.values()
             _define(file, replace(dataset, attrs={**dataset.attrs, **clean}), later)
         else:
-            _define(file, Dataset({}, frozenset(), clean), later)
+            each = f"each analysis is a group of this file: {', '.join(datasets)}"
+            _define(file, Dataset({}, frozenset(), {"comment": each, **clean}), later)
             for name, dataset in datasets.items():
                 _define(file.createGroup(name), dataset, later)
         later.write()

@@ -45,14 +45,16 @@ def read_analyses(path: str | Path) -> dict[str, xr.Dataset]:
     analyses = read_datasets(Path(path))
     if not all(MARK in dataset.attrs and "status" in dataset for dataset in analyses.values()):
         raise InputError(
-            f"{path}: a NetCDF file that fiv did not write (it holds no case)\n"
+            f"{path}: a NetCDF file that fiv did not write (it holds no case, or no status)\n"
             "write a dataset with: fiv run CASE"
         )
     for name, dataset in analyses.items():
         fault = fault_of(dataset, name)
         if fault:
             raise InputError(
-                f"{path}: a damaged dataset: {f'{name}: ' if name else ''}{fault}\nnext: {ANEW}"
+                f"{path}: not as fiv wrote it, another program changed it: "
+                f"{f'{name}: ' if name else ''}{fault}\n"
+                f"next: name the file that `fiv run` wrote, or, if this is it, {ANEW}"
             )
     return {name: _with_derived(dataset) for name, dataset in analyses.items()}
 
