@@ -151,6 +151,7 @@ that and the value beside it (at an end of the axis there is none). Here stick-s
 What is reached depends on the start where there are two classes over the starts: `fiv show` says
 where that is, and a map of it with level = 1.5 draws its border.
 
+    variable = "attractor"
     at = { Omega = "5.25 <= . <= 6.75" }         # bistable
     take = { what = "classes", over = "initial" }
     expect = { greater_than = 1 }
