@@ -92,7 +92,7 @@ def test_undecided_points_are_no_difference_and_cycles_of_one_class_may_be_two()
         "classes": {"periodic against equilibrium": 1, "chaotic against periodic": 1},
     }
     first, second = over_starts.lines([told])
-    assert ": other classes at 2 of 5 points decided, mu_k = 4 to 5 (periodic against" in first
+    assert ": different classes at 2 of 5 points decided, mu_k = 4 to 5 (periodic against" in first
     assert second.endswith("another periodic motion at 1 of 5 points decided, mu_k = 2")
 
 

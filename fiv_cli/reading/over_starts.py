@@ -107,7 +107,7 @@ def _lines(facts: Mapping[str, Any]) -> Iterator[str]:
     between = ", ".join(f"{both} {count}" for both, count in facts.get("classes", {}).items())
     if facts["differ"]:
         told = f"{facts['differ']} of {points}{_named(facts['at'])}"
-        yield f"{starts} other classes at {told}" + f" ({between})" * bool(between)
+        yield f"{starts} different classes at {told}" + f" ({between})" * bool(between)
     if facts["another"]:
         told = f"{facts['another']} of {points}{_named(facts['another_at'])}"
         yield f"{starts} another periodic motion at {told}"
