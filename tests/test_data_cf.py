@@ -231,6 +231,7 @@ def test_where_no_run_has_a_point_it_is_pending() -> None:
         ["ok", "pending", "ok", "pending"],
         ["ok", "ok", "pending", "ok"],
     ]
+    assert both.attrs["partial"] == "5 of 8 points" and "partial" not in runs[0].attrs
     found = api.observations(both, "section_value")
     for one in runs:
         values = api.observations(one, "section_value").sortby("v")
