@@ -128,5 +128,7 @@ def why_unfit(model: Model, law: Law) -> str:
         if shared:
             origin = law.origin or model.origin
             rename = f"; give it another name in {origin.path}" if origin else ""
-            return f"{law.name!r} and {model.name} have {what} of one name: {listed(shared)}{rename}"
+            return (
+                f"{law.name!r} and {model.name} have {what} of one name: {listed(shared)}{rename}"
+            )
     return ""
