@@ -267,6 +267,21 @@ def test_joined_runs_of_every_kind_are_written_without_a_warning(written: Path) 
                 np.testing.assert_array_equal(both[name], np.tile(values, 2))
 
 
+def test_a_parameter_is_described_as_the_law_in_use_does() -> None:
+    """`delta` is an exponent of one law, and a rate in s/m of another; together it has no name."""
+    case = BELT | {"analysis": [{"kind": "equilibrium"}]}
+    laws = {"grid.friction": ["stribeck", "hyperbolic"]}
+    for law, unit in (("stribeck", "1"), ("hyperbolic", "s m-1")):
+        one = {"friction.law": law}
+        for overrides in (one, one | {"grid.delta": [1.0, 2.0]}):
+            found = api.run(api.load(case, overrides), workers=1)
+            assert found["delta"].attrs["units"] == unit
+    own = {"friction.stribeck.delta": 1.0, "friction.hyperbolic.delta": 1.0}
+    assert "delta" not in api.run(api.load(case, laws | own), workers=1).coords
+    with pytest.raises(api.CaseError, match="'delta' means different things"):
+        api.load(case, laws | {"grid.delta": [1.0, 2.0]})
+
+
 def test_what_the_analysis_itself_varies_is_no_fixed_parameter() -> None:
     found = api.run(api.load(KINDS["boundary"]), workers=1)
     assert "v" not in found.coords and float(found["c"]) == 0.1
