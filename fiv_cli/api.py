@@ -301,7 +301,7 @@ def join(runs: Sequence[str | Path | Results], along: str) -> Results:
     """
     from fiv_cli.reading.join import joined
 
-    each = [_analyses_of(run) for run in runs]
+    each = [_analyses_of(run) for run in ([runs] if isinstance(runs, str | Path) else runs)]
     names = {*each[0]} if each else set()
     if not names or any({*one} != names for one in each):
         raise UsageError("runs of different analyses, or none\nnext: join runs of one case")
@@ -319,7 +319,7 @@ def _results_of(analyses: Mapping[str, xr.Dataset]) -> Results:
 
 
 def names_of(flags: xr.DataArray) -> xr.DataArray:
-    """A variable of flags (``attractor``, ``status``, ``contact_state``) in words.
+    """A variable of flags (``attractor``, ``status``, ``contact_state``) in words; of NaN, "".
 
     Examples
     --------
@@ -336,7 +336,7 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
     names = flag_names(flags.attrs)
     if not names:
         raise UsageError(f"{flags.name}: holds numbers, not classes\nnext: take its values")
-    return apply_ufunc(lambda codes: names[int(codes)], flags, vectorize=True)
+    return apply_ufunc(lambda code: names.get(code, ""), flags, vectorize=True)
 
 
 def observations(dataset: xr.Dataset, variable: str) -> xr.DataArray:
@@ -400,7 +400,7 @@ def figure(
     """
     from fiv_cli.plots import draw, figures_called, look_of, nothing_suits, possible_figures
 
-    source = _analyses_of(data)
+    source = _readable(data)
     chosen = possible_figures(source) if name is None else figures_called(source, name)
     if not chosen:
         raise nothing_suits(source)
@@ -432,7 +432,7 @@ def claims(case: Case, data: str | Path | Results | None = None) -> list[Verdict
     from fiv_cli.reading.claims import dataset_of, held_against
 
     if data is not None:
-        return held_against(case, _analyses_of(data))
+        return held_against(case, _readable(data))
     with _ALONE:
         return held_against(case, *dataset_of(case))
 
@@ -610,17 +610,31 @@ def _settings(
 
 def _analyses_of(data: str | Path | Results) -> dict[str, xr.Dataset]:
     """The datasets of a result, by the name of their analysis."""
-    from xarray import DataTree
+    from xarray import Dataset, DataTree
 
     from fiv_cli.reading.datasets import read_analyses
-    from fiv_cli.reading.select import contiguous
 
     if isinstance(data, str | Path):
         with _ALONE:
             return read_analyses(data)
     if isinstance(data, DataTree):
-        return {name: child.to_dataset() for name, child in data.children.items()}
-    return {"": contiguous(data)}
+        parts = {name: child.to_dataset() for name, child in data.children.items()}
+        return parts or {"": data.to_dataset()}
+    if not isinstance(data, Dataset):
+        raise UsageError(
+            f"{type(data).__name__}: not a dataset\nnext: name the whole result of a run"
+        )
+    return {"": data}
+
+
+def _readable(data: str | Path | Results) -> dict[str, xr.Dataset]:
+    """The datasets as figures and claims read them."""
+    from fiv_cli.reading.select import contiguous
+
+    analyses = _analyses_of(data)
+    if isinstance(data, str | Path):
+        return analyses
+    return {name: contiguous(dataset) for name, dataset in analyses.items()}
 
 
 @contextmanager

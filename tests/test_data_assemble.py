@@ -32,7 +32,7 @@ OMEGA = Dim((Axis("Omega", "parameter", (1.0, 2.0, 3.0)),))
 def layout(kind: str, dims: tuple[Dim, ...] = (OMEGA,), starts: bool = False) -> Layout:
     """A layout on the pin-on-disc model."""
     labels = ("far",) if starts else None
-    return Layout(kind, kind, "pin-on-disc", {}, {}, dims, labels)
+    return Layout(kind, kind, "pin-on-disc", {}, {}, dims, labels, ("coulomb",))
 
 
 def packed(what: Layout, *outcomes: Outcome) -> Block:

@@ -206,6 +206,22 @@ def test_the_modes_of_joined_runs_are_followed_across_them() -> None:
     xr.testing.assert_identical(both.drop_attrs(deep=False), whole.drop_attrs(deep=False))
 
 
+def test_of_a_part_only_what_still_belongs_to_its_points_is_drawn() -> None:
+    whole = run()
+    part = whole.sel(v=[1.0, 9.0])
+    for kept in (part, part.drop_dims("section_obs")):
+        (line,) = api.figure(kept, "curve").axes[0].lines
+        assert {*line.get_xdata()} >= {1.0, 9.0} and 0.5 not in line.get_xdata()
+        with pytest.raises(api.UsageError, match="no values at a section"):
+            api.figure(kept, "bifurcation")
+    drawn = api.figure(xr.DataTree.from_dict({"response": whole})["response"], "bifurcation")
+    assert drawn.axes[0].lines
+    with pytest.raises(api.UsageError, match="DataArray: not a dataset"):
+        api.figure(whole["L_s"])  # type: ignore[arg-type]
+    gaps = api.names_of(whole["status"].astype(float).where(whole["v"] > 0.5))
+    assert gaps.values.ravel().tolist() == ["", "ok", "ok"]
+
+
 def test_where_no_run_has_a_point_it_is_pending() -> None:
     runs = [run(**{"model.parameters.N": 5.0, "grid.v": [3.0, 0.5]}), run(**{"grid.N": [60.0]})]
     both = api.join(runs, "N")
@@ -215,6 +231,7 @@ def test_where_no_run_has_a_point_it_is_pending() -> None:
         ["ok", "pending", "ok", "pending"],
         ["ok", "ok", "pending", "ok"],
     ]
+    assert both.attrs["partial"] == "5 of 8 points" and "partial" not in runs[0].attrs
     found = api.observations(both, "section_value")
     for one in runs:
         values = api.observations(one, "section_value").sortby("v")
@@ -248,6 +265,21 @@ def test_joined_runs_of_every_kind_are_written_without_a_warning(written: Path) 
                 np.testing.assert_array_equal(both[name].isel({along: place}), values)
             elif not str(name).endswith("_point"):
                 np.testing.assert_array_equal(both[name], np.tile(values, 2))
+
+
+def test_a_parameter_is_described_as_the_law_in_use_does() -> None:
+    """`delta` is an exponent of one law, and a rate in s/m of another; together it has no name."""
+    case = BELT | {"analysis": [{"kind": "equilibrium"}]}
+    laws = {"grid.friction": ["stribeck", "hyperbolic"]}
+    for law, unit in (("stribeck", "1"), ("hyperbolic", "s m-1")):
+        one = {"friction.law": law}
+        for overrides in (one, one | {"grid.delta": [1.0, 2.0]}):
+            found = api.run(api.load(case, overrides), workers=1)
+            assert found["delta"].attrs["units"] == unit
+    own = {"friction.stribeck.delta": 1.0, "friction.hyperbolic.delta": 1.0}
+    assert "delta" not in api.run(api.load(case, laws | own), workers=1).coords
+    with pytest.raises(api.CaseError, match="'delta' means different things"):
+        api.load(case, laws | {"grid.delta": [1.0, 2.0]})
 
 
 def test_what_the_analysis_itself_varies_is_no_fixed_parameter() -> None:

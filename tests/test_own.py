@@ -296,7 +296,8 @@ def test_a_law_that_shares_a_name_with_the_model_is_refused_with_it(
     assert "law.py has it" in capsys.readouterr().err
     assert run(["check", "case.toml", "--with", "my.py", "--with", "law.py"]) == 3
     err = capsys.readouterr().err  # once, where the law is named; not at its table again
-    assert "1 problem;" in err and f": 'my-bristle' and my-belt have {said}" in err
+    said = f": 'my-bristle' and my-belt have {said}; give it another name in law.py"
+    assert "1 problem;" in err and said in err
 
 
 def test_a_name_that_a_law_declares_is_no_other_spelling_of_another():

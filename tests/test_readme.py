@@ -72,9 +72,14 @@ def test_every_make_target_exists(target: str) -> None:
     assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
 
 
+def all_explained(table: str) -> list[str]:
+    """Every example that `fiv kinds TABLE` gives."""
+    return re.findall(r"\n\n((?:    .*\n)+)", TABLES[table][0])
+
+
 def explained(table: str) -> str:
-    """The example that `fiv kinds TABLE` gives."""
-    (example,) = re.findall(r"\n\n((?:    .*\n)+)", TABLES[table][0])
+    """The first example that `fiv kinds TABLE` gives."""
+    example, *_ = all_explained(table)
     return textwrap.dedent(example)
 
 
@@ -117,12 +122,16 @@ def test_the_notebook_runs(
 
 
 def test_the_claim_is_understood() -> None:
-    """That of the page about the grammar, on the grid that it speaks of."""
+    """Those of the page about the grammar, on the grid and from the start that they speak of."""
     (case,) = blocks("toml")
     grid = '[grid]\npsi_a = [0.0, 1.0]\nbeta = [0.0, "15 deg"]'
-    text = case.replace("[grid]", grid) + explained("claim")
-    (_, said) = parse_case(text, "a.toml").claims
-    assert said.expect == parse_expect({"less_than": 0.6})
+    up = '[[initial]]\nlabel = "up"\nkind = "continue"\nalong = "Omega"\nfrom = "far"\n'
+    whole, *parts = all_explained("claim")
+    others = (f'[[claim]]\nsource = "here"\ntext = "there"\n{part}' for part in parts)
+    text = "".join([case.replace("[grid]", grid), up, whole, *others])
+    expected = [said.expect for said in parse_case(text, "a.toml").claims[1:]]
+    forms = {"less_than": 0.6}, {"between": [6.5, 7.0]}, {"greater_than": 1}
+    assert expected == [parse_expect(form) for form in forms]
 
 
 def test_models_are_all_named() -> None:

@@ -143,13 +143,14 @@ def test_a_plan_says_law_by_law_what_is_left_and_where_the_laws_defaults_differ(
     def told(friction: str) -> list[str]:
         laws = '[grid]\nfriction = ["stribeck", "lugre", "coulomb"]\n'
         text = f"{HEAD}[friction]\n{friction}\n{laws}{RESPONSE}"
-        return make_plan(sweep_fakes.case(text)).describe()[2:4]
+        return make_plan(sweep_fakes.case(text)).describe()[2:5]
 
-    left, differ = told("stribeck = { v_s = 0.1 }\nlugre = { v_s = 0.1 }")
+    left, of_model, differ = told("stribeck = { v_s = 0.1 }\nlugre = { v_s = 0.1 }")
     assert " mu_k = 0.23, stribeck.delta = 1, lugre.delta = 2, sigma_0 = " in left
     assert "v_s" not in left
+    assert of_model == "  mu_s, mu_k: the default of belt-1dof, not of the law"
     assert differ.startswith("  the laws' defaults of delta differ (stribeck.delta = 1, lugre.del")
-    left, analysis = told("delta = 2.0\nstribeck = { v_s = 0.1 }")
+    left, _, analysis = told("delta = 2.0\nstribeck = { v_s = 0.1 }")
     assert "lugre.v_s = " in left and "delta" not in left and "stribeck.v_s" not in left
     assert analysis.startswith("  response: 3 points")
 

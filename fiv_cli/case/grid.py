@@ -13,7 +13,9 @@ from fiv_cli.case.axes import LONGEST_AXIS, AxisError, Candidate, Span, span_by_
 from fiv_cli.case.case import Axis, Refinement
 from fiv_cli.case.form import Form, own_file
 from fiv_cli.case.physics import (
+    AMBIGUOUS,
     Physics,
+    is_ambiguous,
     law_names,
     note_no_axis,
     note_no_state,
@@ -83,6 +85,9 @@ def _candidate(name: str, place: Path, physics: Physics, report: Report) -> Cand
         own = options[name]
         return Candidate(name, "option", place, own.text, None, own.allowed, own.choices)
     elif name in parameters:
+        if physics.laws_known and is_ambiguous(physics.laws, name):
+            hint = "values under [friction.LAW]; or run the laws one by one"
+            report.add(place, AMBIGUOUS.format(name), suggestion=hint)
         parameter = parameters[name]
         read, unit = parameter.checked, parameter.unit
         return Candidate(name, "parameter", place, read, unit, parameter.allowed)

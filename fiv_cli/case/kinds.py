@@ -140,8 +140,9 @@ What is taken of them, along one axis or several (`over`), grid or own: `fiv kin
 `of` is a condition on a number (". > 0"), and "CLASS" or "not CLASS" of a class; `relative_to`
 gives a share over that at another point, a ratio of areas.
 
-A border that was found is the last place of a class along an axis, or the first; the class changes
-between it and the next value of the axis. Here stick-slip has died out by 7 rad/s:
+A border that was found is the last place of a class along an axis, or the first: it lies between
+that and the value beside it (at an end of the axis there is none; a `boundary` analysis bisects
+it). Here stick-slip ends by 7 rad/s:
 
     variable = "attractor"
     at = { initial = "up" }                      # one of several starts
@@ -151,6 +152,7 @@ between it and the next value of the axis. Here stick-slip has died out by 7 rad
 What is reached depends on the start where there are two classes over the starts: `fiv show` says
 where that is, and a map of it with level = 1.5 draws its border.
 
+    variable = "attractor"
     at = { Omega = "5.25 <= . <= 6.75" }         # bistable
     take = { what = "classes", over = "initial" }
     expect = { greater_than = 1 }

@@ -98,6 +98,14 @@ def _of_laws(tables: Mapping[str, Iterable[Parameter]]) -> dict[str, Parameter]:
     return found
 
 
+AMBIGUOUS = "{!r} means different things to the laws in use"
+
+
+def is_ambiguous(laws: Iterable[Law], name: str) -> bool:
+    """Whether a parameter of this name has several units under these laws."""
+    return len({p.unit for law in laws for p in law.parameters if p.name == name}) > 1
+
+
 def state_units(model: Model, options: Mapping[str, str]) -> dict[str, str]:
     """State -> unit: the coordinates in order, then their velocities."""
     states = model.states(options)
@@ -321,11 +329,10 @@ class _Reader:
 
     def refuse_ambiguous(self, laws: Sequence[Law], names: Iterable[str]) -> None:
         for name in names:
-            units = {p.unit for law in laws for p in law.parameters if p.name == name}
-            if len(units) > 1:
+            if is_ambiguous(laws, name):
                 self.report.add(
                     ("friction", name),
-                    f"{name!r} means different things to the laws in use",
+                    AMBIGUOUS.format(name),
                     suggestion=f"write it in the law's own table, [friction.{laws[0].name}]",
                 )
 

@@ -23,6 +23,7 @@ from fiv_cli.data.layout import Layout
 from fiv_cli.data.mapped import let_go, mapped
 from fiv_cli.data.modes import follow_modes
 from fiv_cli.flags import REASONS, TABLES
+from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
 
@@ -302,27 +303,27 @@ def _coordinates(layout: Layout) -> dict[str, Labelled]:
     coordinates: dict[str, Labelled] = {}
     for dim in layout.dims:
         for axis in dim.axes:
-            coordinates[axis.dim] = _axis_coordinate(axis, dim.name, layout.model)
+            coordinates[axis.dim] = _axis_coordinate(axis, dim.name, layout)
     if layout.labels is not None:
         coordinates["initial"] = _texts("initial", layout.labels, "start of the run")
     for name, value in layout.fixed.items():
-        attributes = _axis_attributes(Axis(name, "parameter", ()), layout.model)
+        attributes = _axis_attributes(Axis(name, "parameter", ()), layout)
         coordinates[name] = Labelled((), np.array(value), attributes)
     return coordinates
 
 
-def _axis_coordinate(axis: Axis, dim: str, model: str) -> Labelled:
+def _axis_coordinate(axis: Axis, dim: str, layout: Layout) -> Labelled:
     values = _text(axis.values) if axis.kind in ("option", "law") else np.array(axis.values, float)
-    return Labelled((dim,), values, _axis_attributes(axis, model))
+    return Labelled((dim,), values, _axis_attributes(axis, layout))
 
 
-def _axis_attributes(axis: Axis, model: str) -> dict[str, str]:
+def _axis_attributes(axis: Axis, layout: Layout) -> dict[str, str]:
     """Unit, meaning and symbol of an axis."""
     if axis.kind == "parameter":
-        parameter = _parameter(axis.name, model)
+        parameter = _parameter(axis.name, layout)
         return _attributes(parameter.unit, parameter.meaning, parameter.symbol)
     if axis.kind == "start":
-        table = get_model(model)
+        table = get_model(layout.model)
         states = motions(table.states(table.default_options()))
         named = {name: rest for name, *rest in states}
         unit, symbol, meaning = named[axis.name.removeprefix("initial.")]
@@ -334,12 +335,10 @@ def _attributes(unit: str, meaning: str, symbol: str) -> dict[str, str]:
     return {"units": unit, "long_name": meaning, "symbol": symbol}
 
 
-def _parameter(name: str, model: str) -> Parameter:
-    """The parameter of the model or of one of its laws."""
-    from fiv_cli.friction import get_law, laws_of
-
-    laws = map(get_law, laws_of(get_model(model)))
-    tables = [get_model(model).parameters, *(law.parameters for law in laws)]
+def _parameter(name: str, layout: Layout) -> Parameter:
+    """The parameter of the model or of one of the laws in use."""
+    laws = (get_law(law).parameters for law in layout.laws)
+    tables = [get_model(layout.model).parameters, *laws]
     return next(p for table in tables for p in table if p.name == name)
 
 

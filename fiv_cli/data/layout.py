@@ -44,6 +44,7 @@ class Layout:
     settings : settings of the analysis
     dims : dims of the grid, in order
     labels : coordinate of the dim ``initial``; None where the analysis has no starts
+    laws : names of the laws in use
     varying : parameters that vary in time
     fixed : parameters that have one value at all points, SI
     internal : states of the friction laws, and what they store
@@ -57,6 +58,7 @@ class Layout:
     settings: Settings
     dims: tuple[Dim, ...]
     labels: tuple[str, ...] | None
+    laws: tuple[str, ...]
     varying: tuple[Parameter, ...] = ()
     fixed: Mapping[str, float] = field(default_factory=dict)
     internal: tuple[State, ...] = ()

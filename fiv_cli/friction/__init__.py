@@ -126,5 +126,9 @@ def why_unfit(model: Model, law: Law) -> str:
     ):
         shared = {one.name for one in own} & {one.name for one in others}
         if shared:
-            return f"{law.name!r} and {model.name} have {what} of one name: {listed(shared)}"
+            origin = law.origin or model.origin
+            rename = f"; give it another name in {origin.path}" if origin else ""
+            return (
+                f"{law.name!r} and {model.name} have {what} of one name: {listed(shared)}{rename}"
+            )
     return ""

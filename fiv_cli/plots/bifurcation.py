@@ -45,7 +45,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     clouds = [cloud for layer in shown for cloud in _clouds(layer, name, settings)]
     if not shown:
         raise UsageError(
-            f"{name}: no values at a section in this dataset\n"
+            f"{name}: no values at a section in this dataset (or part of one)\n"
             "a bifurcation diagram needs a response analysis; draw another variable as a curve"
         )
     first = shown[0].dataset

@@ -48,7 +48,7 @@ HANDFUL = 0.005
 # Counterexamples that a finding names; the rest is counted.
 NAMED_MISSES = 3
 NOTHING = "no value"
-ERROR = "standard_error"
+ERROR, END = "standard_error", "end"
 
 
 @dataclass(frozen=True)
@@ -193,6 +193,8 @@ def evaluate(
                 trial = _try_bounds(claim.expect, part, variable, claim.at, other)
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
+    if END in part.attrs and (part[variable] == part.attrs[END]).any():
+        trial = replace(trial, found=f"{trial.found} (an end of the axis)")
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if not margin > 0.0:  # no share of a sample, or a sample that is all alike
         return _judge(trial, claim.holds)
@@ -213,10 +215,17 @@ def _asked(dataset: xr.Dataset, claim: ClaimSpec, drawn: Container[str]) -> tupl
     part = select.subset(dataset, inner, nearest=False)
     is_sample = _is_sample(part, claim.take, drawn)
     size = part.sizes.get("initial", 1)
-    part = taken(part, claim.variable, claim.take)
+    ends = _ends(part, claim.take)
+    part = taken(part, claim.variable, claim.take).assign_attrs(ends)
     if is_sample:
         part = part.assign({ERROR: (part["share"] * (1.0 - part["share"]) / size) ** 0.5})
     return select.subset(part, outer, nearest=False), claim.take["what"]
+
+
+def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
+    """The end of the axis that a first or last place may lie at, and then is no border."""
+    end = {"first": 0, "last": -1}.get(take["what"])
+    return {} if end is None else {END: select.axis_of(part, *take["over"]).values[end]}
 
 
 def _is_sample(part: xr.Dataset, take: Mapping[str, Any], drawn: Container[str]) -> bool:

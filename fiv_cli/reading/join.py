@@ -16,7 +16,7 @@ from fiv_cli.analyses.catalogue import named
 from fiv_cli.data.assemble import numbered, point_of_each
 from fiv_cli.data.dataset import Dataset, Labelled
 from fiv_cli.data.modes import follow_modes
-from fiv_cli.flags import TABLES
+from fiv_cli.flags import STATUS, TABLES
 from fiv_cli.reading.select import SelectionError, axis_names, observations, ragged_dims
 
 ROW = "_row"
@@ -57,7 +57,7 @@ def joined(runs: Sequence[xr.Dataset], along: str) -> xr.Dataset:
     whole = whole.drop_vars(ROW)
     if "mode_number" in whole.coords:  # each run has followed its own modes
         whole = follow_modes(Dataset.of(whole)).to_xarray()
-    return whole.drop_attrs(deep=False).assign_attrs(_of_all(runs))
+    return whole.drop_attrs(deep=False).assign_attrs(_of_all(runs) | _lacking(whole["status"]))
 
 
 def _refuse_unlike(runs: Sequence[xr.Dataset], along: str) -> None:
@@ -94,7 +94,7 @@ def _in_rows(run: xr.Dataset) -> list[str]:
 def _over(run: xr.Dataset, axes: set[str], begin: int) -> xr.Dataset:
     """The run over all `axes`, with the places of its points, from `begin`, in place of rows."""
     places = np.arange(begin, begin + run["status"].size).reshape(run["status"].shape)
-    plain = run.drop_dims([dim for dim in ragged_dims(run) if dim in run.dims])
+    plain = run.drop_dims([*ragged_dims(run)])
     placed = plain.assign({ROW: (run["status"].dims, places)})
     return placed.expand_dims([name for name in _fixed(run) if name in axes])
 
@@ -129,12 +129,20 @@ def _in_order(
     return {name: xr.Variable(dim, v.values, v.attrs) for name, v in (values | made).items()}
 
 
+def _lacking(status: xr.DataArray) -> dict[str, str]:
+    """What a dataset says that lacks points."""
+    there = int((status != STATUS.fill_code).sum())
+    return {} if there == status.size else {"partial": f"{there} of {status.size} points"}
+
+
 def _of_all(runs: Sequence[xr.Dataset]) -> dict[str, Any]:
     """Attributes: those that all runs share; of their cases all; what they count, added up."""
     first, *others = (run.attrs for run in runs)
     shared = {n: v for n, v in first.items() if all(n in o and o[n] == v for o in others)}
     cases = dict.fromkeys(run.attrs.get("case", "") for run in runs)
-    counted = {n: sum(run.attrs[n] for run in runs) for n in SUMMED if n in first}
-    shared.pop("variables_json", None)  # of the form that each was written in
+    refined = all(run.attrs.keys() >= {*SUMMED} for run in runs)
+    counted = {n: sum(run.attrs[n] for run in runs) for n in SUMMED} if refined else {}
+    for name in ("variables_json", "partial"):  # of the form that each has
+        shared.pop(name, None)
     kept = {"figures_json": first.get("figures_json", "[]"), "case": "\n".join(cases)}
     return {**shared, **counted, **kept}

@@ -178,7 +178,7 @@ def ragged_dims(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {
         str(variable.attrs["sample_dimension"]): variable
         for variable in dataset.data_vars.values()
-        if "sample_dimension" in variable.attrs
+        if variable.attrs.get("sample_dimension") in dataset.dims
     }
 
 
@@ -253,13 +253,17 @@ def _refuse_cut(
 def contiguous(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with the values of ragged variables one behind another, also of joined runs.
 
-    Raises
-    ------
-    SelectionError : as `observations`
+    Without those that nothing leads back to their points.
     """
     for obs in ragged_dims(dataset):
-        names = [str(name) for name, one in dataset.items() if obs in one.dims and one.ndim > 1]
-        values = {name: observations(dataset, name) for name in names}
-        rows = {name: (obs, one.values, one.attrs) for name, one in values.items()}
-        dataset = dataset.drop_dims(obs).assign(rows) if rows else dataset
+        names = [str(name) for name, one in dataset.items() if obs in one.dims]
+        joined = [name for name in names if dataset[name].ndim > 1]
+        try:
+            values = {name: observations(dataset, name) for name in joined or names[:1]}
+        except SelectionError:  # points were selected apart from them
+            dataset = dataset.drop_dims(obs)
+            continue
+        if joined:
+            rows = {name: (obs, one.values, one.attrs) for name, one in values.items()}
+            dataset = dataset.drop_dims(obs).assign(rows)
     return dataset

@@ -72,7 +72,7 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     if take.get("relative_to"):
         interval = _relative(interval, take["relative_to"])
     array = dataset[variable]
-    named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take)}
+    named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take, axes[0])}
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
 
@@ -148,14 +148,19 @@ def _unit(array: xr.DataArray, what: str, axis: xr.DataArray) -> str:
     return str(own.attrs.get("units", "1"))
 
 
-def _words(array: xr.DataArray, take: Mapping[str, Any]) -> str:
-    """``share with stick fraction > 0``, ``share that is not equilibrium``, ``spread of L_s``."""
+def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> str:
+    """``share with stick fraction > 0``, ``share that is not equilibrium``, ``spread of L_s``.
+
+    A place is ``last disc speed that is periodic``.
+    """
     name, of = str(array.name), take.get("of", "")
     words = name if "symbol" in array.attrs else name.replace("_", " ")
     if "." in of:
         words = f"with {of.replace('.', words, 1)}"
     elif of:
         words = f"that is {of.replace('_', ' ')}"
+    if take["what"] in ("first", "last"):
+        words = f"{axis.attrs.get('long_name', axis.name)} {words}"
     words += " over that of the reference" if take.get("relative_to") else ""
     return f"{take['what']} {'of ' * (take['what'] in ('spread', 'classes'))}{words}"
 

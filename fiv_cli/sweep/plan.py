@@ -23,6 +23,7 @@ from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Points, Request, Start, Varied, requirements
 from fiv_cli.case.case import SEVERAL, AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
+from fiv_cli.case.physics import is_ambiguous
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.friction import get_law
@@ -312,6 +313,7 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
         settings=spec.settings,
         dims=dims,
         labels=None if entries is None else tuple(entry.label for entry in entries),
+        laws=case.laws,
         varying=case.varying,
         fixed=_fixed(template),
         internal=case.internal,
@@ -329,7 +331,9 @@ def _fixed(template: Template) -> dict[str, float]:
     if any(one.name == "parameter" and one.required for one in asked):
         own: Varied = template.settings["parameter"]
         varied |= {own.name, *own.followers}
+    laws = [get_law(law) for law in template.parameters]
     shared = {n: v for n, v in first.items() if all(other.get(n) == v for other in others)}
+    varied |= {name for name in shared if is_ambiguous(laws, name)}
     return {name: value for name, value in shared.items() if name not in varied}
 
 
