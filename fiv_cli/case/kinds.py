@@ -141,7 +141,8 @@ What is taken of them, along one axis or several (`over`), grid or own: `fiv kin
 gives a share over that at another point, a ratio of areas.
 
 A border that was found is the last place of a class along an axis, or the first: it lies between
-that and the value beside it (at an end of the axis there is none). Here stick-slip ends by 7 rad/s:
+that and the value beside it (at an end of the axis there is none; a `boundary` analysis bisects
+it). Here stick-slip ends by 7 rad/s:
 
     variable = "attractor"
     at = { initial = "up" }                      # one of several starts

@@ -78,7 +78,7 @@ def _of_class(variable: xr.DataArray) -> dict[str, Any]:
     known = (~variable.isin(unknown)).all(LAWS)
     facts: dict[str, Any] = {"points": int(known.sum())}
     differs = known & ~_agrees(variable)
-    facts |= {"same": facts["points"] - int(differs.sum()), "differs": stretches(differs)}
+    facts |= {"same": facts["points"] - int(differs.sum()), "differs": [*stretches(differs)]}
     facts |= {"counts": {}, "alone": {}}
     for law in variable[LAWS].values.tolist():
         own, others = variable.sel({LAWS: law}), variable.drop_sel({LAWS: law})
@@ -114,18 +114,19 @@ def _of_number(variable: xr.DataArray) -> dict[str, Any]:
     }
 
 
-def stretches(marked: xr.DataArray) -> list[str]:
+def stretches(marked: xr.DataArray) -> Iterator[str]:
     """Names of the marked points; neighbours along the longest axis of numbers are one."""
     axes = [c for c in marked.coords.values() if c.ndim == 1 and select.is_numeric(c)]
     if not axes:
-        return [point_name(marked, row) for row in np.flatnonzero(marked.values).tolist()]
+        yield from (point_name(marked, row) for row in np.flatnonzero(marked.values).tolist())
+        return
     axis = max(axes, key=lambda axis: axis.size)
     along = marked.transpose(..., axis.dims[0])
     edges = np.diff(along.values.reshape(-1, axis.size), prepend=False, append=False)
     ends = np.argwhere(edges).reshape(-1, 2, 2).tolist()  # (row, begin) and (row, one behind)
-    names = [point_name(along, row * axis.size + begin) for (row, begin), _ in ends]
-    lasts = [f" to {_last(along, axis, e - 1)}" * (e - begin > 1) for (_, begin), (_, e) in ends]
-    return [name + last for name, last in zip(names, lasts, strict=True)]
+    for (row, begin), (_, end) in ends:
+        last = f" to {_last(along, axis, end - 1)}" if end - begin > 1 else ""
+        yield point_name(along, row * axis.size + begin) + last
 
 
 def _last(along: xr.DataArray, axis: xr.DataArray, place: int) -> str:

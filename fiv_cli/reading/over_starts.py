@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
+from itertools import combinations, islice
 from typing import Any
 
 import xarray as xr
 
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import class_names, is_class
+from fiv_cli.reading.datasets import flag_names, is_class
 from fiv_cli.reading.over_laws import OPEN, stretches
 
 MOST_PAIRED = 3  # starts that are held against one another; more are told together
@@ -34,33 +34,38 @@ def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
     reached = dataset.get("attractor")
     if reached is None or reached.dims != dataset["status"].dims or "initial" not in reached.dims:
         return []
-    labels = dataset["initial"].values.tolist()
+    asked, labels = dataset[[*{"attractor", "L_s"} & {*dataset}]], dataset["initial"].values
     if len(labels) > MOST_PAIRED:
-        return [{"starts": f"all {len(labels)} starts", **_among(dataset)}]
-    return [_of_pair(dataset.sel(initial=list(pair))) for pair in combinations(labels, 2)]
+        return [{"starts": f"all {len(labels)} starts", **_among(asked)}]
+    return [_of_pair(asked.sel(initial=list(pair))) for pair in combinations(labels, 2)]
 
 
 def _of_pair(pair: xr.Dataset) -> dict[str, Any]:
-    names = (class_names(pair["attractor"].isel(initial=start)).tolist() for start in (0, 1))
-    decided = (both for both in zip(*names, strict=True) if not {*OPEN} & {*both})
-    counts = Counter(both for both in decided if len({*both}) > 1)
-    classes = {" against ".join(both): count for both, count in counts.most_common()}
+    differ, names = _differ(pair).values, flag_names(pair["attractor"].attrs)
+    codes = (pair["attractor"].isel(initial=start).values[differ].tolist() for start in (0, 1))
+    counts = Counter(zip(*codes, strict=True)).most_common()
+    classes = {f"{names[one]} against {names[other]}": count for (one, other), count in counts}
     starts = f"starts {' and '.join(pair['initial'].values)}"
     return {"starts": starts, **_among(pair), "classes": classes}
 
 
 def _among(dataset: xr.Dataset) -> dict[str, Any]:
-    reached = dataset["attractor"]
-    known = reached.where(~is_class(reached, OPEN))
-    differ = known.max("initial") > known.min("initial")
+    differ = _differ(dataset)
     another = _another(dataset) & ~differ
+    decided = (~is_class(dataset["attractor"], OPEN)).sum("initial")
     return {
-        "points": int((known.count("initial") > 1).sum()),
+        "points": int((decided > 1).sum()),
         "differ": int(differ.sum()),
         "at": _places(differ),
         "another": int(another.sum()),
         "another_at": _places(another),
     }
+
+
+def _differ(dataset: xr.Dataset) -> xr.DataArray:
+    """Where two starts are of different classes, and both decided."""
+    decided = dataset["attractor"].where(~is_class(dataset["attractor"], OPEN))
+    return decided.max("initial") > decided.min("initial")
 
 
 def _another(dataset: xr.Dataset) -> xr.DataArray:
@@ -75,9 +80,9 @@ def _another(dataset: xr.Dataset) -> xr.DataArray:
 def _places(marked: xr.DataArray) -> list[str]:
     """Stretches along an axis; of many, over several axes, the range of the marked on each."""
     axes = [axis for axis in marked.coords.values() if axis.ndim == 1 and axis.size > 1]
-    named = stretches(marked)
     if len(axes) == 1:
-        return [f"{stretch}{_unit(axes[0])}" for stretch in named]
+        return [f"{stretch}{_unit(axes[0])}" for stretch in stretches(marked)]
+    named = [*islice(stretches(marked), NAMED + 1)]
     if len(named) <= NAMED:
         return named
     others = ((axis, [dim for dim in marked.dims if dim not in axis.dims]) for axis in axes)
