@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from fiv_cli.codegen import cache as store
-from fiv_cli.codegen.lower import compile_optimised, load_object, machine_description
+from fiv_cli.codegen.lower import compile_entry, load_object, machine_description
 
 Entry = Callable[..., Any]
 SOURCES = ("compiled.py", "kernels.py", "lower.py", "memory.py")
@@ -81,7 +81,7 @@ class Compiled:
         """The machine code, compiled now."""
         from fiv_cli.codegen.kernels import text_of
 
-        return compile_optimised(text_of(self._declare(), self.signature, self.name))
+        return compile_entry(text_of(self._declare(), self.signature, self.name), self.name)
 
     def _is_unedited(self) -> bool:
         """Whether the sources are still those that were imported."""

@@ -59,11 +59,20 @@ def compile_text(text: str) -> bytes:
     return bytes(machine.emit_object(module))
 
 
-def compile_optimised(text: str) -> bytes:
-    """Object code of LLVM text that has been optimised already."""
-    module = llvm.parse_assembly(text)
+def compile_entry(text: str, entry: str) -> bytes:
+    """Object code of LLVM text, in which one function alone is called from elsewhere.
+
+    LLVM is told so: what every function returns in the same way, or hands on to nobody, goes.
+    """
+    machine, module = target_machine(effort=3), llvm.parse_assembly(text)
     module.verify()
-    return bytes(target_machine(effort=3).emit_object(module))
+    for function in module.functions:
+        if not function.is_declaration and function.name != entry:
+            function.linkage = "internal"
+    options = llvm.create_pipeline_tuning_options(speed_level=3)
+    builder = llvm.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
 
 
 def load_object(code: bytes) -> llvm.ExecutionEngine:

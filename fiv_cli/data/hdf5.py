@@ -157,8 +157,9 @@ def _dataset(group: h5py.Group) -> xr.Dataset:
     }
     raw = xr.Dataset(variables, attrs=_attributes(group.attrs))
     dataset = xr.decode_cf(raw, decode_times=False).load()  # what cannot be decoded fails here
-    for variable in dataset.variables.values():  # of texts that are selected others are the longest
+    for variable in dataset.variables.values():  # so that xarray writes it, or a part, as it was
         variable.encoding.pop("char_dim_name", None)
+        variable.encoding.setdefault("_FillValue", None)
     return dataset
 
 

@@ -57,6 +57,8 @@ def joined(runs: Sequence[xr.Dataset], along: str) -> xr.Dataset:
     whole = whole.drop_vars(ROW)
     if "mode_number" in whole.coords:  # each run has followed its own modes
         whole = follow_modes(Dataset.of(whole)).to_xarray()
+    for axis in whole.coords.values():  # which lacks no value, whatever xarray takes for granted
+        axis.encoding["_FillValue"] = None
     return whole.drop_attrs(deep=False).assign_attrs(_of_all(runs) | _lacking(whole["status"]))
 
 
@@ -139,10 +141,10 @@ def _of_all(runs: Sequence[xr.Dataset]) -> dict[str, Any]:
     """Attributes: those that all runs share; of their cases all; what they count, added up."""
     first, *others = (run.attrs for run in runs)
     shared = {n: v for n, v in first.items() if all(n in o and o[n] == v for o in others)}
-    cases = dict.fromkeys(run.attrs.get("case", "") for run in runs)
+    texts = {n: dict.fromkeys(run.attrs.get(n, "") for run in runs) for n in ("case", "history")}
     refined = all(run.attrs.keys() >= {*SUMMED} for run in runs)
     counted = {n: sum(run.attrs[n] for run in runs) for n in SUMMED} if refined else {}
     for name in ("variables_json", "partial"):  # of the form that each has
         shared.pop(name, None)
-    kept = {"figures_json": first.get("figures_json", "[]"), "case": "\n".join(cases)}
-    return {**shared, **counted, **kept}
+    told = {name: "\n".join(each) for name, each in texts.items()}
+    return {**shared, **counted, **told, "figures_json": first.get("figures_json", "[]")}
