@@ -477,9 +477,7 @@ def _joined_texts(blocks: Sequence[Block], rows: NDArray[np.int64], name: str) -
     return {becomes[row]: text for row, text in found.items() if row in becomes}
 
 
-def _joined_values(
-    blocks: Sequence[Block], variable: Variable, rows: NDArray[np.int64]
-) -> Array:
+def _joined_values(blocks: Sequence[Block], variable: Variable, rows: NDArray[np.int64]) -> Array:
     """Some rows of a variable over all blocks, as large as the largest of them."""
     name, fill, dtype = variable.name, fill_value(variable), dtype_of(variable)
     given = [block.values[name] for block in blocks if name in block.values]
