@@ -29,6 +29,7 @@ def claim(variable: str, expect: str, *lines: str) -> str:
 TAKE = 'take = { what = "share", of = ". > 0", over = "v" }'
 OF_CLASS = TAKE.replace(". > 0", "periodic")
 MEAN = 'take = { what = "mean", over = "v" }'
+CLASSES = 'take = { what = "classes", over = "v" }'
 
 
 def figure(*lines: str) -> str:
@@ -84,6 +85,7 @@ def test_what_will_be_there(text: str) -> None:
         (claim("L_s", "{ less_than = 1 }", OF_CLASS), "claim.0.take.of", "no class 'periodic'"),
         (claim("stable", "{ less_than = 1 }", OF_CLASS), "claim.0.take.of", "no class 'periodic'"),
         (claim("attractor", "{ less_than = 1 }", MEAN), "claim.0.take.what", "there is no mean"),
+        (claim("L_s", "{ less_than = 2 }", CLASSES), "claim.0.take.what", "has no classes"),
         (figure('kind = "curve"', 'variable = "L_s"', OF_CLASS), "figure.0.take.of", "a number"),
         (claim("stable", '"yess"'), "claim.0.expect", "no class 'yess'"),
         (figure('kind = "curve"', 'variable = "L_S"'), "figure.0.variable", "did you mean 'L_s'"),

@@ -35,7 +35,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "spectrum": BELT | {"analysis": [{"kind": "spectrum", "f_max": 2.0}]},
     "spectrogram": BELT
     | {"schedule": {"v": {"points": [[0.0, 1.0], [50.0, 2.0]]}}}
-    | {"analysis": [{"kind": "spectrogram", "t_end": 50.0, "f_max": 2.0}]},
+    | {"analysis": [{"kind": "spectrogram", "t_end": 50.0, "f_max": 2.0, "resolution": 0.2}]},
     "boundary": BELT | {"analysis": [{"kind": "boundary", "scan": 3, "of": PERIODIC, **VARIED}]},
     "cycle": BELT | {"analysis": [{"kind": "cycle", **VARIED}]},
     "plate": {"schema": 1, "model": {"name": "annular-plate"}, "analysis": [{"kind": "plate"}]},
@@ -58,7 +58,8 @@ def test_every_kind_of_analysis_is_looked_at() -> None:
 def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset of each kind."""
     path = tmp_path_factory.mktemp("cf") / f"{request.param}.nc"
-    api.run(api.load(KINDS[request.param]), path, workers=1)
+    found = api.run(api.load(KINDS[request.param]), path, workers=1)
+    assert (api.names_of(found["status"]) == "ok").all()
     return path
 
 

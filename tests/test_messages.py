@@ -119,6 +119,9 @@ def test_what_is_wrong_with_an_argument_is_not_the_file(
     said = capsys.readouterr().err
     assert "model.param (--set model.param.N0=3): unknown key" in said
     assert said.endswith("next: correct what --set says, then give the same command again\n")
+    assert run(["run", "pin.toml", "--set", "far.kind=state"]) == 3
+    assert "[[initial]]: --set initial.far.KEY=VALUE" in capsys.readouterr().err
+    assert run(["check", "pin.toml", "--set", "initial.far.kind=state"]) == 0
     Path("pin.toml").write_text(CASE.replace("label =", "lable ="))
     assert run(["run", "pin.toml", "--set", "model.param.N0=3"]) == 3
     assert "next: correct the file and what --set says" in capsys.readouterr().err

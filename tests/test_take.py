@@ -358,7 +358,8 @@ def test_a_case_may_take_a_number():
     ("take", "word"),
     [
         ('over = "w", what = "mean"', "nothing called 'w' to vary"),
-        ('over = "time", what = "entries"', "neither a condition"),
+        ('over = "time", what = "entries"', "entries needs of: a class"),
+        ('over = "time", what = "classes", of = "stick"', "classes is taken of all values"),
         ('over = "time", what = "share", of = "Stick!"', "neither a condition"),
         ('over = "time", what = "mean", of = "stick"', "of is for share, entries, first, last"),
         ('over = "time", what = "median"', "'median' .a string. is not allowed"),

@@ -224,7 +224,8 @@ def _check_expected(
         _check_class(name, classes, claim.expect.name, at, report)
     else:
         message = f"{name!r} is a number and has no class {claim.expect.name!r}"
-        forms = '"increasing", "decreasing", { value, tolerance } or { less_than }'
+        forms = '"increasing", "decreasing", { value, tolerance }, { less_than }, '
+        forms += "{ greater_than } or { between }"
         report.add(at, message, forms)
 
 

@@ -14,6 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from pydantic import BaseModel
 
 from fiv_cli.analyses import all_analyses
+from fiv_cli.case.overrides import names_of
 from fiv_cli.case.report import MISSING, Path, Report
 from fiv_cli.case.structure import (
     SCHEMA_VERSION,
@@ -133,7 +134,7 @@ def known_tables(document: Mapping[str, Any], report: Report) -> dict[str, Any]:
     """The tables of `document` under the names that are meant; a note of each that is unknown."""
     known, found = keys_of(CaseTable), dict(document)
     for key in [key for key in document if key not in known]:
-        hint = suggest(key, known) or _home_of(key)
+        hint = _element_called(key, document) or suggest(key, known) or _home_of(key)
         report.unknown((key,), f"unknown table or key {key!r}", key, known, hint, of_key=True)
         value, meant = found.pop(key), nearest(key, [one for one in known if one not in found])
         found |= {meant: value} if meant is not None else {}
@@ -146,6 +147,13 @@ def known_tables(document: Mapping[str, Any], report: Report) -> dict[str, Any]:
         if found.get(key) in (None, []):
             report.add((key,), MISSING, what)
     return found
+
+
+def _element_called(key: str, document: Mapping[str, Any]) -> str:
+    """What to write for the name of an analysis, say, that was taken for that of a table."""
+    arrays = {table: value for table, value in document.items() if isinstance(value, list)}
+    holding = [table for table, elements in arrays.items() if key in names_of(elements)]
+    return f"{key!r} is an [[{holding[0]}]]: --set {holding[0]}.{key}.KEY=VALUE" if holding else ""
 
 
 def _home_of(key: str) -> str:

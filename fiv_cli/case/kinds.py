@@ -163,8 +163,8 @@ say the same: one about a border is not while undecided points lie beside it. A 
 at which its numbers have a `level` (one or several), of an interval that of each end; with
 overlay = true the lines alone, all in one panel.
 
-Examples: configs/ch7/fig_7_13.toml, fig_7_15.toml (overlaid lines), configs/ch4/fig_4_15.toml
-(claims about motions and spectra).
+Examples: configs/ch7/fig_7_13.toml, fig_7_06_exists.toml (borders), fig_7_15.toml (overlaid lines),
+configs/ch4/fig_4_15.toml (claims about motions and spectra).
 """
 
 GRID = """\

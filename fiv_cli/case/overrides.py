@@ -100,9 +100,14 @@ def _step(parent: Any, key: str, override: Override) -> str | int:
     return _index_by_name(parent, key, override)
 
 
+def names_of(elements: Sequence[Any]) -> list[str]:
+    """What the tables of an array of tables are called."""
+    tables = (element for element in elements if isinstance(element, dict))
+    return [next((str(t[key]) for key in _NAMING_KEYS if key in t), "") for t in tables]
+
+
 def _index_by_name(elements: list[Any], key: str, override: Override) -> int:
-    tables = [element for element in elements if isinstance(element, dict)]
-    names = [next((t[k] for k in _NAMING_KEYS if k in t), "") for t in tables]
+    names = names_of(elements)
     if key in names:
         return names.index(key)
     known = [*map(str, range(len(elements))), *names]

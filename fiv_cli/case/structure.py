@@ -306,6 +306,10 @@ class TakeTable(Table):
 
     @model_validator(mode="after")
     def _agrees(self) -> Self:
+        if self.what in COUNTED and self.of is None:
+            raise ValueError(
+                f'{self.what} needs of: a class, "not CLASS", or a condition (". > 0")'
+            )
         if self.what in COUNTED:
             check_counted(self.of or "")
         elif self.of is not None:
@@ -378,6 +382,7 @@ class FigureTable(Table):
 class ClaimTable(Table):
     """What the publication says, as a check."""
 
+    elsewhere: ClassVar[Mapping[str, str]] = {"select": "at", "where": "at"}
     gone: ClassVar[Mapping[str, Callable[[Any], str]]] = {
         "share": in_place_of_share,
         "reduce": in_place_of_reduce,

@@ -11,6 +11,7 @@ _MEANT = {
     "poincare poincaremap poincaresection section returnmap": "response bifurcation",
     "bifurcationdiagram orbitdiagram": "bifurcation response",
     "basinofattraction basinsofattraction basins": "basin random",
+    "bistable bistability multistable multistability coexistence": "classes basin continue",
     "montecarlo sampling samples": "random share",
     "initialcondition initialconditions ic start starts": "initial",
     "timeseries timehistory timetrace trajectory transient simulation simulate motion": "history",

@@ -226,7 +226,8 @@ class Frame:
 
     def put(self, name: str, values: Sequence[float]) -> None:
         """Let an own array of floats begin with these (numpy takes three times as long)."""
-        pack_into(f"{len(values)}d", self.words, WORD * self.parts[name].start, *values)
+        place = WORD * self.parts[name].start
+        pack_into(f"{len(values)}d", self.words, place, *values)  # type: ignore[arg-type]
 
     def show(self, name: str, array: Array) -> None:
         """Show kernels another array as the field `name`, and keep it alive meanwhile."""
