@@ -171,12 +171,12 @@ class _Assembly:
                 let_go(self.arrays[variable.name])
 
     def _fill_value(self, variable: Variable, block: Block, rows: slice, place: slice) -> None:
-        source, target = block.values[variable.name][rows], self.arrays[variable.name]
+        source, target = block.values[variable.name], self.arrays[variable.name]
         if variable.role is Role.ALONG:
-            _fill_coordinate(target, source)
+            _fill_coordinate(target, source if len(source) == 1 else source[rows])
             return
-        shape = (len(source), *target.shape[1:])
-        target[place] = padded(source, shape, fill_value(variable))
+        shape = (rows.stop - rows.start, *target.shape[1:])
+        target[place] = padded(source[rows], shape, fill_value(variable))
 
     def _fill_ragged(self, variable: Variable, block: Block, rows: slice, place: slice) -> None:
         begins, starts = _row_starts(block.row_sizes[variable.ragged]), self.starts[variable.ragged]

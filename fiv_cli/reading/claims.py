@@ -23,7 +23,7 @@ import xarray as xr
 
 from fiv_cli.case.case import Case, ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
-from fiv_cli.case.identity import default_output, fingerprint, output_of
+from fiv_cli.case.identity import default_output, is_of, output_of
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     ends_of,
@@ -33,6 +33,7 @@ from fiv_cli.reading.datasets import (
     read_analyses,
     unknown_points,
 )
+from fiv_cli.reading.shares import ERROR, with_standard_error
 from fiv_cli.reading.take import taken
 
 Analyses = Mapping[str, xr.Dataset]
@@ -48,7 +49,7 @@ HANDFUL = 0.005
 # Counterexamples that a finding names; the rest is counted.
 NAMED_MISSES = 3
 NOTHING = "no value"
-ERROR, END = "standard_error", "end"
+END = "end"
 
 
 @dataclass(frozen=True)
@@ -134,9 +135,10 @@ def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
     if not path.exists():
         return None, f"{path} is not there; {advice}"
     analyses = read_analyses(path)
-    stored = next(iter(analyses.values())).attrs.get("fingerprint")
-    if stored != fingerprint(case, None):
+    if not is_of(next(iter(analyses.values())).attrs, case):
         return None, f"{path} was computed from another version of the case; {advice} --fresh"
+    if len(analyses) < len(case.analyses):
+        return None, f"{path} was computed before an analysis was added; {advice}"
     if not all(_same_grid(case, dataset) for dataset in analyses.values()):
         return None, f"{path} was computed on another grid; {advice}"
     return analyses, ""
@@ -213,26 +215,15 @@ def _asked(dataset: xr.Dataset, claim: ClaimSpec, drawn: Container[str]) -> tupl
     inner = {name: at for name, at in claim.at.items() if name.replace(".", "_") in over}
     outer = {name: at for name, at in claim.at.items() if name not in inner}
     part = select.subset(dataset, inner, nearest=False)
-    is_sample = _is_sample(part, claim.take, drawn)
-    size = part.sizes.get("initial", 1)
-    ends = _ends(part, claim.take)
-    part = taken(part, claim.variable, claim.take).assign_attrs(ends)
-    if is_sample:
-        part = part.assign({ERROR: (part["share"] * (1.0 - part["share"]) / size) ** 0.5})
-    return select.subset(part, outer, nearest=False), claim.take["what"]
+    found = taken(part, claim.variable, claim.take).assign_attrs(_ends(part, claim.take))
+    found = with_standard_error(found, part, claim.take, drawn)
+    return select.subset(found, outer, nearest=False), claim.take["what"]
 
 
 def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
     """The end of the axis that a first or last place may lie at, and then is no border."""
     end = {"first": 0, "last": -1}.get(take["what"])
     return {} if end is None else {END: select.axis_of(part, *take["over"]).values[end]}
-
-
-def _is_sample(part: xr.Dataset, take: Mapping[str, Any], drawn: Container[str]) -> bool:
-    """Whether what is taken is a share of random starts, and over nothing else."""
-    if take["what"] != "share" or [*take["over"]] != ["initial"] or take.get("relative_to"):
-        return False
-    return all(str(label).rpartition("-")[0] in drawn for label in part["initial"].values)
 
 
 def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:

@@ -110,7 +110,7 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
     plan = make_plan(case)
     if not policy.fresh:
         _refuse_another(run_folder(output), case)
-    check_output(output, fingerprint(case), policy.fresh)
+    check_output(output, None if policy.fresh else case)
     if policy.part is not None:
         return _run_part(plan, output, policy.part, policy, progress)
     folder = run_folder(output)
@@ -154,7 +154,7 @@ def assemble_case(case: Case, output: Path) -> tuple[Summary, list[str]]:
     """
     begun = time.monotonic()
     plan = make_plan(case)
-    check_output(output, fingerprint(case), False)
+    check_output(output, case)
     folder = run_folder(output)
     store.create(folder)
     with hold(folder):
