@@ -339,16 +339,22 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
     return apply_ufunc(lambda code: names.get(code, ""), flags, vectorize=True)
 
 
-def observations(dataset: xr.Dataset, variable: str) -> xr.DataArray:
+def observations(data: str | Path | Results, variable: str) -> xr.DataArray:
     """The values of a variable with any number of them per point, each with its point's axes.
 
     Parameters
     ----------
-    dataset : whole, of one analysis; several runs are one by `join`
+    data : what `run`, `history`, `read` or `join` returned, or the path of a dataset; of several
+        analyses that one is meant which has the variable
     variable : ``section_value``, say
 
     Select afterwards, ``values[values["v"] == 1.0]``: a part of the dataset is refused, for the
     values do not follow its points.
+
+    Raises
+    ------
+    UsageError
+        no analysis has such a variable, or several have.
 
     Examples
     --------
@@ -360,7 +366,15 @@ def observations(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """
     from fiv_cli.reading import select
 
-    return select.observations(dataset, variable)
+    analyses = _analyses_of(data)
+    holding = [name for name, dataset in analyses.items() if variable in dataset]
+    if len(holding) > 1:
+        raise UsageError(
+            f"{variable}: in several analyses, {', '.join(holding)}\n"
+            f'next: api.observations(api.read(...)["{holding[0]}"], "{variable}")'
+        )
+    richest = max(analyses, key=lambda name: len(select.ragged_dims(analyses[name])))
+    return select.observations(analyses[(holding or [richest])[0]], variable)
 
 
 def figure(

@@ -447,7 +447,9 @@ def store(classes, case="stick.toml", overrides=()):
     from fiv_cli.case.load import load_case
 
     loaded = load_case(case, overrides)
-    dataset = sweep(classes).assign_attrs(fingerprint=fingerprint(loaded, None))
+    analyses = json.dumps({spec.name: {} for spec in loaded.analyses})
+    found = {"fingerprint": fingerprint(loaded), "analyses_json": analyses}
+    dataset = sweep(classes).assign_attrs(found)
     dataset.to_netcdf(default_output(loaded))
 
 
@@ -460,6 +462,13 @@ def test_a_case_that_was_not_run_names_its_command(workplace):
     assert result.exit_code == 0
     assert "not run" in result.output
     assert "fiv run stick.toml" in result.output
+
+
+def test_a_case_with_another_analysis_since_is_run_again_and_not_anew(workplace):
+    store(["equilibrium"] * 3)
+    (workplace / "stick.toml").write_text(CASE + '[[analysis]]\nkind = "equilibrium"\n')
+    told = run("stick.toml").output
+    assert "before an analysis was added; compute it with: fiv run stick.toml\n" in told
 
 
 def test_a_changed_case_is_held_against_its_own_dataset(workplace):

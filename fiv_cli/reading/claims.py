@@ -23,7 +23,7 @@ import xarray as xr
 
 from fiv_cli.case.case import Case, ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
-from fiv_cli.case.identity import default_output, fingerprint, output_of
+from fiv_cli.case.identity import default_output, is_of, output_of
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     ends_of,
@@ -135,9 +135,10 @@ def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
     if not path.exists():
         return None, f"{path} is not there; {advice}"
     analyses = read_analyses(path)
-    stored = next(iter(analyses.values())).attrs.get("fingerprint")
-    if stored != fingerprint(case, None):
+    if not is_of(next(iter(analyses.values())).attrs, case):
         return None, f"{path} was computed from another version of the case; {advice} --fresh"
+    if len(analyses) < len(case.analyses):
+        return None, f"{path} was computed before an analysis was added; {advice}"
     if not all(_same_grid(case, dataset) for dataset in analyses.values()):
         return None, f"{path} was computed on another grid; {advice}"
     return analyses, ""
