@@ -64,11 +64,13 @@ class _Survey:
     owner : (size,) number of the last block that holds each point; -1: none
     row_sizes : ragged group -> (size,) rows of each point
     own_shapes : variable -> largest shape of its own dims
+    complete : variables that all points have, in that shape
     """
 
     owner: NDArray[np.int32]
     row_sizes: dict[str, NDArray[np.int32]] = field(default_factory=dict)
     own_shapes: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    complete: frozenset[str] = frozenset()
 
 
 def assemble(layout: Layout, blocks: Blocks, scratch: Path | None = None) -> Dataset:
@@ -97,7 +99,9 @@ def _survey(layout: Layout, blocks: Blocks) -> _Survey:
     for variable in layout.variables:
         if variable.ragged:
             survey.row_sizes[variable.ragged] = np.zeros(layout.size, np.int32)
+    shapes_of_blocks = []
     for number, (positions, stored) in enumerate(blocks()):
+        shapes_of_blocks.append(stored.shapes)
         placed = positions >= 0
         survey.owner[positions[placed]] = number
         for group, sizes in stored.row_sizes.items():
@@ -105,6 +109,12 @@ def _survey(layout: Layout, blocks: Blocks) -> _Survey:
         for name, shape in stored.shapes.items():
             known = survey.own_shapes.get(name, shape)
             survey.own_shapes[name] = tuple(map(max, known, shape))
+    if (survey.owner >= 0).all():
+        survey.complete = frozenset(
+            name
+            for name, shape in survey.own_shapes.items()
+            if all(shapes.get(name) == shape for shapes in shapes_of_blocks)
+        )
     return survey
 
 
@@ -129,9 +139,11 @@ class _Assembly:
             points = [] if variable.role is Role.ALONG else [self.layout.size]
             shape = [*points, *map(self._dim_size, variable.dims)]
         fill, dtype = fill_value(variable), dtype_of(variable)
-        if self.scratch is None:
-            return np.full(shape, fill, dtype)
-        return mapped(fill, tuple(map(int, shape)), dtype, self.scratch)
+        if self.scratch is not None:
+            return mapped(fill, tuple(map(int, shape)), dtype, self.scratch)
+        if variable.name in self.survey.complete and variable.role is not Role.ALONG:
+            return np.empty(shape, dtype)
+        return np.full(shape, fill, dtype)
 
     def _dim_size(self, dim: str) -> int:
         """Size of an own dim: the longest that any variable has along it."""
