@@ -64,6 +64,14 @@ def take_over() -> None:
     threading.Thread(target=_watch, args=(reader,), daemon=True).start()
 
 
+def how_to_end() -> str:
+    """What ends this process where Ctrl-C does not, as of a job in the background; or nothing."""
+    ignored = [n for n in NAMES if signal.getsignal(n) == signal.SIG_IGN]
+    if signal.SIGINT not in ignored or signal.SIGTERM in ignored:
+        return ""
+    return f"SIGINT does not end it (a job in the background); `kill {os.getpid()}` does"
+
+
 def heed() -> None:
     """A safe point: raise what was asked for, if anything was.
 

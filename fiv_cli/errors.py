@@ -118,11 +118,13 @@ class CaseError(InputError):
     ----------
     source : the file, as given
     problems : what is wrong in it
+    files : of models and laws that have some of what the case names
     """
 
-    def __init__(self, source: str, problems: Sequence[Problem]) -> None:
+    def __init__(self, source: str, problems: Sequence[Problem], files: Sequence[str] = ()) -> None:
         self.source = source
         self.problems = tuple(problems)
+        self.files = tuple(dict.fromkeys(files))
         super().__init__("\n".join(self._lines()))
 
     def _lines(self) -> list[str]:
@@ -136,17 +138,20 @@ class CaseError(InputError):
             listed |= {problem.allowed} if len(problem.allowed) > LONG_LIST else set()
             if others:
                 lines.append(f"      likewise: {', '.join(map(_place, others))}")
-        return [*lines, f"next: correct {self._what_to_correct()}"]
+        added = "".join(f" --with {file}" for file in self.files)
+        if added and all(problem.suggestion.startswith(self.files) for problem in self.problems):
+            return [*lines, f"next: add{added}: fiv run {self.source}{added}"]
+        return [*lines, f"next: correct {self._what_to_correct(added)}"]
 
-    def _what_to_correct(self) -> str:
-        """The file, the arguments, or both; and what to do then."""
+    def _what_to_correct(self, added: str) -> str:
+        """The file, the arguments, or both; and what to do then, with options `added`."""
         overrides = [bool(problem.override) for problem in self.problems]
         if all(overrides):
-            return "what --set says, then give the same command again"
+            return f"what --set says, then give the same command again{added and ' with'}{added}"
         if self.source.startswith("<"):
             return "it and try again"
         what = "the file and what --set says" if any(overrides) else "the file"
-        return f"{what}, then `fiv check {self.source}`"
+        return f"{what}, then `fiv check {self.source}{added}`"
 
     def _describe(self, problem: Problem, listed: bool) -> list[str]:
         place = self.source
@@ -165,7 +170,7 @@ class CaseError(InputError):
 class ModelFileError(CaseError):
     """A file of models and laws is invalid; holds every problem that was found."""
 
-    def _what_to_correct(self) -> str:
+    def _what_to_correct(self, added: str) -> str:
         return f"the file, then `fiv models --with {self.source}`"
 
 

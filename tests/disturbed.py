@@ -28,9 +28,15 @@ def by_default() -> None:
 
 
 def ignoring() -> None:
-    """In the child: signals as `nohup` and jobs in the background have them."""
+    """In the child: all of them ignored."""
     for number in ENDING:
         signal.signal(number, signal.SIG_IGN)
+
+
+def in_the_background() -> None:
+    """In the child: signals as a shell without job control gives them to what it does not await."""
+    by_default()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def wait_for(condition: Callable[[], object], what: str, patience: float = PATIENCE) -> None:

@@ -65,15 +65,17 @@ class TestFingerprint:
     def test_no_differences_from_itself(self) -> None:
         assert differences(document(parse()), parse("grid.v=[7.0]")) == []
 
-    def test_one_analysis_is_compared_with_its_own(self) -> None:
+    def test_an_analysis_may_be_added_and_none_taken_away_or_changed(self) -> None:
         case = parse()
-        assert differences(document(case, case.analyses[1]), case) == []
+        assert differences(document(case, case.analyses[1:]), case) == []
+        fewer = parse(text=TEXT.removesuffix('[[analysis]]\nkind = "equilibrium"\n'))
+        (told,) = differences(document(case), fewer)
+        assert told.startswith("analyses.equilibrium: stored ")
 
     def test_starts_do_not_count_where_there_are_none(self) -> None:
         changed = parse("initial.near.offset.x=1e-3")
-        assert fingerprint(parse(), parse().analyses[1]) == fingerprint(
-            changed, changed.analyses[1]
-        )
+        before, after = (fingerprint(one, one.analyses[1:]) for one in (parse(), changed))
+        assert before == after
 
     def test_numerics_version_counts(self, monkeypatch: pytest.MonkeyPatch) -> None:
         before = fingerprint(parse())

@@ -159,6 +159,24 @@ def test_values_of_any_number_are_found_with_their_points_in_joined_runs_too() -
         api.observations(other, "L_s")
 
 
+def test_values_of_any_number_are_found_in_the_analysis_that_has_them(tmp_path: Path) -> None:
+    """In a file, a tree, and a group of it; where it is not said which, by a message that does."""
+    case = KINDS["response"] | {"analysis": [{"kind": "equilibrium"}, {"kind": "response"}]}
+    tree = api.run(api.load(case), tmp_path / "two.nc", workers=1)
+    group = xr.open_dataset(tmp_path / "two.nc", group="response")
+    for data in (tree, tmp_path / "two.nc", tree["response"], group):
+        values = api.observations(data, "section_value")
+        np.testing.assert_array_equal(values, tree["response"]["section_value"])
+    with pytest.raises(
+        api.UsageError, match=r'several analyses: equil.*, resp.*\n.*group="equilibrium"'
+    ):
+        api.observations(xr.open_dataset(tmp_path / "two.nc"), "section_value")
+    with pytest.raises(api.UsageError, match=r'in several analyses.*\n.*\["equilibrium"\]'):
+        api.observations(tree, "status")
+    with pytest.raises(api.UsageError, match="these are: section_point, section_value"):
+        api.observations(tree, "section_valu")
+
+
 def run(**changes: Any) -> xr.Dataset:
     """A response under changed settings."""
     case = KINDS["response"] | {"grid": {"v": [0.5, 1.0, 9.0]}}

@@ -148,3 +148,14 @@ def test_help_lists_every_kind_of_figure() -> None:
     command = importlib.import_module(COMMANDS["plot"][0]).command
     text = " ".join(click.Context(command, info_name="plot").get_help().split())
     assert all(re.search(rf"\b{kind}\b", text) for kind in FIGURES)
+
+
+@pytest.mark.parametrize(
+    ("word", "following"),
+    [("map", "fiv kinds map"), ("refine", "fiv kinds refine"), ("Floquet", "fiv kinds cycle")],
+)
+def test_a_command_that_is_none_but_a_kind(
+    word: str, following: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run([word]) == 2
+    assert capsys.readouterr().err.splitlines()[-1].endswith(following)

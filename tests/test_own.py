@@ -90,7 +90,9 @@ def test_a_case_alone_runs_no_code_and_says_what_to_type(capsys):
     assert "--with my.py\n" in capsys.readouterr().err  # not a.py, which cannot be loaded
     Path("my.py").unlink()
     assert run(["check", "case.toml"]) == 3
-    assert re.search(r"--with a\.py \(mend its line \d+ first: .*never", capsys.readouterr().err)
+    assert re.search(
+        r"so \(mend its line \d+ first: .*never(.|\n)*--with a\.py", capsys.readouterr().err
+    )
     assert not Path("was_run").exists()
 
 
@@ -293,7 +295,8 @@ def test_a_law_that_shares_a_name_with_the_model_is_refused_with_it(
     table = "[friction.my-bristle]\nstiff = 2e3\n"
     Path("case.toml").write_text(CASE.replace("[grid]\n", f"{place}{table}[grid]\n{axis}"))
     assert run(["check", "case.toml", "--with", "my.py"]) == 3
-    assert "law.py has it" in capsys.readouterr().err
+    assert "law.py has it" in (err := capsys.readouterr().err)
+    assert err.endswith("\nnext: add --with law.py: fiv run case.toml --with law.py\n")
     assert run(["check", "case.toml", "--with", "my.py", "--with", "law.py"]) == 3
     err = capsys.readouterr().err  # once, where the law is named; not at its table again
     said = f": 'my-bristle' and my-belt have {said}; give it another name in law.py"

@@ -668,6 +668,20 @@ def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
     assert legend_texts(ax) == ["equilibrium (all 200)"]
 
 
+@pytest.mark.parametrize(("kind", "bars"), [("random", 2), ("table", 0)])
+def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars):
+    """At two speeds; a table of starts is no sample."""
+    case = f'[[initial]]\nlabel = "any"\nkind = "{kind}"\n'
+    over = {"what": "share", "of": "periodic", "over": ["initial"]}
+    settings = {"x": "Omega", "variable": "attractor", "take": over}
+    (ax,) = draw(data.basin().assign_attrs(case=case), figure("curve", **settings)).axes
+    share = ax.lines[0].get_ydata()
+    drawn = [bar[:, 1] for bars_ in ax.collections for bar in bars_.get_segments()]
+    assert len(drawn) == bars == 2 * ax.get_ylabel().count(" ± standard error")
+    for (low, high), p in zip(drawn, share, strict=False):
+        assert high - low == pytest.approx(2.0 * np.sqrt(p * (1.0 - p) / 200))
+
+
 @pytest.mark.parametrize(("kind", "told"), [("random", 1), ("table", 0)])
 def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind, told):
     case = f'[[initial]]\nlabel = "any"\nkind = "{kind}"\n'
@@ -1485,8 +1499,8 @@ def test_show_tells_few_points_one_by_one_each_answer_with_its_error():
     row = text.index("  at each point:")
     assert [line.split() for line in text[row + 1 : row + 5]] == [
         ["N", "critical_value", "(m", "s-1)", "crossing_direction", "status"],
-        ["1", "1.5", "±", "0.015", "to_unstable", "ok"],
-        ["1", "2.5", "±", "0.025", "to_stable", "ok"],
+        ["1", "1.500", "±", "0.015", "to_unstable", "ok"],
+        ["1", "2.500", "±", "0.025", "to_stable", "ok"],
         ["2", "ok,", "no_crossing"],
     ]
     many = xr.concat([dataset] * 20, "N").assign_coords(N=np.arange(40.0))

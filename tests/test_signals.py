@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from disturbed import ENDING, PATIENCE, Run, ignoring, wait_for
+from disturbed import ENDING, PATIENCE, Run, ignoring, in_the_background, wait_for
 from small_cases import FAR
 
 from fiv_cli.data.hdf5 import read_attributes
@@ -93,9 +93,10 @@ def test_what_there_is_becomes_a_dataset_and_then_the_whole_one(
         wait_for(lambda: list(tmp_path.glob("a.run/shards/*.h5")), "no progress")
         ended.send(signal.SIGINT, to_all=True)
         assert ended.code(10.0) == 130
-        last = ended.said.splitlines()[-1]
-    told = read_attributes(tmp_path / "a.nc")["partial"]
-    assert last == f"interrupted: a.nc holds {told}"
+    done, points = read_attributes(tmp_path / "a.nc")["partial"].split(" of ")
+    assert ended.said.count(points) == 2  # at the beginning, and once in the end
+    assert f"a.nc: {points}: {done} ok" in ended.said
+    assert ended.said.endswith("interrupted: a.nc holds what is done, and is marked partial\n")
     assert finished(tmp_path, POINTS) == datasets[POINTS]
 
 
@@ -131,7 +132,21 @@ def test_what_is_ignored_on_entry_stays_ignored(tmp_path: Path, datasets: dict[s
         for number in ENDING:
             background.send(number, to_all=True)
         assert background.code() == 0
+        assert "`kill " not in background.said  # which is ignored too
     assert (tmp_path / "a.nc").read_bytes() == datasets[POINTS]
+
+
+def test_a_job_in_the_background_of_a_script_says_what_ends_it(tmp_path: Path) -> None:
+    """A shell has it ignore SIGINT, so that Ctrl-C at the script leaves it alone."""
+    with run(tmp_path, POINTS, *WORKERS, entry=in_the_background) as background:
+        wait_for(lambda: list(tmp_path.glob("a.run/shards/*.h5")), "no progress")
+        background.send(signal.SIGINT, to_all=True)
+        assert f"`kill {background.process.pid}` does" in background.said
+        background.send(signal.SIGTERM)
+        assert background.code(10.0) == 143
+        assert background.said.endswith(
+            "terminated: a.nc holds what is done, and is marked partial\n"
+        )
 
 
 def test_nothing_is_left_in_shared_memory(tmp_path: Path) -> None:

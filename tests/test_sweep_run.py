@@ -136,6 +136,21 @@ def test_a_longer_axis_runs_its_new_points_only(tmp_path: Path, count_file: Path
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+def test_an_analysis_may_be_added_and_is_all_that_runs(tmp_path: Path, count_file: Path) -> None:
+    """Also where the dataset, or what is beside it, was lost since; none may be taken away."""
+    both = sweep_fakes.BELT + '[[analysis]]\nkind = "response"\nname = "longer"\nt_max = 10\n'
+    sweep(tmp_path / "b.nc", both)
+    for lost in ("nothing", "a.nc", "a.run/identity.json"):
+        sweep(tmp_path / "a.nc", fresh=True)
+        (tmp_path / lost).unlink(missing_ok=True)
+        count_file.unlink(missing_ok=True)
+        sweep(tmp_path / "a.nc", both, executor="sweep_fakes:counted")
+        assert len(runs(count_file)) == 30
+        assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+    with pytest.raises(StoreMismatchError, match=r"analyses\.longer: stored .*, now absent"):
+        sweep(tmp_path / "a.nc")
+
+
 def test_a_chain_goes_on_at_its_far_end(tmp_path: Path, count_file: Path) -> None:
     shorter = sweep_fakes.CHAIN.replace("stop = 8, num = 8", "stop = 5, num = 5")
     sweep(tmp_path / "a.nc", shorter, executor="sweep_fakes:counted")

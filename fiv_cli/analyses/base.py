@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -69,13 +69,14 @@ def broken(
     return next((r for r in requirements(model, law, linear) if not r.holds(parameters)), None)
 
 
-def requirements(model: Model, law: Law, linear: bool = False) -> list[Requirement]:
+@lru_cache(maxsize=256)
+def requirements(model: Model, law: Law, linear: bool = False) -> tuple[Requirement, ...]:
     """What the parameters of a point must be to one another; `linear`: no motion is followed."""
     own: Sequence[Requirement] = (*model.requirements, *law.requirements)
     if model.varied:
         table = {p.name: p for p in model.parameters_under(law)}
         own = at_every_phase(own, model.varied, table)
-    return [requirement for requirement in own if not (linear and requirement.in_motion)]
+    return tuple(requirement for requirement in own if not (linear and requirement.in_motion))
 
 
 def as_asked(model: Model, settings: Settings) -> Model:
@@ -112,7 +113,7 @@ class Start:
         return replace(self, values={**self.values, **taken})
 
 
-@dataclass(frozen=True)
+@dataclass
 class Request:
     """One point of one analysis.
 

@@ -208,9 +208,11 @@ def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:
     """Bring into memory what motions of every system need."""
     from fiv_cli.analyses.attractor import steady_state  # noqa: F401
     from fiv_cli.analyses.attractor.watch import load_watch
-    from fiv_cli.analyses.motion import recording  # noqa: F401
     from fiv_cli.dynamics.compiled import load_driver
+    from fiv_cli.dynamics.recorder import load_recorder
 
     load_driver(announce)
     if needs.tangents:
         load_watch(announce)
+    else:
+        load_recorder(announce)

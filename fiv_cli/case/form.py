@@ -203,13 +203,13 @@ def _tables(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
                 yield place, name
 
 
-def own_file(word: str, case: str) -> str:
-    """What to type where a file beside a case has what it names; empty where none has."""
-    file = file_with(word, case)
+def own_file(word: str, report: Report) -> str:
+    """That a file beside the case has what it names, which is then called for; empty: none has."""
+    file = file_with(word, report.source)
     if file is None:
         return ""
-    how = f"fiv run {case} --with {file}{to_mend(file)}"
-    return f"{file} has it; it is run where you say so: {how}"
+    report.call_for(str(file))
+    return f"{file} has it; it is run where you say so{to_mend(file)}"
 
 
 def _refuse_misplaced_laws(friction: object, report: Report) -> None:
@@ -226,7 +226,7 @@ def _check_word(
 ) -> None:
     word = table.get(key) if isinstance(table, dict) else None
     if isinstance(word, str) and word not in known:
-        file = own_file(word, report.source) if path == ("model",) else ""
+        file = own_file(word, report) if path == ("model",) else ""
         hint = file or called_here(word) or suggest(word, known) or listed
         report.unknown((*path, key), f"there is no {path[0]} {word!r}", word, known, hint)
 

@@ -171,7 +171,7 @@ def _element(candidate: Candidate, index: int, value: Any, report: Report) -> An
     except ValueError as error:
         place, hint = (*candidate.place, index), suggest(str(value), candidate.choices)
         if candidate.kind == "law" and value not in all_laws():
-            hint = own_file(str(value), report.source) or hint
+            hint = own_file(str(value), report) or hint
         report.add(place, str(error), candidate.allowed, hint, of_name=candidate.unit is None)
         return None
 

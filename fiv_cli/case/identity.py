@@ -26,16 +26,16 @@ DOCUMENT_VERSION = 1
 FOLLOWING_VERSION = 2  # raised whenever what is followed in steps is lost elsewhere
 
 
-def document(case: Case, analysis: AnalysisSpec | None = None) -> dict[str, Any]:
+def document(case: Case, analyses: Sequence[AnalysisSpec] = ()) -> dict[str, Any]:
     """What decides the numbers of a case but the extent of its grid, as plain JSON values.
 
     Parameters
     ----------
     case : the case
-    analysis : only this analysis; None: all of them
+    analyses : only these; none: all of them
     """
     varied = {axis.name for axis in case.axes}
-    analyses = case.analyses if analysis is None else (analysis,)
+    analyses = analyses or case.analyses
     with_starts = any(get_analysis(spec.kind).uses_starts for spec in analyses)
     found = {
         "document": DOCUMENT_VERSION,
@@ -65,20 +65,28 @@ def _start(start: StartSpec) -> dict[str, Any]:
     return facts | ({"rows": _hash(rows)} if rows else {})
 
 
-def fingerprint(case: Case, analysis: AnalysisSpec | None = None) -> str:
+def fingerprint(case: Case, analyses: Sequence[AnalysisSpec] = ()) -> str:
     """Hash of `document`, 64 hexadecimal digits."""
-    return _hash(document(case, analysis))
+    return _hash(document(case, analyses))
+
+
+def named_in(stored: object, case: Case) -> list[AnalysisSpec]:
+    """The analyses of `case` among those stored, by name: an analysis may be added to a case."""
+    return [spec for spec in case.analyses if isinstance(stored, dict) and spec.name in stored]
+
+
+def is_of(attributes: Mapping[str, Any], case: Case) -> bool:
+    """Whether the dataset with these attributes is of `case`, or was before analyses were added."""
+    stored = named_in(json.loads(attributes.get("analyses_json", "{}")), case)
+    return attributes.get("fingerprint") == fingerprint(case, stored)
 
 
 def differences(stored: Mapping[str, Any], case: Case) -> list[str]:
     """How a stored `document` and that of `case` differ, one line each; [] when they do not.
 
-    The stored document may be of one analysis (it then names one) or of all.
+    Of the case only the analyses that are stored: what is added to them changes nothing of theirs.
     """
-    analyses = stored.get("analyses")
-    names = list(analyses) if isinstance(analyses, dict) else []
-    one = next((spec for spec in case.analyses if [spec.name] == names), None)
-    now = document(case, one if len(case.analyses) > 1 else None)
+    now = document(case, named_in(stored.get("analyses"), case))
     was, own = dict(stored.get("own", {})), now.get("own", {})
     changed = sorted(name for name in was.keys() & own.keys() if was[name] != own[name])
     was |= {name: own[name] for name in changed}

@@ -305,7 +305,7 @@ class _Reader:
         """Why the law `name` is not to be had, and what to do."""
         law = all_laws().get(name)
         unfit = why_unfit(model, law) if law else ""
-        hint = "" if law else own_file(name, self.report.source)
+        hint = "" if law else own_file(name, self.report)
         return unfit or f"{name!r} is no friction law {whose}", hint
 
     def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:

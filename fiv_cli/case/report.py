@@ -58,6 +58,7 @@ class Report:
         self._values: list[Problem] = []
         self._lines = lines
         self._overrides = overrides
+        self._files: list[str] = []
 
     def add(
         self,
@@ -98,6 +99,10 @@ class Report:
         except ValueError as error:
             self.add(path, str(error), allowed)
 
+    def call_for(self, file: str) -> None:
+        """Note that this file of models and laws has what the case names."""
+        self._files.append(file)
+
     def add_problems(self, problems: Sequence[Problem]) -> None:
         """Note problems that know their place already."""
         self._values.extend(problems)
@@ -137,7 +142,7 @@ class Report:
         told = in_order(problems)[:MOST_PROBLEMS]
         if len(problems) > MOST_PROBLEMS:
             told.append(Problem("case", f"no more than {MOST_PROBLEMS:,} problems are told"))
-        raise CaseError(self.source, told)
+        raise CaseError(self.source, told, self._files)
 
     def _override_at(self, path: Path) -> str:
         """The last override that wrote `path`, or a table above it, or made it on its way."""

@@ -118,8 +118,8 @@ class LazyGroup(click.Group):
         from fiv_cli.notation.names import suggest
 
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            other = OTHER_WORDS.get(args[0].lower()) or _kind_called(args[0])
             known = suggest(args[0], COMMANDS.keys()) or "`fiv --help` lists the commands"
-            other = OTHER_WORDS.get(args[0].lower())
             hint = f"\nnext: {other}" if other else f"; {known}"
             ctx.fail(f"there is no command {args[0]!r}{hint}")
         return super().resolve_command(ctx, args)
@@ -135,6 +135,17 @@ class LazyGroup(click.Group):
             if name.startswith(incomplete)
         ]
         return names or click.Command.shell_complete(self, ctx, incomplete)
+
+
+def _kind_called(word: str) -> str:
+    """What to type to read of a kind or a table that a word means; empty: it means none."""
+    from fiv_cli.case.kinds import TABLES, all_kinds
+    from fiv_cli.case.words import meant
+
+    known = {*TABLES, *(kind.name for kind in all_kinds() if kind.keys)}
+    kinds = [word] if word in known else meant(word)
+    what = " or ".join(map(repr, kinds))
+    return f"{what} is asked for in a case: fiv kinds {kinds[0]}" if kinds else ""
 
 
 def _name_environment(command: click.Command, name: str) -> None:

@@ -64,11 +64,13 @@ class _Survey:
     owner : (size,) number of the last block that holds each point; -1: none
     row_sizes : ragged group -> (size,) rows of each point
     own_shapes : variable -> largest shape of its own dims
+    complete : variables that all points have, in that shape
     """
 
     owner: NDArray[np.int32]
     row_sizes: dict[str, NDArray[np.int32]] = field(default_factory=dict)
     own_shapes: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    complete: frozenset[str] = frozenset()
 
 
 def assemble(layout: Layout, blocks: Blocks, scratch: Path | None = None) -> Dataset:
@@ -97,7 +99,9 @@ def _survey(layout: Layout, blocks: Blocks) -> _Survey:
     for variable in layout.variables:
         if variable.ragged:
             survey.row_sizes[variable.ragged] = np.zeros(layout.size, np.int32)
+    shapes_of_blocks = []
     for number, (positions, stored) in enumerate(blocks()):
+        shapes_of_blocks.append(stored.shapes)
         placed = positions >= 0
         survey.owner[positions[placed]] = number
         for group, sizes in stored.row_sizes.items():
@@ -105,6 +109,12 @@ def _survey(layout: Layout, blocks: Blocks) -> _Survey:
         for name, shape in stored.shapes.items():
             known = survey.own_shapes.get(name, shape)
             survey.own_shapes[name] = tuple(map(max, known, shape))
+    if (survey.owner >= 0).all():
+        survey.complete = frozenset(
+            name
+            for name, shape in survey.own_shapes.items()
+            if all(shapes.get(name) == shape for shapes in shapes_of_blocks)
+        )
     return survey
 
 
@@ -129,9 +139,11 @@ class _Assembly:
             points = [] if variable.role is Role.ALONG else [self.layout.size]
             shape = [*points, *map(self._dim_size, variable.dims)]
         fill, dtype = fill_value(variable), dtype_of(variable)
-        if self.scratch is None:
-            return np.full(shape, fill, dtype)
-        return mapped(fill, tuple(map(int, shape)), dtype, self.scratch)
+        if self.scratch is not None:
+            return mapped(fill, tuple(map(int, shape)), dtype, self.scratch)
+        if variable.name in self.survey.complete and variable.role is not Role.ALONG:
+            return np.empty(shape, dtype)
+        return np.full(shape, fill, dtype)
 
     def _dim_size(self, dim: str) -> int:
         """Size of an own dim: the longest that any variable has along it."""
@@ -171,12 +183,12 @@ class _Assembly:
                 let_go(self.arrays[variable.name])
 
     def _fill_value(self, variable: Variable, block: Block, rows: slice, place: slice) -> None:
-        source, target = block.values[variable.name][rows], self.arrays[variable.name]
+        source, target = block.values[variable.name], self.arrays[variable.name]
         if variable.role is Role.ALONG:
-            _fill_coordinate(target, source)
+            _fill_coordinate(target, source if len(source) == 1 else source[rows])
             return
-        shape = (len(source), *target.shape[1:])
-        target[place] = padded(source, shape, fill_value(variable))
+        shape = (rows.stop - rows.start, *target.shape[1:])
+        target[place] = padded(source[rows], shape, fill_value(variable))
 
     def _fill_ragged(self, variable: Variable, block: Block, rows: slice, place: slice) -> None:
         begins, starts = _row_starts(block.row_sizes[variable.ragged]), self.starts[variable.ragged]

@@ -29,7 +29,8 @@ class Block:
     ----------
     keys : (n, 32) uint8, sha256 of what decides each point
     status, reason : (n,) int8, codes of `flags.STATUS` and `flags.REASON`
-    values : variable -> (n, ...) array, padded with the fill value; absent: no point has it
+    values : variable -> (n, ...) array, padded with the fill value; absent: no point has it; of a
+        coordinate that all points share one row
     row_sizes : ragged group -> (n,) int32
     ragged : ragged variable -> concatenated rows
     messages : row -> details
@@ -132,10 +133,14 @@ def _faults_of_values(block: Block, table: Mapping[str, Variable], count: int) -
         variable = table.get(name)
         if variable is None or variable.ragged:
             yield f"{name} is no variable of the analysis"
-        elif array.shape[:1] != (count,) or array.ndim != 1 + len(variable.dims):
+        elif array.ndim != 1 + len(variable.dims) or not _has_rows(array, variable, count):
             yield f"{name} has the shape {array.shape}"
         else:
             yield from _faults_of_array(array, variable)
+
+
+def _has_rows(array: Array, variable: Variable, count: int) -> bool:
+    return len(array) == count or (len(array) == 1 and variable.role is Role.ALONG)
 
 
 def _faults_of_rows(block: Block, table: Mapping[str, Variable], count: int) -> Iterator[str]:
@@ -208,6 +213,8 @@ class _Column:
         if any(array.ndim != self.ndim + 1 for _, array in parts):
             raise ValueError(f"{self.variable.name} has not {self.ndim} dims")
         shapes = {array.shape[1:] for _, array in parts}
+        if self.variable.role is Role.ALONG and _is_shared([rows for _, rows in parts]):
+            return self._cast(parts[0][1][:1].copy())
         if len(parts) == 1 and len(parts[0][1]) == size and parts[0][1].flags.owndata:
             return parts[0][1]
         largest = tuple(map(max, zip(*shapes, strict=True)))
@@ -252,6 +259,12 @@ class _Column:
         if self.variable.kind == "int" and array.dtype.kind == "f":
             array = np.where(np.isnan(array), INT_FILL, array)
         return array.astype(self.dtype, casting="unsafe")
+
+
+def _is_shared(parts: Sequence[Array]) -> bool:
+    """Whether all rows of all parts are the same."""
+    first, different = parts[0][:1], [rows[:1] if rows.strides[0] == 0 else rows for rows in parts]
+    return all(rows.shape[1:] == first.shape[1:] and (rows == first).all() for rows in different)
 
 
 UNSTORABLE = (KeyError, TypeError, ValueError, OverflowError)
@@ -446,7 +459,7 @@ def joined(
     present = {name for block in blocks for name in (*block.values, *block.row_sizes)}
     for variable in variables:
         if variable.name in present and not variable.ragged:
-            whole.values[variable.name] = _joined_values(blocks, variable)[rows]
+            whole.values[variable.name] = _joined_values(blocks, variable, rows)
     for group in dict.fromkeys(variable.ragged for variable in variables):
         if group in present:
             _join_rows(whole, blocks, rows, [v for v in variables if v.ragged == group])
@@ -464,15 +477,21 @@ def _joined_texts(blocks: Sequence[Block], rows: NDArray[np.int64], name: str) -
     return {becomes[row]: text for row, text in found.items() if row in becomes}
 
 
-def _joined_values(blocks: Sequence[Block], variable: Variable) -> Array:
-    """The values of a variable over all blocks, as large as the largest of them."""
+def _joined_values(blocks: Sequence[Block], variable: Variable, rows: NDArray[np.int64]) -> Array:
+    """Some rows of a variable over all blocks, as large as the largest of them."""
     name, fill, dtype = variable.name, fill_value(variable), dtype_of(variable)
-    shapes = [block.values[name].shape[1:] for block in blocks if name in block.values]
-    own = tuple(map(max, zip(*shapes, strict=True)))
+    given = [block.values[name] for block in blocks if name in block.values]
+    if variable.role is Role.ALONG and _is_shared(given):
+        return given[0][:1]
+    own = tuple(map(max, zip(*(array.shape[1:] for array in given), strict=True)))
     none = np.zeros((0, *own), dtype)
-    return np.concatenate(
-        [padded(block.values.get(name, none), (len(block), *own), fill) for block in blocks]
-    )
+    every = []
+    for block in blocks:
+        array = block.values.get(name, none)
+        if len(array) == 1:
+            array = np.broadcast_to(array, (len(block), *array.shape[1:]))
+        every.append(padded(array, (len(block), *own), fill))
+    return np.concatenate(every)[rows]
 
 
 def _join_rows(

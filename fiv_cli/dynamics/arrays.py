@@ -28,6 +28,9 @@ MOST_OFFERS = 4  # candidates of a contact: stick, slip in both senses, separati
 NO_EXTREMES = dict.fromkeys(("reference", "least", "greatest", "squares"), np.zeros(0))
 """What is measured of each state, where only energies are asked for."""
 
+NO_WORKS = np.zeros((0, 0))
+"""Where no works are asked for at section points."""
+
 # Steps after which a motion comes back for the first time: 0.2 s where they are slow.
 FIRST_STRIDE = 4000
 
@@ -123,7 +126,7 @@ def _not_asked_for(system: System) -> dict[str, Array]:
         "works": np.zeros(len(system.setup.model.powers)),
         "section_times": np.zeros(1),
         "section_states": np.zeros((1, n)),
-        "section_works": np.zeros((0, 0)),
+        "section_works": NO_WORKS,
         "sample_times": np.zeros(0),
         "sample_states": np.zeros((0, n)),
         "sample_outputs": np.zeros((0, sample_width(system))),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache, partial
+from functools import cache
 from operator import attrgetter
 from time import perf_counter
 from typing import NamedTuple
@@ -29,6 +29,7 @@ from fiv_cli.dynamics import kernel
 from fiv_cli.dynamics.arrays import (
     FIRST_STRIDE,
     NO_EXTREMES,
+    NO_WORKS,
     blank_frame,
     extremes_of,
     ledger_of,
@@ -66,7 +67,6 @@ class Stop(IntEnum):
 
 
 INFINITE = float("inf")
-NO_WORKS = np.zeros((0, 0))
 CALL_SECONDS = 0.1  # that a call of the driver may take
 STOPS = tuple(Stop)  # by their numbers
 
@@ -196,13 +196,13 @@ class Motion:
         events: int = 0,
     ) -> None:
         frame = blank_frame(system, solver, events).copy()
-        values = system.parameter_values(parameters)
-        frame.parameters[: len(values)] = values
+        frame.put("parameters", system.parameter_values(parameters))
         self._take(system, solver, frame, no_samples(system), time)
         if len(state):
             vector = state if isinstance(state, np.ndarray) else system.state_vector(state)
             frame.y[:] = vector
-        frame.time = time
+        if time:
+            frame.time = time
         for contact, sticks in enumerate(sticking):
             frame.kinds[contact] = STICK if sticks else frame.sliding_kinds[contact]
 
@@ -493,17 +493,16 @@ class Motion:
     def _advance(self, t_stop: float, measuring: bool, phase_interval: float) -> Stop:
         """Call the driver."""
         self._has_begun, frame = True, self._frame
-        asked = frame.address, t_stop, phase_interval, measuring
-        stop = self.drive(partial(DRIVER.function, *asked))
+        stop = self.drive(DRIVER.function, frame.address, t_stop, phase_interval, measuring)
         self.samples.count = frame.n_sampled
         return stop
 
-    def drive(self, call: Callable[[], int]) -> Stop:
+    def drive(self, going_on: Callable[..., int], *asked: float) -> Stop:
         """Call what goes on with the motion until it ends for another reason than to look up."""
-        code = call()
+        code = going_on(*asked)
         while code == kernel.STEP_BUDGET and self._may_go_on():
             begun = perf_counter()
-            code = call()
+            code = going_on(*asked)
             self.stride = next_stride(self.stride, perf_counter() - begun)
         return STOPS[code]
 

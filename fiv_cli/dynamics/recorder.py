@@ -6,26 +6,72 @@ parts of a few arrays. The ledger is that of all, one motion behind the other.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from fiv_cli import ending
 from fiv_cli.codegen.codes import KINETIC, POTENTIAL, STICK
-from fiv_cli.codegen.memory import DTYPES, Array, address_of
+from fiv_cli.codegen.compiled import Compiled
+from fiv_cli.codegen.memory import DTYPES, Array, address_of, call_driver
 from fiv_cli.dynamics.arrays import blank_frame, ledger_of, sample_width
-from fiv_cli.dynamics.compiled import DRIVER
-from fiv_cli.dynamics.kernel import Run
+from fiv_cli.dynamics.compiled import DRIVER, FILES, run_at
+from fiv_cli.dynamics.kernel import REACHED, Run
 from fiv_cli.dynamics.motion import STOPS, Ledger, Motion, Samples, Stop
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import System, Vector
 
 LEDGER_ROWS = 2**15  # events that a page of the ledger holds
+AT_ONCE = 16  # motions that are run between two looks at what may ask for an end
 
 EVENTS, MOST_EVENTS, BOOKED = (
     Run.fields[name].place for name in ("n_events", "max_events", "n_ledger")
 )
+REASONS = len(STOPS)
+
+
+def run_each(driver: int, address: int, width: int, count: int, until: float) -> int:
+    """Run motions one after the other as long as each comes to the end.
+
+    Parameters
+    ----------
+    address, width : where their frames lie, each so many bytes behind the one before
+    until : the end, s
+
+    Returns
+    -------
+    number of the last that was run, times `REASONS`, plus why it stopped
+    """
+    booked, row, stop = run_at(address).n_ledger, -1, REACHED
+    while stop == REACHED and row < count - 1:
+        row += 1
+        run = run_at(address + row * width)
+        run.n_ledger = booked
+        stop = call_driver(driver, address + row * width, until, 0.0, True)
+        booked = run.n_ledger
+    return row * REASONS + stop
+
+
+def _declare() -> Callable[..., int]:
+    from fiv_cli.codegen.kernels import register_frame
+
+    register_frame(Run, run_at)
+    return run_each
+
+
+RUN_EACH = Compiled(
+    "record",
+    "int64(int64, int64, int64, int64, float64)",
+    (*FILES, Path(__file__)),
+    _declare,
+)
+
+
+def load_recorder(announce: Callable[[str], None]) -> None:
+    """Have what runs motions at hand; `announce` is called if it must be compiled."""
+    RUN_EACH.load(announce, "compiling what records motions (once per user, a few seconds)")
 
 
 class Beginning(NamedTuple):
@@ -50,7 +96,6 @@ class Recorder:
     ----------
     states, outputs, codes : as of `Samples`; shape (motions, numbers of a sample, times)
     works : of each excitation, J; shape (motions, excitations)
-    lengths : events of each motion, which lie one after the other in `ledger`
     """
 
     def __init__(
@@ -59,14 +104,13 @@ class Recorder:
         self.system, self.solver, self.times = system, solver, times
         self._blank, count, contacts = blank_frame(system, solver), len(begun), system.n_contacts
         self._words = np.tile(self._blank.words, (count, 1))
-        self._begins_at = address_of(self._words)
         self.states = np.empty((count, len(system.state_names), len(times)))
         self.outputs = np.empty((count, sample_width(system), len(times)))
         self.codes = np.empty((count, contacts, len(times)), np.int64)
         self.works = np.zeros((count, len(system.setup.model.powers)))
-        self._page = ledger_of(LEDGER_ROWS + contacts)  # several change at one instant
+        at_one_instant = contacts + len(self._blank.in_piece)
+        self._page, self._booked = ledger_of(LEDGER_ROWS + at_one_instant), 0
         self._pages: list[list[Array]] = []
-        self._booked, self.lengths = 0, np.zeros(count, np.int64)
         self._begin(begun)
         for name in ("states", "outputs", "codes"):
             self._show_rows(f"sample_{name}", getattr(self, name))
@@ -105,10 +149,11 @@ class Recorder:
 
         What is not reached holds no numbers.
         """
-        varies = bool(self.system.setup.schedule.curves)
-        stops = [
-            self._run(row, self._motion(row) if varies else None) for row in range(len(self._words))
-        ]
+        stops: list[Stop] = []
+        run = self._run_alone if self.system.setup.schedule.curves else self._run_some
+        while len(stops) < len(self._words):
+            ending.heed()
+            stops += run(len(stops))
         self._turn_page()
         count = self.told("n_sampled")
         for row in np.flatnonzero(count < len(self.times)):
@@ -116,32 +161,45 @@ class Recorder:
             self.codes[row, :, count[row] :] = -1
         return stops
 
-    def _run(self, row: int, motion: Motion | None) -> Stop:
-        words, budget, stop = self._words[row], self.solver.max_events, Stop.EVENT_BUDGET
-        ending.heed()
-        while stop == Stop.EVENT_BUDGET:
-            begun = words[BOOKED] = self._booked
-            words[MOST_EVENTS] = min(budget, words.item(EVENTS) + LEDGER_ROWS - begun)
-            stop = self._go_on(row, motion)
+    def _run_some(self, first: int) -> list[Stop]:
+        """Run motions from this one on, to the first that stops before the end; why each did."""
+        if self._booked > LEDGER_ROWS // 2:
+            self._turn_page()
+        frames, until = self._words[first : first + AT_ONCE], self.times.item(-1)
+        frames[0, BOOKED], room = self._booked, (LEDGER_ROWS - self._booked) // len(frames)
+        frames[:, MOST_EVENTS] = min(room, self.solver.max_events)
+        place = address_of(frames), frames.strides[0], len(frames)
+        done, code = divmod(RUN_EACH.function(DRIVER.address, *place, until), REASONS)
+        row, stop = first + done, STOPS[code]
+        if stop == Stop.NO_STATE:
+            stop = self._motion(row).explained(stop)
+        elif stop == Stop.STEP_BUDGET:
+            stop = self._motion(row).go_on(until, True)
+        return [Stop.REACHED] * done + [self._gone_on(row, stop)]
+
+    def _run_alone(self, row: int) -> list[Stop]:
+        """Run a motion whose parameters vary."""
+        self._open_page(row)
+        motion = self._motion(row)
+        return [self._gone_on(row, motion.go_on(self.times.item(-1), True), motion)]
+
+    def _gone_on(self, row: int, stop: Stop, motion: Motion | None = None) -> Stop:
+        """Why a motion stops at last; where it lacked room in the ledger it goes on."""
+        words = self._words[row]
+        self._booked = words.item(BOOKED)
+        while stop == Stop.EVENT_BUDGET and words.item(EVENTS) < self.solver.max_events:
+            self._turn_page()
+            self._open_page(row)
+            motion = motion or self._motion(row)
+            stop = motion.go_on(self.times.item(-1), True)
             self._booked = words.item(BOOKED)
-            self.lengths[row] += self._booked - begun
-            if stop == Stop.EVENT_BUDGET:
-                if words.item(EVENTS) >= budget:
-                    break
-                self._turn_page()
         return stop
 
-    def _go_on(self, row: int, motion: Motion | None) -> Stop:
-        until = self.times.item(-1)
-        if motion is None:
-            address = self._begins_at + row * self._words.strides[0]
-            stop = STOPS[DRIVER.function(address, until, 0.0, True)]
-            if stop not in (Stop.NO_STATE, Stop.STEP_BUDGET):
-                return stop
-            motion = self._motion(row)
-            if stop == Stop.NO_STATE:
-                return motion.explained(stop)
-        return motion.go_on(until, True)
+    def _open_page(self, row: int) -> None:
+        """Let a motion have what is left of the page."""
+        words, room = self._words[row], LEDGER_ROWS - self._booked
+        words[BOOKED] = self._booked
+        words[MOST_EVENTS] = min(self.solver.max_events, words.item(EVENTS) + room)
 
     def _motion(self, row: int) -> Motion:
         """A motion by itself."""
@@ -155,6 +213,11 @@ class Recorder:
         self._booked = 0
 
     # --- what came of it --------------------------------------------------------------------------
+    @property
+    def lengths(self) -> Array:
+        """Events of each motion, which lie one after the other in `ledger`."""
+        return self.told("n_events")
+
     @property
     def ledger(self) -> Ledger:
         """Events of all motions, one after the other."""

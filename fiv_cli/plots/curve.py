@@ -14,6 +14,7 @@ from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, points, style
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import flag_names, headlines, numbers, unknown_points, width_of
+from fiv_cli.reading.shares import ERROR
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,6 +65,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if not classes:
         style.level(ax)
     _name_values(ax, [layers[0].dataset[name] for name in names])
+    if any(curve.width is not None for curve in curves) and ERROR in layers[0].dataset:
+        ax.set_ylabel(f"{ax.get_ylabel()} ± standard error")
     points.dress(ax, layers, settings, "undecided" if names == ["attractor"] else "")
     return figure
 
@@ -136,6 +139,7 @@ def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_
     x, words = points.positions(axis), labels.axis_label(dataset[name])
     if "crossing" in array.dims and _sorting(dataset):
         return _by_sort(layer, array, x, dim)
+    error = dataset.get(ERROR) if name == "share" else None
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     curves = []
@@ -145,7 +149,8 @@ def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_
         )
         jumps = (np.flatnonzero(told[1:] != told[:-1]) + 1).tolist()
         label = points.joined(layer.label, line.label)
-        curves.append(_Curve(words, label, x, y, open_, jumps=jumps))
+        width = None if error is None else 2.0 * error.isel(line.index).values
+        curves.append(_Curve(words, label, x, y, open_, width, jumps))
     return curves
 
 

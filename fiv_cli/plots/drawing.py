@@ -26,7 +26,7 @@ from fiv_cli.plots import (
 )
 from fiv_cli.plots import map as map_
 from fiv_cli.plots.points import Layer, Settings
-from fiv_cli.reading import select, take
+from fiv_cli.reading import select, shares, take
 from fiv_cli.reading.datasets import figures_in, read_analyses
 
 if TYPE_CHECKING:
@@ -204,7 +204,9 @@ def _checked(figure: FigureSpec) -> Settings:
 
 def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:
     """The dataset as what the figure takes of its variable."""
-    return take.taken(dataset, points.one_variable(settings, "attractor"), settings["take"])
+    how = settings["take"]
+    found = take.taken(dataset, points.one_variable(settings, "attractor"), how)
+    return shares.with_standard_error(found, dataset, how, [*shares.drawn_of(dataset)])
 
 
 def _retitled(dataset: xr.Dataset, figure: FigureSpec) -> xr.Dataset:

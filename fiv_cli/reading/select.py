@@ -7,6 +7,7 @@ a random start (``far`` for ``far-000``, ``far-001``, ...).
 
 from __future__ import annotations
 
+import json
 import math
 import operator
 import re
@@ -207,9 +208,8 @@ def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
     """
     sizes = row_sizes(dataset, name) if name in dataset else None
     if sizes is None:
-        ragged = {str(v) for dim in ragged_dims(dataset) for v in dataset if dim in dataset[v].dims}
-        known = ", ".join(sorted(ragged)) or "none here"
-        raise SelectionError(f"{name}: not of any number of values per point\nthese are: {known}")
+        told = _those_of_any_number(dataset)
+        raise SelectionError(f"{name}: not of any number of values per point\n{told}")
     obs = str(sizes.attrs["sample_dimension"])
     if sizes.isnull().any():
         raise SelectionError("the axes of the joined datasets differ\nnext: api.join(runs, ...)")
@@ -225,6 +225,18 @@ def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
     }
     values = dataset[name].transpose(*joined, obs)
     return xr.DataArray(values.values[kept], of_points, [obs], name, values.attrs)
+
+
+def _those_of_any_number(dataset: xr.Dataset) -> str:
+    """Which they are; where this is but the head of a file of several analyses, where to look."""
+    groups = [] if dataset.data_vars else [*json.loads(dataset.attrs.get("analyses_json", "{}"))]
+    if len(groups) > 1:
+        return (
+            f"this is the head of a file of several analyses: {', '.join(groups)}\n"
+            f'next: api.observations("FILE.nc", ...), or open it with group="{groups[0]}"'
+        )
+    ragged = {str(v) for dim in ragged_dims(dataset) for v in dataset if dim in dataset[v].dims}
+    return f"these are: {', '.join(sorted(ragged)) or 'none here'}"
 
 
 def _refuse_cut(

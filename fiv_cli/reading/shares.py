@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from fiv_cli.reading.datasets import flag_names, is_class
 if TYPE_CHECKING:
     import xarray as xr
 
+ERROR = "standard_error"
 Share = tuple[float, float]
 """A share of n starts drawn at random and its standard error, sqrt(p (1 - p) / n)."""
 
@@ -24,7 +25,7 @@ def shares(dataset: xr.Dataset) -> dict[str, Any]:
     if "attractor" not in dataset or "initial" not in dataset.coords:
         return {}
     families = [str(label).rpartition("-")[0] for label in dataset["initial"].values]
-    drawn = {label: np.flatnonzero([f == label for f in families]) for label in _drawn(dataset)}
+    drawn = {label: np.flatnonzero([f == label for f in families]) for label in drawn_of(dataset)}
     return {
         label: _of_classes(dataset["attractor"].isel(initial=members))
         for label, members in drawn.items()
@@ -32,7 +33,25 @@ def shares(dataset: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _drawn(dataset: xr.Dataset) -> Iterator[str]:
+def with_standard_error(
+    shares: xr.Dataset, taken_of: xr.Dataset, take: Mapping[str, Any], drawn: Container[str]
+) -> xr.Dataset:
+    """What was taken, with the error of the sample if it is a share of random starts alone.
+
+    Parameters
+    ----------
+    shares : what was taken of `taken_of`, as `take` says
+    drawn : labels of the starts that are random
+    """
+    if take["what"] != "share" or [*take["over"]] != ["initial"] or take.get("relative_to"):
+        return shares
+    if any(str(label).rpartition("-")[0] not in drawn for label in taken_of["initial"].values):
+        return shares
+    share, size = shares["share"], taken_of.sizes.get("initial", 1)
+    return shares.assign({ERROR: (share * (1.0 - share) / size) ** 0.5})
+
+
+def drawn_of(dataset: xr.Dataset) -> Iterator[str]:
     """Labels of the random starts of the case of a dataset."""
     case = parse_toml(str(dataset.attrs.get("case", "")))
     overrides = map(parse_override, str(dataset.attrs.get("overrides", "")).splitlines())

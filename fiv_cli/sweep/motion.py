@@ -163,7 +163,7 @@ def write_motion(
         `path` cannot be written, or holds a whole sweep.
     """
     identity = fingerprint(point.case)
-    check_output(path, "", fresh=True)
+    check_output(path, None)
     stored = (global_attributes(path) or {}) if path.exists() else {}
     if stored and MARK not in stored:
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")

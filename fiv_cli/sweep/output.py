@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from fiv_cli.case.case import Case
+from fiv_cli.case.identity import is_of
 from fiv_cli.data.hdf5 import is_hdf5
 from fiv_cli.data.netcdf import global_attributes
 from fiv_cli.errors import InputError, StorageError, StoreMismatchError, UsageError
@@ -18,8 +20,12 @@ def run_folder(output: Path) -> Path:
     return output.with_suffix(RUN_SUFFIX)
 
 
-def check_output(output: Path, fingerprint: str, fresh: bool) -> None:
+def check_output(output: Path, case: Case | None) -> None:
     """Refuse an output that cannot or must not be written, before anything is computed.
+
+    Parameters
+    ----------
+    case : what a dataset that is there must be of; None: it is replaced
 
     Raises
     ------
@@ -30,14 +36,14 @@ def check_output(output: Path, fingerprint: str, fresh: bool) -> None:
     InputError
         a damaged dataset.
     StoreMismatchError
-        the dataset of another case, unless `fresh`.
+        the dataset of another case.
     """
     refuse_special(output)
     if output.suffix == RUN_SUFFIX:
         raise UsageError(f"{output}: {RUN_SUFFIX} is the run directory\nnext: -o NAME.nc")
     _check_folder(output)
     if output.exists():
-        _check_existing(output, fingerprint, fresh)
+        _check_existing(output, case)
 
 
 def _check_folder(output: Path) -> None:
@@ -56,7 +62,7 @@ def _check_folder(output: Path) -> None:
         )
 
 
-def _check_existing(output: Path, fingerprint: str, fresh: bool) -> None:
+def _check_existing(output: Path, case: Case | None) -> None:
     attributes = global_attributes(output)
     if attributes is None and is_hdf5(output):
         raise InputError(
@@ -70,7 +76,7 @@ def _check_existing(output: Path, fingerprint: str, fresh: bool) -> None:
             "next: choose another place with -o FILE.nc, or remove it (a damaged dataset is made "
             "again from what is stored beside it)"
         )
-    if str(attributes["fingerprint"]) != fingerprint and not fresh:
+    if case is not None and not is_of(attributes, case):
         raise StoreMismatchError(
             f"{output}: holds the dataset of another case ({attributes.get('title', '')!r})\n"
             "next: `fiv status CASE` says how they differ; choose another place with -o FILE.nc, "

@@ -166,17 +166,37 @@ def exclusion(request: Request, linear: bool) -> Requirement | None:
 
 
 def request_at(
-    template: Template, values: Values, start: Start | None, batch: Batch | None = None
+    template: Template,
+    values: Values,
+    start: Start | None,
+    batch: Batch | None = None,
+    setup: Setup | None = None,
 ) -> Request:
-    """The run of a point from `start`, one of `batch`."""
-    law, parameters = law_at(template, values), parameters_at(template, values)
+    """The run of a point from `start`, one of `batch`; `setup`: that of all points, if one is."""
+    parameters = parameters_at(template, values)
+    setup = setup or setup_at(template, values, parameters)
+    settings, solver = template.settings, template.solver
+    return Request(setup, parameters, template.analysis, settings, solver, start, batch)
+
+
+def setup_at(template: Template, values: Values, parameters: Mapping[str, float]) -> Setup:
+    """The setup of a point."""
     options = {**template.options, **_of_kind(template, values, "option")}
-    friction = get_law(law)
-    structural = tuple((name, parameters[name]) for name in friction.structural)
-    solver, schedule = template.solver, template.schedule
+    law = get_law(law_at(template, values))
+    structural = tuple((name, parameters[name]) for name in law.structural)
     model = as_asked(get_model(template.model), template.settings)
-    setup = _setup(model, friction, tuple(options.items()), structural, solver.rtol, schedule)
-    return Request(setup, parameters, template.analysis, template.settings, solver, start, batch)
+    rtol, schedule = template.solver.rtol, template.schedule
+    return _setup(model, law, tuple(options.items()), structural, rtol, schedule)
+
+
+def shared_setup(template: Template, values: Values) -> Setup | None:
+    """The setup of a point, if it is that of all points."""
+    deciding = {"option", "law"}
+    if get_law(template.law).structural:
+        deciding.add("parameter")
+    if deciding & template.axes_by_kind.keys():
+        return None
+    return setup_at(template, values, parameters_at(template, values))
 
 
 @lru_cache(maxsize=256)
@@ -194,9 +214,11 @@ def _setup(
 
 def place_digest(template: Template, values: Values) -> bytes:
     """sha256 of everything that decides a point but its start."""
-    kinds = (kind for _, kind in template.axes)
-    pieces = map(partial(packed, template), kinds, values)
-    return hashlib.sha256(b"".join((template.base, *pieces))).digest()
+    pieces = [
+        packed(template, kind, value)
+        for (_, kind), value in zip(template.axes, values, strict=True)
+    ]
+    return hashlib.sha256(template.base + b"".join(pieces)).digest()
 
 
 def place_digests(template: Template, dims: Sequence[Sequence[Values]]) -> Iterator[bytes]:
@@ -235,11 +257,8 @@ def point_key(
     `previous` is the key of the neighbour that a continued point starts from: a point of a chain
     depends on all before it.
     """
-    digest = hashlib.sha256(place_digest(template, values))
-    if entry is not None:
-        digest.update(entry.identity.encode())
-    digest.update(previous)
-    return digest.digest()
+    own = b"" if entry is None else entry.identity.encode()
+    return hashlib.sha256(place_digest(template, values) + own + previous).digest()
 
 
 def resolve_start(template: Template, values: Values, entry: StartEntry) -> Start:

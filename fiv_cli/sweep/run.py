@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -110,7 +110,7 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
     plan = make_plan(case)
     if not policy.fresh:
         _refuse_another(run_folder(output), case)
-    check_output(output, fingerprint(case), policy.fresh)
+    check_output(output, None if policy.fresh else case)
     if policy.part is not None:
         return _run_part(plan, output, policy.part, policy, progress)
     folder = run_folder(output)
@@ -154,7 +154,7 @@ def assemble_case(case: Case, output: Path) -> tuple[Summary, list[str]]:
     """
     begun = time.monotonic()
     plan = make_plan(case)
-    check_output(output, fingerprint(case), False)
+    check_output(output, case)
     folder = run_folder(output)
     store.create(folder)
     with hold(folder):
@@ -223,13 +223,8 @@ def write_dataset(journal: Journal, output: Path) -> None:
 def _partial(journal: Journal) -> dict[str, object]:
     """What a dataset says of the points that it lacks; of one that is whole, nothing."""
     counts = count_statuses(journal)
-    return {"partial": _done(counts)} if counts[PENDING] else {}
-
-
-def _done(counts: Mapping[str, int]) -> str:
-    """``3 of 10 points``."""
-    total = sum(counts.values())
-    return f"{total - counts[PENDING]} of {counted(total)}"
+    total, left = sum(counts.values()), counts[PENDING]
+    return {"partial": f"{total - left} of {counted(total)}"} if left else {}
 
 
 def _assembled(journal: Journal, index: int) -> Dataset:
@@ -289,6 +284,8 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
     log(f"fiv {fiv_cli.__version__}: {journal.plan.size} points to {output}")
     for path, why in journal.ignored:
         log(f"ignored {path}: {why}")
+    if ending.how_to_end():
+        note(ending.how_to_end())
     try:
         yield
     except BaseException as error:
@@ -306,16 +303,15 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
 
 def _left_behind(journal: Journal, output: Path) -> str:
     """What there is of a run that was ended: a dataset of the points that are done."""
-    counts = count_statuses(journal)
     if not journal.shards():
         return "no point is done, and there is no dataset"
     if output == journal.folder:
-        return f"{output} holds {_done(counts)} of its part"
+        return f"{output} holds what is done of its part"
     try:
         write_dataset(journal, output)
     except StorageError as error:
         return f"{error}"
-    return f"{output} holds {_done(counts)}"
+    return f"{output} holds what is done, and is marked partial"
 
 
 def _claim(folder: Path, case: Case, fresh: bool) -> None:

@@ -39,6 +39,7 @@ from fiv_cli.sweep.requests import (
     point_key,
     request_at,
     resolve_start,
+    shared_setup,
 )
 
 EXECUTOR = "fiv_cli.analyses.execute:execute"
@@ -156,6 +157,7 @@ def _points(task: Task) -> Iterator[tuple[Values, StartEntry | None]]:
 def _batches(task: Task) -> Iterator[list[Request]]:
     """The points of a task, a batch at a time; those on chains without starts."""
     template, points, shared = task.template, _points(task), _shared_starts(task)
+    setup = shared_setup(template, task.segments[0].values[0])
     while some := list(islice(points, AT_ONCE)):
         requests: list[Request] = []
         batch = Batch(requests)
@@ -163,7 +165,7 @@ def _batches(task: Task) -> Iterator[list[Request]]:
             start = None
             if entry is not None and entry.spec.kind != "continue":
                 start = shared.get(entry.label) or resolve_start(template, values, entry)
-            requests.append(request_at(template, values, start, batch))
+            requests.append(request_at(template, values, start, batch, setup))
         yield requests
 
 

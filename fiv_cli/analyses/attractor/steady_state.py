@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -77,7 +77,8 @@ from fiv_cli.analyses.cycles.periodic import (
 )
 from fiv_cli.analyses.rest.linearisation import free_jacobian
 from fiv_cli.codegen.codes import OTHER_POWER, SEPARATION, SLIP, STICK
-from fiv_cli.dynamics.motion import NO_WORKS, Motion, Stop
+from fiv_cli.dynamics.arrays import NO_WORKS
+from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import System, Vector
 
 PATIENCE = 4.0  # s; ... the longest of which passes between two looks at a motion, or before one
@@ -332,7 +333,7 @@ class _Response:
         watch.rest_tells = 1
         watch.offset = section.phase / (2 * np.pi) * watch.interval
         self.motion.show_section(section, watch.times, watch.points, watch.works)
-        stop = self.motion.drive(partial(FOLLOW.function, watch.address))
+        stop = self.motion.drive(FOLLOW.function, watch.address)
         self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
         if self._has_stuck():
             return None

@@ -38,6 +38,7 @@ from fiv_cli.codegen.memory import (
     native,
 )
 from fiv_cli.dynamics import compiled, kernel, roots
+from fiv_cli.dynamics.arrays import NO_WORKS
 from fiv_cli.dynamics.compiled import run_at
 from fiv_cli.dynamics.kernel import (
     REACHED,
@@ -48,7 +49,7 @@ from fiv_cli.dynamics.kernel import (
     holds,
     state_index,
 )
-from fiv_cli.dynamics.motion import NO_WORKS, Motion
+from fiv_cli.dynamics.motion import Motion
 from fiv_cli.dynamics.system import Vector
 
 CHUNK = 16  # section points between two looks at the return map

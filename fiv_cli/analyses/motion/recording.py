@@ -165,8 +165,9 @@ def _works(system: System, recorder: Recorder, curves: Curves) -> Curves:
     before = np.where(has_begun, first["kinetic_energy"] + first["potential_energy"], after)
     terms = [f"{term}_{'loss' if term == 'impact' else 'work'}" for term in Balance._fields[2:]]
     works = {name: recorder.told(name) for name in terms}
-    balances = zip(before, after, *works.values(), strict=True)
-    works["energy_residual"] = np.array([Balance(*map(float, one)).residual for one in balances])
+    columns = (column.tolist() for column in (before, after, *works.values()))
+    balances = map(Balance._make, zip(*columns, strict=True))
+    works["energy_residual"] = np.array([balance.residual for balance in balances])
     works["initial_state"] = np.where(has_begun[:, None], initial, motions)
     for name, work in zip(system.setup.model.powers, recorder.works.T, strict=True):
         works[f"{name}_work"] = work
