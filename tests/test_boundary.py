@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from math import atan2, exp, sin, sqrt
@@ -25,11 +26,13 @@ from fiv_cli.analyses.attractor.bisection import (
 )
 from fiv_cli.analyses.attractor.scan import answered, going_on
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
-from fiv_cli.api import analyse
+from fiv_cli.api import analyse, claims, run
 from fiv_cli.case.load import parse_case
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError
 from fiv_cli.flags import RANGE_END
+from fiv_cli.reading.scans import BEYOND
+from fiv_cli.reading.summary import lines, summarise
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Silent
@@ -293,13 +296,26 @@ def test_answers(question: Question, outcome: Outcome, answer: bool | None) -> N
     assert answered(question, outcome) is answer
 
 
-def test_an_equilibrium_is_perturbed_again_by_the_offset_of_the_start() -> None:
-    carry = {"attractor": "equilibrium", "state": [1.0]}
-    near = going_on(Start("near", "equilibrium", {"x": 1e-4}), carry)
-    assert (near.kind, near.values, near.carried) == ("continue", {"x": 1e-4}, carry)
-    far = going_on(Start("far", "state", {"x": 1.0}), carry)
-    assert far.values == {}
-    assert far.carried == {"attractor": "followed", "state": [1.0]}
+@pytest.mark.parametrize("kind", ["equilibrium", "state"])
+def test_what_is_followed_goes_on_from_its_state_and_is_not_moved_again(kind: str) -> None:
+    on = going_on(Start("near", kind, {"x": 1e-4}), {"attractor": "equilibrium", "state": [1.0]})
+    assert on == Start("near", "continue", {}, {"attractor": "followed", "state": [1.0]})
+
+
+@pytest.mark.parametrize("offset", [1e-3, 0.3])
+def test_an_equilibrium_is_followed_down_to_where_it_loses_its_stability(offset: float) -> None:
+    """However far off the first run begins: c = -N mu'(v) at v = log(3.4)."""
+    settings = {
+        "parameter": Varied("v"), "bracket": (1.1, 1.9), "of": Question(name="equilibrium"),
+        "scan": 5, "width": 1e-4, "follow": "down", "lyapunov": "never",
+    }  # fmt: skip
+    start = Start("near", "equilibrium", {"x": offset})
+    law = {"mu_s": 0.4, "mu_k": 0.23, "v_s": 1.0, "delta": 1.0}
+    found = analyse(
+        "belt-1dof", "stribeck", "boundary", start, settings, m=1.0, k=1.0, c=0.5, N=10.0, **law
+    ).values
+    (end,), (error,) = found["boundary"], found["boundary_error"]
+    assert abs(end - np.log(3.4)) < error < 0.01
 
 
 def test_a_start_that_names_a_parameter_follows_it() -> None:
@@ -335,6 +351,37 @@ width = 1e-3
 follow = "both"
 lyapunov = "never"
 """
+
+CLAIM = """
+[[claim]]
+source = "a measurement"
+text = "where stick-slip is lost"
+variable = "boundary"
+expect = { value = 6.0, tolerance = 0.1 }
+"""
+AT_SPEED = f"{CLAIM}at = {{ Omega = 6.0 }}\n"
+
+
+def test_a_border_is_told_with_its_error_and_with_what_it_is_no_border_of() -> None:
+    """Of a start its answer changes there; a branch that is followed ends there; of several values
+    a claim takes one, and where there is none it has the reason, which `show` tells as it is here.
+    """
+    one = PIN.partition('[[analysis]]\nname = "exists"')[0] + CLAIM
+    told, found = shown_and_claimed(one)
+    value, error = re.search(r"  boundary +(6\.8\d+) ± (0\.\d+) rad s-1\n", told).groups()
+    assert len(value) == len(error) and f"{value} ± {error} rad s-1" in found
+    assert BEYOND in told
+    assert BEYOND not in shown_and_claimed(one.replace("scan = 4", 'scan = 4\nfollow = "up"'))[0]
+    told, found = shown_and_claimed(one.replace("[4.0, 10.0]", "[5.0, 6.0]"))
+    assert "the answer to `of` is the same wherever" in told and "critical" not in told
+    assert "nothing to try it on: no_crossing" in found
+
+
+def shown_and_claimed(text: str) -> tuple[str, str]:
+    """What `show` prints of a case of one analysis, and what its claim finds."""
+    case = parse_case(text, "pin.toml", ())
+    dataset = run(case, workers=1)
+    return "\n".join(lines(summarise({"": dataset}))), claims(case, dataset)[0].found
 
 
 def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path) -> None:
@@ -375,6 +422,8 @@ def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path
         (('{ expect = "periodic" }', "{ greater_than = 1 }"), "write expect = { greater_than = N"),
         (("scan = 4", "scan = 1"), "1 is out of range"),
         (("[[initial]]", "[grid]\nOmega = [1, 2]\n[[initial]]"), "is an axis of the grid"),
+        (("schema = 1", f"schema = 1\n{AT_SPEED}"), "'reached' varies it, and finds values"),
+        (("schema = 1", f"schema = 1\n{AT_SPEED}"), "allowed: initial, crossing\n"),
     ],
 )  # fmt: skip
 def test_what_is_refused(change: tuple[str, str], message: str) -> None:
