@@ -125,7 +125,7 @@ def _is_case(file: Path) -> bool:
 def judge(
     path: Path, undecided: Undecided, overrides: Sequence[str] = (), output: Path | None = None
 ) -> list[Entry]:
-    """The ledger of one case file and its dataset; points of no class are counted in `undecided`."""
+    """The ledger of one case file and its dataset; points of no class count in `undecided`."""
     from fiv_cli import api
     from fiv_cli.reading.claims import dataset_of, held_against
 
