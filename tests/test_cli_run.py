@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
-import time
 import tomllib
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -152,8 +151,11 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert fiv(["status", "pin.toml", "--exit-code"]) == 8
     told = capsys.readouterr().out
     assert "runs/pin.nc (partial)\n  nobody is running it; the same `fiv run` goes on" in told
+    assert "  the last run: " in told and " points/s, some " in told
+    log, ago = Path("runs/pin.run/run.log"), datetime.now().astimezone() - timedelta(seconds=100)
+    _, begun = log.read_text().split(" ", 1)
+    log.write_text(f"{ago.isoformat()} {begun}")
     with hold(Path("runs/pin.run")):  # as a run that began a while ago
-        os.utime("runs/pin.run/lock", (time.time() - 100.0,) * 2)
         assert fiv(["status", "pin.toml"]) == 0
     assert "is running it: 100 s elapsed, 0.03 points/s, some 33 s to go" in capsys.readouterr().out
     assert fiv(["show", "runs/pin.nc"]) == 0
