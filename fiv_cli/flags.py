@@ -372,6 +372,17 @@ def is_retried(name: str) -> bool:
     return any(reason.retried and reason.name == name for reason in REASONS)
 
 
-def advice(name: str) -> str:
-    """The sentence that says what to do about a reason."""
-    return REASONS[reason_code(name)].advice
+ADVICE_OF = {
+    ("no_crossing", "boundary"): "the answer to `of` is the same wherever it was looked at in the "
+    "bracket (scan_class says which class holds): widen the bracket, look at more points (scan), "
+    "or ask for another class (of)",
+    ("no_crossing", "critical"): "no mode changes its stability inside the bracket (unstable "
+    "throughout where growth_at_low is above 0, stable where it is below): widen it, or look "
+    "closer, at `eigenvalues` along it",
+}
+"""(Reason, kind of analysis) -> what it means there, where it means several things."""
+
+
+def advice(name: str, kind: str = "") -> str:
+    """The sentence that says what to do about a reason, of an analysis of this kind."""
+    return ADVICE_OF.get((name, kind)) or REASONS[reason_code(name)].advice

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from math import atan2, exp, sin, sqrt
@@ -25,11 +26,13 @@ from fiv_cli.analyses.attractor.bisection import (
 )
 from fiv_cli.analyses.attractor.scan import answered, going_on
 from fiv_cli.analyses.base import Outcome, Question, SolverSettings, Start, Varied
-from fiv_cli.api import analyse
+from fiv_cli.api import analyse, claims, run
 from fiv_cli.case.load import parse_case
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import CaseError
 from fiv_cli.flags import RANGE_END
+from fiv_cli.reading.scans import BEYOND
+from fiv_cli.reading.summary import lines, summarise
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Silent
@@ -336,6 +339,37 @@ follow = "both"
 lyapunov = "never"
 """
 
+CLAIM = """
+[[claim]]
+source = "a measurement"
+text = "where stick-slip is lost"
+variable = "boundary"
+expect = { value = 6.0, tolerance = 0.1 }
+"""
+AT_SPEED = f"{CLAIM}at = {{ Omega = 6.0 }}\n"
+
+
+def test_a_border_is_told_with_its_error_and_with_what_it_is_no_border_of() -> None:
+    """Of a start its answer changes there; a branch that is followed ends there; of several values
+    a claim takes one, and where there is none it has the reason, which `show` tells as it is here.
+    """
+    one = PIN.partition('[[analysis]]\nname = "exists"')[0] + CLAIM
+    told, found = shown_and_claimed(one)
+    value, error = re.search(r"  boundary +(6\.8\d+) ± (0\.\d+) rad s-1\n", told).groups()
+    assert len(value) == len(error) and f"{value} ± {error} rad s-1" in found
+    assert BEYOND in told
+    assert BEYOND not in shown_and_claimed(one.replace("scan = 4", 'scan = 4\nfollow = "up"'))[0]
+    told, found = shown_and_claimed(one.replace("[4.0, 10.0]", "[5.0, 6.0]"))
+    assert "the answer to `of` is the same wherever" in told and "critical" not in told
+    assert "nothing to try it on: no_crossing" in found
+
+
+def shown_and_claimed(text: str) -> tuple[str, str]:
+    """What `show` prints of a case of one analysis, and what its claim finds."""
+    case = parse_case(text, "pin.toml", ())
+    dataset = run(case, workers=1)
+    return "\n".join(lines(summarise({"": dataset}))), claims(case, dataset)[0].found
+
 
 def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path) -> None:
     """From phi_dot = Omega stick-slip is lost near 6.84 rad/s; followed, it lives to 14.82922.
@@ -375,6 +409,8 @@ def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path
         (('{ expect = "periodic" }', "{ greater_than = 1 }"), "write expect = { greater_than = N"),
         (("scan = 4", "scan = 1"), "1 is out of range"),
         (("[[initial]]", "[grid]\nOmega = [1, 2]\n[[initial]]"), "is an axis of the grid"),
+        (("schema = 1", f"schema = 1\n{AT_SPEED}"), "'reached' varies it, and finds values"),
+        (("schema = 1", f"schema = 1\n{AT_SPEED}"), "allowed: initial, crossing\n"),
     ],
 )  # fmt: skip
 def test_what_is_refused(change: tuple[str, str], message: str) -> None:

@@ -215,6 +215,19 @@ def test_padding_along_own_dims_is_no_point():
     assert (verdict.verdict, verdict.points) == (CONFIRMED, 3)
 
 
+def test_of_several_values_at_a_point_the_finding_says_how_to_take_one():
+    along, values = ("mu_k", "crossing"), np.array([[5.0, np.nan], [5.0, 36.0]])
+    places, errors = (along, values, {"units": "rad s-1"}), (along, values / 1e4)
+    dataset = sweep(["periodic"] * 2, boundary=places, boundary_error=errors)
+    asked = {"value": 5.0, "tolerance": 0.1}
+    verdict = tried(dataset, "boundary", asked)
+    assert verdict.verdict == CONTRADICTED
+    assert "found 5.00000 ± 0.00050 to 36.0000 ± 0.0036 rad s-1" in verdict.found
+    assert verdict.found.endswith("at = { crossing = 0 } takes the first")
+    assert tried(dataset, "boundary", asked, {"crossing": 0}).verdict == CONFIRMED
+    assert "crossing" not in tried(dataset.isel(mu_k=[0]), "boundary", {"less_than": 4}).found
+
+
 def test_integers_that_were_not_computed_are_no_numbers():
     counts = (("mu_k",), np.array([2, -2147483647], np.int32), {"units": "1"})
     dataset = sweep(["periodic", "equilibrium"], multiplicity=counts)

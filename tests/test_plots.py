@@ -1499,8 +1499,8 @@ def test_show_tells_few_points_one_by_one_each_answer_with_its_error():
     row = text.index("  at each point:")
     assert [line.split() for line in text[row + 1 : row + 5]] == [
         ["N", "critical_value", "(m", "s-1)", "crossing_direction", "status"],
-        ["1", "1.5", "±", "0.015", "to_unstable", "ok"],
-        ["1", "2.5", "±", "0.025", "to_stable", "ok"],
+        ["1", "1.500", "±", "0.015", "to_unstable", "ok"],
+        ["1", "2.500", "±", "0.025", "to_stable", "ok"],
         ["2", "ok,", "no_crossing"],
     ]
     many = xr.concat([dataset] * 20, "N").assign_coords(N=np.arange(40.0))

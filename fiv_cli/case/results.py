@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fiv_cli.analyses.catalogue import own_dims
+from fiv_cli.analyses.catalogue import named, own_dims
 from fiv_cli.case.case import (
     SEVERAL,
     AnalysisSpec,
@@ -45,6 +45,12 @@ class Answers:
         """Whether `value` is a label, or one of several starts."""
         several = tuple(f"{start.label}-" for start in self.starts if start.kind in SEVERAL)
         return value in self.labels() or str(value).startswith(several)
+
+    def varied_by(self, name: str) -> str:
+        """That an analysis looks for values of what is called `name`, if one does; else nothing."""
+        names = ((spec.name, spec.settings.get("parameter")) for spec in self.analyses)
+        found = [own for own, varied in names if varied is not None and varied.name == name]
+        return f": {found[0]!r} varies it, and finds values of it" if found else ""
 
     def unit(self, name: str) -> str:
         """The unit of an axis of numbers."""
@@ -147,16 +153,19 @@ def _take(table: TakeTable, answers: Answers, place: Path, report: Report) -> di
 
 
 def _selection(
-    given: Mapping[str, Any], answers: Answers, place: Path, report: Report
+    given: Mapping[str, Any], answers: Answers, place: Path, report: Report, of: str = ""
 ) -> dict[str, Any]:
-    """Axis -> value in SI, or label, or condition, for the keys that are dims."""
+    """Axis -> value in SI, or label, or condition, for the keys that are dims.
+
+    Where it is said `of` which variable, its own dims are named among what is allowed.
+    """
     kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
     found: dict[str, Any] = {}
     for key, value in given.items():
         name, at = axis_name(key), (*place, key)
         if name not in kinds:
-            known = [*answers.axis_names(), "initial"]
-            message = f"{name!r} is no axis of this case"
+            known = [*answers.axis_names(), "initial", *named(of).dims]
+            message = f"{name!r} is no axis of this case{answers.varied_by(name)}"
             note_no_axis(name, message, at, known, answers.physics, report)
         elif isinstance(value, list):
             kept = (_wanted(name, kinds[name], one, answers, at, report) for one in value)
@@ -209,7 +218,7 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         text=table.text,
         variable=table.variable,
         expect=table.expect,
-        at=_selection(table.at, answers, (*place, "at"), report),
+        at=_selection(table.at, answers, (*place, "at"), report, table.variable),
         holds=table.holds,
         note=table.note,
         analysis=table.analysis or "",

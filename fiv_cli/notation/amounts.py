@@ -1,6 +1,8 @@
-"""Times and sizes as people say them."""
+"""Times, sizes and numbers with errors as people say them."""
 
 from __future__ import annotations
+
+from math import floor, isfinite, log10
 
 MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
 
@@ -27,6 +29,21 @@ def size(count: float) -> str:
         if count < 1e3 * length:
             return f"{_two_digits(count / length)} {unit}"
     return f"{_two_digits(count / 1e12)} TB"
+
+
+def with_error(value: float, error: float | None) -> str:
+    """A number in as many digits as its error allows, and the error; without one in six digits.
+
+    >>> with_error(5.4916634121, 1.5e-8), with_error(6.83943, 2e-3), with_error(2.5, None)
+    ('5.491663412 ± 1.5e-08', '6.8394 ± 0.0020', '2.5')
+    """
+    if error is None or not (isfinite(error) and isfinite(value)):
+        return f"{value:.6g}"
+    if error == 0.0:
+        return f"{value:.15g} ± 0"
+    digits = floor(log10(max(abs(value), error))) - floor(log10(error)) + 2
+    shown = (f"{value:#.{min(digits, 15)}g}", f"{error:#.2g}")
+    return " ± ".join(number.rstrip(".") for number in shown)
 
 
 def _two_digits(number: float) -> str:

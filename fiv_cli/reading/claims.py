@@ -11,6 +11,7 @@ the finding counts them.
 
 from __future__ import annotations
 
+import json
 import math
 import shlex
 from collections import Counter
@@ -21,12 +22,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import Case, ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
 from fiv_cli.case.identity import default_output, is_of, output_of
+from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
+    class_names,
     ends_of,
+    error_of,
     flag_names,
     name_of_only,
     numbers,
@@ -101,6 +106,7 @@ class _Values:
     Attributes
     ----------
     low, high : the least and the greatest that each may be; one number where it is known
+    error : how far each may be off; NaN where that is not known
     open : the value is not known, shape (n,)
     row : flat index of the grid point (and start) of each value, shape (n,)
     rows : array over the grid (and start) that `row` counts in C order
@@ -108,6 +114,7 @@ class _Values:
 
     low: np.ndarray
     high: np.ndarray
+    error: np.ndarray
     open: np.ndarray
     row: np.ndarray
     rows: xr.DataArray
@@ -198,10 +205,26 @@ def evaluate(
     if END in part.attrs and (part[variable] == part.attrs[END]).any():
         trial = replace(trial, found=f"{trial.found} (an end of the axis)")
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
-    if not margin > 0.0:  # no share of a sample, or a sample that is all alike
-        return _judge(trial, claim.holds)
-    trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
-    return replace(_judge(trial, claim.holds), standard_error=margin)
+    if margin > 0.0:  # the share of a sample, and of one that is not all alike
+        trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
+    verdict = _judge(trial, claim.holds)
+    hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
+    of_share = margin if margin > 0.0 else None
+    return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
+
+
+def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
+    """Why there is nothing to try a claim on, or that it was tried on several values of a point."""
+    if verdict.points == 0:
+        reasons = dict.fromkeys(class_names(part.get("reason", part["status"])))
+        told = ", ".join(name for name in reasons if name not in ("none", "ok"))
+        return f": {told} (fiv show says what it means)" if told else ""
+    own = [dim for dim in part[variable].dims if dim not in part["status"].dims]
+    several = set(own) <= set(own_dims()) and numbers(part[variable]).notnull().sum(own) > 1
+    if not own or not np.any(several):
+        return ""
+    first = select.axis_of(part, str(own[0])).values[:1].tolist()
+    return f", several at a point: at = {{ {own[0]} = {json.dumps(*first)} }} takes the first"
 
 
 def _asked(dataset: xr.Dataset, claim: ClaimSpec, drawn: Container[str]) -> tuple[xr.Dataset, str]:
@@ -305,7 +328,7 @@ def _try_bounds(
     hit = (values.low >= least) & (values.high <= greatest)
     may_be = (values.low <= greatest) & (values.high >= least)
     unsure = np.isnan(least) | np.isnan(greatest) | (may_be & ~hit)
-    against = [f"against {_span(bound, bound)}" for bound in of_others]
+    against = [f"against {_span(bound, bound, np.full_like(bound, np.nan))}" for bound in of_others]
     words = [_range(values, part[variable]), *against]
     return values.trial(hit, unsure, ", ".join(words))
 
@@ -403,11 +426,16 @@ def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _
         return _ragged_values(part, variable, sizes)
     row = rows.copy(data=np.arange(rows.size).reshape(rows.shape))
     unknown = unknown_points(part, variable, allow_undecided)
-    arrays = xr.broadcast(*ends_of(part, variable), unknown, row)
-    low, high, is_open, place = (a.transpose(*rows.dims, ...).values.ravel() for a in arrays)
+    arrays = xr.broadcast(*ends_of(part, variable), _errors(part, variable), unknown, row)
+    low, high, error, is_open, place = (a.transpose(*rows.dims, ...).values.ravel() for a in arrays)
     padded = not set(part[variable].dims) <= set(rows.dims)
     kept = ~np.isnan(low) | is_open | (not padded)
-    return _Values(low[kept], high[kept], is_open[kept], place[kept], rows)
+    return _Values(low[kept], high[kept], error[kept], is_open[kept], place[kept], rows)
+
+
+def _errors(part: xr.Dataset, variable: str) -> xr.DataArray:
+    """How far each value may be off; NaN where the dataset does not say it."""
+    return part.get(error_of(variable), xr.DataArray(np.nan))
 
 
 def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Values:
@@ -417,24 +445,27 @@ def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Val
     row = select.row_of_each(sizes.transpose(*rows.dims))
     known = ~unknown[row]
     open_rows = np.flatnonzero(unknown)
-    values = np.concatenate([part[variable].values[known], np.full(open_rows.size, np.nan)])
+    none, errors = np.full(open_rows.size, np.nan), _errors(part, variable)
+    values = np.concatenate([part[variable].values[known], none])
+    error = np.concatenate([errors.broadcast_like(part[variable]).values[known], none])
     is_open = np.arange(values.size) >= known.sum()
-    return _Values(values, values, is_open, np.concatenate([row[known], open_rows]), rows)
+    return _Values(values, values, error, is_open, np.concatenate([row[known], open_rows]), rows)
 
 
 def _range(values: _Values, variable: xr.DataArray) -> str:
     """The values found, from least to greatest, with their unit."""
-    known = ~values.open
-    span, unit = _span(values.low[known], values.high[known]), str(variable.attrs.get("units", "1"))
+    known, unit = ~values.open, str(variable.attrs.get("units", "1"))
+    span = _span(values.low[known], values.high[known], values.error[known])
     return f"found {span}" if unit == "1" or span == NOTHING else f"found {span} {unit}"
 
 
-def _span(low: np.ndarray, high: np.ndarray) -> str:
+def _span(low: np.ndarray, high: np.ndarray, error: np.ndarray) -> str:
     known = np.isfinite(low) & np.isfinite(high)
     if not known.any():
         return NOTHING
-    least, greatest = low[known].min(), high[known].max()
-    return f"{least:.6g}" if least == greatest else f"{least:.6g} to {greatest:.6g}"
+    low, high, error = low[known], high[known], error[known]
+    ends = ((low, low.argmin()), (high, high.argmax()))
+    return " to ".join(dict.fromkeys(with_error(end[at], error[at]) for end, at in ends))
 
 
 def point_name(points: xr.DataArray, row: int) -> str:

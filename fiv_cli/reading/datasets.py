@@ -96,6 +96,12 @@ def name_of_only(dataset: xr.Dataset) -> str:
     return next(iter(json.loads(dataset.attrs.get("analyses_json", "{}"))), "")
 
 
+def kind_of(dataset: xr.Dataset, name: str) -> str:
+    """The kind of the analysis called `name` in its file; "" where the file does not say it."""
+    told = json.loads(dataset.attrs.get("analyses_json", "{}"))
+    return str(told.get(name or name_of_only(dataset), {}).get("kind", ""))
+
+
 def variables_in(dataset: xr.Dataset, *roles: Role) -> list[Variable]:
     """What is known of the variables of a dataset that are there for one of `roles`."""
     known = (named(str(name)) for name in dataset.data_vars)
@@ -112,6 +118,11 @@ def headlines(dataset: xr.Dataset) -> list[str]:
 def width_of(dataset: xr.Dataset, name: str) -> xr.DataArray | None:
     """The width of the interval in which each value of a variable lies, where one is known."""
     return dataset.get(named(name).width)
+
+
+def error_of(name: str) -> str:
+    """What says how far a variable may be off, in a dataset that has it."""
+    return f"{named(name).width.removesuffix('_width') or name}_error"
 
 
 def flag_names(attributes: Mapping[str, object]) -> dict[int, str]:

@@ -10,8 +10,9 @@ import numpy as np
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import Role
 from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.notation.amounts import with_error
 from fiv_cli.notation.tables import plain_table
-from fiv_cli.reading.datasets import flag_names, numbers
+from fiv_cli.reading.datasets import error_of, flag_names, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,16 +40,11 @@ def _answers(dataset: xr.Dataset) -> list[str]:
     """The classes, what figures show first, and what has an error, which follows it."""
     grid, found = {*dataset["status"].dims}, []
     for name in map(str, dataset.data_vars):
-        variable, error = named(name), _error_of(name)
+        variable, error = named(name), error_of(name)
         told = variable.role is Role.CLASS or variable.headline or error in dataset
         if told and {*dataset[name].dims} <= {*grid, SEVERAL}:
             found += [name, *[error] * (error in dataset)]
     return found
-
-
-def _error_of(name: str) -> str:
-    """What says how far a variable may be off, in a dataset that has it."""
-    return f"{named(name).width.removesuffix('_width') or name}_error"
 
 
 def _rows(dataset: xr.Dataset, place: int) -> Iterator[Row]:
@@ -91,10 +87,9 @@ def lines(rows: Sequence[Row], units: Mapping[str, str], points: int) -> list[st
 
 
 def _cell(row: Row, name: str) -> str:
-    value, error = row[name], row.get(_error_of(name))
+    value, error = row[name], row.get(error_of(name))
     if value is None:
         return ""
     if name == "status" and row.get("reason", "none") != "none":
         return f"{value}, {row['reason']}"
-    shown = f"{value:.6g}" if isinstance(value, float) else str(value)
-    return shown if error is None else f"{shown} ± {error:.2g}"
+    return with_error(value, error) if isinstance(value, float) else str(value)

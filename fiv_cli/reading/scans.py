@@ -9,13 +9,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fiv_cli.reading.claims import point_name
-from fiv_cli.reading.datasets import class_names
+from fiv_cli.reading.datasets import class_names, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # Brackets that are told of; of more, only the first.
 MOST_BRACKETS = 8
+
+BEYOND = (
+    "every run began at the start, whose answer changes here; a motion may go on beyond, to where "
+    'follow = "up", "down" or "both" finds its end'
+)
+
+
+def found_from_start(dataset: xr.Dataset) -> bool:
+    """Whether a `boundary` has found changes between runs that began at the start."""
+    return "found_going" in dataset and bool(is_class(dataset["found_going"], ("none",)).any())
 
 
 def scanned(dataset: xr.Dataset) -> dict[str, str]:

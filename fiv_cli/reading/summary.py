@@ -12,10 +12,18 @@ from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.data.refined import described
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
+from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import each_point, over_laws, over_starts, select, shares
 from fiv_cli.reading.claims import point_name
-from fiv_cli.reading.datasets import flag_names, is_class, numbers, variables_in
-from fiv_cli.reading.scans import scanned
+from fiv_cli.reading.datasets import (
+    error_of,
+    flag_names,
+    is_class,
+    kind_of,
+    numbers,
+    variables_in,
+)
+from fiv_cli.reading.scans import BEYOND, found_from_start, scanned
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,11 +49,13 @@ def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     first = next(iter(analyses.values()))
     return {
         **{key: str(first.attrs[key]) for key in GLOBAL if first.attrs.get(key)},
-        "analyses": {name: _analysis(dataset) for name, dataset in analyses.items()},
+        "analyses": {
+            name: _analysis(dataset, kind_of(dataset, name)) for name, dataset in analyses.items()
+        },
     }
 
 
-def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
+def _analysis(dataset: xr.Dataset, kind: str) -> dict[str, Any]:
     return {
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
@@ -55,7 +65,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
         },
         "shares": shares.shares(dataset),
         "over_starts": over_starts.differing(dataset),
-        "advice": _advice(dataset),
+        "advice": _advice(dataset, kind),
         "ranges": _ranges(dataset),
         "each_point": each_point.each_point(dataset),
         "trust": {
@@ -65,6 +75,7 @@ def _analysis(dataset: xr.Dataset) -> dict[str, Any]:
         },
         "over_laws": over_laws.spread(dataset),
         **({"scanned": scanned(dataset)} if "scan_class" in dataset else {}),
+        **({"found_from_start": True} if found_from_start(dataset) else {}),
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
 
@@ -94,10 +105,11 @@ def _counts(flag: xr.DataArray, grid_dims: int) -> dict[str, int]:
     return dict(sorted(((n, c) for n, c in counted.items() if c), key=lambda item: -item[1]))
 
 
-def _advice(dataset: xr.Dataset) -> dict[str, str]:
+def _advice(dataset: xr.Dataset, kind: str) -> dict[str, str]:
     """Reason -> what it means and what to do, of those that occur."""
     counts = _counts(dataset["reason"], dataset["status"].ndim) if "reason" in dataset else {}
-    return {name: advice(name) for name in counts if name in REASON.codes and name != "none"}
+    known = (name for name in counts if name in REASON.codes and name != "none")
+    return {name: advice(name, kind) for name in known}
 
 
 def _is_number(dataset: xr.Dataset, name: str) -> bool:
@@ -194,7 +206,8 @@ def _scan_lines(part: Mapping[str, Any]) -> list[str]:
     rest = prod(part["dims"].values()) - len(told)
     lines = [f"    {f'{place}: ' if place else ''}{found}" for place, found in told.items()]
     more = [f"    and {rest} more brackets"] if rest else []
-    return ["  along the bracket:", *lines, *more] if told else []
+    beyond = [f"    {BEYOND}"] if part.get("found_from_start") else []
+    return ["  along the bracket:", *lines, *more, *beyond] if told else []
 
 
 def _axis_line(axis: Mapping[str, Any]) -> str:
@@ -225,9 +238,11 @@ def _count_line(counts: Mapping[str, int]) -> str:
 def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """A line for each; one for a work that ranges alike at the section, and for terms that vanish.
 
-    Terms are the powers and works of the balance of energy.
+    Terms are the powers and works of the balance of energy. The error of a single value follows it.
     """
-    told = {name: _range_line(span) for name, span in ranges.items()}
+    alone = {name: span for name, span in ranges.items() if span["values"] == 1}
+    errors = {name: alone[error_of(name)]["least"] for name in alone if error_of(name) in alone}
+    told = {name: _range_line(span, errors.get(name)) for name, span in ranges.items()}
     terms = [name for name in told if name.endswith(("_work", "_power"))]
     alike = {name for name in terms if told.get(f"section_{name}") == told[name]}
     names = {
@@ -236,7 +251,8 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
         if name.removeprefix("section_") not in alike or name in alike
     }
     zero = [name for name in terms if name in names and told[name] == f"0{_unit(ranges[name])}"]
-    lines = {n: f"  {names[n]:<22} {told[n]}" for n in names if n not in zero}
+    left_out = {*zero, *map(error_of, errors)}
+    lines = {n: f"  {names[n]:<22} {told[n]}" for n in names if n not in left_out}
     made = [n for n in lines if named(n).derived]
     return [
         *(line for n, line in lines.items() if n not in made),
@@ -246,8 +262,8 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
     ]
 
 
-def _range_line(span: Mapping[str, Any]) -> str:
-    least, greatest = f"{span['least']:.6g}", f"{span['greatest']:.6g}"
+def _range_line(span: Mapping[str, Any], error: float | None) -> str:
+    least, greatest = (with_error(span[end], error) for end in ("least", "greatest"))
     return (least if least == greatest else f"{least} to {greatest}") + _unit(span)
 
 

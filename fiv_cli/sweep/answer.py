@@ -25,7 +25,7 @@ class Answer:
 
     Attributes
     ----------
-    name : of the analysis
+    name, kind : of the analysis
     classes : class -> number of points, the most frequent first; empty where it tells none
     reasons : reason why there is no better answer -> number of points, likewise; of those behind
         the end of a chain none
@@ -36,6 +36,7 @@ class Answer:
     """
 
     name: str
+    kind: str
     classes: dict[str, int]
     reasons: dict[str, int]
     asked: int
@@ -48,8 +49,9 @@ class Answer:
         """For people, with what the reasons mean or without."""
         listed = ", ".join(f"{name} {count}" for name, count in self.classes.items())
         if listed or self.reasons:
+            answered = self.asked - self.open
             of = f" (of {self.asked} run; fiv show counts the map)" if self.filled else ""
-            yield f"  {self.name}: {listed or f'{self.asked - self.open} answers'}{of}"
+            yield f"  {self.name}: {listed or f'{answered} answer' + 's' * (answered != 1)}{of}"
         if reasons:
             yield from self._reasons()
         if 2 * self.open > self.asked:
@@ -65,7 +67,7 @@ class Answer:
 
     def _reasons(self) -> Iterator[str]:
         for name, count in list(self.reasons.items())[:MOST_REASONS]:
-            yield f"    {name} {count}: {advice(name)}"
+            yield f"    {name} {count}: {advice(name, self.kind)}"
         if len(self.reasons) > MOST_REASONS:
             yield f"    and {len(self.reasons) - MOST_REASONS} reasons more: fiv show"
 
@@ -88,6 +90,7 @@ def _answer(journal: Journal, index: int) -> Answer:
     undecided = asked & np.isin(told, [c for c, name in table.items() if name == "undecided"])
     return Answer(
         name=analysis.layout.name,
+        kind=analysis.layout.kind,
         classes={name: count for name, count in classes.items() if name != "not_computed"},
         reasons=_counts(record.reason[wanted][~behind], REASON.names, but="none"),
         asked=int(asked.sum()),
