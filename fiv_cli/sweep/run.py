@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 import fiv_cli
 from fiv_cli import ending
 from fiv_cli.case.case import Case
-from fiv_cli.case.identity import differences, document, fingerprint
+from fiv_cli.case.identity import default_output, differences, document, fingerprint
 from fiv_cli.case.overrides import parse_override
-from fiv_cli.data.log import came, logger, run_folder
+from fiv_cli.data.log import RUN_SUFFIX, came, logger, run_folder
 from fiv_cli.data.provenance import command_of, provenance
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError
 from fiv_cli.files import leftovers
@@ -121,6 +121,8 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         _claim(folder, case, policy.fresh)
         journal = _loaded(Journal(folder, plan, part_folders(folder).values()))
         _sweep_leftovers(folder, output)
+        if elsewhere := _stored_elsewhere(journal):
+            progress.note(elsewhere)
         scheduler = Scheduler(journal, policy, progress, logger(folder))
         with _reported(scheduler, output, begun):
             _run_all(scheduler)
@@ -185,6 +187,21 @@ def _missing(journal: Journal, output: Path) -> Iterator[str]:
 def _loaded(journal: Journal) -> Journal:
     journal.load()
     return journal
+
+
+def _stored_elsewhere(journal: Journal) -> str:
+    """Of a run that begins from nothing: who holds points of it, and what to type to use them."""
+    plan, folder = journal.plan, journal.folder
+    places = {folder.parent, default_output(plan.case).parent} if not journal.shards() else ()
+    found = [(0, folder)]
+    for other in (path for place in places for path in place.glob(f"*{RUN_SUFFIX}")):
+        stored = store.stored_identity(other) if other != folder else None
+        if stored is not None and not differences(stored, plan.case):
+            found.append((_loaded(Journal(other, plan)).progress()[0], other))
+    count, most = max(found)
+    using = f"the same command with -o {most.with_suffix('.nc')} uses them"
+    what = f"{counted(count)} of it lie in {most}; {using} (and makes that dataset this one)"
+    return what if count else ""
 
 
 def _costs(journal: Journal) -> list[NDArray[np.float32]]:
