@@ -122,8 +122,8 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
 
 def _refuse_unwritten(path: Path) -> None:
     """Say of a dataset that is not there how far its run has come, if there is one."""
-    runs = runs_in(run_folder(path))
-    if runs and not path.exists():
+    runs = [] if path.exists() or not path.name else runs_in(run_folder(path))
+    if runs:
         course, command = runs[-1].course, runs[-1].command
         at = datetime.fromtimestamp(course.times[-1]).strftime("%H:%M:%S")
         raise UsageError(
