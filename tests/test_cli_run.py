@@ -315,3 +315,40 @@ def test_history_to_no_time(capsys: pytest.CaptureFixture[str], text: str, why: 
     assert fiv(["history", "belt.toml", *at]) == 2
     refused = capsys.readouterr().err
     assert refused.startswith(f"--t-end {text}: ") and why in refused
+
+
+def test_what_another_output_holds_of_the_same_case_is_told_before_it_is_run_anew(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    longer = ["run", "pin.toml", "--set", "grid.N0=[10.0, 20.0, 30.0]"]
+    capsys.readouterr()
+    assert fiv([*longer, "-o", "other.nc", "--max-points", "1"]) == 8
+    told = "4 points of it lie in runs/pin.run; the same command with -o runs/pin.nc uses them"
+    assert capsys.readouterr().err.startswith(told)
+    assert fiv([*longer, "-o", "other.nc", "--max-points", "1"]) == 8  # it has points of its own
+    assert "lie in" not in capsys.readouterr().err
+    assert fiv([*longer, "-o", "runs/pin.nc"]) == 0
+    assert "6 points, 4 already stored, 2 to run" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("20.0]", "20.0, 30.0]", "(other values in the grid): fiv run pin.toml\n"),
+        ('"pin-on-disc"', '"pin-on-disc"\nparameters = { c1 = 3.0 }', "parameters.c1: stored "),
+        ('"equilibrium"\n', '"equilibrium"\n[[figure]]\nkind = "curve"\nx = "N0"\n', "(other figures)"),
+        ('"pin-on-disc"', '"pin"', "pin.toml was changed since\n"),
+        ("equilibria of the pin", "another title", ""),
+    ],
+)  # fmt: skip
+def test_a_figure_of_what_the_case_was_says_so(
+    capsys: pytest.CaptureFixture[str], old: str, new: str, told: str
+) -> None:
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    Path("pin.toml").write_text(EQUILIBRIUM.replace(old, new))
+    capsys.readouterr()
+    assert fiv(["plot", "runs/pin.nc", "--figure", "curve"]) == 0
+    said, warning = capsys.readouterr().err, "WARNING: runs/pin.nc is drawn as it was run; pin.toml"
+    assert told in said
+    assert (warning in said) == bool(told)
