@@ -296,13 +296,26 @@ def test_answers(question: Question, outcome: Outcome, answer: bool | None) -> N
     assert answered(question, outcome) is answer
 
 
-def test_an_equilibrium_is_perturbed_again_by_the_offset_of_the_start() -> None:
-    carry = {"attractor": "equilibrium", "state": [1.0]}
-    near = going_on(Start("near", "equilibrium", {"x": 1e-4}), carry)
-    assert (near.kind, near.values, near.carried) == ("continue", {"x": 1e-4}, carry)
-    far = going_on(Start("far", "state", {"x": 1.0}), carry)
-    assert far.values == {}
-    assert far.carried == {"attractor": "followed", "state": [1.0]}
+@pytest.mark.parametrize("kind", ["equilibrium", "state"])
+def test_what_is_followed_goes_on_from_its_state_and_is_not_moved_again(kind: str) -> None:
+    on = going_on(Start("near", kind, {"x": 1e-4}), {"attractor": "equilibrium", "state": [1.0]})
+    assert on == Start("near", "continue", {}, {"attractor": "followed", "state": [1.0]})
+
+
+@pytest.mark.parametrize("offset", [1e-3, 0.3])
+def test_an_equilibrium_is_followed_down_to_where_it_loses_its_stability(offset: float) -> None:
+    """However far off the first run begins: c = -N mu'(v) at v = log(3.4)."""
+    settings = {
+        "parameter": Varied("v"), "bracket": (1.1, 1.9), "of": Question(name="equilibrium"),
+        "scan": 5, "width": 1e-4, "follow": "down", "lyapunov": "never",
+    }  # fmt: skip
+    start = Start("near", "equilibrium", {"x": offset})
+    law = {"mu_s": 0.4, "mu_k": 0.23, "v_s": 1.0, "delta": 1.0}
+    found = analyse(
+        "belt-1dof", "stribeck", "boundary", start, settings, m=1.0, k=1.0, c=0.5, N=10.0, **law
+    ).values
+    (end,), (error,) = found["boundary"], found["boundary_error"]
+    assert abs(end - np.log(3.4)) < error < 0.01
 
 
 def test_a_start_that_names_a_parameter_follows_it() -> None:

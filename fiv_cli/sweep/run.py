@@ -318,8 +318,6 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
         log(f"ignored {path}: {why}")
     if grows(journal):
         note("a refined map: what is to be run grows as its borders are found")
-    if ending.how_to_end():
-        note(ending.how_to_end())
     try:
         yield
     except BaseException as error:

@@ -91,8 +91,9 @@ ANALYSIS = Analysis(
         ),
         Choice(
             "follow",
-            "where a run begins: at the start (none), or where the one before ended; the end of "
-            "what is followed so is approached by ever shorter steps, until it stays where it is",
+            "where a run begins: at the start (none), or where the one before ended (offsets count "
+            "for the first alone); the end of what is followed so is approached by ever shorter "
+            "steps, until it stays where it is",
             default="none",
             choices=("none", "up", "down", "both"),
         ),

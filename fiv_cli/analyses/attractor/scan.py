@@ -149,11 +149,10 @@ def _is_open(label: str, question: Question, status: str) -> bool:
 def going_on(start: Start, carry: Mapping[str, object]) -> Start:
     """The start of a run that goes on from what another one left.
 
-    An equilibrium is perturbed again by the offset of the start. A start that has none goes on from
-    the very state in which the equilibrium was recognised, which lies a little beside it.
+    Of an equilibrium that is the very state in which it was recognised, which lies a little beside
+    it. It is not moved again by the offset of the start: such a kick does not shrink with the
+    steps, and leaves the basin of an equilibrium before that ends.
     """
-    if start.kind == "equilibrium":
-        return Start(start.label, "continue", start.values, carry)
     return Start(start.label, "continue", {}, {**carry, "attractor": "followed"})
 
 
