@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from fiv_cli.friction.base import Law
     from fiv_cli.models.base import Model
     from fiv_cli.reading.claims import Verdict
+    from fiv_cli.reading.compare import Difference
     from fiv_cli.sweep.plan import Plan
     from fiv_cli.sweep.progress import Progress
 
@@ -53,6 +54,7 @@ __all__ = [
     "analyse",
     "check",
     "claims",
+    "diff",
     "figure",
     "history",
     "join",
@@ -136,7 +138,7 @@ def check(case: Case) -> Plan:
     >>> print(plan)
     <dict>
       model belt-1dof, friction coulomb
-      by default, in SI: m = 1, k = 1, c = 0, N = 10, v = 1, u0 = 0, omega = 1, mu_s = 0.4
+      by default, in SI: N = 10, v = 1, u0 = 0, omega = 1, mu_s = 0.4, 3 more: fiv models belt-1dof
       mu_s: the default of belt-1dof, not of the law
       response: 3 points (mu_k 3 x initial 1)
         mu_k = 0.2, 0.3, 0.5
@@ -316,6 +318,32 @@ def _results_of(analyses: Mapping[str, xr.Dataset]) -> Results:
         return DataTree.from_dict(analyses)
     (dataset,) = analyses.values()
     return dataset
+
+
+def diff(
+    first: str | Path | Results,
+    second: str | Path | Results,
+    tolerances: str | Path | None = None,
+) -> list[Difference]:
+    """What `fiv diff` finds between two datasets; [] where they agree.
+
+    Parameters
+    ----------
+    first, second : what `run`, `history` or `read` returned, or paths of datasets
+    tolerances : TOML file, as of ``fiv diff --tolerances``
+
+    Examples
+    --------
+    >>> from fiv_cli import api
+    >>> belt = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "response"}]}
+    >>> free, damped = (api.run(api.load(belt, {"model.parameters.c": c})) for c in (0.0, 2.0))
+    >>> print(api.diff(free, free), api.diff(free, damped)[0].text)
+    [] periodic -> equilibrium 1 at the only point
+    """
+    from fiv_cli.reading.compare import Tolerances, compare, read_tolerances
+
+    chosen = Tolerances() if tolerances is None else read_tolerances(Path(tolerances))
+    return compare(_analyses_of(first), _analyses_of(second), chosen)
 
 
 def names_of(flags: xr.DataArray) -> xr.DataArray:

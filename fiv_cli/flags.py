@@ -220,8 +220,9 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_number",
-        "a force, a rate or an energy is no number here (a division by zero, the root of a "
-        "negative number): the answer means nothing; look at the equations and the parameters",
+        "a force, a rate or an energy is no number here (a division by zero, a root or a "
+        "power of a negative number): the answer means nothing; look at the equations and the "
+        "parameters",
     ),
     Reason(
         "sector_not_read",

@@ -90,7 +90,7 @@ class Told:
 def test_what_is_public() -> None:
     tree = {"CaseError", "FivError", "UsageError"}
     functions = {"load", "check", "run", "claims", "history", "read", "names_of", "figure"}
-    functions |= {"analyse", "observations", "join"}
+    functions |= {"analyse", "observations", "join", "diff"}
     assert set(api.__all__) == tree | functions
     shown = {test.name.split(".")[-1]: test.examples for test in doctest.DocTestFinder().find(api)}
     for name in functions:

@@ -124,6 +124,16 @@ def test_status_and_class_are_exact() -> None:
     assert found.text == "periodic -> chaotic 1 at mu_k=0.1, initial=near"
 
 
+def test_what_class_the_motion_is_of_comes_first_whatever_the_analysis_is_called() -> None:
+    left = {name: dataset() for name in ("eigenvalues", "response")}
+    right = {name: changed("L_s", (0, 1), 9.0) for name in left}
+    right["eigenvalues"]["status"].values[0, 0] = STATUS.codes["failed"]
+    right["response"]["attractor"].values[0, 0] = CHAOTIC
+    first, second, *rest = (one.what for one in compare(left, right, Tolerances()))
+    assert (first, second) == ("response/attractor", "eigenvalues/status")
+    assert rest == ["eigenvalues/L_s", "response/L_s"]
+
+
 def test_classes_that_became_others_are_counted_and_numbers_compared_where_they_did_not() -> None:
     right = changed("L_s", (0, 1), 2.001)
     right["attractor"].values[:] = [[0, 0], [0, 1]]

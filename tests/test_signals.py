@@ -140,15 +140,16 @@ def test_what_is_ignored_on_entry_stays_ignored(tmp_path: Path, datasets: dict[s
 
 
 def test_how_fast_it_goes_is_told_elsewhere_while_it_runs_and_afterwards(tmp_path: Path) -> None:
-    with run(tmp_path, POINTS, *WORKERS) as watched:
+    text = POINTS.replace("num = 120", "num = 12000")
+    with run(tmp_path, text, *WORKERS) as watched:
         wait_for(lambda: len(list(tmp_path.glob("a.run/shards/*.h5"))) > 4, "no progress")
         live, shown = (other(tmp_path, *w) for w in (STATUS, ("show", "a.nc")))
         watched.send(signal.SIGINT)
         assert watched.code(10.0) == 130
     pace = r": \S+ (s|min) elapsed, \S+ points/s, some \S+ (s|min|h) to go"
     assert re.search(rf"process {watched.process.pid} is running it{pace}", live)
-    assert re.search(r"1200 points done\n  \d+ ok, \d+ pending\n  response: \w+ \d+", live)
-    assert re.search(r"a\.nc: not written; its run had \d+ of 1200 points done at", shown)
+    assert re.search(r"120000 points done\n  \d+ ok, \d+ pending\n  response: \w+ \d+", live)
+    assert re.search(r"a\.nc: not written; its run had \d+ of 120000 points done at", shown)
     assert "next: fiv status case.toml -o a.nc;" in shown
     assert re.search(rf"the last run{pace}", other(tmp_path, *STATUS))
 

@@ -131,12 +131,17 @@ def test_a_chain_that_begins_at_the_end_of_another_has_other_keys_where_that_gre
 
 
 def test_a_plan_says_what_the_case_leaves_to_the_model_and_its_law() -> None:
-    """The default on this model, not that of the law; nothing that an axis or the case gives."""
+    """The default on this model, not that of the law; nothing that an axis or the case gives.
+
+    Of the model those that decide what it does are named, the others counted; `defaults` has all.
+    """
     text = sweep_fakes.BELT.replace('"belt-1dof"', '"belt-1dof"\nparameters = { k = 2.0 }')
-    (line,) = [
-        line for line in make_plan(sweep_fakes.case(text)).describe() if "by default" in line
-    ]
-    assert line == "  by default, in SI: m = 1, c = 0, u0 = 0, omega = 1, mu_s = 0.4, mu_k = 0.23"
+    plan = make_plan(sweep_fakes.case(text))
+    (line,) = [line for line in plan.describe() if "by default" in line]
+    named = "u0 = 0, omega = 1, mu_s = 0.4, mu_k = 0.23"
+    assert line == f"  by default, in SI: {named}, 2 more: fiv models belt-1dof"
+    by_name = {"m": 1.0, "c": 0.0, "u0": 0.0, "omega": 1.0, "mu_s": 0.4, "mu_k": 0.23}
+    assert plan.defaults() == by_name
 
 
 def test_a_plan_says_law_by_law_what_is_left_and_where_the_laws_defaults_differ() -> None:

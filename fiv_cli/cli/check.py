@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
 import click
@@ -19,10 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of checking one case: its plan and the laws that are dear, or the error."""
+    """What came of checking one case: its plan, its defaults and dear laws, or the error."""
 
     source: str
     plan: tuple[str, ...] = ()
+    defaults: Mapping[str, float] = field(default_factory=dict)
     stiff: tuple[str, ...] = ()
     estimates: tuple[Estimate, ...] = ()
     error: FivError | None = None
@@ -55,10 +56,11 @@ def command(
 ) -> int:
     """Check case files and print what `fiv run` would do with them.
 
-    Prints the grid, the analyses with their numbers of points, all parameters left at their
-    defaults, and a friction law that will cost more than 100 times the steps of Coulomb's. Mistakes
-    are listed in three rounds at most, first those of form, then unknown names, then wrong values,
-    each with its line, what is allowed and what may have been meant; the exit code is then 3.
+    Prints the grid, the analyses with their numbers of points, defaults (of the law, the preload,
+    the speed and the like; --json: all), and a friction law that will cost more than 100 times the
+    steps of Coulomb's. Mistakes are listed in three rounds at most, first those of form, then
+    unknown names, then wrong values, each with its line, what is allowed and what may have been
+    meant; the exit code is then 3.
     Nothing is computed, unless --estimate asks for time, memory and disk: it runs a sample for up
     to some twenty seconds an analysis, and keeps nothing of it.
 
@@ -86,7 +88,7 @@ def check_case(source: str, overrides: Sequence[str], workers: int = 0) -> Verdi
         case = api.load(source, overrides)
         plan = api.check(case)
         estimates = tuple(_estimates(case, workers)) if workers else ()
-        return Verdict(source, tuple(plan.describe()), _stiff(plan), estimates)
+        return Verdict(source, tuple(plan.describe()), plan.defaults(), _stiff(plan), estimates)
     except FivError as error:
         return Verdict(source, error=error)
 
@@ -121,6 +123,7 @@ def _document(verdict: Verdict) -> dict[str, object]:
         "case": verdict.source,
         "valid": verdict.error is None,
         "plan": verdict.plan,
+        "defaults": verdict.defaults,
         "stiff": verdict.stiff,
         "estimates": [asdict(one) for one in verdict.estimates],
         "error": None if verdict.error is None else str(verdict.error).splitlines()[0],

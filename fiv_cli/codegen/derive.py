@@ -37,6 +37,7 @@ from fiv_cli.codegen.joint import Joint, Row, are_free, joints
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.errors import UsageError
 from fiv_cli.friction.base import Slip, room_of_pieces
+from fiv_cli.friction.powers import eased
 from fiv_cli.friction.surface import way_slid
 from fiv_cli.models.base import Contact, Equations
 from fiv_cli.models.symbols import Symbols
@@ -243,11 +244,13 @@ class _Deriver:
         return found
 
     def _law_force(self, contact: int) -> Expr:
-        return self.laws[contact].force(self._slip(contact), self._law_parameters(contact))
+        slip = self._slip(contact)
+        return eased(self.laws[contact].force(slip, self._law_parameters(contact)), slip.v)
 
     def _law_rates(self, contact: int) -> Mapping[str, Expr]:
-        rates = self.laws[contact].rates
-        return {} if rates is None else rates(self._slip(contact), self._law_parameters(contact))
+        rates, slip = self.laws[contact].rates, self._slip(contact)
+        given = {} if rates is None else rates(slip, self._law_parameters(contact))
+        return {name: eased(rate, slip.v) for name, rate in given.items()}
 
     def _rows_of(self, contact: int) -> list[list[sympy.Symbol]]:
         return self.symbols.rows(contact, *self.laws[contact].shape)
@@ -591,7 +594,7 @@ class _Deriver:
         if not self.contacts[contact].static_friction:
             first = [piece.row for piece in law.pieces[:1]]
             at_rest = Slip(sympy.Integer(0), sympy.Integer(1), sympy.Integer(0), normal, rows=first)
-            return self.graph.build(law.force(at_rest, parameters), names)
+            return self.graph.build(eased(law.force(at_rest, parameters), at_rest.v), names)
         known = {**parameters, **self._slip(contact).states}
         return self.graph.build(law.capacity(normal, known), names)
 

@@ -313,6 +313,9 @@ class Graph:
             return self._quotient(expression, names, done)
         if expression.is_Pow and expression.exp.is_number:
             return self.power(self._build(expression.base, names, done), float(expression.exp))
+        if expression.is_Pow:
+            base, exponent = (self._build(arg, names, done) for arg in expression.args)
+            return self.unary("exp", self.mul(exponent, self.unary("log", base)))
         op = expression.func.__name__
         if op not in UNARY:
             raise NotImplementedError(f"no series for {expression.func} in {expression}")

@@ -82,6 +82,8 @@ GOING = -1  # ... that it has not yet
 
 ENDLESS = 1e300  # step over which every series is a polynomial
 POLYNOMIAL_STEPS = 16.0  # length of a step in stick, in steps of the last slip
+FAR_AHEAD = 1000.0  # of such steps to the next event: they are left for one that leads there
+AT_LEAST = 1e-6  # of the time: length of a step towards no event
 CHAIN_CAP = 50  # transitions at one instant
 SHORT_FLIGHTS = 25  # impacts at one instant after which flights are below rounding: contact stays
 PLATEAU = 1.0 / 6.0  # share by which the argument of tanh or exp may change over a step
@@ -418,14 +420,16 @@ def polynomial_step(run: Run, index: int) -> float:
 
     Roots are located as fractions of the step, so it must not dwarf the time to the next event.
     """
-    if run.last_step > 0.0:
-        return POLYNOMIAL_STEPS * run.last_step
-    step = ENDLESS
+    usual, step = POLYNOMIAL_STEPS * run.last_step, ENDLESS
     for g in range(run.n_guards[index]):
         offset = (run.n_states + g) * (run.order + 1)
         value = run.series[offset] if run.known_zeros[g] == 0 else 0.0
         if run.series[offset + 1] != 0.0:
             step = min(step, 2.0 * abs(value / run.series[offset + 1]))
+    if step == ENDLESS and usual > 0.0:
+        return max(usual, AT_LEAST * run.time)
+    if usual > 0.0 and step <= FAR_AHEAD * usual:
+        return usual
     return step if step > 0.0 else ENDLESS
 
 

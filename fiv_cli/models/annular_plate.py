@@ -31,7 +31,6 @@ MODEL = Model(
     states=lambda options: (),
     equations=equations,
     default_law="none",
-    law_defaults={},
     options=(disc.MODES,),
     contacts=0,
     derived=disc.DERIVED,

@@ -440,7 +440,7 @@ class Model:
     states: Callable[[Options], tuple[State, ...]]
     equations: Callable[[Symbols, Options], Equations]
     default_law: str
-    law_defaults: Mapping[str, float | str]
+    law_defaults: Mapping[str, float | str] = field(default_factory=dict)
     options: tuple[Option, ...] = ()
     contacts: int = 1
     stops: int = 0

@@ -7,6 +7,7 @@ tables declare, units fit, accelerations follow from the energies, friction oppo
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from math import nan
 
@@ -16,6 +17,7 @@ from sympy import Expr
 from fiv_cli.errors import Problem, UsageError
 from fiv_cli.flags import PIECES
 from fiv_cli.friction.base import HELD, Law, Slip
+from fiv_cli.friction.powers import eased
 from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import listed, suggest
@@ -153,6 +155,24 @@ def _rests(law: Law) -> Iterator[Fault]:
         yield Fault(("Law", law.name, "rates"), message, "", hint)
 
 
+def _begins(law: Law) -> Iterator[Fault]:
+    """Slip begins at v = 0: there the force, and how it changes, are numbers."""
+    if law.pieces or law.states:
+        return
+    (slip, parameters), defaults = _symbols_of(law), law.defaults
+    values = {symbol: defaults[name] for name, symbol in parameters.items()}
+    begun = replace(slip, sign=sympy.Integer(1), speed=slip.v, N=sympy.Integer(1))
+    found = eased(law.force(begun, parameters), slip.v)
+    for what in ("F_T", "its slope", "its second derivative"):
+        if not found.subs(slip.v, 0).subs(values).is_finite:
+            message = f"{what} is no number at v = 0, where slip begins"
+            hint = "write a power (slip.speed / p['v_0']) ** p['q'], without exp or log; give what "
+            hint += "is taken the logarithm of, or divides, a part that does not vanish at rest"
+            yield Fault(("Law", law.name, "force"), message, "", hint)
+            return
+        found = found.diff(slip.v)
+
+
 def _opposes_slip(law: Law) -> Iterator[Fault]:
     """The force of steady slip is along v_rel, and stick bears what slip begins with."""
     if law.pieces:
@@ -225,8 +245,7 @@ def _of_law(
         )
         yield Fault(place, message, listed([named(symbol.name) for symbol in units]))
         return
-    structural = [sympy.Symbol(f"p.{name}", real=True) for name in law.structural]
-    yield from without_series(place, expression, structural)
+    yield from without_series(place, expression)
     try:
         found = dimension_of(expression, units)
     except MixedUnitsError as error:
@@ -249,6 +268,7 @@ _OF_LAWS = (
     _pieces_of_law,
     _forces_of_law,
     _rests,
+    _begins,
     _opposes_slip,
     _unused_parameters,
 )

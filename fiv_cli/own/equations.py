@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from typing import Any
 
@@ -38,13 +38,9 @@ def names_of_equations(written: Written) -> Iterator[Fault]:
         yield from _of_contact(i, contact, written)
 
 
-def without_series(
-    place: Place, expression: Expr, structural: Collection[Expr] = ()
-) -> Iterator[Fault]:
-    """What no step of a Taylor series can be taken of; `structural`: numbers, once it is."""
+def without_series(place: Place, expression: Expr) -> Iterator[Fault]:
+    """What no step of a Taylor series can be taken of."""
     found = {one for one in expression.atoms(Application) if one.func.__name__ not in UNARY}
-    powers = expression.atoms(sympy.Pow)
-    found |= {one for one in powers if one.exp.free_symbols - {*structural}}
     for one in sorted(found, key=str):
         hint = "what changes from one side to the other is a contact, or smooth: tanh"
         yield Fault(place, f"{shown(one)} has no series", f"+ - * / **, {listed(UNARY)}", hint)

@@ -141,7 +141,10 @@ def _tolerances(table: Mapping[str, Any]) -> Tolerances:
 def compare(
     left: Mapping[str, xr.Dataset], right: Mapping[str, xr.Dataset], tolerances: Tolerances
 ) -> list[Difference]:
-    """Every difference between two sets of datasets, by name of the analysis."""
+    """Every difference between two sets of datasets, by name of the analysis.
+
+    First which class became which, that of the steady state before others: numbers follow it.
+    """
     differences = []
     for name in sorted(left.keys() | right.keys()):
         if name not in left or name not in right:
@@ -151,7 +154,11 @@ def compare(
             one, other = (_found(side[name]) for side in (left, right))
             pair = _Pair(one, other, tolerances, f"{name}/" if name else "")
             differences.extend(pair.differences())
-    return differences
+    return sorted(differences, key=_rank)
+
+
+def _rank(one: Difference) -> int:
+    return 2 if not one.changes else 0 if one.what.rpartition("/")[2] == "attractor" else 1
 
 
 def _found(dataset: xr.Dataset) -> xr.Dataset:

@@ -10,20 +10,31 @@ from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
 
+NAMED = ("preload", "speed", "friction", "amplitude", "frequency")
+"""Roles of parameters of a model whose defaults are named; of the others it is said how many."""
 
-def defaults_text(case: Case, given: Collection[str]) -> list[str]:
-    """The values in force that the case does not give, but those `given` otherwise."""
+
+def defaults(case: Case, given: Collection[str]) -> dict[str, float]:
+    """The values in force, SI, that the case does not give, but those `given` otherwise."""
     owners = _owners(case)
-    left = []
+    found: dict[str, float] = {}
     for name, values in _left(case, given).items():
         agreed = set(values) == owners[name] and len({*values.values()}) == 1
-        of_laws = {name: next(iter(values.values()))} if agreed else _by_law(name, values)
-        left += [f"{key} = {value:.12g}" for key, value in of_laws.items()]
-    model = get_model(case.model)
+        found |= {name: next(iter(values.values()))} if agreed else _by_law(name, values)
+    return found
+
+
+def defaults_text(case: Case, given: Collection[str]) -> list[str]:
+    """Those of the laws, and of the model those that decide what it does; of the rest how many."""
+    model, left = get_model(case.model), defaults(case, given)
+    counted = {one.name for one in model.parameters if one.role not in NAMED} & left.keys()
+    told = [f"{name} = {value:.12g}" for name, value in left.items() if name not in counted]
+    more = f"{len(counted)} {'more' if told else 'parameters'}: fiv models {model.name}"
     set_here = {name for law in case.laws for name in model.defaults_of(get_law(law))}
-    told = [name for name in _left(case, given) if name in set_here]
-    of_model = [f"  {', '.join(told)}: the default of {model.name}, not of the law"] if told else []
-    return [f"  by default, in SI: {', '.join(left)}", *of_model] if left else []
+    theirs = [name for name in _left(case, given) if name in set_here]
+    of_model = f"  {', '.join(theirs)}: the default of {model.name}, not of the law"
+    line = f"  by default, in SI: {', '.join([*told, *[more] * bool(counted)])}"
+    return [*[line] * bool(left), *[of_model] * bool(theirs)]
 
 
 def unequal_defaults(case: Case) -> list[str]:

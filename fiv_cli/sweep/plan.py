@@ -32,7 +32,7 @@ from fiv_cli.models import get_model
 from fiv_cli.models.base import Requirement, leaders
 from fiv_cli.notation.amounts import size
 from fiv_cli.own.load import know
-from fiv_cli.sweep.defaults import defaults_text, remarks, unequal_defaults
+from fiv_cli.sweep.defaults import defaults, defaults_text, remarks, unequal_defaults
 from fiv_cli.sweep.refine import Maps, maps_of
 from fiv_cli.sweep.requests import (
     StartEntry,
@@ -274,6 +274,15 @@ class Plan:
     def __str__(self) -> str:
         return "\n".join(self.describe())
 
+    def defaults(self) -> dict[str, float]:
+        """What the case leaves to its model and its laws: parameter -> value, SI."""
+        return defaults(self.case, self._varied())
+
+    def _varied(self) -> set[str]:
+        """What analyses vary themselves."""
+        varied = filter(None, (one.layout.settings.get("parameter") for one in self.analyses))
+        return {name for one in varied for name in (one.name, *one.followers)}
+
     def describe(self) -> list[str]:
         """The plan in lines for people."""
         case = self.case
@@ -283,10 +292,8 @@ class Plan:
             *(f"  {law}: {get_law(law).title}" for law in case.laws if law.endswith(SUFFIX)),
             *(f"  {_curve_text(name, points)}" for name, points in case.schedule.curves),
         ]
-        varied = filter(None, (one.layout.settings.get("parameter") for one in self.analyses))
-        given = {name for one in varied for name in (one.name, *one.followers)}
         head += [
-            *defaults_text(case, given),
+            *defaults_text(case, self._varied()),
             *(f"  {said}" for said in (*unequal_defaults(case), *remarks(case))),
         ]
         lines = [line for analysis in self.analyses for line in _described(analysis)]
