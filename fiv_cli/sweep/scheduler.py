@@ -33,8 +33,8 @@ SHARE_OF_PAST = 0.02
 LONGEST_CHUNK = 20.0
 """Seconds that a chunk may take at most."""
 
-LARGEST_CHUNK = 64 * 2**20
-"""Bytes that the results of a chunk may take."""
+LARGEST_CHUNK = 16 * 2**20
+"""Bytes that the results of a chunk may take: memory of that size is used again and again."""
 
 LONG = HOUR
 """Seconds that a run may still take without a word."""
