@@ -26,7 +26,7 @@ from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Lines, Silent
 from fiv_cli.sweep.run import Summary, reproduction, run_case
-from fiv_cli.sweep.scheduler import Pace
+from fiv_cli.sweep.scheduler import LARGEST_CHUNK, Pace
 
 HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
 
@@ -554,7 +554,7 @@ def test_long_runs_have_longer_tasks_up_to_a_bound() -> None:
 def test_tasks_with_large_results_are_short() -> None:
     pace = Pace(seconds_per_point=1e-3, last_count=10**9, tasks=9)
     pace.learn(10, 1e-2, 10 * 2**20)
-    assert pace.count(10**9, 2, HERE) == 64
+    assert pace.count(10**9, 2, HERE) == LARGEST_CHUNK // 2**20
 
 
 def test_what_is_not_kept_in_memory_is_read_again(

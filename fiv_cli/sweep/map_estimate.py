@@ -45,6 +45,7 @@ class Level:
     run: int = 0
     seconds: float = 0.0
 
+
 @dataclass
 class Drawing:
     """A map that is drawn.
