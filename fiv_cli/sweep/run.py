@@ -377,7 +377,8 @@ def _refuse_another(folder: Path, case: Case) -> None:
                 [
                     f"{folder}: holds results of another case",
                     *(f"  {line}" for line in differing),
-                    "next: choose another place with -o FILE.nc, or throw them away with --fresh",
+                    "next: keep both with -o FILE.nc (fiv plot and fiv diff take two), change it "
+                    "back, or throw what is stored away with --fresh",
                 ]
             )
         )
