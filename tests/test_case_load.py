@@ -290,6 +290,15 @@ class TestStarts:
         assert only_problem(text).path == "initial.1.along"
 
     @pytest.mark.parametrize(
+        ("others", "told"),
+        [((), 'kind = "equilibrium"'), (("[[initial]]", 'label = "far"', 'kind = "state"'), "far")],
+    )
+    def test_continued_from_nothing(self, others: tuple[str, ...], told: str) -> None:
+        chain = ("[[initial]]", 'kind = "continue"', 'along = "v"')
+        text = belt("[grid]", "v = [1, 2]", *chain, *others)
+        assert only_problem(text).allowed.count(told) == 1
+
+    @pytest.mark.parametrize(
         ("line", "path"),
         [
             ("state = { y = 0 }", "initial.0.state.y"),

@@ -26,7 +26,7 @@ from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Lines, Silent
 from fiv_cli.sweep.run import Summary, reproduction, run_case
-from fiv_cli.sweep.scheduler import Pace
+from fiv_cli.sweep.scheduler import LARGEST_CHUNK, Pace
 
 HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
 
@@ -305,7 +305,7 @@ def test_failures_are_told_as_they_happen_and_once_that_all_fail_alike(
     chosen = policy(executor=f"sweep_fakes:{executor}", chunk_points=1)
     run_case(sweep_fakes.case(), tmp_path / "a.nc", chosen, Notes())
     (one,) = (text for text in told if text.startswith("a point failed, "))
-    assert "N = " in one and first in one
+    assert "N=" in one and first in one
     assert len([text for text in told if text.startswith("all 20 points")]) == alike
 
 
@@ -573,7 +573,7 @@ def test_long_runs_have_longer_tasks_up_to_a_bound() -> None:
 def test_tasks_with_large_results_are_short() -> None:
     pace = Pace(seconds_per_point=1e-3, last_count=10**9, tasks=9)
     pace.learn(10, 1e-2, 10 * 2**20)
-    assert pace.count(10**9, 2, HERE) == 64
+    assert pace.count(10**9, 2, HERE) == LARGEST_CHUNK // 2**20
 
 
 def test_what_is_not_kept_in_memory_is_read_again(

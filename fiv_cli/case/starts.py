@@ -159,12 +159,23 @@ def _check_continued(
     by_label = {other.label: other for other in starts if other.kind in BEGINNINGS}
     beginnings = [label for label in by_label if label != start.label]
     if not start.from_label:
-        report.add((*place, "from"), "is missing", f"the label of a start: {listed(beginnings)}")
+        report.add((*place, "from"), "is missing", _allowed_first(beginnings, by_label))
     elif start.from_label not in beginnings:
         message = f"there is no start {start.from_label!r} to begin at, {listed(BEGINNINGS)}"
         report.unknown((*place, "from"), message, start.from_label, beginnings)
     elif by_label[start.from_label].kind == "continue":
         _check_next_leg(start, (*place, "from"), by_label, report)
+
+
+def _allowed_first(beginnings: Sequence[str], by_label: Mapping[str, StartSpec]) -> str:
+    """At what the first point of a chain may begin."""
+    own = [label for label in beginnings if by_label[label].kind != "continue"]
+    if own:
+        return f"the label of the start of the first point: {listed(own)}"
+    return (
+        "the label of a start for the first point; there is none yet, add [[initial]] "
+        'label = "first", kind = "equilibrium" and write from = "first"'
+    )
 
 
 def _check_next_leg(

@@ -248,8 +248,9 @@ class InitialTable(Table):
     from_label: str | None = Field(
         default=None,
         alias="from",
-        description="label of the start of the first point; of a chain the other way along: this "
-        "one begins where that one ended (a hysteresis loop; mostly with on_loss go-on)",
+        description="needed: label of the start of the first point; of a chain the other way "
+        "along: this one begins where that one ended (a hysteresis loop; mostly with on_loss "
+        "go-on)",
     )
     on_loss: Literal["stop", "restart", "go-on"] = Field(
         default="stop",

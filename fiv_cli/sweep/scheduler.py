@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fiv_cli import ending
+from fiv_cli.data.log import came
 from fiv_cli.errors import FivError
 from fiv_cli.notation.amounts import HOUR, duration
 from fiv_cli.sweep.defaults import unequal_defaults
@@ -32,8 +33,8 @@ SHARE_OF_PAST = 0.02
 LONGEST_CHUNK = 20.0
 """Seconds that a chunk may take at most."""
 
-LARGEST_CHUNK = 64 * 2**20
-"""Bytes that the results of a chunk may take."""
+LARGEST_CHUNK = 16 * 2**20
+"""Bytes that the results of a chunk may take: memory of that size is used again and again."""
 
 LONG = HOUR
 """Seconds that a run may still take without a word."""
@@ -127,6 +128,8 @@ class Scheduler:
     _held: Job | None = None
     _stopped: bool = False
     _is_told: bool = False
+    _done: int = 0
+    _total: int = 0
     _dispatched: int = 0
     _fruitless: int = 0
     _slowest: float = 0.0
@@ -152,8 +155,9 @@ class Scheduler:
         """
         queues = [self._queue(index) for index in range(len(self.journal.records))]
         left = sum(queue.left for queue in queues)
-        total = sum(int(np.count_nonzero(record.wanted())) for record in self.journal.records)
-        self.progress.begin(total, max(0, total - left))
+        _, self._total = self.journal.progress()
+        self._done = max(0, self._total - left)
+        self.progress.begin(self._total, self._done)
         if not left:
             return False
         self._prepare([index for index, queue in enumerate(queues) if queue.left])
@@ -242,6 +246,7 @@ class Scheduler:
         self._failures.note(result.block, lambda row: analysis.named(int(job.positions[row])))
         failed = self._failures.failed - before
         self.ran += len(job.positions)
+        self._done += len(job.positions)
         self._stopped |= bool(failed) and self.policy.fail_fast
         for row, message in result.block.messages.items():
             self.log(f"point {job.positions[row]}: {message}")
@@ -256,7 +261,7 @@ class Scheduler:
         where = analysis.named(int(job.positions[row]))
         self.log(
             f"{analysis.layout.name}: {counted(len(job.positions))} in {result.seconds:.2f} s, "
-            f"{failed} failed, {self.ran} run so far; slowest {seconds:.2f} s at {where}"
+            f"{failed} failed, {came(self._done, self._total)}; slowest {seconds:.2f} s at {where}"
         )
         if seconds > max(self._slowest, NOT_SLOW):
             self._slowest = seconds

@@ -119,11 +119,12 @@ def run_task(task: Task) -> Result:
     keys: list[bytes] = []
     states: dict[int, ChainState] = {}
     carries: dict[int, dict[str, Any]] = {}
-    batches = _batches(task)
+    points = list(_points(task))
+    batches = _batches(task, points)
     with _Pulse(task) as pulse:
         if _is_run_in_blocks(task):
             outcomes = list(_run_in_blocks(task.template, batches, pulse))
-            keys = [point_key(task.template, *point) for point in _points(task)]
+            keys = [point_key(task.template, *point) for point in points]
         coming = chain.from_iterable(batches)
         for number, segment in enumerate(() if outcomes else task.segments):
             ran = list(_run_segment(task.template, segment, coming, execute, pulse))
@@ -154,9 +155,11 @@ def _points(task: Task) -> Iterator[tuple[Values, StartEntry | None]]:
         yield from ((values, entry) for values in segment.values)
 
 
-def _batches(task: Task) -> Iterator[list[Request]]:
+def _batches(
+    task: Task, points: Iterable[tuple[Values, StartEntry | None]]
+) -> Iterator[list[Request]]:
     """The points of a task, a batch at a time; those on chains without starts."""
-    template, points, shared = task.template, _points(task), _shared_starts(task)
+    template, shared, points = task.template, _shared_starts(task), iter(points)
     setup = shared_setup(template, task.segments[0].values[0])
     while some := list(islice(points, AT_ONCE)):
         requests: list[Request] = []
