@@ -10,8 +10,6 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from fiv_cli import ending
 from fiv_cli.data.log import came
 from fiv_cli.errors import FivError
