@@ -95,7 +95,8 @@ def test_a_map_grows_as_its_borders_do(
         return Disc(positions), float(len(positions))
 
     monkeypatch.setattr("fiv_cli.sweep.map_estimate.time.monotonic", lambda: clock)
-    drawing = Drawing(maps, square, run, at_once=10)
+    nothing = np.zeros(square.shape, np.int32), np.zeros(square.shape, bool)
+    drawing = Drawing(maps, square, *nothing, run, at_once=10)
     drawing.until(seconds)
     (low, high), (least, most) = drawing.cost()
     assert low * (1 - OF_TIMING) <= true <= high * (1 + OF_TIMING) and high <= spread * low
