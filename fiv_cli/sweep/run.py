@@ -243,7 +243,8 @@ def _partial(journal: Journal) -> dict[str, object]:
     """What a dataset says of the points that it lacks; of one that is whole, nothing."""
     counts = count_statuses(journal)
     total, left = sum(counts.values()), counts[PENDING]
-    return {"partial": f"{total - left} of {counted(total)}"} if left else {}
+    so_far = " known so far, of a map that is being refined" * grows(journal)
+    return {"partial": f"{total - left} of {counted(total)}{so_far}"} if left else {}
 
 
 def _assembled(journal: Journal, index: int) -> Dataset:
@@ -312,7 +313,9 @@ def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
 def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None]:
     """Sum up and log on every path, also when the run is interrupted or fails."""
     journal, log, note = scheduler.journal, scheduler.log, scheduler.progress.note
-    command = f"{command_of(journal.plan.case)} -o {output}"
+    part = scheduler.policy.part
+    where = f"-o {output}" if part is None else f"--shard {part}"
+    command = f"{command_of(journal.plan.case)} {where}"
     log(f"fiv {fiv_cli.__version__}: {command}; {came(*journal.progress())}")
     for path, why in journal.ignored:
         log(f"ignored {path}: {why}")
