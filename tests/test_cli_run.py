@@ -346,7 +346,7 @@ def test_what_another_output_holds_of_the_same_case_is_told_before_it_is_run_ane
         ("20.0]", "20.0, 30.0]", "(other values in the grid): fiv run pin.toml\n"),
         ('"pin-on-disc"', '"pin-on-disc"\nparameters = { c1 = 3.0 }', "parameters.c1: stored "),
         ('"equilibrium"', '"equilibrium"\n[[figure]]\nkind = "curve"\nx = "N0"', "(other figures)"),
-        ('"pin-on-disc"', '"pin"', "pin.toml was changed since\n"),
+        ('"pin-on-disc"', '"pin"', "pin.toml was changed since (fiv status pin.toml says whether"),
         ("equilibria of the pin", "another title", ""),
     ],
 )  # fmt: skip
