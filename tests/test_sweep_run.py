@@ -290,6 +290,25 @@ def test_a_failed_point_loses_no_other_and_says_how_to_run_it_alone(tmp_path: Pa
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+@pytest.mark.parametrize(
+    ("executor", "first", "alike"),
+    [("raising", "ValueError: N is two", 0), ("malformed", "cannot be stored", 1)],
+)
+def test_failures_are_told_as_they_happen_and_once_that_all_fail_alike(
+    tmp_path: Path, executor: str, first: str, alike: int
+) -> None:
+    class Notes(Silent):
+        def note(self, text: str) -> None:
+            told.append(text)
+
+    told: list[str] = []
+    chosen = policy(executor=f"sweep_fakes:{executor}", chunk_points=1)
+    run_case(sweep_fakes.case(), tmp_path / "a.nc", chosen, Notes())
+    (one,) = (text for text in told if text.startswith("a point failed, "))
+    assert "N=" in one and first in one
+    assert len([text for text in told if text.startswith("all 20 points")]) == alike
+
+
 def test_fail_fast_stops_and_keeps_what_is_finished(tmp_path: Path) -> None:
     summary = sweep(
         tmp_path / "a.nc", executor="sweep_fakes:raising", fail_fast=True, chunk_points=1

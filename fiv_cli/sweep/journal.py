@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 from fiv_cli.data.block import Block, fault_of_block, joined
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
-from fiv_cli.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
+from fiv_cli.flags import NOT_COMPUTED, STATUS, retried_codes
 from fiv_cli.sweep.borders import BLANK
+from fiv_cli.sweep.failures import explained
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
 from fiv_cli.sweep.refine import Stage
 from fiv_cli.sweep.worker import ChainState
@@ -371,7 +372,7 @@ class Journal:
         for row in np.flatnonzero((block.status == failed) & (positions >= 0)):
             position = int(positions[row])
             if record.status[position] == failed:
-                what = _explained(int(block.reason[row]), block.messages.get(int(row), ""))
+                what = explained(int(block.reason[row]), block.messages.get(int(row), ""))
                 found.setdefault(what, (position, what))
 
 
@@ -390,12 +391,6 @@ def _states(block: Block) -> dict[int, ChainState]:
     if not all(state.is_sound() for state in states.values()):
         raise UnreadableShard("what a chain carries on has another form")
     return states
-
-
-def _explained(code: int, message: str) -> str:
-    """Why a point failed: its own words, or what the table of reasons says."""
-    reason = REASONS[code]
-    return message.partition("\n")[0] or f"{reason.name}: {reason.advice}"
 
 
 class _Finder:

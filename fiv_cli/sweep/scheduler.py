@@ -10,14 +10,12 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from fiv_cli import ending
 from fiv_cli.data.log import came
 from fiv_cli.errors import FivError
-from fiv_cli.flags import STATUS
 from fiv_cli.notation.amounts import HOUR, duration
 from fiv_cli.sweep.defaults import unequal_defaults
+from fiv_cli.sweep.failures import Failures
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.plan import counted
 from fiv_cli.sweep.policy import Policy
@@ -50,8 +48,6 @@ NOT_SLOW, LINGERING = 0.5, 2.0
 
 FRUITLESS_RESTARTS = 3
 """Deaths of workers in a row, none of which had begun a point, after which we give up."""
-
-FAILED = STATUS.codes["failed"]
 
 
 @dataclass
@@ -135,6 +131,10 @@ class Scheduler:
     _dispatched: int = 0
     _fruitless: int = 0
     _slowest: float = 0.0
+    _failures: Failures = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._failures = Failures(self.progress.note)
 
     def __enter__(self) -> Scheduler:
         return self
@@ -240,7 +240,9 @@ class Scheduler:
         self.journal.write(index, job.positions, result.block)
         queue.finished(job, result)
         pace.learn(len(job.positions), result.seconds, result.block.nbytes)
-        failed = int(np.count_nonzero(result.block.status == FAILED))
+        analysis, before = self.journal.plan.analyses[index], self._failures.failed
+        self._failures.note(result.block, lambda row: analysis.named(int(job.positions[row])))
+        failed = self._failures.failed - before
         self.ran += len(job.positions)
         self._done += len(job.positions)
         self._stopped |= bool(failed) and self.policy.fail_fast
