@@ -168,10 +168,33 @@ class CaseError(InputError):
 
 
 class ModelFileError(CaseError):
-    """A file of models and laws is invalid; holds every problem that was found."""
+    """Files of models and laws are invalid; holds every problem that was found.
+
+    Attributes
+    ----------
+    source, problems : of the first of them
+    others : (file, what is wrong in it) of those beside it
+    """
+
+    def __init__(
+        self,
+        source: str,
+        problems: Sequence[Problem],
+        others: Sequence[tuple[str, Sequence[Problem]]] = (),
+    ) -> None:
+        self.others = tuple(others)
+        super().__init__(source, problems)
+
+    def _lines(self) -> list[str]:
+        *lines, hint = super()._lines()
+        for source, problems in self.others:
+            lines += ModelFileError(source, problems)._lines()[:-1]
+        return [*lines, hint]
 
     def _what_to_correct(self, added: str) -> str:
-        return f"the file, then `fiv models --with {self.source}`"
+        sources = [self.source, *(source for source, _ in self.others)]
+        given = "".join(f" --with {source}" for source in sources)
+        return f"the file{'s' if self.others else ''}, then `fiv models{given}`"
 
 
 class DifferenceError(FivError):

@@ -93,8 +93,10 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_consistent_state",
-        "no contact state agrees with the forces: a Painlevé paradox (lower mu or move the start), "
-        "or friction that turns faster than a step resolves (lower solver.rtol)",
+        "no contact state agrees with the forces: where the load depends on friction a Painlevé "
+        "paradox (lower mu or move the start); friction that turns faster than a step resolves "
+        "(lower solver.rtol); or a law that is no number at this speed, at these parameters "
+        "(look at it with `fiv plot --law`)",
     ),
     Reason(
         "neutral_oscillation",

@@ -545,6 +545,16 @@ def test_a_dataset_of_another_version_of_the_case_counts_for_nothing(workplace):
     assert "another version" in result.output
 
 
+def test_claims_are_held_against_the_dataset_that_a_run_was_told_to_write(workplace):
+    store(["periodic"] * 3)
+    (workplace / "runs" / "stick.nc").rename(workplace / "mine.nc")
+    assert "fiv run stick.toml -o other.nc" in run("stick.toml", "-o", "other.nc").output
+    result = run("stick.toml", "-o", "mine.nc", "--strict")
+    assert exit_code(result) == 0
+    assert "not run" not in result.output
+    assert exit_code(run("stick.toml", "stick.toml", "-o", "mine.nc")) == 2
+
+
 def test_a_dataset_of_another_grid_counts_for_nothing(workplace):
     store(["periodic"] * 3)
     (workplace / "stick.toml").write_text(CASE.replace("0.3]", "0.3, 0.4]"))

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
-import time
 import tomllib
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -152,8 +151,11 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert fiv(["status", "pin.toml", "--exit-code"]) == 8
     told = capsys.readouterr().out
     assert "runs/pin.nc (partial)\n  nobody is running it; the same `fiv run` goes on" in told
+    assert "  the last run: " in told and " points/s, some " in told
+    log, ago = Path("runs/pin.run/run.log"), datetime.now().astimezone() - timedelta(seconds=100)
+    _, begun = log.read_text().split(" ", 1)
+    log.write_text(f"{ago.isoformat()} {begun}")
     with hold(Path("runs/pin.run")):  # as a run that began a while ago
-        os.utime("runs/pin.run/lock", (time.time() - 100.0,) * 2)
         assert fiv(["status", "pin.toml"]) == 0
     assert "is running it: 100 s elapsed, 0.03 points/s, some 33 s to go" in capsys.readouterr().out
     assert fiv(["show", "runs/pin.nc"]) == 0
@@ -177,6 +179,14 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     capsys.readouterr()
     assert fiv(["status", "pin.toml", "--set", "model.parameters.k1=1", "-o", "runs/pin.nc"]) == 0
     assert "runs/pin.nc (complete, of another version of the case)" in capsys.readouterr().out
+    longer = ["--set", "grid.N0=[10.0, 20.0, 30.0]", "-o", "runs/pin.nc"]
+    assert fiv(["status", "pin.toml", *longer]) == 0
+    assert "runs/pin.nc (complete, of another grid; `fiv run` writes" in capsys.readouterr().out
+    assert fiv(["run", "pin.toml", *longer, "--max-points", "1", "-q"]) == 8
+    capsys.readouterr()
+    assert fiv(["status", "pin.toml"]) == 0
+    told = capsys.readouterr().out
+    assert "4 of 4 points done" in told and "runs/pin.nc (partial, of another grid; " in told
 
 
 def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_none(
@@ -313,3 +323,40 @@ def test_history_to_no_time(capsys: pytest.CaptureFixture[str], text: str, why: 
     assert fiv(["history", "belt.toml", *at]) == 2
     refused = capsys.readouterr().err
     assert refused.startswith(f"--t-end {text}: ") and why in refused
+
+
+def test_what_another_output_holds_of_the_same_case_is_told_before_it_is_run_anew(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    longer = ["run", "pin.toml", "--set", "grid.N0=[10.0, 20.0, 30.0]"]
+    capsys.readouterr()
+    assert fiv([*longer, "-o", "other.nc", "--max-points", "1"]) == 8
+    told = "4 points of it lie in runs/pin.run; the same command with -o runs/pin.nc uses them"
+    assert told in capsys.readouterr().err
+    assert fiv([*longer, "-o", "other.nc", "--max-points", "1"]) == 8  # it has points of its own
+    assert "lie in" not in capsys.readouterr().err
+    assert fiv([*longer, "-o", "runs/pin.nc"]) == 0
+    assert "6 points, 4 already stored, 2 to run" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("20.0]", "20.0, 30.0]", "(other values in the grid): fiv run pin.toml\n"),
+        ('"pin-on-disc"', '"pin-on-disc"\nparameters = { c1 = 3.0 }', "parameters.c1: stored "),
+        ('"equilibrium"', '"equilibrium"\n[[figure]]\nkind = "curve"\nx = "N0"', "(other figures)"),
+        ('"pin-on-disc"', '"pin"', "pin.toml was changed since\n"),
+        ("equilibria of the pin", "another title", ""),
+    ],
+)  # fmt: skip
+def test_a_figure_of_what_the_case_was_says_so(
+    capsys: pytest.CaptureFixture[str], old: str, new: str, told: str
+) -> None:
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    Path("pin.toml").write_text(EQUILIBRIUM.replace(old, new))
+    capsys.readouterr()
+    assert fiv(["plot", "runs/pin.nc", "--figure", "curve"]) == 0
+    said, warning = capsys.readouterr().err, "WARNING: runs/pin.nc is drawn as it was run; pin.toml"
+    assert told in said
+    assert (warning in said) == bool(told)

@@ -167,9 +167,7 @@ def test_values_of_any_number_are_found_in_the_analysis_that_has_them(tmp_path: 
     for data in (tree, tmp_path / "two.nc", tree["response"], group):
         values = api.observations(data, "section_value")
         np.testing.assert_array_equal(values, tree["response"]["section_value"])
-    with pytest.raises(
-        api.UsageError, match=r'several analyses: equil.*, resp.*\n.*group="equilibrium"'
-    ):
+    with pytest.raises(api.UsageError, match=r'several analyses: equil.*, resp.*\n.*group="NAME"'):
         api.observations(xr.open_dataset(tmp_path / "two.nc"), "section_value")
     with pytest.raises(api.UsageError, match=r'in several analyses.*\n.*\["equilibrium"\]'):
         api.observations(tree, "status")

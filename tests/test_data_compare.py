@@ -68,6 +68,17 @@ def test_a_number_that_differs_is_named_with_its_place() -> None:
     assert "2 against 2.001 at mu_k=0.1, initial=far" in found.text
 
 
+def test_a_number_that_differs_has_its_error() -> None:
+    left, right = (
+        xr.Dataset(
+            {"status": ("v", [0]), "boundary": ("v", [x]), "boundary_error": ("v", [1.2e-3])}
+        )
+        for x in (6.0, 6.5)
+    )
+    found = {one.what: one.text for one in differences(right, left=left)}
+    assert found["boundary"] == "6 ± 0.0012 against 6.5 ± 0.0012 at the only point"
+
+
 def test_a_coordinate_that_differs_hides_nothing_that_lies_elsewhere() -> None:
     left = dataset().assign(reference=("state", [1.0]))
     right = changed("L_s", (0, 1), 2.001).assign(reference=("state", [2.0, np.nan]))

@@ -438,6 +438,29 @@ def test_a_model_may_name_a_law_of_a_file_that_comes_after_it():
     assert all_models()["my-belt"].default_law in all_laws()
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong", "said"),
+    [("    title=", "    name_of=", "not have"), ('"N m-1"', '"Newton"', "unknown unit")],
+    ids=["cannot be run", "is unsound"],
+)
+def test_what_is_wrong_in_several_files_is_told_at_once(right, wrong, said):
+    Path("law.py").write_text(law_template("my-fall").replace("slip.speed**2", "slip.speed**-2"))
+    Path("my.py").write_text(MODEL.replace(right, wrong))
+    with pytest.raises(ModelFileError) as caught:
+        use_files([Path("my.py"), Path("law.py")])
+    told = str(caught.value)
+    assert said in told and "Law.my-fall.force" in told
+    assert told.endswith("correct the files, then `fiv models --with my.py --with law.py`")
+
+
+def test_a_model_needs_no_defaults_of_laws():
+    given = '    law_defaults={"mu_k": 0.2, "mu_s": 0.4},\n'
+    assert given in MODEL
+    Path("my.py").write_text(MODEL.replace(given, ""))
+    use_files([Path("my.py")])
+    assert not all_models()["my-belt"].law_defaults
+
+
 def test_a_folder_may_hold_what_is_no_model():
     Path("script.py").write_text("raise RuntimeError('a script of its own')\n")
     use_files([Path(), Path("./my.py")])

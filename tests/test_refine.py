@@ -228,7 +228,10 @@ def test_progress_grows_with_what_is_asked_for(tmp_path: Path) -> None:
     progress = Lines(lines.append)
     summary = run_case(sweep_fakes.case(sweep_fakes.REFINED), tmp_path / "a.nc", HERE, progress)
     progress.tell()
-    assert lines[0] == "90 points, 0 already stored, 90 to run"
+    assert lines[:2] == [
+        "a refined map: what is to be run grows as its borders are found",
+        "90 points, 0 already stored, 90 to run",
+    ]
     assert lines[-1].startswith(f"{summary.ran} of {summary.ran} points done, 0 failed; ")
 
 
@@ -300,9 +303,22 @@ def test_the_map_is_drawn_whole_and_says_how_much_was_run(tmp_path: Path) -> Non
     assert not points.gaps(refined)
 
 
+def test_what_was_run_is_told_from_what_is_filled_in(tmp_path: Path) -> None:
+    summary = sweep(tmp_path / "a.nc")
+    origin = dataset(tmp_path / "a.nc")["computed"].values
+    run, filled = int((origin > 0).sum()), int((origin == 0).sum())
+    first, classes = summary.lines()[:2]
+    assert f": 4290 points: {run} ok, {filled} filled in (" in first
+    assert classes.endswith(f" (of {run} run; fiv show counts the map)")
+    partial = sweep(tmp_path / "b.nc", max_points=200)
+    assert "filled in" not in partial.lines()[0]
+
+
 def test_what_is_shown_of_a_refined_dataset(tmp_path: Path) -> None:
     sweep(tmp_path / "a.nc")
     shown = lines(summarise(read_datasets(tmp_path / "a.nc")))
     run = int((dataset(tmp_path / "a.nc")["computed"] > 0).sum())
+    (classes,) = [line for line in shown if line.split()[:1] == ["attractor"]]
+    assert classes.endswith(f" (with the {4290 - run} filled in)")
     assert f"halved 3 times: {run} of 4290 points run" in shown[-1]
     assert any(line.split()[:1] == ["computed"] and "filled_in" in line for line in shown)

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import shutil
 import signal
+import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from disturbed import ENDING, PATIENCE, Run, ignoring, in_the_background, wait_for
+from disturbed import ENDING, FIV, PATIENCE, Run, ignoring, in_the_background, wait_for
 from small_cases import FAR
 
 from fiv_cli.data.hdf5 import read_attributes
 
 SEED = 20
+STATUS = ("status", "case.toml", "-o", "a.nc")
 WORKERS = ("--time-limit", "600")  # starts workers at once
 POINTS = FAR.format(v=10, N=120, transient=1000.0, t_max=2000.0)
 ENDLESS = (
@@ -134,6 +137,27 @@ def test_what_is_ignored_on_entry_stays_ignored(tmp_path: Path, datasets: dict[s
         assert background.code() == 0
         assert "`kill " not in background.said  # which is ignored too
     assert (tmp_path / "a.nc").read_bytes() == datasets[POINTS]
+
+
+def test_how_fast_it_goes_is_told_elsewhere_while_it_runs_and_afterwards(tmp_path: Path) -> None:
+    text = POINTS.replace("num = 120", "num = 12000")
+    with run(tmp_path, text, *WORKERS) as watched:
+        wait_for(lambda: len(list(tmp_path.glob("a.run/shards/*.h5"))) > 4, "no progress")
+        live, shown = (other(tmp_path, *w) for w in (STATUS, ("show", "a.nc")))
+        watched.send(signal.SIGINT)
+        assert watched.code(10.0) == 130
+    pace = r": \S+ (s|min) elapsed, \S+ points/s, some \S+ (s|min|h) to go"
+    assert re.search(rf"process {watched.process.pid} is running it{pace}", live)
+    assert re.search(r"120000 points done\n  \d+ ok, \d+ pending\n  response: \w+ \d+", live)
+    assert re.search(r"a\.nc: not written; its run had \d+ of 120000 points done at", shown)
+    assert "next: fiv status case.toml -o a.nc;" in shown
+    assert re.search(rf"the last run{pace}", other(tmp_path, *STATUS))
+
+
+def other(folder: Path, *arguments: str) -> str:
+    """What another command says, which is carried out to its end."""
+    done = subprocess.run([*FIV, *arguments], cwd=folder, capture_output=True, text=True)
+    return done.stdout + done.stderr
 
 
 def test_a_job_in_the_background_of_a_script_says_what_ends_it(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Lines, Silent
 from fiv_cli.sweep.run import Summary, reproduction, run_case
-from fiv_cli.sweep.scheduler import Pace
+from fiv_cli.sweep.scheduler import LARGEST_CHUNK, Pace
 
 HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
 
@@ -288,6 +288,25 @@ def test_a_failed_point_loses_no_other_and_says_how_to_run_it_alone(tmp_path: Pa
     assert (again.ran, again.complete) == (6, True)
     sweep(tmp_path / "b.nc")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("executor", "first", "alike"),
+    [("raising", "ValueError: N is two", 0), ("malformed", "cannot be stored", 1)],
+)
+def test_failures_are_told_as_they_happen_and_once_that_all_fail_alike(
+    tmp_path: Path, executor: str, first: str, alike: int
+) -> None:
+    class Notes(Silent):
+        def note(self, text: str) -> None:
+            told.append(text)
+
+    told: list[str] = []
+    chosen = policy(executor=f"sweep_fakes:{executor}", chunk_points=1)
+    run_case(sweep_fakes.case(), tmp_path / "a.nc", chosen, Notes())
+    (one,) = (text for text in told if text.startswith("a point failed, "))
+    assert "N=" in one and first in one
+    assert len([text for text in told if text.startswith("all 20 points")]) == alike
 
 
 def test_fail_fast_stops_and_keeps_what_is_finished(tmp_path: Path) -> None:
@@ -554,7 +573,7 @@ def test_long_runs_have_longer_tasks_up_to_a_bound() -> None:
 def test_tasks_with_large_results_are_short() -> None:
     pace = Pace(seconds_per_point=1e-3, last_count=10**9, tasks=9)
     pace.learn(10, 1e-2, 10 * 2**20)
-    assert pace.count(10**9, 2, HERE) == 64
+    assert pace.count(10**9, 2, HERE) == LARGEST_CHUNK // 2**20
 
 
 def test_what_is_not_kept_in_memory_is_read_again(

@@ -70,7 +70,8 @@ def _read(source: str) -> str:
         if content.startswith(NETCDF):
             raise UsageError(
                 f"{source}: a dataset, not a case file\n"
-                f"next: fiv show {source}, fiv plot {source}, or name its case"
+                f"next: fiv show {source}, fiv plot {source}, or name its case "
+                f"(fiv claims CASE -o {source})"
             )
         if len(content) > MOST_BYTES:
             raise _too_much(source, too_large(len(content)))

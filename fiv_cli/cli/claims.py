@@ -36,6 +36,7 @@ class Entry:
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[DIR or CASE...]")
 @click.option("--strict", is_flag=True, help="Exit 5 on a contradiction without a note, or no run.")
 @set_option
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="The dataset, as of the run.")
 @json_option
 @report_options
 @with_option
@@ -43,6 +44,7 @@ def command(
     paths: tuple[Path, ...],
     strict: bool,
     overrides: tuple[str, ...],
+    output: Path | None,
     as_json: bool,
     junit: Path | None,
     summary: Path | None,
@@ -52,7 +54,7 @@ def command(
     DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
     or undetermined (points it needs are not computed or undecided); a case whose dataset is not
     there is "not run", with the command that computes it. Nothing is computed here. With --set
-    the dataset is the one that `fiv run` writes with the same --set. The last line counts the
+    or -o the dataset is the one that `fiv run` writes with the same. The last line counts the
     points of the datasets that have no class, and why. The exit code is 0 whatever the verdicts,
     unless --strict is given.
 
@@ -60,13 +62,18 @@ def command(
     Examples:
       fiv run configs/ch7/fig_7_06_reached.toml && fiv claims configs/ch7/fig_7_06_reached.toml
       fiv claims configs/ch7 --json
+      fiv claims squeal.toml -o runs/lighter.nc --set 'model.parameters.N0="20 N"'
       fiv claims --strict --junit claims.xml --summary summary.md
     """
     from fiv_cli.reading.undecided import Undecided
 
     undecided = Undecided()
     files = case_files(paths or (DEFAULT,))
-    ledger = [entry for file in files for entry in judge(file, undecided, overrides)]
+    if output and len(files) > 1:
+        raise UsageError(
+            f"-o {output}: one dataset, {len(files)} cases\nname its own: fiv claims CASE -o FILE"
+        )
+    ledger = [entry for file in files for entry in judge(file, undecided, overrides, output)]
     if as_json:
         print_json({"claims": ledger, "classes": undecided.as_plain()})
     else:
@@ -115,8 +122,10 @@ def _is_case(file: Path) -> bool:
         return True  # broken: loading it says where
 
 
-def judge(path: Path, undecided: Undecided, overrides: Sequence[str] = ()) -> list[Entry]:
-    """The ledger of one case file; its points without a class are counted in `undecided`."""
+def judge(
+    path: Path, undecided: Undecided, overrides: Sequence[str] = (), output: Path | None = None
+) -> list[Entry]:
+    """The ledger of one case file and its dataset; points of no class count in `undecided`."""
     from fiv_cli import api
     from fiv_cli.reading.claims import dataset_of, held_against
 
@@ -127,7 +136,7 @@ def judge(path: Path, undecided: Undecided, overrides: Sequence[str] = ()) -> li
         if entry is None:
             raise
         return [entry]
-    analyses, missing = dataset_of(case)
+    analyses, missing = dataset_of(case, output)
     undecided.add((analyses or {}).values())
     verdicts = zip(case.claims, held_against(case, analyses, missing), strict=True)
     return [

@@ -186,13 +186,16 @@ def _of_files(files: Sequence[Path], name: str | None, look: Look) -> list[tuple
 def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sources, FigureSpec]]:
     """(default path, what it is drawn from, figure) of every figure that is asked for."""
     from fiv_cli.plots.drawing import KINDS
+    from fiv_cli.reading.changed import changed_since
     from fiv_cli.reading.datasets import read_analyses
 
     sources = [(file, read_analyses(file)) for file in files]
     for file, source in sources:
-        partial = next(iter(source.values())).attrs.get("partial")
-        if partial:
-            click.echo(f"{file}: partial, {partial}", err=True)
+        attributes = next(iter(source.values())).attrs
+        if "partial" in attributes:
+            click.echo(f"{file}: partial, {attributes['partial']}", err=True)
+        if changed := changed_since(attributes):
+            click.echo(f"WARNING: {file} is drawn as it was run; {changed}", err=True)
     for number, (file, source) in enumerate(sources):
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from fiv_cli import ending
 from fiv_cli.cli.common import (
     STILL_TO_RUN,
     UNSOUND,
@@ -132,6 +133,8 @@ def command(
     )
     loaded = load_all(cases, overrides)
     outputs = _outputs(loaded, output)
+    if not quiet and ending.how_to_end():
+        click.echo(ending.how_to_end(), err=True)
     summaries = []
     for number, (case, path) in enumerate(zip(loaded, outputs, strict=True), 1):
         title = f"{number} of {len(loaded)}, {case.source}: " if len(loaded) > 1 else ""

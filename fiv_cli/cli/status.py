@@ -19,7 +19,10 @@ from fiv_cli.cli.common import (
 )
 
 if TYPE_CHECKING:
-    from fiv_cli.sweep.journal import Journal
+    from collections.abc import Sequence
+
+    from fiv_cli.data.course import Course
+    from fiv_cli.sweep.answer import Answer
 
 
 @dataclass(frozen=True)
@@ -32,10 +35,11 @@ class Standing:
     running : process that is running it; None: nobody is
     running_parts : parts of it that are being run, ``3/16``
     counts : status -> number of points
+    answers : what each analysis has found so far
     refined : of each refined analysis, in a line, how much of it was run
     stored_case_differs : how what is stored differs from the case; then it is not counted
-    elapsed, rate, left : of a live run: seconds since it began, points per second, seconds to go
-        at that rate
+    elapsed, rate, left : of a live run, or else of the last one: seconds so far, points per second,
+        seconds to go at that rate; None: there was none
     pace : the same in words
     """
 
@@ -47,6 +51,7 @@ class Standing:
     running_parts: list[str]
     points: int
     counts: dict[str, int]
+    answers: list[Answer]
     refined: list[str]
     ignored_shards: list[str]
     stored_case_differs: list[str]
@@ -57,18 +62,21 @@ class Standing:
 
     def lines(self) -> list[str]:
         """For people."""
-        left = self.counts["pending"]
-        done = self.points - left
-        holds = f" ({self._dataset_holds()})" if left else ""
-        running = [f"  process {self.running} is running it{self.pace}"] if self.running else []
-        if left and done and not (running or self.running_parts):
-            running = ["  nobody is running it; the same `fiv run` goes on from here"]
+        from fiv_cli.sweep.plan import counted
+        from fiv_cli.sweep.run import counted_statuses
+
+        left, filled = self.counts["pending"], sum(answer.filled for answer in self.answers)
+        asked = self.points - filled
+        run = f"{asked - left} of {counted(asked)} done" + f", {filled} filled in" * bool(filled)
+        holds = self._dataset_holds()
+        found = [line for answer in self.answers for line in answer.lines(reasons=False)]
         lines = [
-            f"{self.case}: {done} of {self.points} points done",
-            *(f"  {count} {status}" for status, count in self.counts.items() if count),
+            f"{self.case}: {run}",
+            f"  {', '.join(counted_statuses(self.counts, filled))}",
+            *found,
             *(f"  {line}" for line in self.refined),
-            f"  dataset {self.dataset}{holds}",
-            *running,
+            f"  dataset {self.dataset}" + (f" ({holds})" if holds else ""),
+            *self._going_on(),
             *([f"  running: part {', '.join(self.running_parts)}"] if self.running_parts else []),
             *(f"  ignored {shard}" for shard in self.ignored_shards),
         ]
@@ -76,15 +84,27 @@ class Standing:
             lines.append("  what is stored belongs to another case, or to this one as it was:")
         return lines + [f"    {line}" for line in self.stored_case_differs]
 
+    def _going_on(self) -> list[str]:
+        """Who is running it, or was, how fast, and what to do."""
+        if self.running:
+            told = f": {self.pace}" if self.pace else ""
+            return [f"  process {self.running} is running it{told}; `kill {self.running}` stops it"]
+        if self.running_parts or not self.counts["pending"]:
+            return []
+        goes_on = "  nobody is running it; the same `fiv run` goes on from here"
+        last = [f"  the last run: {self.pace}"] if self.pace else []
+        return [goes_on] * (self.points > self.counts["pending"]) + last
+
     def _dataset_holds(self) -> str:
-        """What the dataset is of a case that has points to run."""
+        """What the dataset lacks, or holds instead; empty where it is all of it."""
+        whole = "partial" if self.dataset_partial else "complete"
         if not self.dataset_exists:
             return "not written yet"
-        if not self.stored_case_differs:
-            return "partial"
-        return (
-            f"{'partial' if self.dataset_partial else 'complete'}, of another version of the case"
-        )
+        if self.stored_case_differs:
+            return f"{whole}, of another version of the case"
+        if self.dataset_partial == bool(self.counts["pending"]):
+            return "partial" * self.dataset_partial
+        return f"{whole}, of another grid; `fiv run` writes this one"
 
 
 @click.command("status")
@@ -119,13 +139,14 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
     """What is known of a run."""
     from fiv_cli import api
     from fiv_cli.case.identity import default_output, differences
+    from fiv_cli.data.log import run_folder, runs_in
     from fiv_cli.data.netcdf import global_attributes
+    from fiv_cli.sweep.answer import answers
     from fiv_cli.sweep.journal import Journal, stored_identity
     from fiv_cli.sweep.lock import holder
-    from fiv_cli.sweep.output import run_folder
     from fiv_cli.sweep.parts import part_folders
     from fiv_cli.sweep.plan import make_plan
-    from fiv_cli.sweep.run import count_statuses, refinements
+    from fiv_cli.sweep.run import count_statuses, grows, refinements
 
     case = api.load(source, overrides)
     path = output or default_output(case)
@@ -146,21 +167,28 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
         running_parts=[str(part) for part, own in parts.items() if holder(own) is not None],
         points=sum(counts.values()),
         counts=counts,
+        answers=answers(journal),
         refined=refinements(journal),
         ignored_shards=[f"{shard}: {why}" for shard, why in journal.ignored],
         stored_case_differs=differing,
     )
-    return standing if standing.running is None else _on_its_way(standing, journal)
+    courses = [] if differing else [run.course for run in runs_in(folder)]
+    return _with_pace(standing, courses, grows(journal))
 
 
-def _on_its_way(standing: Standing, journal: Journal) -> Standing:
-    """What its files tell of a run that goes on: a lock since it began, a shard for each chunk."""
-    begun, now = (journal.folder / "lock").stat().st_mtime, time.time()
-    course = journal.course(begun, standing.counts["pending"])
+def _with_pace(standing: Standing, courses: Sequence[Course], grows: bool) -> Standing:
+    """What the log tells of a run that goes on, or of the last one that did anything."""
+    if standing.running is None:
+        courses = [course for course in courses if len(course.times) > 1]
+    if not courses:
+        return standing
+    course = courses[-1]
+    now = time.time() if standing.running else course.times[-1]
+    course.total = course.done + standing.counts["pending"]
     return replace(
         standing,
         elapsed=course.elapsed(now),
         rate=course.rate(now),
         left=course.left(now),
-        pace=f": {course.pace(now)}",
+        pace=course.pace(now) + grows * " with the points that are known so far",
     )

@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from fiv_cli.analyses.variables import INT_FILL
 from fiv_cli.case.identity import output_of
 from fiv_cli.data.dataset import Dataset, Labelled
 from fiv_cli.data.hdf5 import read_attributes, read_groups, seal
+from fiv_cli.data.log import came, run_folder, runs_in
 from fiv_cli.data.mapped import let_go
 from fiv_cli.data.sound import form_of
 from fiv_cli.errors import InputError, StorageError, UsageError
@@ -103,6 +105,7 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
         the file is not a dataset of fiv.
     """
     if not path.is_file():
+        _refuse_unwritten(path)
         what = "is a folder" if path.is_dir() else "no such file"
         raise UsageError(f"{path}: {what}\nnext: {_meant(path)}")
     if path.suffix == ".toml":
@@ -115,6 +118,26 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
         damage = f"a damaged dataset ({type(error).__name__}: {error})\nnext: {ANEW}"
         other = "not a NetCDF dataset\nnext: name a dataset written by `fiv run`"
         raise InputError(f"{path}: {damage if signed else other}") from error
+
+
+def _refuse_unwritten(path: Path) -> None:
+    """Say of a dataset that is not there how far its run has come, if there is one."""
+    if path.exists() or not path.name:
+        return
+    runs, parts = runs_in(run_folder(path)), run_folder(path) / "parts"
+    if parts.is_dir() and not runs:
+        raise UsageError(
+            f"{path}: not written; its points are run in parts (fiv run --shard)\n"
+            "next: fiv assemble CASE, which joins them and says what is missing"
+        )
+    if runs:
+        course, command = runs[-1].course, runs[-1].command
+        at = datetime.fromtimestamp(course.times[-1]).strftime("%H:%M:%S")
+        raise UsageError(
+            f"{path}: not written; its run had {came(course.done, course.total)} at {at}, and "
+            "writes it when it ends or is stopped (Ctrl-C)\n"
+            f"next: {command.replace('run', 'status', 1)}; to go on, or to write it anew: {command}"
+        )
 
 
 def _meant(path: Path) -> str:

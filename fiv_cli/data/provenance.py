@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-from collections.abc import Iterator
 from dataclasses import asdict, is_dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -32,7 +31,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         "title": case.title or case.source,
         "reference": case.reference,
         "source": f"fiv {fiv_cli.__version__}",
-        "history": " ".join(_command(case)),
+        "history": command_of(case),
         "model": case.model,
         "model_reference": model.reference,
         "model_numerics_version": model.numerics_version,
@@ -79,11 +78,11 @@ def surroundings() -> dict[str, str]:
     }
 
 
-def _command(case: Case) -> Iterator[str]:
+def command_of(case: Case) -> str:
     """What was typed to run the case."""
-    yield from ("fiv run", case.source)
-    yield from dict.fromkeys(f"--with {o.path}" for o in case.own.values() if o.is_named)
-    yield from (f"--set {override!r}" for override in case.overrides)
+    files = dict.fromkeys(f"--with {o.path}" for o in case.own.values() if o.is_named)
+    changes = (f"--set {override!r}" for override in case.overrides)
+    return " ".join(["fiv run", case.source, *files, *changes])
 
 
 def _texts(case: Case) -> dict[str, object]:

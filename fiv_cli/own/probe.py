@@ -13,14 +13,17 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
 from fiv_cli import ending
 from fiv_cli.codegen import NUMERICS_VERSION, cache
 from fiv_cli.errors import FivError, ModelFileError, Problem
+from fiv_cli.friction.base import Law
+from fiv_cli.models.base import Model
 from fiv_cli.models.origin import Origin
 from fiv_cli.own.load import declared, know, read, use
 
@@ -52,14 +55,15 @@ def examine(origins: Sequence[Origin], limit: float = LIMIT) -> None:
     Raises
     ------
     ModelFileError
-        with everything that is wrong in the first in which something is.
+        with everything that is wrong in the first in which something is, and that in the others.
     """
     stamp = f"{_key(origins)}.sound"
     if not origins or cache.read(stamp) is not None:
         return
-    for number, problems in _answers(origins, limit).items():
-        if problems:
-            raise ModelFileError(origins[number].path, problems)
+    found = _answers(origins, limit).items()
+    wrong = [(origins[number].path, problems) for number, problems in found if problems]
+    if wrong:
+        raise ModelFileError(*wrong[0], wrong[1:])
     cache.write(stamp, b"")
 
 
@@ -111,19 +115,25 @@ def _stopped(origin: Origin, said: str, limit: float) -> Problem:
 def main() -> None:
     """Answer for the files that stand on stdin: a line when one is begun, one with its problems.
 
-    All are run before the first is checked: a model may name a law of another file.
+    All are run before the first is checked: a model may name a law of another file. Where one could
+    not be run, models are left: what they name may stand there.
     """
     limit, answers = float(sys.argv[1]), os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what a file prints is no answer
     origins = [Origin(**fields) for fields in json.load(sys.stdin)]
-    wrong = False
-    for step, patience in ((_run, limit), (_check, limit * CHECKING)):
-        for number, origin in enumerate(() if wrong else origins):
-            _say(answers, number, None)
-            faulthandler.dump_traceback_later(patience, exit=True)
-            found = step(origin)
-            wrong = wrong or bool(found)
-            _say(answers, number, [asdict(problem) for problem in found])
+
+    def is_sound(number: int, step: Callable[[Origin], Sequence[Problem]], patience: float) -> bool:
+        _say(answers, number, None)
+        faulthandler.dump_traceback_later(patience, exit=True)
+        found = step(origins[number])
+        _say(answers, number, [asdict(problem) for problem in found])
+        return not found
+
+    each = range(len(origins))
+    known = [number for number in each if is_sound(number, _run, limit)]
+    kinds = (Model, Law) if len(known) == len(each) else (Law,)
+    for number in known:
+        is_sound(number, partial(_check, kinds), limit * CHECKING)
 
 
 def _say(answers: TextIO, number: int, problems: list[dict[str, Any]] | None) -> None:
@@ -140,7 +150,8 @@ def _run(origin: Origin) -> Sequence[Problem]:
     return ()
 
 
-def _check(origin: Origin) -> Sequence[Problem]:
+def _check(kinds: tuple[type, ...], origin: Origin) -> Sequence[Problem]:
     from fiv_cli.own.check import problems_of
 
-    return [problem for thing in declared(origin) for problem in problems_of(thing, origin)]
+    things = [thing for thing in declared(origin) if isinstance(thing, kinds)]
+    return [problem for thing in things for problem in problems_of(thing, origin)]

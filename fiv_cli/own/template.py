@@ -124,7 +124,8 @@ LAW = Law(
         Parameter("mu_0", r"\\mu_0", "1", 0.4, "coefficient at zero slip", minimum=0.0),
         Parameter("fall", "f", "s2 m-2", 1.0, "rate of fall", minimum=0.0),
     ),
-    # slip.v is the slip velocity, slip.sign its sign, slip.speed = |v|, slip.N the normal force
+    # slip.v is the slip velocity, slip.sign its sign, slip.speed = |v|, slip.N the normal force;
+    # a power may have any exponent: (slip.speed / p["v_0"]) ** p["q"], where v_0 is in m s-1
     force=lambda slip, p: slip.sign * p["mu_0"] / (1 + p["fall"] * slip.speed**2) * slip.N,
     capacity=lambda N, p: p["mu_0"] * N,  # what stick can bear; None: it never sticks
     # A state of its own begins at zero; that of a bristle (State is imported as Parameter is):

@@ -17,6 +17,7 @@ import shlex
 from collections import Counter
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -136,9 +137,13 @@ def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> li
     return [replace(v, found=v.found + left) if v.verdict == UNDETERMINED else v for v in verdicts]
 
 
-def dataset_of(case: Case) -> tuple[dict[str, xr.Dataset] | None, str]:
-    """What a run of the case has written, or None and why there is nothing, with what to do."""
-    path, advice = default_output(case), f"compute it with: {_command(case)}"
+def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dataset] | None, str]:
+    """What a run of the case has written, or None and why there is nothing, with what to do.
+
+    `output` is the dataset of a run that was given one.
+    """
+    path, advice = output or default_output(case), f"compute it with: {_command(case)}"
+    advice += f" -o {output}" if output else ""
     if not path.exists():
         return None, f"{path} is not there; {advice}"
     analyses = read_analyses(path)

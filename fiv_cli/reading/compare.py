@@ -25,7 +25,7 @@ from fiv_cli.analyses.variables import Role
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import error_of, flag_names
 from fiv_cli.reading.select import ragged_dims, row_sizes
 
 Mask = NDArray[np.bool_]
@@ -292,7 +292,11 @@ class _Pair:
         """What differs as one difference: how many values, and the one that does so most."""
         if bad.any():
             worst = int(np.argmax(np.where(bad, _gap(x, y), -1.0)))
-            left, right = (_named(self.left[name], side[worst]) for side in (x, y))
+            sides = ((self.left, x), (self.right, y))
+            left, right = (
+                f"{_named(one[name], values[worst])}{_error(one, name, values.size, worst)}"
+                for one, values in sides
+            )
             text = f"{left} against {right} at {place(worst)}"
             yield self._told(name, text, int(np.count_nonzero(bad)))
 
@@ -350,6 +354,15 @@ def _named(variable: xr.DataArray, value: float) -> str:
     """A value, by its name where it is a flag."""
     names = flag_names(variable.attrs)
     return names.get(int(value), str(value)) if names else f"{value:.12g}"
+
+
+def _error(dataset: xr.Dataset, name: str, count: int, index: int) -> str:
+    """How far a value may be off by itself, where all of the variable, `count`, were compared."""
+    errors = dataset.get(error_of(name))
+    if errors is None or not errors.size == dataset[name].size == count:
+        return ""
+    error = errors.values.ravel()[index]
+    return f" ± {error:.2g}" if np.isfinite(error) else ""
 
 
 def _place(variable: xr.DataArray, index: int) -> str:

@@ -233,7 +233,7 @@ def _those_of_any_number(dataset: xr.Dataset) -> str:
     if len(groups) > 1:
         return (
             f"this is the head of a file of several analyses: {', '.join(groups)}\n"
-            f'next: api.observations("FILE.nc", ...), or open it with group="{groups[0]}"'
+            'next: api.observations("FILE.nc", ...), or open one of them: group="NAME"'
         )
     ragged = {str(v) for dim in ragged_dims(dataset) for v in dataset if dim in dataset[v].dims}
     return f"these are: {', '.join(sorted(ragged)) or 'none here'}"

@@ -223,6 +223,10 @@ def _axis_line(axis: Mapping[str, Any]) -> str:
 def _count_lines(part: Mapping[str, Any]) -> list[str]:
     """The classes that occur; behind the reasons, what each of them means."""
     counts = {key: f"  {key:<22} {_count_line(n)}" for key, n in part["counts"].items() if n}
+    filled = part["counts"].get("computed", {}).get("filled_in")
+    for key in counts if filled else ():
+        if part["refined"].startswith(f"along the borders of {key},"):
+            counts[key] += f" (with the {filled} filled in)"
     meant = [f"    {name}: {sentence}" for name, sentence in part["advice"].items()]
     return [line for key in counts for line in (counts[key], *(meant if key == "reason" else []))]
 

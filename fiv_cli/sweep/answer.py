@@ -30,6 +30,7 @@ class Answer:
     reasons : reason why there is no better answer -> number of points, likewise; of those behind
         the end of a chain none
     asked, open : points that were run, and those of them that have no answer
+    filled : points whose class is filled in, which are not counted
     not_reached : points behind the end of a chain
     beyond : points whose friction was not measured, in words; empty where there are none
     """
@@ -40,19 +41,19 @@ class Answer:
     reasons: dict[str, int]
     asked: int
     open: int
+    filled: int
     not_reached: int
     beyond: str
 
-    def lines(self) -> Iterator[str]:
-        """For people."""
+    def lines(self, reasons: bool = True) -> Iterator[str]:
+        """For people, with what the reasons mean or without."""
         listed = ", ".join(f"{name} {count}" for name, count in self.classes.items())
         if listed or self.reasons:
             answered = self.asked - self.open
-            yield f"  {self.name}: {listed or f'{answered} answer' + 's' * (answered != 1)}"
-        for name, count in list(self.reasons.items())[:MOST_REASONS]:
-            yield f"    {name} {count}: {advice(name, self.kind)}"
-        if len(self.reasons) > MOST_REASONS:
-            yield f"    and {len(self.reasons) - MOST_REASONS} reasons more: fiv show"
+            of = f" (of {self.asked} run; fiv show counts the map)" if self.filled else ""
+            yield f"  {self.name}: {listed or f'{answered} answer' + 's' * (answered != 1)}{of}"
+        if reasons:
+            yield from self._reasons()
         if 2 * self.open > self.asked:
             yield f"  WARNING: {self.open} of {self.asked} points of {self.name} have no answer"
         if self.beyond:
@@ -63,6 +64,12 @@ class Answer:
                 'was followed; in its [[initial]], on_loss = "go-on" carries any motion on (of a '
                 'cycle that has ended there is none), on_loss = "restart" begins anew'
             )
+
+    def _reasons(self) -> Iterator[str]:
+        for name, count in list(self.reasons.items())[:MOST_REASONS]:
+            yield f"    {name} {count}: {advice(name, self.kind)}"
+        if len(self.reasons) > MOST_REASONS:
+            yield f"    and {len(self.reasons) - MOST_REASONS} reasons more: fiv show"
 
 
 def answers(journal: Journal) -> list[Answer]:
@@ -88,6 +95,7 @@ def _answer(journal: Journal, index: int) -> Answer:
         reasons=_counts(record.reason[wanted][~behind], REASON.names, but="none"),
         asked=int(asked.sum()),
         open=int((failed | undecided).sum()),
+        filled=0 if record.stage is None else int(np.count_nonzero(record.stage.filled)),
         not_reached=int(behind.sum()),
         beyond=_beyond(journal, index),
     )

@@ -23,8 +23,11 @@ import numpy as np
 from fiv_cli.analyses.base import AT_ONCE
 from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
+from fiv_cli.case.identity import default_output, differences
 from fiv_cli.data.block import Block
+from fiv_cli.data.log import run_folder
 from fiv_cli.notation.amounts import duration, size
+from fiv_cli.sweep.journal import Journal, Record, stored_identity
 from fiv_cli.sweep.map_estimate import Cost, Drawing
 from fiv_cli.sweep.plan import AnalysisPlan, continues, counted, dim_of, make_plan, visiting_order
 from fiv_cli.sweep.policy import Policy
@@ -56,7 +59,7 @@ class Estimate:
     ----------
     name : of the analysis
     points : to be run, least and most
-    sampled : points that were run for this
+    sampled, stored : points that were run for this, and that are stored and need not be run
     expected : s of the whole run, processor time over the workers
     seconds : ... least and most that is likely
     memory, disk : bytes
@@ -65,6 +68,7 @@ class Estimate:
     name: str
     points: tuple[int, int]
     sampled: int
+    stored: int
     expected: float
     seconds: tuple[float, float]
     memory: float
@@ -74,10 +78,11 @@ class Estimate:
     def line(self) -> str:
         """For people."""
         low, high = map(duration, self.seconds)
+        besides = f"; {counted(self.stored)} are stored" if self.stored else ""
         return (
             f"  estimate of {self.name}: {duration(self.expected)} ({low} to {high}) on "
             f"{counted(self.workers, 'worker')}, cores being free; {size(self.memory)} of memory, "
-            f"{size(self.disk)} on disk (from {self.sampled} of {_span(self.points)})"
+            f"{size(self.disk)} on disk (from {self.sampled} of {_span(self.points)}{besides})"
         )
 
 
@@ -141,16 +146,31 @@ class Stratum:
 
 
 def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Iterator[Estimate]:
-    """What each analysis of a case will cost, run from nothing; stores nothing."""
-    for analysis in make_plan(case).analyses:
+    """What is left of each analysis of a case will cost; stores nothing."""
+    journal = _stored(case)
+    for analysis, record in zip(journal.plan.analyses, journal.records, strict=True):
+        if not (record.wanted() & ~record.done()).any():
+            announce(f"every point of {analysis.layout.name} is stored: nothing is to be run")
+            continue
         prepare(analysis.systems(), announce)
         announce(f"running a sample of the points of {analysis.layout.name}")
         if analysis.maps is not None:
-            sample = _of_maps(analysis, analysis.maps)
+            sample = _of_maps(analysis, analysis.maps, record)
         else:
-            sample = _of_strata(_sampled(analysis), _points(analysis))
+            left = 1.0 - np.count_nonzero(record.done()) / analysis.size
+            sample = _of_strata(_sampled(analysis), _points(analysis), left)
         if sample.run:
-            yield _estimated(analysis, sample, workers)
+            stored = int(np.count_nonzero(record.done() & record.wanted()))
+            yield _estimated(analysis, sample, stored, workers)
+
+
+def _stored(case: Case) -> Journal:
+    """What runs of a case have stored where its dataset goes."""
+    folder = run_folder(default_output(case))
+    journal, identity = Journal(folder, make_plan(case)), stored_identity(folder)
+    if identity is not None and not differences(identity, case):
+        journal.load()
+    return journal
 
 
 class Sample(NamedTuple):
@@ -170,19 +190,22 @@ class Sample(NamedTuple):
     error: float
 
 
-def _of_strata(strata: Sequence[Stratum], points: int) -> Sample:
+def _of_strata(strata: Sequence[Stratum], points: int, left: float) -> Sample:
+    """Of so many points, of which a share is left."""
     run, stored = sum(sum(s.counts) for s in strata), sum(s.stored for s in strata)
-    seconds = sum(stratum.total for stratum in strata)
-    cost = Cost((points, points), (seconds, seconds))
+    seconds = left * sum(stratum.total for stratum in strata)
+    cost = Cost((left * points, left * points), (seconds, seconds))
     return Sample(run, stored, cost, _relative_error(strata))
 
 
-def _of_maps(analysis: AnalysisPlan, maps: Maps) -> Sample:
+def _of_maps(analysis: AnalysisPlan, maps: Maps, record: Record) -> Sample:
     """From as many maps as can be drawn while patience lasts, from one at least."""
     begun, at_once = time.monotonic(), _fitting(TASK, _seconds_of_first(analysis), AT_ONCE)
     drawings: list[Drawing] = []
     for (place,) in _spread([len(maps.numbers)]):
-        drawing = Drawing(maps, maps.numbers[place], partial(_at, analysis), at_once)
+        numbers = maps.numbers[place]
+        classes, known = record.told_classes()[numbers], record.done()[numbers]
+        drawing = Drawing(maps, numbers, classes, known, partial(_at, analysis), at_once)
         drawing.until(begun + PATIENCE * (len(drawings) + 1))
         drawings.append(drawing)
         if (time.monotonic() - begun) * (1.0 + 1.0 / len(drawings)) > PATIENCE:
@@ -211,21 +234,22 @@ def _at(analysis: AnalysisPlan, positions: Sequence[int]) -> tuple[Block, float]
     return result.block, seconds
 
 
-def _estimated(analysis: AnalysisPlan, sample: Sample, workers: int) -> Estimate:
+def _estimated(analysis: AnalysisPlan, sample: Sample, stored: int, workers: int) -> Estimate:
     at_once = _parallel(analysis, workers)
     spread = exp(2.0 * hypot(sample.error, OF_TIMING))
     low, high = (STARTING + seconds / at_once for seconds in sample.cost.seconds)
     low, high = low / spread, high * spread
-    stored = sample.stored / sample.run * analysis.size
+    of_a_point, points = sample.stored / sample.run, stored + sample.cost.points[1]
     processes = 1 + workers * (workers > 1 and high * at_once > Policy().in_process_below)
     return Estimate(
         name=analysis.layout.name,
         points=(ceil(sample.cost.points[0]), ceil(sample.cost.points[1])),
         sampled=sample.run,
+        stored=stored,
         expected=sqrt(low * high),
         seconds=(low, high),
-        memory=OF_A_PROCESS * processes + IN_MEMORY * stored,
-        disk=OF_FILES + ON_DISK * stored,
+        memory=OF_A_PROCESS * processes + IN_MEMORY * of_a_point * analysis.size,
+        disk=OF_FILES + ON_DISK * of_a_point * points,
         workers=workers,
     )
 

@@ -12,7 +12,6 @@ STEM.run/   identity.json  what the stored points belong to
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -26,9 +25,9 @@ from numpy.typing import NDArray
 from fiv_cli.data.block import Block, fault_of_block, joined
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
-from fiv_cli.flags import NOT_COMPUTED, REASONS, STATUS, retried_codes
+from fiv_cli.flags import NOT_COMPUTED, STATUS, retried_codes
 from fiv_cli.sweep.borders import BLANK
-from fiv_cli.sweep.course import Course
+from fiv_cli.sweep.failures import explained
 from fiv_cli.sweep.plan import AnalysisPlan, Plan
 from fiv_cli.sweep.refine import Stage
 from fiv_cli.sweep.worker import ChainState
@@ -244,7 +243,7 @@ class Journal:
         self.records[index].ran[positions] = True
         self._merge(index)
 
-    def _store(self, index: int, positions: Positions, block: Block) -> Path:
+    def _store(self, index: int, positions: Positions, block: Block) -> None:
         """Write a block under the next number."""
         analysis = self.plan.analyses[index]
         path = self.shard_folder / f"{self._next:06d}.h5"
@@ -252,7 +251,6 @@ class Journal:
         write_shard(path, block, analysis.layout.name)
         self._next += 1
         self._register(index, path, positions, block, _states(block))
-        return path
 
     def _merge(self, index: int) -> None:
         """Where there are many shards of an age, make one of them.
@@ -277,11 +275,9 @@ class Journal:
             return
         positions = np.concatenate([shard.positions for shard in shards])
         rows = record.surviving(positions, blocks)
-        written = max(shard.path.stat().st_mtime for shard in shards)
         record.shards = [shard for shard in record.shards if shard not in shards]
         self._kept -= sum(shard.nbytes for shard in shards if shard.kept is not None)
-        path = self._store(index, positions[rows], joined(blocks, rows, variables))
-        os.utime(path, (written, written))
+        self._store(index, positions[rows], joined(blocks, rows, variables))
         for shard in shards:
             shard.path.unlink(missing_ok=True)
 
@@ -352,15 +348,11 @@ class Journal:
         """The files that hold what is stored, in the order in which they count."""
         return [shard.path for record in self.records for shard in record.shards]
 
-    def course(self, begun: float, left: int) -> Course:
-        """How a run that began at `begun`, by the clock of files, has come on; `left` is to do."""
-        ages = [(s.path.stat().st_mtime, len(s.positions)) for r in self.records for s in r.shards]
-        late = sorted(age for age in ages if age[0] >= begun)
-        before = sum(points for _, points in ages) - sum(points for _, points in late)
-        course = Course(sum(points for _, points in ages) + left, [begun], [before])
-        for now, points in late:
-            course.note(now, points)
-        return course
+    def progress(self) -> tuple[int, int]:
+        """How many points are done, and to be done, as far as is known what is to be run."""
+        wanted = [record.wanted() for record in self.records]
+        done = [some & record.done() for some, record in zip(wanted, self.records, strict=True)]
+        return sum(map(np.count_nonzero, done)), sum(map(np.count_nonzero, wanted))
 
     def messages(self, index: int, limit: int) -> list[tuple[int, str]]:
         """(position, what) of failed points for different reasons, at most `limit`."""
@@ -380,7 +372,7 @@ class Journal:
         for row in np.flatnonzero((block.status == failed) & (positions >= 0)):
             position = int(positions[row])
             if record.status[position] == failed:
-                what = _explained(int(block.reason[row]), block.messages.get(int(row), ""))
+                what = explained(int(block.reason[row]), block.messages.get(int(row), ""))
                 found.setdefault(what, (position, what))
 
 
@@ -399,12 +391,6 @@ def _states(block: Block) -> dict[int, ChainState]:
     if not all(state.is_sound() for state in states.values()):
         raise UnreadableShard("what a chain carries on has another form")
     return states
-
-
-def _explained(code: int, message: str) -> str:
-    """Why a point failed: its own words, or what the table of reasons says."""
-    reason = REASONS[code]
-    return message.partition("\n")[0] or f"{reason.name}: {reason.advice}"
 
 
 class _Finder:

@@ -8,16 +8,10 @@ from pathlib import Path
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import is_of
 from fiv_cli.data.hdf5 import is_hdf5
+from fiv_cli.data.log import RUN_SUFFIX
 from fiv_cli.data.netcdf import global_attributes
 from fiv_cli.errors import InputError, StorageError, StoreMismatchError, UsageError
 from fiv_cli.files import refuse_special
-
-RUN_SUFFIX = ".run"
-
-
-def run_folder(output: Path) -> Path:
-    """The run directory beside a dataset: ``STEM.run`` for ``STEM.nc``."""
-    return output.with_suffix(RUN_SUFFIX)
 
 
 def check_output(output: Path, case: Case | None) -> None:

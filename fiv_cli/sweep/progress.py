@@ -11,8 +11,8 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from fiv_cli.data.course import Course
 from fiv_cli.notation.amounts import duration
-from fiv_cli.sweep.course import Course
 
 INTERVAL = 30.0
 """Seconds between lines where there is no terminal."""

@@ -104,7 +104,10 @@ class Maps:
         """How much was run, in a sentence."""
         if stage.complete:
             return described(self.attributes(stage))
-        return f"halved {stage.level} of {self.refinement.levels} times so far"
+        return (
+            f"halved {stage.level} of {self.refinement.levels} times so far; "
+            "more points are to be run as its borders are found"
+        )
 
     def stage(self, classes: Classes, known: Mask, chains: Iterable[Numbers] = ()) -> Stage:
         """How far the maps have come.

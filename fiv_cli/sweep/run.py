@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import shlex
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,17 +18,18 @@ from numpy.typing import NDArray
 import fiv_cli
 from fiv_cli import ending
 from fiv_cli.case.case import Case
-from fiv_cli.case.identity import differences, document, fingerprint
+from fiv_cli.case.identity import default_output, differences, document, fingerprint
 from fiv_cli.case.overrides import parse_override
-from fiv_cli.data.provenance import provenance
+from fiv_cli.data.log import RUN_SUFFIX, came, logger, run_folder
+from fiv_cli.data.provenance import command_of, provenance
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError
-from fiv_cli.files import append_line, leftovers
-from fiv_cli.flags import STATUS
+from fiv_cli.files import leftovers
+from fiv_cli.flags import NOT_COMPUTED, STATUS
 from fiv_cli.sweep import journal as store
 from fiv_cli.sweep.answer import Answer, answers
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.lock import hold, holder
-from fiv_cli.sweep.output import check_output, run_folder
+from fiv_cli.sweep.output import check_output
 from fiv_cli.sweep.parts import Part, dealt_out, divisions, part_folders
 from fiv_cli.sweep.plan import AnalysisPlan, Plan, counted, make_plan
 from fiv_cli.sweep.policy import Policy
@@ -81,7 +82,8 @@ class Summary:
 
     def lines(self) -> list[str]:
         """The summary for people."""
-        counts = ", ".join(f"{count} {status}" for status, count in self.counts.items() if count)
+        filled = sum(answer.filled for answer in self.answers)
+        counts = ", ".join(counted_statuses(self.counts, filled))
         total = sum(self.counts.values())
         lines = [f"ignored {path}: {why}; its points are run again" for path, why in self.ignored]
         lines.append(
@@ -119,7 +121,9 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         _claim(folder, case, policy.fresh)
         journal = _loaded(Journal(folder, plan, part_folders(folder).values()))
         _sweep_leftovers(folder, output)
-        scheduler = Scheduler(journal, policy, progress, _logger(folder))
+        if elsewhere := _stored_elsewhere(journal):
+            progress.note(elsewhere)
+        scheduler = Scheduler(journal, policy, progress, logger(folder))
         with _reported(scheduler, output, begun):
             _run_all(scheduler)
         write_dataset(journal, output)
@@ -138,7 +142,7 @@ def _run_part(plan: Plan, output: Path, part: Part, policy: Policy, progress: Pr
         mine = [parts == part.number for parts in dealt]
         journal = _loaded(Journal(folder, plan, [run], mine))
         _sweep_leftovers(folder, folder)
-        scheduler = Scheduler(journal, policy, progress, _logger(folder))
+        scheduler = Scheduler(journal, policy, progress, logger(folder))
         with _reported(scheduler, folder, begun):
             _run_all(scheduler)
         return _summed_up(journal, folder, scheduler.ran, time.monotonic() - begun)
@@ -185,6 +189,21 @@ def _loaded(journal: Journal) -> Journal:
     return journal
 
 
+def _stored_elsewhere(journal: Journal) -> str:
+    """Of a run that begins from nothing: who holds points of it, and what to type to use them."""
+    plan, folder = journal.plan, journal.folder
+    places = {folder.parent, default_output(plan.case).parent} if not journal.shards() else ()
+    found = [(0, folder)]
+    for other in (path for place in places for path in place.glob(f"*{RUN_SUFFIX}")):
+        stored = store.stored_identity(other) if other != folder else None
+        if stored is not None and not differences(stored, plan.case):
+            found.append((_loaded(Journal(other, plan)).progress()[0], other))
+    count, most = max(found)
+    using = f"the same command with -o {most.with_suffix('.nc')} uses them"
+    what = f"{counted(count)} of it lie in {most}; {using} (and makes that dataset this one)"
+    return what if count else ""
+
+
 def _costs(journal: Journal) -> list[NDArray[np.float32]]:
     """What the points of each analysis will take, as far as those that are stored tell."""
     journal.load()
@@ -224,7 +243,8 @@ def _partial(journal: Journal) -> dict[str, object]:
     """What a dataset says of the points that it lacks; of one that is whole, nothing."""
     counts = count_statuses(journal)
     total, left = sum(counts.values()), counts[PENDING]
-    return {"partial": f"{total - left} of {counted(total)}"} if left else {}
+    so_far = " known so far, of a map that is being refined" * grows(journal)
+    return {"partial": f"{total - left} of {counted(total)}{so_far}"} if left else {}
 
 
 def _assembled(journal: Journal, index: int) -> Dataset:
@@ -242,6 +262,12 @@ def _assembled(journal: Journal, index: int) -> Dataset:
     return replace(filled, attrs=maps.attributes(stage))
 
 
+def grows(journal: Journal) -> bool:
+    """Whether what is to be run is not all known yet: a map is still being refined."""
+    stages = [record.stage for record in journal.records]
+    return any(stage is not None and not stage.complete for stage in stages)
+
+
 def refinements(journal: Journal) -> list[str]:
     """Of each refined analysis, in a line, how much of it was run."""
     return [
@@ -249,6 +275,12 @@ def refinements(journal: Journal) -> list[str]:
         for analysis, record in zip(journal.plan.analyses, journal.records, strict=True)
         if analysis.maps is not None and record.stage is not None
     ]
+
+
+def counted_statuses(counts: Mapping[str, int], filled: int) -> list[str]:
+    """``3 ok``, ``5 filled in``, of those that occur."""
+    told = {**counts, NOT_COMPUTED: counts.get(NOT_COMPUTED, 0) - filled, "filled in": filled}
+    return [f"{count} {status}" for status, count in told.items() if count]
 
 
 def count_statuses(journal: Journal) -> dict[str, int]:
@@ -281,11 +313,14 @@ def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
 def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None]:
     """Sum up and log on every path, also when the run is interrupted or fails."""
     journal, log, note = scheduler.journal, scheduler.log, scheduler.progress.note
-    log(f"fiv {fiv_cli.__version__}: {journal.plan.size} points to {output}")
+    part = scheduler.policy.part
+    where = f"-o {output}" if part is None else f"--shard {part}"
+    command = f"{command_of(journal.plan.case)} {where}"
+    log(f"fiv {fiv_cli.__version__}: {command}; {came(*journal.progress())}")
     for path, why in journal.ignored:
         log(f"ignored {path}: {why}")
-    if ending.how_to_end():
-        note(ending.how_to_end())
+    if grows(journal):
+        note("a refined map: what is to be run grows as its borders are found")
     try:
         yield
     except BaseException as error:
@@ -311,7 +346,7 @@ def _left_behind(journal: Journal, output: Path) -> str:
         write_dataset(journal, output)
     except StorageError as error:
         return f"{error}"
-    return f"{output} holds what is done, and is marked partial"
+    return f"{output} holds what is done" + ", and is marked partial" * bool(_partial(journal))
 
 
 def _claim(folder: Path, case: Case, fresh: bool) -> None:
@@ -345,7 +380,8 @@ def _refuse_another(folder: Path, case: Case) -> None:
                 [
                     f"{folder}: holds results of another case",
                     *(f"  {line}" for line in differing),
-                    "next: choose another place with -o FILE.nc, or throw them away with --fresh",
+                    "next: keep both with -o FILE.nc (fiv plot and fiv diff take two), change it "
+                    "back, or throw what is stored away with --fresh",
                 ]
             )
         )
@@ -376,19 +412,6 @@ def _errors(journal: Journal) -> list[tuple[str, str]]:
         for position, what in journal.messages(index, SHOWN_ERRORS):
             found.append((what, reproduction(journal.plan, analysis, position)))
     return found[:SHOWN_ERRORS]
-
-
-def _logger(folder: Path) -> Callable[[str], None]:
-    """Append dated lines to the log; a full disk must not hide what the log is about."""
-
-    def write(text: str) -> None:
-        stamp = time.strftime("%Y-%m-%dT%H:%M:%S")
-        try:
-            append_line(folder / "run.log", f"{stamp} {text}")
-        except OSError:
-            return
-
-    return write
 
 
 def _sweep_leftovers(folder: Path, output: Path) -> None:

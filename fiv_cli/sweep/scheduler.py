@@ -10,13 +10,12 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from fiv_cli import ending
+from fiv_cli.data.log import came
 from fiv_cli.errors import FivError
-from fiv_cli.flags import STATUS
 from fiv_cli.notation.amounts import HOUR, duration
 from fiv_cli.sweep.defaults import unequal_defaults
+from fiv_cli.sweep.failures import Failures
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.plan import counted
 from fiv_cli.sweep.policy import Policy
@@ -49,8 +48,6 @@ NOT_SLOW, LINGERING = 0.5, 2.0
 
 FRUITLESS_RESTARTS = 3
 """Deaths of workers in a row, none of which had begun a point, after which we give up."""
-
-FAILED = STATUS.codes["failed"]
 
 
 @dataclass
@@ -129,9 +126,15 @@ class Scheduler:
     _held: Job | None = None
     _stopped: bool = False
     _is_told: bool = False
+    _done: int = 0
+    _total: int = 0
     _dispatched: int = 0
     _fruitless: int = 0
     _slowest: float = 0.0
+    _failures: Failures = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._failures = Failures(self.progress.note)
 
     def __enter__(self) -> Scheduler:
         return self
@@ -150,8 +153,9 @@ class Scheduler:
         """
         queues = [self._queue(index) for index in range(len(self.journal.records))]
         left = sum(queue.left for queue in queues)
-        total = sum(int(np.count_nonzero(record.wanted())) for record in self.journal.records)
-        self.progress.begin(total, max(0, total - left))
+        _, self._total = self.journal.progress()
+        self._done = max(0, self._total - left)
+        self.progress.begin(self._total, self._done)
         if not left:
             return False
         self._prepare([index for index, queue in enumerate(queues) if queue.left])
@@ -236,8 +240,11 @@ class Scheduler:
         self.journal.write(index, job.positions, result.block)
         queue.finished(job, result)
         pace.learn(len(job.positions), result.seconds, result.block.nbytes)
-        failed = int(np.count_nonzero(result.block.status == FAILED))
+        analysis, before = self.journal.plan.analyses[index], self._failures.failed
+        self._failures.note(result.block, lambda row: analysis.named(int(job.positions[row])))
+        failed = self._failures.failed - before
         self.ran += len(job.positions)
+        self._done += len(job.positions)
         self._stopped |= bool(failed) and self.policy.fail_fast
         for row, message in result.block.messages.items():
             self.log(f"point {job.positions[row]}: {message}")
@@ -252,7 +259,7 @@ class Scheduler:
         where = analysis.named(int(job.positions[row]))
         self.log(
             f"{analysis.layout.name}: {counted(len(job.positions))} in {result.seconds:.2f} s, "
-            f"{failed} failed, {self.ran} run so far; slowest {seconds:.2f} s at {where}"
+            f"{failed} failed, {came(self._done, self._total)}; slowest {seconds:.2f} s at {where}"
         )
         if seconds > max(self._slowest, NOT_SLOW):
             self._slowest = seconds

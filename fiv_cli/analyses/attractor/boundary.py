@@ -91,7 +91,8 @@ ANALYSIS = Analysis(
         ),
         Choice(
             "follow",
-            "where a run begins: at the start (none), or where the one before ended (offsets count "
+            "where a run begins: at the start (none; a motion may go on beyond where the answer of "
+            "the start changes), or where the one before ended (offsets count "
             "for the first alone); the end of what is followed so is approached by ever shorter "
             "steps, until it stays where it is",
             default="none",

@@ -61,7 +61,9 @@ class Course:
         elapsed, left = f"{duration(self.elapsed(now))} elapsed", self.left(now)
         if left is None:
             return elapsed
-        return f"{elapsed}, {self.rate(now):.2g} points/s, some {duration(left)} to go"
+        rate = self.rate(now)
+        speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
+        return f"{elapsed}, {speed} points/s, some {duration(left)} to go"
 
     def line(self, now: float) -> str:
         """All of it."""
