@@ -358,7 +358,7 @@ def test_a_run_does_not_read_all_runs_beside_it(monkeypatch: pytest.MonkeyPatch)
         ("20.0]", "20.0, 30.0]", "(other values in the grid): fiv run pin.toml\n"),
         ('"pin-on-disc"', '"pin-on-disc"\nparameters = { c1 = 3.0 }', "parameters.c1: stored "),
         ('"equilibrium"', '"equilibrium"\n[[figure]]\nkind = "curve"\nx = "N0"', "(other figures)"),
-        ('"pin-on-disc"', '"pin"', "pin.toml was changed since\n"),
+        ('"pin-on-disc"', '"pin"', "pin.toml was changed since (fiv status pin.toml says whether"),
         ("equilibria of the pin", "another title", ""),
     ],
 )  # fmt: skip

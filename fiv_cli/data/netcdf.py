@@ -133,9 +133,10 @@ def _refuse_unwritten(path: Path) -> None:
     if runs:
         course, command = runs[-1].course, runs[-1].command
         at = datetime.fromtimestamp(course.times[-1]).strftime("%H:%M:%S")
+        comes = "; it comes when that ends or is stopped (Ctrl-C)"
         raise UsageError(
-            f"{path}: not written; its run had {came(course.done, course.total)} at {at}, and "
-            "writes it when it ends or is stopped (Ctrl-C)\n"
+            f"{path}: not written; its run had {came(course.done, course.total)} at {at}"
+            f"{comes * (course.done < course.total)}\n"
             f"next: {command.replace('run', 'status', 1)}; to go on, or to write it anew: {command}"
         )
 
