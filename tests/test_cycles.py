@@ -628,3 +628,20 @@ def test_the_half_turn_of_the_closed_form() -> None:
     assert speed_that_misses(0.1) == pytest.approx(1.866757460950, abs=1e-9)
     x, v = 1.7, 1.0
     assert x * cos(0.0) + v * sin(0.0) == x
+
+
+@pytest.mark.parametrize("width", [1e-7, 1e-8, 1e-9])
+def test_the_end_of_stick_slip_is_one_however_closely_it_is_bisected(width: float) -> None:
+    """So close to the grazing that its two sides are not told apart it is met several times."""
+    law = {"mu_s": 0.4, "mu_k": 0.2, "v_s": 0.5, "delta": 1.0}
+    found = analyse(
+        "belt-1dof", "stribeck", "cycle", Start("slip", "state", named={"x_dot": "v"}),
+        {"parameter": Varied("v"), "bracket": (0.3, 1.3), "width": width},
+        m=1.0, k=100.0, c=1.0, N=10.0, v=0.5, **law,
+    )  # fmt: skip
+    ends = [found.ragged[f"cycle_end{name}"] for name in ("_kind", "", "_error")]
+    (grazing,) = [
+        (value, error) for kind, value, error in zip(*ends, strict=True) if kind == "grazing"
+    ]
+    # by SciPy's DOP853 from the release, at 1e-13
+    assert abs(grazing[0] - 0.87243760397) <= grazing[1] <= 1e-7

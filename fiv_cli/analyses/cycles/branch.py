@@ -14,6 +14,7 @@ end.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -382,6 +383,7 @@ class _Walk:
     round_corners : whether other branches are gone on with
     length : of the next step
     in_a_row : steps that went well since one that did not
+    to_corner : points up to the last corner
     points, ends : what was passed
     """
 
@@ -389,6 +391,7 @@ class _Walk:
     round_corners: bool
     length: float = FIRST
     in_a_row: int = PATIENCE
+    to_corner: int = 0
     points: list[Point] = field(default_factory=list)
     ends: list[End] = field(default_factory=list)
 
@@ -413,15 +416,40 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
 def _turn(line: Continuation, walk: _Walk) -> End | None:
     """Go on with the branch that begins where this one ends; the end where there is none."""
     end = _last_end(line, walk.here, walk.length)
+    told_before = _told_before(line, walk.ends, end)
+    if told_before is not None:
+        return _one_corner(walk, told_before, end)
     corner = walk.round_corners and end.kind == GRAZING
     met = [e.last for e in walk.ends if abs(e.value - end.value) <= MEETING * line.span and e.last]
     there = _round_corner(line, walk.here, met) if corner else None
     if there is None:
         return end
     walk.ends.append(replace(end, goes_on=True))
+    walk.to_corner = len(walk.points)
     walk.here, walk.length, walk.in_a_row = there, FIRST, 0
     walk.points.append(there)
     return None
+
+
+def _told_before(line: Continuation, ends: Sequence[End], end: End) -> End | None:
+    """The corner that has been gone round before, and is met again the same way.
+
+    So close to it the two sides are no longer told apart: what was gone on with was the same side.
+    """
+    for one in ends:
+        again = one.kind == end.kind == GRAZING and one.direction == end.direction
+        if again and abs(one.value - end.value) <= MEETING * line.span:
+            return one
+    return None
+
+
+def _one_corner(walk: _Walk, corner: End, again: End) -> End:
+    """The corner as the end of the branch, as wide as it was met apart; nothing beyond it."""
+    del walk.ends[walk.ends.index(corner) :]
+    del walk.points[walk.to_corner :]
+    return replace(
+        corner, width=again.width + abs(again.value - corner.value), goes_on=False, last=None
+    )
 
 
 def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | None:
