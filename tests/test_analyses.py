@@ -533,6 +533,29 @@ def test_points_run_at_once_are_answered_as_alone(
                 np.testing.assert_equal(found.values, one.values)
 
 
+@pytest.mark.parametrize("rows", [10, 2**15])
+def test_motions_recorded_by_one_call_are_those_recorded_alone(
+    rows: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ledgers included, whatever a page holds; one among them loses its contact, one its steps."""
+    setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")
+    settings = {"t_end": 3.0, "sample": 0.5, "points": ()}
+    requests = [
+        execute.Request(
+            setup, {**known, "Omega": 2.0, "N0": 1.0 + i}, "history", settings,
+            SolverSettings(max_events=40), Start("a", "state", {"theta_dot": 150.0 * (i == 4)}),
+        )
+        for i in range(20)
+    ]  # fmt: skip
+    alone = [execute.execute(request) for request in requests]
+    assert {"", "contact_lost", "too_many_events"} == {found.reason for found in alone}
+    monkeypatch.setattr(recorder, "LEDGER_ROWS", rows)
+    for found, one in zip(execute.execute_all(requests), alone, strict=True):
+        assert (found.status, found.reason) == (one.status, one.reason)
+        np.testing.assert_equal(found.whole().values, one.values)
+        np.testing.assert_equal(found.whole().ragged, one.ragged)
+
+
 def test_points_run_one_after_the_other_are_answered_as_alone() -> None:
     """Their equilibria are found together, where none of them breaks its equations."""
     setup, known = Setup.of("pin-on-disc"), defaults("pin-on-disc", "coulomb")

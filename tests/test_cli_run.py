@@ -15,6 +15,7 @@ from fiv_cli.cli.main import run as fiv
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.sweep.lock import hold
+from fiv_cli.sweep.run import LOOKED_AT
 
 EQUILIBRIUM = """
 schema = 1
@@ -179,6 +180,14 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     capsys.readouterr()
     assert fiv(["status", "pin.toml", "--set", "model.parameters.k1=1", "-o", "runs/pin.nc"]) == 0
     assert "runs/pin.nc (complete, of another version of the case)" in capsys.readouterr().out
+    longer = ["--set", "grid.N0=[10.0, 20.0, 30.0]", "-o", "runs/pin.nc"]
+    assert fiv(["status", "pin.toml", *longer]) == 0
+    assert "runs/pin.nc (complete, of another grid; `fiv run` writes" in capsys.readouterr().out
+    assert fiv(["run", "pin.toml", *longer, "--max-points", "1", "-q"]) == 8
+    capsys.readouterr()
+    assert fiv(["status", "pin.toml"]) == 0
+    told = capsys.readouterr().out
+    assert "4 of 4 points done" in told and "runs/pin.nc (partial, of another grid; " in told
 
 
 def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_none(
@@ -327,9 +336,20 @@ def test_what_another_output_holds_of_the_same_case_is_told_before_it_is_run_ane
     told = "4 points of it lie in runs/pin.run; the same command with -o runs/pin.nc uses them"
     assert told in capsys.readouterr().err
     assert fiv([*longer, "-o", "other.nc", "--max-points", "1"]) == 8  # it has points of its own
+    assert fiv([*longer, "-o", "other.nc", "--max-points", "1", "--fresh"]) == 8
+    assert fiv(["run", "pin.toml", "--set", "grid.N0=[20.0, 31.0, 32.0]", "-o", "few.nc"]) == 0
     assert "lie in" not in capsys.readouterr().err
     assert fiv([*longer, "-o", "runs/pin.nc"]) == 0
     assert "6 points, 4 already stored, 2 to run" in capsys.readouterr().err
+
+
+def test_a_run_does_not_read_all_runs_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    for number in range(3 * LOOKED_AT):
+        Path(f"runs/{number}.run").mkdir(parents=True)
+    read: list[Path] = []
+    monkeypatch.setattr("fiv_cli.sweep.journal.stored_identity", lambda path: read.append(path))
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    assert len(set(read)) <= LOOKED_AT + 1  # and its own
 
 
 @pytest.mark.parametrize(
@@ -338,7 +358,7 @@ def test_what_another_output_holds_of_the_same_case_is_told_before_it_is_run_ane
         ("20.0]", "20.0, 30.0]", "(other values in the grid): fiv run pin.toml\n"),
         ('"pin-on-disc"', '"pin-on-disc"\nparameters = { c1 = 3.0 }', "parameters.c1: stored "),
         ('"equilibrium"', '"equilibrium"\n[[figure]]\nkind = "curve"\nx = "N0"', "(other figures)"),
-        ('"pin-on-disc"', '"pin"', "pin.toml was changed since\n"),
+        ('"pin-on-disc"', '"pin"', "pin.toml was changed since (fiv status pin.toml says whether"),
         ("equilibria of the pin", "another title", ""),
     ],
 )  # fmt: skip

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import INT_FILL
-from fiv_cli.data.block import Block, pack
+from fiv_cli.data.block import Block, joined, pack
 from fiv_cli.data.shard import (
     BEFORE,
     DIGEST_BYTES,
@@ -60,6 +60,25 @@ def assert_equal(left: Block, right: Block) -> None:
             np.testing.assert_array_equal(a[key], b[key])
             assert a[key].dtype == b[key].dtype
     assert left.messages == right.messages
+
+
+def test_a_coordinate_is_stored_once_where_its_points_share_it() -> None:
+    """Of points that do not, as after another question, each keeps its own."""
+    history = variables_of("history", get_model("belt-1dof"), {}, {})
+    fine, coarse, odd = np.linspace(0, 1, 5), np.linspace(0, 1, 3), np.linspace(0, 2, 3)
+
+    def of(*times: Any) -> Block:
+        outcomes = [Outcome(values={"time": one, "x": 2 * np.array(one)}) for one in times]
+        return pack(outcomes, keys(len(times)), history)
+
+    assert of(fine, fine).values["time"].shape == (1, 5)
+    rows = np.array([0, 3])
+    same = joined([of(fine, fine), of(fine, fine)], rows, history)
+    np.testing.assert_array_equal(same.values["time"], [fine])
+    np.testing.assert_array_equal(of(coarse, odd).values["time"], [coarse, odd])
+    apart = joined([of(coarse, coarse), of(odd, odd)], rows, history)
+    np.testing.assert_array_equal(apart.values["time"], [coarse, odd])
+    np.testing.assert_array_equal(apart.values["x"], [2 * coarse, 2 * odd])
 
 
 def test_what_goes_in_comes_out(tmp_path: Path) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import islice
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from small_cases import PIN
 
 from fiv_cli import api
 from fiv_cli.case.case import Refinement
@@ -16,7 +18,10 @@ from fiv_cli.sweep.borders import draw
 from fiv_cli.sweep.estimate import OF_TIMING, _spread, estimate
 from fiv_cli.sweep.map_estimate import Drawing
 from fiv_cli.sweep.plan import make_plan
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.refine import Maps
+from fiv_cli.sweep.run import run_case
 from fiv_cli.sweep.worker import ChainState, Segment
 
 
@@ -101,3 +106,14 @@ def test_a_map_grows_as_its_borders_do(
     (low, high), (least, most) = drawing.cost()
     assert low * (1 - OF_TIMING) <= true <= high * (1 + OF_TIMING) and high <= spread * low
     assert (least, most) == pytest.approx((low, high))
+
+
+def test_what_is_stored_is_credited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("pin.toml").write_text(PIN)
+    case, said = api.load("pin.toml"), list[str]()
+    for more, stored in ((1, 1), (1, 2)):
+        run_case(case, Path("runs/pin.nc"), Policy(workers=1, max_points=more), Silent())
+        found = [(one.points, one.stored) for one in estimate(case, 1, said.append)]
+        assert found == [((1, 1), stored)][: 2 - stored]
+    assert said[-1] == "every point of equilibrium is stored: nothing is to be run"

@@ -140,6 +140,8 @@ def test_the_commands(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None
     assert run(["run", str(case), "-o", one, "--workers", "1"]) == 0
     own = [str(case), "-o", joined]
     assert run(["run", *own, "--shard", "2/2", "--workers", "1"]) == 0
+    assert run(["show", joined]) == 2
+    assert "joined.nc: not written; its points are run in parts" in capfd.readouterr().err
     assert run(["assemble", *own]) == 8
     assert "part 1/2: 3 points to run; --shard 1/2 runs them" in capfd.readouterr().err
     assert run(["status", *own, "--exit-code"]) == 8

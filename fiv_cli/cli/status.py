@@ -68,14 +68,14 @@ class Standing:
         left, filled = self.counts["pending"], sum(answer.filled for answer in self.answers)
         asked = self.points - filled
         run = f"{asked - left} of {counted(asked)} done" + f", {filled} filled in" * bool(filled)
-        holds = f" ({self._dataset_holds()})" if left else ""
+        holds = self._dataset_holds()
         found = [line for answer in self.answers for line in answer.lines(reasons=False)]
         lines = [
             f"{self.case}: {run}",
             f"  {', '.join(counted_statuses(self.counts, filled))}",
             *found,
             *(f"  {line}" for line in self.refined),
-            f"  dataset {self.dataset}{holds}",
+            f"  dataset {self.dataset}" + (f" ({holds})" if holds else ""),
             *self._going_on(),
             *([f"  running: part {', '.join(self.running_parts)}"] if self.running_parts else []),
             *(f"  ignored {shard}" for shard in self.ignored_shards),
@@ -96,14 +96,15 @@ class Standing:
         return [goes_on] * (self.points > self.counts["pending"]) + last
 
     def _dataset_holds(self) -> str:
-        """What the dataset is of a case that has points to run."""
+        """What the dataset lacks, or holds instead; empty where it is all of it."""
+        whole = "partial" if self.dataset_partial else "complete"
         if not self.dataset_exists:
             return "not written yet"
-        if not self.stored_case_differs:
-            return "partial"
-        return (
-            f"{'partial' if self.dataset_partial else 'complete'}, of another version of the case"
-        )
+        if self.stored_case_differs:
+            return f"{whole}, of another version of the case"
+        if self.dataset_partial == bool(self.counts["pending"]):
+            return "partial" * self.dataset_partial
+        return f"{whole}, of another grid; `fiv run` writes this one"
 
 
 @click.command("status")

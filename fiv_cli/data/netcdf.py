@@ -122,13 +122,21 @@ def read_datasets(path: Path) -> dict[str, xr.Dataset]:
 
 def _refuse_unwritten(path: Path) -> None:
     """Say of a dataset that is not there how far its run has come, if there is one."""
-    runs = [] if path.exists() or not path.name else runs_in(run_folder(path))
+    if path.exists() or not path.name:
+        return
+    runs, parts = runs_in(run_folder(path)), run_folder(path) / "parts"
+    if parts.is_dir() and not runs:
+        raise UsageError(
+            f"{path}: not written; its points are run in parts (fiv run --shard)\n"
+            "next: fiv assemble CASE, which joins them and says what is missing"
+        )
     if runs:
         course, command = runs[-1].course, runs[-1].command
         at = datetime.fromtimestamp(course.times[-1]).strftime("%H:%M:%S")
+        comes = "; it comes when that ends or is stopped (Ctrl-C)"
         raise UsageError(
-            f"{path}: not written; its run had {came(course.done, course.total)} at {at}, and "
-            "writes it when it ends or is stopped (Ctrl-C)\n"
+            f"{path}: not written; its run had {came(course.done, course.total)} at {at}"
+            f"{comes * (course.done < course.total)}\n"
             f"next: {command.replace('run', 'status', 1)}; to go on, or to write it anew: {command}"
         )
 

@@ -74,11 +74,12 @@ def described(attributes: Mapping[str, Any]) -> str:
     if "refined_of" not in attributes:
         return ""
     run, filled = int(attributes["points_run"]), int(attributes["points_filled_in"])
+    levels = int(attributes["refined_levels"])
     tested, wrong = int(attributes["sample_size"]), int(attributes["sample_mislabelled"])
     sampled = f"of {tested} filled in and run all the same, {wrong} mislabelled"
     share = f" ({wrong / tested:.1%})" if tested else ""
     return (
         f"along the borders of {attributes['refined_of']}, {attributes['refined_from']} halved "
-        f"{attributes['refined_levels']} times: {run} of {run + filled} points run "
+        f"{levels} time{'s' * (levels != 1)}: {run} of {run + filled} points run "
         f"({run / max(run + filled, 1):.1%}); {sampled}{share}"
     )

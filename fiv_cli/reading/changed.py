@@ -37,7 +37,7 @@ def changed_since(attributes: Mapping[str, Any]) -> str:
     try:
         then, present = (parse_case(one, source, overrides) for one in (text, now))
     except FivError:
-        return f"{source} was changed since"
+        return f"{source} was changed since (fiv status {source} says whether it differs)"
     found = list(_different(then, present))
     if not found:
         return ""

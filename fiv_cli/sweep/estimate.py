@@ -239,7 +239,7 @@ def _estimated(analysis: AnalysisPlan, sample: Sample, stored: int, workers: int
     spread = exp(2.0 * hypot(sample.error, OF_TIMING))
     low, high = (STARTING + seconds / at_once for seconds in sample.cost.seconds)
     low, high = low / spread, high * spread
-    results = sample.stored / sample.run * analysis.size
+    of_a_point, points = sample.stored / sample.run, stored + sample.cost.points[1]
     processes = 1 + workers * (workers > 1 and high * at_once > Policy().in_process_below)
     return Estimate(
         name=analysis.layout.name,
@@ -248,8 +248,8 @@ def _estimated(analysis: AnalysisPlan, sample: Sample, stored: int, workers: int
         stored=stored,
         expected=sqrt(low * high),
         seconds=(low, high),
-        memory=OF_A_PROCESS * processes + IN_MEMORY * results,
-        disk=OF_FILES + ON_DISK * results,
+        memory=OF_A_PROCESS * processes + IN_MEMORY * of_a_point * analysis.size,
+        disk=OF_FILES + ON_DISK * of_a_point * points,
         workers=workers,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import shlex
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -43,6 +43,12 @@ if TYPE_CHECKING:
 SHOWN_ERRORS = 3
 PENDING = "pending"
 GOES_ON = "what is finished is kept; the same command goes on from here"
+
+LOOKED_AT = 8
+"""How many other runs, the last ones, are asked for points: to read a thousand takes seconds."""
+
+WORTH_REUSING = 0.5
+"""Share of the points above which it is told where they lie: to use them, a dataset makes way."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +127,7 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         _claim(folder, case, policy.fresh)
         journal = _loaded(Journal(folder, plan, part_folders(folder).values()))
         _sweep_leftovers(folder, output)
-        if elsewhere := _stored_elsewhere(journal):
+        if not policy.fresh and (elsewhere := _stored_elsewhere(journal)):
             progress.note(elsewhere)
         scheduler = Scheduler(journal, policy, progress, logger(folder))
         with _reported(scheduler, output, begun):
@@ -190,18 +196,27 @@ def _loaded(journal: Journal) -> Journal:
 
 
 def _stored_elsewhere(journal: Journal) -> str:
-    """Of a run that begins from nothing: who holds points of it, and what to type to use them."""
+    """Of a run that begins from nothing: who holds most of its points, and what to type."""
     plan, folder = journal.plan, journal.folder
     places = {folder.parent, default_output(plan.case).parent} if not journal.shards() else ()
-    found = [(0, folder)]
-    for other in (path for place in places for path in place.glob(f"*{RUN_SUFFIX}")):
+    for other in _newest(path for place in places for path in place.glob(f"*{RUN_SUFFIX}")):
         stored = store.stored_identity(other) if other != folder else None
-        if stored is not None and not differences(stored, plan.case):
-            found.append((_loaded(Journal(other, plan)).progress()[0], other))
-    count, most = max(found)
-    using = f"the same command with -o {most.with_suffix('.nc')} uses them"
-    what = f"{counted(count)} of it lie in {most}; {using} (and makes that dataset this one)"
-    return what if count else ""
+        if stored is None or differences(stored, plan.case):
+            continue
+        done, total = _loaded(Journal(other, plan)).progress()
+        if done > WORTH_REUSING * total:
+            using = f"the same command with -o {other.with_suffix('.nc')} uses them"
+            return (
+                f"{counted(done)} of it lie in {other}; {using} (and makes that dataset this one)"
+            )
+    return ""
+
+
+def _newest(folders: Iterable[Path]) -> list[Path]:
+    """Those of the last few runs; none when they go away meanwhile."""
+    with contextlib.suppress(OSError):
+        return sorted(folders, key=lambda path: -path.stat().st_mtime)[:LOOKED_AT]
+    return []
 
 
 def _costs(journal: Journal) -> list[NDArray[np.float32]]:
@@ -243,7 +258,8 @@ def _partial(journal: Journal) -> dict[str, object]:
     """What a dataset says of the points that it lacks; of one that is whole, nothing."""
     counts = count_statuses(journal)
     total, left = sum(counts.values()), counts[PENDING]
-    return {"partial": f"{total - left} of {counted(total)}"} if left else {}
+    so_far = " known so far, of a map that is being refined" * grows(journal)
+    return {"partial": f"{total - left} of {counted(total)}{so_far}"} if left else {}
 
 
 def _assembled(journal: Journal, index: int) -> Dataset:
@@ -312,7 +328,9 @@ def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
 def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None]:
     """Sum up and log on every path, also when the run is interrupted or fails."""
     journal, log, note = scheduler.journal, scheduler.log, scheduler.progress.note
-    command = f"{command_of(journal.plan.case)} -o {output}"
+    part = scheduler.policy.part
+    where = f"-o {output}" if part is None else f"--shard {part}"
+    command = f"{command_of(journal.plan.case)} {where}"
     log(f"fiv {fiv_cli.__version__}: {command}; {came(*journal.progress())}")
     for path, why in journal.ignored:
         log(f"ignored {path}: {why}")

@@ -7,6 +7,8 @@ those of ``against_scipy.py`` at the same error, which keep the points of a sect
 
 from __future__ import annotations
 
+from statistics import median
+
 import numpy as np
 
 from tests.benchmarks.against_scipy import (
@@ -25,6 +27,7 @@ from tests.benchmarks.processes import Place, place
 
 FEW, MANY = 100, 1000
 PAIRS = 5
+RUNS = 5  # of each sweep, in turn: what a point adds is little beside what a command takes
 GOALS = (1e-6, 1e-9)
 SAMPLES = (100, 2000)  # of a motion; the latter when a case says nothing
 
@@ -85,10 +88,9 @@ def _compare(sweep: Sweep, tolerances: tuple[float, float], samples: int) -> str
 
 def point_seconds(folder: Place, sweep: Sweep, rtol: float, samples: int) -> float:
     """Processor time of one more point, s."""
-    few, many = (
-        folder.run(case_of(sweep, rtol, samples, points), "--workers", "1").processor
-        for points in (FEW, MANY)
-    )
+    cases = [case_of(sweep, rtol, samples, points) for points in (FEW, MANY)]
+    runs = [[folder.run(case, "--workers", "1").processor for case in cases] for _ in range(RUNS)]
+    few, many = map(median, zip(*runs, strict=True))
     return (many - few) / (MANY - FEW)
 
 
