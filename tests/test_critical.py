@@ -462,6 +462,15 @@ def test_what_a_case_may_not_ask(lines: str, fragment: str) -> None:
     assert fragment in problems(lines)
 
 
+def test_what_varies_is_a_parameter_of_every_law() -> None:
+    laws = CASE.replace("[grid]", '[grid]\nfriction = ["coulomb", "hyperbolic"]')
+    laws = laws.replace('law = "coulomb"', "")
+    with pytest.raises(
+        CaseError, match=r"'mu_k' is no parameter of hyperbolic\n.*of hyperbolic: mu"
+    ):
+        parse_case(laws + 'parameter = "mu_k"\nbracket = [0, 1]', "case.toml")
+
+
 def test_a_law_without_an_average_is_refused() -> None:
     lines = 'parameter = "A_b"\nbracket = [0, 1]\nsystem = "averaged"'
     tanh = CASE.replace('law = "coulomb"', 'law = "tanh"\nof = "coulomb"')

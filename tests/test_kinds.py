@@ -18,7 +18,7 @@ from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import TableSetting
 from fiv_cli.case.kinds import FIGURES, STARTS, TABLES, TAKES, all_kinds
 from fiv_cli.case.structure import FigureKind, InitialTable, What
-from fiv_cli.case.words import OTHER_WORDS
+from fiv_cli.case.words import OTHER_WORDS, variable_meant
 from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.plots.drawing import KINDS
 
@@ -159,3 +159,10 @@ def test_a_command_that_is_none_but_a_kind(
 ) -> None:
     assert run([word]) == 2
     assert capsys.readouterr().err.splitlines()[-1].endswith(following)
+
+
+def test_words_of_the_field_lead_to_the_variables_they_mean_here() -> None:
+    known = ["L_s", "response_frequency", "lyapunov"]
+    assert variable_meant("dominant_frequency", known) == "here it is 'response_frequency'"
+    assert variable_meant("Lyapunov exponent", known) == "here it is 'lyapunov'"
+    assert variable_meant("RMS", ["period"]) == variable_meant("period", known) == ""

@@ -370,7 +370,13 @@ class ParameterName(Setting):
 
     def check(self, value: Varied, known: Known) -> Iterator[Refusal]:
         table = {name: parameter.meaning for name, parameter in known.varying().items()}
-        if value.name not in table:
+        without = [law for law in known.laws if value.name not in (p.name for p in law.parameters)]
+        if value.name not in table and 0 < len(without) < len(known.laws):
+            message = f"{value.name!r} is no parameter of {without[0].name}"
+            own = f"of {without[0].name}: {listed([p.name for p in without[0].parameters])}"
+            advice = "what varies must be a parameter of every law of the case, or of the model"
+            yield Refusal(message, own, advice, of_name=True)
+        elif value.name not in table:
             message = f"there is no parameter {value.name!r} that can vary"
             yield unknown(message, value.name, table)
         if value.name in known.axes:

@@ -16,6 +16,7 @@ from fiv_cli.case.grammar import OfClass, parse_condition
 from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED, FigureKind
+from fiv_cli.case.words import variable_meant
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed, suggest
@@ -203,7 +204,8 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
     if name not in known:
         variables = {v.name: v.long_name for v in known.values() if v is not None}
         message = f"no analysis of this case computes {name!r}"
-        hint = suggest(name, variables) or f"`fiv variables {report.source}` says what each is"
+        told = f"`fiv variables {report.source}` says what each is"
+        hint = variable_meant(name, variables) or suggest(name, variables) or told
         report.unknown(place, message, name, variables, hint)
     return name in known
 

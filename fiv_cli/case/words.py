@@ -1,8 +1,9 @@
-"""What kinds of analyses, starts and figures are called elsewhere -> what they are called here."""
+"""What kinds of analyses, starts and figures, and variables, are called elsewhere and here."""
 
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Collection
 
 _MEANT = {
     "amplitude amplitudes lyapunov chaos attractor steadystate squeal stickslip": "response",
@@ -40,10 +41,37 @@ OTHER_WORDS = {word: kinds.split() for words, kinds in _MEANT.items() for word i
 """Word, as `meant` looks for it -> the kinds that may be meant, the likeliest first."""
 
 
+_VARIABLES = {
+    "dominantfrequency mainfrequency peakfrequency frequency freq f": "response_frequency",
+    "rms intensity vibrationindex index ls": "L_s",
+    "lyapunovexponent exponent largestexponent": "lyapunov",
+    "class classes motion regime state": "attractor",
+    "criticalvalue threshold critical mucrit": "critical_value",
+    "sticktime stickratio stickingtime": "stick_fraction",
+    "multiplier multipliers floquet": "floquet_multiplier",
+    "growth growthrate realpart": "mode_growth growth_rate",
+    "eigenfrequency eigenfrequencies frequencies imaginarypart": "mode_frequency",
+    "damping dampingratio": "damping_ratio",
+    "poincare section": "section_value",
+}
+
+
+def variable_meant(word: str, known: Collection[str]) -> str:
+    """Which of the `known` variables a word of the field may mean, as a hint; "" for none."""
+    for words, names in _VARIABLES.items():
+        here = [name for name in names.split() if name in known]
+        if here and _plain(word) in words.split():
+            return f"here it is {' or '.join(map(repr, here))}"
+    return ""
+
+
 def meant(word: str) -> list[str]:
     """The kinds that a word of the field may mean; ``Poincaré map`` is ``poincaremap``."""
-    plain = unicodedata.normalize("NFD", word.casefold())
-    return OTHER_WORDS.get("".join(filter(str.isalpha, plain)), [])
+    return OTHER_WORDS.get(_plain(word), [])
+
+
+def _plain(word: str) -> str:
+    return "".join(filter(str.isalpha, unicodedata.normalize("NFD", word.casefold())))
 
 
 def called_here(word: str) -> str:

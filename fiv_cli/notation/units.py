@@ -108,7 +108,12 @@ def parse_unit(text: str) -> Unit:
     for sign, factor in _factors(text.translate(_SUPERSCRIPTS)):
         match = _FACTOR.fullmatch(factor)
         if match is None or match[1] not in UNITS:
-            raise ValueError(f"unknown unit {text!r}")
+            told = (
+                ""
+                if text.strip()[:1].isalpha()
+                else ": a text is a number and its unit, no formula"
+            )
+            raise ValueError(f"unknown unit {text!r}{told}")
         unit = unit * UNITS[match[1]] ** (sign * int(match[2] or 1))
     return unit
 
