@@ -303,6 +303,14 @@ def test_the_map_is_drawn_whole_and_says_how_much_was_run(tmp_path: Path) -> Non
     assert not points.gaps(refined)
 
 
+def test_the_coarse_grid_that_was_run_is_found_by_its_refined_map(tmp_path: Path) -> None:
+    coarse = sweep_fakes.REFINED.replace('refine = { levels = 3, of = "attractor" }', "")
+    lines: list[str] = []
+    run_case(sweep_fakes.case(coarse), tmp_path / "a.nc", HERE, Lines(lines.append))
+    run_case(sweep_fakes.case(sweep_fakes.REFINED), tmp_path / "b.nc", HERE, Lines(lines.append))
+    assert any(f"lie in {tmp_path / 'a.run'}" in line for line in lines)
+
+
 def test_what_was_run_is_told_from_what_is_filled_in(tmp_path: Path) -> None:
     summary = sweep(tmp_path / "a.nc")
     origin = dataset(tmp_path / "a.nc")["computed"].values

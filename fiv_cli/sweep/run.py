@@ -48,7 +48,7 @@ LOOKED_AT = 8
 """How many other runs, the last ones, are asked for points: to read a thousand takes seconds."""
 
 WORTH_REUSING = 0.5
-"""Share of the points above which it is told where they lie: to use them, a dataset makes way."""
+"""Share of the points to begin with that others must hold to be told: a dataset makes way."""
 
 
 @dataclass(frozen=True)
@@ -203,8 +203,8 @@ def _stored_elsewhere(journal: Journal) -> str:
         stored = store.stored_identity(other) if other != folder else None
         if stored is None or differences(stored, plan.case):
             continue
-        done, total = _loaded(Journal(other, plan)).progress()
-        if done > WORTH_REUSING * total:
+        done, _ = _loaded(Journal(other, plan)).progress()
+        if done > WORTH_REUSING * journal.progress()[1]:
             using = f"the same command with -o {other.with_suffix('.nc')} uses them"
             return (
                 f"{counted(done)} of it lie in {other}; {using} (and makes that dataset this one)"
