@@ -297,3 +297,13 @@ def test_the_description_names_points_chains_and_what_is_left_out() -> None:
 def test_keys_are_distinct(text: str) -> None:
     plan = plan_of(text)
     assert len(np.unique(plan.keys(), axis=0)) == plan.size
+
+
+@pytest.mark.parametrize(
+    ("friction", "told"),
+    [('law = "stribeck"', 1), ('law = "stribeck"\nmu_s = 0.5', 0), ('law = "coulomb"', 0)],
+)
+def test_a_law_that_falls_with_speed_only_by_its_name_is_told(friction: str, told: int) -> None:
+    text = f'schema = 1\n[model]\nname = "flutter-2dof"\n[friction]\n{friction}\n{RESPONSE}'
+    lines = make_plan(sweep_fakes.case(text)).describe()
+    assert sum("friction does not fall with speed" in line for line in lines) == told

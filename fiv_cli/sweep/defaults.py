@@ -50,9 +50,24 @@ def unequal_defaults(case: Case) -> list[str]:
 
 
 def remarks(case: Case) -> list[str]:
-    """What is assumed where contacts stick at once, and what may be meant so in one's own law."""
+    """What is assumed where contacts stick at once, and what may be meant so in a law."""
     own = [law for law in map(get_law, case.laws) if law.origin is not None]
-    return [*assumed_of_contacts(case), *(_asymmetries(own) if own else [])]
+    assumed = [*assumed_of_contacts(case), *_level(case)]
+    return [*assumed, *(_asymmetries(own) if own else [])]
+
+
+def _level(case: Case) -> Iterator[str]:
+    """Laws that do not fall from stick to slip, because the model's mu_s is mu_k."""
+    given = {*case.explicit, *case.schedule.names, *(axis.name for axis in case.axes)}
+    for law in map(get_law, case.laws):
+        of_law = {p.name: p for p in get_model(case.model).parameters_under(law)}
+        static = of_law.get("mu_s")
+        left = not {"mu_s", f"{law.name}.mu_s"} & given
+        if static and static.default_from == "mu_k" and left and law.name != "coulomb":
+            yield (
+                f"mu_s = mu_k by default on {case.model}: under {law.name} friction does not fall "
+                "with speed; write mu_s = VALUE under [friction]"
+            )
 
 
 def _asymmetries(laws: Sequence[Law]) -> Iterator[str]:
