@@ -53,6 +53,10 @@ _VARIABLES = {
     "eigenfrequency eigenfrequencies frequencies imaginarypart": "mode_frequency",
     "damping dampingratio": "damping_ratio",
     "poincare section": "section_value",
+    "stability stable linearstability": "stable branch_stable",
+    "flutterfrequency onsetfrequency squealfrequency": "unstable_frequency",
+    "energy mechanicalenergy energybalance balance": "energy_residual",
+    "power dissipation frictionwork": "friction_power",
 }
 
 
