@@ -113,8 +113,9 @@ def test_a_number_as_it_is_printed_names_a_point_if_only_one_is_printed_so() -> 
     with pytest.raises(UsageError, match=r"--at v=0.6666666667 or --at v=0.6666712$"):
         found("0.66667")
     for none in ("2", "0.66668", "nan"):  # 2 is 1.8 rounded, which nothing prints
-        with pytest.raises(UsageError, match="off the grid"):
+        with pytest.raises(UsageError, match="off the grid") as refused:
             found(none)
+        assert str(refused.value).endswith(f"add --set 'grid.v=[{none}]'")
 
 
 def test_zipped_axes_are_named_by_what_makes_them_unique() -> None:

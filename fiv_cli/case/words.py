@@ -43,7 +43,7 @@ OTHER_WORDS = {word: kinds.split() for words, kinds in _MEANT.items() for word i
 
 _VARIABLES = {
     "dominantfrequency mainfrequency peakfrequency frequency freq f": "response_frequency",
-    "rms intensity vibrationindex index ls": "L_s",
+    "rms intensity vibrationindex index": "L_s",
     "lyapunovexponent exponent largestexponent": "lyapunov",
     "class classes motion regime state": "attractor",
     "criticalvalue threshold critical mucrit": "critical_value",

@@ -308,6 +308,8 @@ def _off_the_grid(axis: Axis, text: str) -> UsageError:
     else:
         nearest = min(axis.values, key=lambda value: abs(value - number))
         hint = f"the nearest is --at {axis.name}={nearest}"
+        if axis.kind == "parameter":
+            hint += f"; for {text} itself add --set 'grid.{axis.name}=[{text}]'"
     return UsageError(f"--at {axis.name}={text}: off the grid\nnext: {hint}")
 
 
