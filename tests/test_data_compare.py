@@ -132,7 +132,7 @@ def test_status_and_class_are_exact() -> None:
     (found,) = differences(changed("status", (1, 1), STATUS.codes["failed"]))
     assert found.what == "status"
     (found,) = differences(changed("attractor", (0, 0), CHAOTIC))
-    assert found.text == "periodic -> chaotic 1 at mu_k=0.1, initial=near"
+    assert found.text == "periodic -> chaotic 1 at initial = near, mu_k = 0.1"
 
 
 def test_what_class_the_motion_is_of_comes_first_whatever_the_analysis_is_called() -> None:
@@ -153,7 +153,7 @@ def test_classes_that_became_others_are_counted_and_numbers_compared_where_they_
     assert (found.what, found.count) == ("attractor", 4)
     rest, other = found.changes
     assert (rest.first, rest.second, rest.count) == ("periodic", "equilibrium", 3)
-    assert rest.places[0] == "mu_k=0.1, initial=near" and len(rest.places) == 3
+    assert rest.places == ("initial = near, mu_k = 0.1 to 0.2", "initial = far, mu_k = 0.1")
     assert (other.first, other.second, other.count) == ("chaotic", "periodic", 1)
     names = [one.what for one in differences(right, Tolerances(ignore=("attractor",)))]
     assert names == ["L_s"], "who asks for no classes gets every number"

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 DIFFERENT = 5
 
 
+SHOWN = 6
+
+
 @click.command("diff")
 @click.argument("first", type=click.Path(path_type=Path), metavar="A.nc")
 @click.argument("second", type=click.Path(path_type=Path), metavar="B.nc")
@@ -73,5 +76,6 @@ def _print(difference: Difference) -> None:
 
 
 def _places(change: Change) -> str:
-    more = "; ..." if change.count > len(change.places) else ""
-    return printable("; ".join(change.places) + more)
+    """The first; `--json` has up to a hundred."""
+    more = f"; {len(change.places) - SHOWN} more" if len(change.places) > SHOWN else ""
+    return printable("; ".join(change.places[:SHOWN]) + more)

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.reading.datasets import error_of, flag_names
+from fiv_cli.reading.over_laws import stretches
 from fiv_cli.reading.select import ragged_dims, row_sizes
 
 Mask = NDArray[np.bool_]
@@ -65,8 +67,8 @@ class Tolerances:
         return self.variables.get(name, self.default)
 
 
-PLACES = 3
-"""How many of the points that have come into another class are named."""
+PLACES = 100
+"""How many stretches of points that have come into another class are named."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ class Change:
     ----------
     first, second : the classes
     count : of the points
-    places : the first few of them
+    places : the stretches along an axis in which they lie, the first hundred
     """
 
     first: str
@@ -254,10 +256,7 @@ class _Pair:
                 _named(self.left[name], first),
                 _named(self.right[name], second),
                 int(count),
-                tuple(
-                    _place(self.left[name], int(index))
-                    for index in np.flatnonzero((x == first) & (y == second) & bad)[:PLACES]
-                ),
+                tuple(_stretches(self.left[name], (x == first) & (y == second) & bad)),
             )
             for (first, second), count in zip(pairs, counts, strict=True)
         )
@@ -363,6 +362,16 @@ def _error(dataset: xr.Dataset, name: str, count: int, index: int) -> str:
         return ""
     error = errors.values.ravel()[index]
     return f" ± {error:.2g}" if np.isfinite(error) else ""
+
+
+def _stretches(variable: xr.DataArray, marked: Mask) -> Iterator[str]:
+    """The marked elements, neighbours along an axis as one: ``Omega=3.6 to 5.4, initial=far``."""
+    along = {str(dim) for coord in variable.coords.values() for dim in coord.dims}
+    if along.issuperset(map(str, variable.dims)):
+        where = variable.copy(data=marked.reshape(variable.shape)).squeeze()
+        yield from islice(stretches(where), PLACES)
+    else:
+        yield from (_place(variable, index) for index in np.flatnonzero(marked)[:PLACES].tolist())
 
 
 def _place(variable: xr.DataArray, index: int) -> str:
