@@ -367,7 +367,7 @@ def _error(dataset: xr.Dataset, name: str, count: int, index: int) -> str:
 def _stretches(variable: xr.DataArray, marked: Mask) -> Iterator[str]:
     """The marked elements, neighbours along an axis as one: ``Omega=3.6 to 5.4, initial=far``."""
     along = {str(dim) for coord in variable.coords.values() for dim in coord.dims}
-    if along.issuperset(map(str, variable.dims)):
+    if variable.size > 1 and along.issuperset(map(str, variable.dims)):
         where = variable.copy(data=marked.reshape(variable.shape)).squeeze()
         yield from islice(stretches(where), PLACES)
     else:
