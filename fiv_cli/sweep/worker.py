@@ -185,8 +185,13 @@ def _shared_starts(task: Task) -> dict[str, Start]:
 def _run_in_blocks(
     template: Template, batches: Iterable[Sequence[Request]], pulse: _Pulse
 ) -> Iterator[Outcome]:
-    """Outcomes of points that begin on their own, as many at once as take a short time."""
-    execute, count = imported(EXECUTOR_OF_BLOCKS), 1
+    """Outcomes of points that begin on their own.
+
+    Those without motions all at once, as they cost the less together; others as many as take a
+    short time.
+    """
+    execute, least = imported(EXECUTOR_OF_BLOCKS), AT_ONCE if template.linear else 1
+    count = least
     for batch in batches:
         begin = 0
         while block := batch[begin : begin + count]:
@@ -199,7 +204,7 @@ def _run_in_blocks(
                 yield from (_internal_error(error) for _ in block)
             begin += len(block)
             share = BLOCK_SECONDS / (time.perf_counter() - begun)
-            count = max(1, min(AT_ONCE, int(share * len(block))))
+            count = max(least, min(AT_ONCE, int(share * len(block))))
 
 
 def _outcomes_of(

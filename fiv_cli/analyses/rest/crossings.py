@@ -22,6 +22,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli import ending
 from fiv_cli.analyses.base import Outcome, Request
 from fiv_cli.analyses.rest.averaging import LEAST_RATIO, frequency_ratio
 from fiv_cli.analyses.rest.brent import ULP, zero
@@ -193,6 +194,7 @@ def side_by_side(
     for place in range(len(scans)):
         send(place, None)
     while wanted:
+        ending.heed()
         while pairs := {place: wish for place, wish in wanted.items() if isinstance(wish, tuple)}:
             for place, order in zip(pairs, followed(list(pairs.values())), strict=True):
                 del wanted[place]
