@@ -135,6 +135,7 @@ def known_tables(document: Mapping[str, Any], report: Report) -> dict[str, Any]:
     known, found = keys_of(CaseTable), dict(document)
     for key in [key for key in document if key not in known]:
         hint = _element_called(key, document) or suggest(key, known) or _home_of(key)
+        hint = hint or called_here(key)
         report.unknown((key,), f"unknown table or key {key!r}", key, known, hint, of_key=True)
         value, meant = found.pop(key), nearest(key, [one for one in known if one not in found])
         found |= {meant: value} if meant is not None else {}

@@ -230,7 +230,9 @@ class InitialTable(Table):
         description="equilibrium + offset, a state, random states in a box, a table of states, or "
         "the neighbour's end"
     )
-    offset: dict[str, Quantity] = Field(default={}, description="added to the equilibrium")
+    offset: dict[str, Quantity] = Field(
+        default={}, description="state -> what is added to the equilibrium's"
+    )
     state: dict[str, Quantity] = Field(
         default={}, description="values of states; a string may name a parameter; the rest is 0"
     )

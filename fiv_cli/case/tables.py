@@ -142,7 +142,7 @@ def _expected(kind: str, details: Mapping[str, Any]) -> str:
         "int_type": "a whole number",
         "bool_type": "true or false",
         "list_type": "a list",
-        "dict_type": "a table",
+        "dict_type": "a table, as { NAME = VALUE }",
         "model_type": "a table",
     }
     return words.get(kind, str(details["msg"]))
