@@ -367,7 +367,7 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
     return apply_ufunc(lambda code: names.get(code, ""), flags, vectorize=True)
 
 
-def observations(data: str | Path | Results, variable: str) -> xr.DataArray:
+def observations(data: str | Path | Results, variable: str, **at: Any) -> xr.DataArray:
     """The values of a variable with any number of them per point, each with its point's axes.
 
     Parameters
@@ -375,14 +375,13 @@ def observations(data: str | Path | Results, variable: str) -> xr.DataArray:
     data : what `run`, `history`, `read` or `join` returned, or the path of a dataset; of several
         analyses that one is meant which has the variable
     variable : ``section_value``, say
-
-    Select afterwards, ``values[values["v"] == 1.0]``: a part of the dataset is refused, for the
-    values do not follow its points.
+    at : which points: axis -> value, label, condition (``". > 2"``), or a list of these; a part
+        of the dataset is refused, for the values do not follow its points
 
     Raises
     ------
     UsageError
-        no analysis has such a variable, or several have.
+        no analysis has such a variable, or several have; there is no such axis or value.
 
     Examples
     --------
@@ -391,6 +390,8 @@ def observations(data: str | Path | Results, variable: str) -> xr.DataArray:
     >>> found = api.run(api.load(belt, overrides={"grid.N": [5.0, 10.0]}))
     >>> api.observations(found, "section_value").groupby("N").mean().values.round(3).tolist()
     [0.3, 0.6]
+    >>> api.observations(found, "section_value", N=10.0).values.round(3).tolist()
+    [0.6]
     """
     from fiv_cli.reading import select
 
@@ -402,7 +403,7 @@ def observations(data: str | Path | Results, variable: str) -> xr.DataArray:
             f'next: api.observations(api.read(...)["{holding[0]}"], "{variable}")'
         )
     richest = max(analyses, key=lambda name: len(select.ragged_dims(analyses[name])))
-    return select.observations(analyses[(holding or [richest])[0]], variable)
+    return select.observations(analyses[(holding or [richest])[0]], variable, at)
 
 
 def figure(

@@ -10,7 +10,7 @@ from fiv_cli.analyses.base import Outcome
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
-from fiv_cli.cli.history import parse_places
+from fiv_cli.cli.common import parse_places
 from fiv_cli.data.states import on_all_states
 from fiv_cli.errors import CaseError
 from fiv_cli.models import get_model

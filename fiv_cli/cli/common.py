@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -95,6 +96,40 @@ def hand_out(text: str, output: Path | None) -> None:
 json_option: Callable[[F], F] = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON instead of text."
 )
+
+
+def at_option(meaning: str) -> Callable[[F], F]:
+    """``--at``, whose values `parse_places` reads."""
+    return click.option("--at", "places", multiple=True, metavar="AXIS=VALUE,...", help=meaning)
+
+
+_WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
+"""What no comma divides: a quoted text, a list."""
+
+
+def parse_places(places: tuple[str, ...]) -> dict[str, str]:
+    """``--at`` as axis -> text.
+
+    Raises
+    ------
+    UsageError
+        a part has no ``=``, or an axis stands twice.
+    """
+    found: dict[str, str] = {}
+    for part in (part.strip() for place in places for part in _parts(place)):
+        name, equals, value = part.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise UsageError(f"--at {part}: malformed\nnext: --at AXIS=VALUE,initial=LABEL")
+        if name.strip() in found:
+            raise UsageError(f"--at: {name.strip()} is given twice\nnext: give it once")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _parts(place: str) -> list[str]:
+    """`place` divided at its commas, but for those in quotes and brackets."""
+    kept = _WHOLE.sub(lambda match: match[0].replace(",", "\0"), place)
+    return [part.replace("\0", ",") for part in kept.split(",")]
 
 
 class PartType(click.ParamType):

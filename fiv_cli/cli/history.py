@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from fiv_cli.cli.common import provide_cache, set_option, with_option
-from fiv_cli.errors import UsageError
+from fiv_cli.cli.common import (
+    at_option,
+    parse_places,
+    provide_cache,
+    set_option,
+    with_option,
+)
 
 if TYPE_CHECKING:
     from fiv_cli.analyses.base import Outcome
     from fiv_cli.case.case import Case
 
 FAILED = 4
-_WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
-"""What no comma divides: a quoted text, a list."""
 
 
 @click.command("history")
 @click.argument("case")
-@click.option(
-    "--at",
-    "places",
-    multiple=True,
-    metavar="AXIS=VALUE,...",
-    help="The point: a value for each axis, and initial=LABEL. Repeatable.",
-)
+@at_option("The point: a value for each axis, and initial=LABEL. Repeatable.")
 @click.option(
     "--t-end",
     metavar="TIME",
@@ -88,31 +84,6 @@ def command(
     steady = steady_part(periods, settled, t_end)
     outcome = write_motion(point, settings, path, lambda text: click.echo(text, err=True), steady)
     return _report(outcome, path, loaded)
-
-
-def parse_places(places: tuple[str, ...]) -> dict[str, str]:
-    """``--at`` as axis -> text.
-
-    Raises
-    ------
-    UsageError
-        a part has no ``=``, or an axis stands twice.
-    """
-    found: dict[str, str] = {}
-    for part in (part.strip() for place in places for part in _parts(place)):
-        name, equals, value = part.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise UsageError(f"--at {part}: malformed\nnext: --at AXIS=VALUE,initial=LABEL")
-        if name.strip() in found:
-            raise UsageError(f"--at: {name.strip()} is given twice\nnext: give it once")
-        found[name.strip()] = value.strip()
-    return found
-
-
-def _parts(place: str) -> list[str]:
-    """`place` divided at its commas, but for those in quotes and brackets."""
-    kept = _WHOLE.sub(lambda match: match[0].replace(",", "\0"), place)
-    return [part.replace("\0", ",") for part in kept.split(",")]
 
 
 def _default_output(case: Case, place: dict[str, Any]) -> Path:

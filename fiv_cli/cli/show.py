@@ -6,14 +6,15 @@ from pathlib import Path
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json
+from fiv_cli.cli.common import at_option, json_option, parse_places, print_json
 from fiv_cli.errors import printable
 
 
 @click.command("show")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.nc")
+@at_option("Only the points there: values, conditions ('. >= 7'), initial=LABEL. Repeatable.")
 @json_option
-def command(file: Path, as_json: bool) -> None:
+def command(file: Path, places: tuple[str, ...], as_json: bool) -> None:
     """Summarise the dataset FILE.nc.
 
     Says what was computed, how many points of each status and class there are, where starts end
@@ -24,12 +25,14 @@ def command(file: Path, as_json: bool) -> None:
     \b
     Examples:
       fiv new pin-on-disc > a.toml && fiv run a.toml && fiv show runs/a.nc
+      fiv show runs/a.nc --at "Omega=. >= 5"
       fiv show runs/a.nc --json
     """
     from fiv_cli.reading.datasets import read_analyses
+    from fiv_cli.reading.select import part_of_each
     from fiv_cli.reading.summary import lines, summarise
 
-    summary = summarise(read_analyses(file))
+    summary = summarise(part_of_each(read_analyses(file), parse_places(places)))
     if as_json:
         print_json(summary)
     else:

@@ -12,6 +12,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -102,7 +103,8 @@ def matching(axis: xr.DataArray, wanted: Any, *, nearest: bool) -> np.ndarray:
     else:
         mask = _matching_label(axis.values.astype(str), str(wanted))
     if not mask.any():
-        raise SelectionError(f"{axis.name} = {wanted}: not in this dataset\n{_what_exists(axis)}")
+        there = _what_exists(axis, wanted)
+        raise SelectionError(f"{axis.name} = {wanted}: not in this dataset\n{there}")
     return mask
 
 
@@ -133,14 +135,15 @@ def _matching_label(labels: np.ndarray, wanted: str) -> np.ndarray:
     return exact if exact.any() else np.array([bool(member.match(label)) for label in labels])
 
 
-def _what_exists(axis: xr.DataArray) -> str:
-    if is_numeric(axis) and axis.size > 8:
-        return (
-            f"{axis.name}: {axis.size} values from {axis.values.min():g} to {axis.values.max():g}"
+def _what_exists(axis: xr.DataArray, wanted: Any) -> str:
+    if not is_numeric(axis) or axis.size <= 8:
+        return f"{axis.name}: " + ", ".join(
+            f"{value:g}" if is_numeric(axis) else str(value) for value in axis.values
         )
-    return f"{axis.name}: " + ", ".join(
-        f"{value:g}" if is_numeric(axis) else str(value) for value in axis.values
-    )
+    span = f"{axis.name}: {axis.size} values from {axis.values.min():g} to {axis.values.max():g}"
+    if condition(str(wanted)):
+        return span
+    return f"{span}; the nearest is {axis.values[_matching_number(axis, wanted, True)][0]:g}"
 
 
 def subset(
@@ -160,6 +163,30 @@ def subset(
         masks[dim] = mask & masks.get(dim, True)
     indices = {dim: np.flatnonzero(mask) for dim, mask in masks.items()}
     return dataset.isel({**indices, **_observations(dataset, masks)})
+
+
+def part_of_each(
+    analyses: Mapping[str, xr.Dataset], selection: Mapping[str, Any]
+) -> dict[str, xr.Dataset]:
+    """The part of each analysis at just the values that `selection` names.
+
+    An axis that one does not have, as ``initial`` of eigenvalues, says nothing of it.
+
+    Raises
+    ------
+    SelectionError : an axis is in none of them, or a value is not on it
+    """
+    own = {name: _known(dataset, selection) for name, dataset in analyses.items()}
+    for axis in selection:
+        if not any(axis in known for known in own.values()):
+            axis_of(next(iter(analyses.values())), axis)
+    return {name: subset(one, own[name], nearest=False) for name, one in analyses.items()}
+
+
+def _known(dataset: xr.Dataset, selection: Mapping[str, Any]) -> dict[str, Any]:
+    """What `selection` says of the axes that the dataset has."""
+    names = axis_names(dataset)
+    return {name: said for name, said in selection.items() if name.replace(".", "_") in names}
 
 
 def _observations(dataset: xr.Dataset, masks: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -195,8 +222,12 @@ def row_of_each(sizes: xr.DataArray) -> np.ndarray:
     return np.repeat(np.arange(flat.size), flat)
 
 
-def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    """The values of the ragged variable `name`, each with the coordinates of its point.
+def observations(
+    dataset: xr.Dataset, name: str, at: Mapping[str, Any] = MappingProxyType({})
+) -> xr.DataArray:
+    """The values of the ragged variable `name`, at just the points that `at` names.
+
+    Each has the coordinates of its point.
 
     Where datasets of the same axes were joined along a parameter (``xr.concat``), what fills up
     the shorter ones is left out.
@@ -204,7 +235,7 @@ def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
     Raises
     ------
     SelectionError : there is no such variable, it has a value for each point, or the axes of what
-        was joined differed: nothing tells then which values belong where
+        was joined differed: nothing tells then which values belong where; or no such axis or value
     """
     sizes = row_sizes(dataset, name) if name in dataset else None
     if sizes is None:
@@ -223,8 +254,21 @@ def observations(dataset: xr.Dataset, name: str) -> xr.DataArray:
         str(axis): (obs, xr.broadcast(rows, coord)[1].values.ravel()[row], coord.attrs)
         for axis, coord in rows.coords.items()
     }
-    values = dataset[name].transpose(*joined, obs)
-    return xr.DataArray(values.values[kept], of_points, [obs], name, values.attrs)
+    stored = dataset[name].transpose(*joined, obs)
+    values = xr.DataArray(stored.values[kept], of_points, [obs], name, stored.attrs)
+    for axis, wanted in at.items():
+        values = values[_lying_at(axis, wanted, rows, values)]
+    return values
+
+
+def _lying_at(axis: str, wanted: Any, rows: xr.DataArray, values: xr.DataArray) -> np.ndarray:
+    """Which values lie where `axis`, or a parameter that all points share, is `wanted`."""
+    if axis not in rows.coords:
+        known = ", ".join(str(name) for name, coord in rows.coords.items() if coord.ndim)
+        raise SelectionError(f"{axis}: no axis of this dataset\nits axes: {known}")
+    there = rows.coords[axis]
+    there = there if there.ndim else there.expand_dims(axis)
+    return np.isin(values[axis], there[matching(there, wanted, nearest=False)])
 
 
 def _those_of_any_number(dataset: xr.Dataset) -> str:

@@ -28,7 +28,7 @@ from fiv_cli.reading.scans import BEYOND, found_from_start, scanned
 if TYPE_CHECKING:
     import xarray as xr
 
-# Labels of an axis that are all listed; of more, the first and the last.
+# Labels of an axis, or values at the only point, that are all listed; of more, the ends.
 MOST_NAMES = 8
 
 OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
@@ -127,19 +127,23 @@ def _ranges(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     counts |= {name.replace("_row_size", "_point") for name in counts}
     told = counts | {variable.name for variable in variables_in(dataset, Role.TRUST, Role.WORK)}
     names = [str(name) for name in dataset.data_vars if _is_number(dataset, str(name))]
-    ranges = {name: _range(dataset[name]) for name in names if name not in told}
+    alone = dataset["status"].size == 1
+    ranges = {name: _range(dataset[name], alone) for name in names if name not in told}
     return {name: span for name, span in ranges.items() if span}
 
 
-def _range(variable: xr.DataArray) -> dict[str, Any]:
+def _range(variable: xr.DataArray, only_point: bool) -> dict[str, Any]:
+    """Its ends; of the only point of a dataset each value, where they are few."""
     values = numbers(variable).values
     known = values[np.isfinite(values)]
     if known.size == 0:
         return {}
+    few = only_point and np.ptp(known) > 0.0 and known.size == values.size <= MOST_NAMES
     return {
         "least": float(known.min()),
         "greatest": float(known.max()),
         "values": int(known.size),
+        **({"each": known.ravel().tolist()} if few else {}),
         "units": str(variable.attrs.get("units", "1")),
     }
 
@@ -263,6 +267,8 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def _range_line(span: Mapping[str, Any], error: float | None) -> str:
+    if "each" in span:
+        return ", ".join(f"{value:.6g}" for value in span["each"]) + _unit(span)
     least, greatest = (with_error(span[end], error) for end in ("least", "greatest"))
     return (least if least == greatest else f"{least} to {greatest}") + _unit(span)
 
