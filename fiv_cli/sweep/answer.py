@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import SLIP_BEYOND
 from fiv_cli.flags import REASON, STATUS, TABLES, advice
-from fiv_cli.reading.scans import still
 
 if TYPE_CHECKING:
     from fiv_cli.sweep.journal import Journal
@@ -111,6 +110,8 @@ def _still(journal: Journal, index: int) -> list[str]:
     settings = journal.plan.analyses[index].layout.settings
     if settings.get("follow", "none") == "none":
         return []
+    from fiv_cli.reading.scans import still
+
     names = ("scan_class", "scan_class_back", "n_crossings")
     blocks = [(positions >= 0, block.values) for positions, block in journal.blocks(index)]
     found = {
