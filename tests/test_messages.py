@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from small_cases import BELT
 
 from fiv_cli.cli.main import run
 from fiv_cli.models import all_models
@@ -106,6 +107,31 @@ def test_a_value_says_what_it_may_be(
     assert advice in checked(capsys, old, new)
 
 
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        (
+            '[[initial]]\nkind = "continue"\naxis = "v"',
+            "allowed: label, kind, offset, along, direction, from, on_loss\n"
+            "      did you mean 'along'",
+        ),
+        ('[[initial]]\nkind = "state"\ncout = 3', "allowed: label, kind, state\n"),
+        ("[[initial]]\nbox = {}\nnumber = 3", "allowed: label, kind, count, seed, box\n"),
+        ("[schedule]\nN = { start = 1, stop = 2, time = 3 }", "allowed: start, stop, over\n"),
+        (
+            '[[claim]]\ntake = { what = "mean", over = "v", per = "N" }',
+            "allowed: what, over\n",
+        ),
+    ],
+)
+def test_the_keys_of_its_kind_are_told_of_a_table(
+    table: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.toml").write_text(f"{BELT}{table}\n")
+    assert run(["check", str(tmp_path / "a.toml")]) == 3
+    assert said in capsys.readouterr().err
+
+
 def test_several_values_may_be_selected(capsys: pytest.CaptureFixture[str]) -> None:
     assert checked(capsys, '". >= 7"', '[7.3, "9.0 rad/s", ". < 1"]') == ""
     assert "'fax' is not a number" in checked(capsys, '". >= 7"', '[7.3, "fax"]')
@@ -185,7 +211,7 @@ def test_every_model_says_which_parameter_is_its_preload_and_its_speed(
         ('"equilibrium"', '"bifurcation"', "analyses compute, figures draw"),
         ('"state"', '"rest"', "`fiv kinds` says what each is"),
         ('"Omega"', '"Omega / 2"', "a number in rad s-1, or the name of a parameter"),
-        ("{ phi_dot", "[ 1 ] # { phi_dot", "a table (values of states;"),
+        ("{ phi_dot", "[ 1 ] # { phi_dot", "a table, as { NAME = VALUE } (values of"),
         ("stop = 9.0", "end = 9.0", "for example { start = 1, stop = 2, num = 5 }"),
         ('"30 N"', "[10, 20]", "several values are an axis, under [grid]"),
         ("[grid]", '[friction]\nname = "coulomb"\n[grid]', 'write law = "coulomb"'),

@@ -24,6 +24,7 @@ from fiv_cli.codegen.codes import (
 )
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
 from fiv_cli.models.base import Contact, Equations, Forcing, Options, stop
 
 CLOSED = (CODE_SLIP_PLUS, CODE_SLIP_MINUS)
@@ -194,7 +195,27 @@ def test_what_a_law_tells_of_itself_it_does_not_tell_of_stops(law: str) -> None:
 def test_equations_show_the_laws_of_contacts_and_what_impacts_give_back() -> None:
     told = replace(ON_TWO_BELTS, equations=partial(_greased, told=("mu_k",)))
     assert "  law_2 = viscous (mu_k = mu)" in equation_lines(told)
-    assert {"  restitution_2 = e", "  law_2 = none"} <= set(equation_lines(STOPPED))
+    assert {
+        "  restitution_2 = e",
+        "  law_2 = none",
+        "  impact_2: adds -impulse/m to x'; so that gap_2' is -e of what it was after it",
+    } <= set(equation_lines(STOPPED))
+
+
+@pytest.mark.parametrize(
+    ("impact", "told"),
+    [
+        ("plastic", "is 0 after it"),
+        ("thesis", "has changed by -phi'*(x1 - x2) - y1' + y2' after it"),
+        ("none", "none, velocities go on as they are"),
+    ],
+)
+def test_equations_show_what_an_impact_does(impact: str, told: str) -> None:
+    belt = get_model("belt-5dof")
+    chosen = tuple(replace(o, default=impact) if o.name == "impact" else o for o in belt.options)
+    (line,) = (one for one in equation_lines(replace(belt, options=chosen)) if "  impact:" in one)
+    added = "adds impulse/M to y1', -impulse/m to y2', impulse*(x1 - x2)/J to phi'"
+    assert line.endswith(told) and (added in line) == (impact != "none")
 
 
 def _greased(symbols: Any, options: Options, told: tuple[str, ...]) -> Equations:

@@ -6,9 +6,9 @@ What each is and which keys it has, for people (``fiv kinds``) and for what read
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -56,14 +56,17 @@ FIGURES = {
     "bifurcation": (
         "what motions pass at the section and where they rest, along an axis; with the equilibria, "
         "stable or not, of an `eigenvalues` analysis of the case, the unstable cycles of a `cycle`",
-        ("x",),
+        ("x", "variable"),
     ),
     "curve": ("a variable along an axis, a line for each start", ("x", "variable", "take")),
     "branch": ("branches of cycles and their ends, along their parameter", ()),
     "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x",)),
     "history": ("states and forces in time", ("variable", "contact", "window")),
-    "phase": ("one state, or force, against another", ("x", "y", "contact", "window", "overlay")),
-    "spectrum": ("amplitudes over frequency", ("x", "variable", "unit")),
+    "phase": (
+        "one state, or force, against another",
+        ("x", "y", "variable", "contact", "window", "overlay"),
+    ),
+    "spectrum": ("amplitudes over frequency", ("x", "variable", "window", "unit")),
     "spectrogram": ("amplitudes over time and frequency", ("variable", "unit", "resolution")),
     "mode-shape": ("shapes of the modes of a disc", ("unit",)),
 }
@@ -103,6 +106,14 @@ SCHEDULES = {
     ),
 }
 """How a parameter varies in time -> what it is, and its keys."""
+
+_BY_KIND = {
+    InitialTable: ("kind", STARTS, OF_EVERY_START),
+    FigureTable: ("kind", FIGURES, OF_EVERY_FIGURE),
+    CurveTable: ("", SCHEDULES, ()),
+    TakeTable: ("what", TAKES, ()),
+}
+"""Table -> the key that says its kind, its kinds, the keys of all."""
 
 EXPECTS = {
     '"CLASS"': 'the class is this; "not CLASS": another',
@@ -354,6 +365,21 @@ def keys_in(form: type[BaseModel], names: Sequence[str] = ()) -> tuple[Key, ...]
     return tuple(
         Key(name, _default(fields[name]), _meaning(fields[name])) for name in names or list(fields)
     )
+
+
+def keys_for(form: type[BaseModel], table: Mapping[str, Any]) -> dict[str, str]:
+    """Key -> its meaning, of those that this `table` may have: by its kind, if it tells that.
+
+    Otherwise those of all kinds that have the keys it has.
+    """
+    keys = {key.name: key.meaning for key in keys_in(form)}
+    told_by, kinds, of_every = _BY_KIND.get(form, ("", {}, ()))
+    given, told = keys.keys() & table.keys() - {told_by, *of_every}, table.get(told_by)
+    fitting = [own for _, own in kinds.values() if given <= {*own}]
+    if isinstance(told, str) and told in kinds:
+        fitting = [kinds[told][1]]
+    own = {told_by, *of_every, *(key for one in fitting for key in one)}
+    return {key: meaning for key, meaning in keys.items() if not fitting or key in own}
 
 
 def _meaning(field: FieldInfo) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from fiv_cli.case.case import Axis, StartSpec
 from fiv_cli.case.form import Form
-from fiv_cli.case.kinds import OF_EVERY_START, STARTS
+from fiv_cli.case.kinds import keys_for
 from fiv_cli.case.physics import Physics, counterpart, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.start_table import rows_in
@@ -57,10 +57,11 @@ def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -
 
 
 def _refuse_foreign_keys(table: InitialTable, place: Path, report: Report) -> None:
-    keys = {"kind", *OF_EVERY_START, *STARTS[table.kind][1]}
-    for key in sorted(table.model_dump(exclude_unset=True, by_alias=True).keys() - keys):
+    given = table.model_dump(exclude_unset=True, by_alias=True)
+    keys = keys_for(InitialTable, given)
+    for key in sorted(given.keys() - keys.keys()):
         message = f"a start of kind {table.kind!r} has no {key}"
-        report.add((*place, key), message, listed(sorted(keys)))
+        report.add((*place, key), message, listed(keys))
 
 
 def _known_states(

@@ -225,6 +225,8 @@ class SweepTable(Table):
 class InitialTable(Table):
     """One start of the motion."""
 
+    elsewhere: ClassVar[Mapping[str, str]] = {"axis": "along", "over": "along"}
+
     label: str | None = Field(default=None, description="unique name; default: the kind")
     kind: Literal["equilibrium", "state", "random", "table", "continue"] = Field(
         description="equilibrium + offset, a state, random states in a box, a table of states, or "

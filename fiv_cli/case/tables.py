@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import reduce
+from operator import getitem
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from fiv_cli.case.kinds import keys_for
 from fiv_cli.case.report import MISSING, Path, Report
 from fiv_cli.case.words import called_here
 from fiv_cli.notation.names import nearest, suggest
@@ -30,7 +33,8 @@ def read_table(form: type[T], raw: object, path: Path, report: Report) -> T | No
         return form.model_validate(_as_meant(form, raw, path, report))
     except ValidationError as error:
         for place, details in _one_per_place(error).items():
-            _note(_form_at(form, place), (*path, *place), details, report)
+            table = reduce(getitem, place[:-1], raw)
+            _note(_form_at(form, place), table, (*path, *place), details, report)
     return None
 
 
@@ -44,12 +48,13 @@ def _as_meant(
     is_open = form.model_config.get("extra") == "allow"
     fields = form.model_fields.items()
     known = {f.alias or n for n, f in fields if f.is_required() or not is_open}
+    known &= keys_for(form, raw).keys()
     found = dict(raw)
     passed = {*keys_of(form), *getattr(form, "gone", {})}
     for key in [key for key in raw if key not in passed]:
         meant = nearest(key, sorted(known - found.keys()))
         if meant is not None or not is_open:
-            _note_unknown(form, (*path, key), report)
+            _note_unknown(form, raw, (*path, key), report)
             value = found.pop(key)
             found |= {meant: value} if meant is not None else {}
     return found
@@ -101,13 +106,19 @@ def _place_in_file(loc: tuple[str | int, ...]) -> Path:
     return tuple(kept)
 
 
-def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report: Report) -> None:
+def _note(
+    form: type[BaseModel],
+    table: Mapping[str, Any],
+    path: Path,
+    details: Mapping[str, Any],
+    report: Report,
+) -> None:
     kind, value = details["type"], details["input"]
     gone = getattr(form, "gone", {}).get(path[-1])
     if kind == "extra_forbidden" and gone is not None:
         report.add(path, gone(value))
     elif kind == "extra_forbidden":
-        _note_unknown(form, path, report)
+        _note_unknown(form, table, path, report)
     elif kind == "missing":
         report.add(path, MISSING, keys_of(form).get(str(path[-1]), ""))
     elif kind == "literal_error":
@@ -129,11 +140,13 @@ def _note(form: type[BaseModel], path: Path, details: Mapping[str, Any], report:
         report.add(path, f"{describe(value)} does not fit", wanted)
 
 
-def _note_unknown(form: type[BaseModel], path: Path, report: Report) -> None:
-    key, example = str(path[-1]), getattr(form, "example", "")
+def _note_unknown(
+    form: type[BaseModel], table: Mapping[str, Any], path: Path, report: Report
+) -> None:
+    key, example, known = str(path[-1]), getattr(form, "example", ""), keys_for(form, table)
     here = getattr(form, "elsewhere", {}).get(key, key)
-    hint = suggest(here, keys_of(form)) or (f"for example {example}" if example else "")
-    report.unknown(path, f"unknown key {key!r}", key, keys_of(form), hint, of_key=True)
+    hint = suggest(here, known) or (f"for example {example}" if example else "")
+    report.unknown(path, f"unknown key {key!r}", key, known, hint, of_key=True)
 
 
 def _expected(kind: str, details: Mapping[str, Any]) -> str:

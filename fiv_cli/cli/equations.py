@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
@@ -22,7 +22,13 @@ def equation_lines(model: Model) -> list[str]:
     for name, acceleration in equations.accelerations.items():
         lines.append(f"  {name}'' = {printer(acceleration)}")
     for index, contact in enumerate(equations.contacts):
-        lines += _contact_lines(printer, contact, _suffix(index, model.contacts))
+        suffix = _suffix(index, model.contacts)
+        lines += _contact_lines(printer, contact, suffix)
+        by_force = {
+            name: acceleration.diff(symbols.normal_force(index))
+            for name, acceleration in equations.accelerations.items()
+        }
+        lines += _impact_lines(printer, contact, by_force, suffix)
     return [
         *lines,
         *(_joint_lines(model) if model.contacts > 1 else ()),
@@ -83,6 +89,25 @@ def _contact_lines(printer: Callable[[Any], str], contact: Contact, suffix: str)
     if contact.law is not None:
         given = ", ".join(f"{n} = {printer(e)}" for n, e in contact.law_parameters.items())
         yield f"  law{suffix} = {contact.law}" + (f" ({given})" if given else "")
+
+
+def _impact_lines(
+    printer: Callable[[Any], str], contact: Contact, by_force: Mapping[str, Any], suffix: str
+) -> Iterator[str]:
+    """What velocities do as a gap closes, by how accelerations follow its normal force."""
+    import sympy
+
+    if contact.gap is None:
+        return
+    if contact.impact == "none":
+        yield f"  impact{suffix}: none, velocities go on as they are"
+        return
+    impulse, share = sympy.Symbol("impulse"), contact.restitution
+    jumps = [f"{printer(impulse * of)} to {name}'" for name, of in by_force.items() if of != 0]
+    after = f"is {printer(-share)} of what it was" if share != 0 else "is 0"
+    if contact.closing_rate is not None:
+        after = f"has changed by {printer(-(1 + share) * contact.closing_rate)}"
+    yield f"  impact{suffix}: adds {', '.join(jumps)}; so that gap{suffix}' {after} after it"
 
 
 def _joint_lines(model: Model) -> Iterator[str]:

@@ -16,14 +16,14 @@ from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import each_point, over_laws, over_starts, select, shares
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import (
+    analysis_of,
     error_of,
     flag_names,
     is_class,
-    kind_of,
     numbers,
     variables_in,
 )
-from fiv_cli.reading.scans import BEYOND, found_from_start, scanned
+from fiv_cli.reading.scans import BEYOND, found_from_start, scanned, still_followed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,12 +50,15 @@ def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     return {
         **{key: str(first.attrs[key]) for key in GLOBAL if first.attrs.get(key)},
         "analyses": {
-            name: _analysis(dataset, kind_of(dataset, name)) for name, dataset in analyses.items()
+            name: _analysis(dataset, analysis_of(dataset, name))
+            for name, dataset in analyses.items()
         },
     }
 
 
-def _analysis(dataset: xr.Dataset, kind: str) -> dict[str, Any]:
+def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary of an analysis of this kind and these settings."""
+    still = still_followed(dataset, told.get("settings", {}))
     return {
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
@@ -65,7 +68,7 @@ def _analysis(dataset: xr.Dataset, kind: str) -> dict[str, Any]:
         },
         "shares": shares.shares(dataset),
         "over_starts": over_starts.differing(dataset),
-        "advice": _advice(dataset, kind),
+        "advice": _advice(dataset, told.get("kind", "")),
         "ranges": _ranges(dataset),
         "each_point": each_point.each_point(dataset),
         "trust": {
@@ -75,6 +78,7 @@ def _analysis(dataset: xr.Dataset, kind: str) -> dict[str, Any]:
         },
         "over_laws": over_laws.spread(dataset),
         **({"scanned": scanned(dataset)} if "scan_class" in dataset else {}),
+        **({"still_followed": still} if still else {}),
         **({"found_from_start": True} if found_from_start(dataset) else {}),
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
@@ -210,8 +214,9 @@ def _scan_lines(part: Mapping[str, Any]) -> list[str]:
     rest = prod(part["dims"].values()) - len(told)
     lines = [f"    {f'{place}: ' if place else ''}{found}" for place, found in told.items()]
     more = [f"    and {rest} more brackets"] if rest else []
-    beyond = [f"    {BEYOND}"] if part.get("found_from_start") else []
-    return ["  along the bracket:", *lines, *more, *beyond] if told else []
+    beyond = [BEYOND] if part.get("found_from_start") else []
+    remarks = [f"    {remark}" for remark in [*part.get("still_followed", ()), *beyond]]
+    return ["  along the bracket:", *lines, *more, *remarks] if told else []
 
 
 def _axis_line(axis: Mapping[str, Any]) -> str:

@@ -33,6 +33,7 @@ class Answer:
     filled : points whose class is filled in, which are not counted
     not_reached : points behind the end of a chain
     beyond : points whose friction was not measured, in words; empty where there are none
+    still : at which end of a bracket what was followed has not ended, in words
     """
 
     name: str
@@ -44,6 +45,7 @@ class Answer:
     filled: int
     not_reached: int
     beyond: str
+    still: tuple[str, ...]
 
     def lines(self, reasons: bool = True) -> Iterator[str]:
         """For people, with what the reasons mean or without."""
@@ -54,6 +56,7 @@ class Answer:
             yield f"  {self.name}: {listed or f'{answered} answer' + 's' * (answered != 1)}{of}"
         if reasons:
             yield from self._reasons()
+            yield from (f"    {remark}" for remark in self.still)
         if 2 * self.open > self.asked:
             yield f"  WARNING: {self.open} of {self.asked} points of {self.name} have no answer"
         if self.beyond:
@@ -98,7 +101,25 @@ def _answer(journal: Journal, index: int) -> Answer:
         filled=0 if record.stage is None else int(np.count_nonzero(record.stage.filled)),
         not_reached=int(behind.sum()),
         beyond=_beyond(journal, index),
+        still=tuple(_still(journal, index)),
     )
+
+
+def _still(journal: Journal, index: int) -> list[str]:
+    """Where what a `boundary` followed has not ended at the end of its bracket."""
+    settings = journal.plan.analyses[index].layout.settings
+    if settings.get("follow", "none") == "none":
+        return []
+    from fiv_cli.reading.scans import still
+
+    names = ("scan_class", "scan_class_back", "n_crossings")
+    blocks = [(positions >= 0, block.values) for positions, block in journal.blocks(index)]
+    found = {
+        name: np.concatenate([values[name][some] for some, values in blocks])
+        for name in names
+        if blocks and name in blocks[0][1]
+    }
+    return still(settings["of"], settings["follow"], found, found["n_crossings"]) if found else []
 
 
 def _beyond(journal: Journal, index: int) -> str:
