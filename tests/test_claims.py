@@ -260,11 +260,12 @@ def test_of_values_that_may_be_off_a_verdict_holds_wherever_they_lie(pairs, expe
 
 
 def test_what_is_not_known_well_enough_says_what_lessens_the_error():
-    near = boundary([5.9], [0.2]).assign_attrs(analyses_json='{"b": {"kind": "boundary"}}')
+    told = '{"b": {"settings": {"%s": 1}}}'
+    near = boundary([5.9], [0.2]).assign_attrs(analyses_json=told % "width")
     found = tried(near, "boundary", {"less_than": 6}).found
     assert "found 5.90 ± 0.20 N, 1 not known well enough: the error reaches past" in found
     assert found.endswith("a smaller `width` of the analysis 'b' lessens it")
-    critical = near.assign_attrs(analyses_json='{"b": {"kind": "critical"}}')
+    critical = near.assign_attrs(analyses_json=told % "system")
     assert "no setting" in tried(critical, "boundary", {"less_than": 6}).found
     assert (
         "5.9 ± unknown N" in tried(boundary([5.9], [math.inf]), "boundary", {"less_than": 6}).found

@@ -24,7 +24,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fiv_cli.analyses import all_analyses, get_analysis
 from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import Case, ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
@@ -32,11 +31,11 @@ from fiv_cli.case.identity import default_output, is_of, output_of
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
+    analysis_of,
     class_names,
     ends_of,
     error_of,
     flag_names,
-    kind_of,
     name_of_only,
     numbers,
     read_analyses,
@@ -294,9 +293,8 @@ def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
 
 def _sharpened(analysis: str, dataset: xr.Dataset) -> str:
     """What lessens the error of the numbers of an analysis."""
-    kind, called = kind_of(dataset, analysis), analysis or name_of_only(dataset)
-    settings = [one.name for one in get_analysis(kind).settings] if kind in all_analyses() else []
-    if "width" in settings:
+    if "width" in analysis_of(dataset, analysis).get("settings", {}):
+        called = analysis or name_of_only(dataset)
         return f"a smaller `width` of the analysis {called!r} lessens it"
     return "no setting of the analysis lessens it; allow for it in `expect`"
 

@@ -109,8 +109,8 @@ def _blurred(dataset: xr.Dataset, variable: str, of: str) -> xr.DataArray:
     if error is None or not of:
         return xr.DataArray(False)
     held = _values(array, of)
-    ends = (array + sign * error.fillna(math.inf) for sign in (-1.0, 1.0))
-    return array.notnull() & np.logical_or(*(_values(end, of) != held for end in ends))
+    low, high = (array + sign * error.fillna(math.inf) for sign in (-1.0, 1.0))
+    return array.notnull() & ((_values(low, of) != held) | (_values(high, of) != held))
 
 
 def _between(
