@@ -1,6 +1,8 @@
 """Claims: the verdict follows from hits, misses and open points, and says what was found."""
 
+import itertools
 import json
+import math
 import operator
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +12,7 @@ import pytest
 import synthetic_datasets as data
 import xarray as xr
 from click.testing import CliRunner
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic_datasets import claim, tried
 
@@ -226,6 +228,56 @@ def test_of_several_values_at_a_point_the_finding_says_how_to_take_one():
     assert verdict.found.endswith("at = { crossing = 0 } takes the first")
     assert tried(dataset, "boundary", asked, {"crossing": 0}).verdict == CONFIRMED
     assert "crossing" not in tried(dataset.isel(mu_k=[0]), "boundary", {"less_than": 4}).found
+
+
+def boundary(values, errors):
+    """Changes that may be off, of a sweep along mu_k; inf: how far is not known."""
+    named = {"units": "N"}
+    errors = np.where(np.isinf(errors), np.nan, errors)
+    found = {"boundary": ("mu_k", np.array(values), named)}
+    return sweep(["periodic"] * len(values), **found, boundary_error=("mu_k", errors, named))
+
+
+LEAST, MEAN, SPREAD = ({"what": what, "over": ["mu_k"]} for what in ("least", "mean", "spread"))
+SHARE, ENTRIES = ({**LEAST, "what": what, "of": ". > 2"} for what in ("share", "entries"))
+
+
+@settings(max_examples=30)
+@given(
+    st.tuples(*[st.tuples(st.integers(1, 4), st.sampled_from([0, 1]))] * 2),
+    st.sampled_from([{"less_than": 2.5}, {"between": [2, 3]}, "increasing"]),
+    st.sampled_from([None, LEAST, MEAN, SPREAD, SHARE, ENTRIES]),
+)
+def test_of_values_that_may_be_off_a_verdict_holds_wherever_they_lie(pairs, expect, take):
+    """It is what all values within the errors agree on; a take may know less."""
+    take = None if expect == "increasing" else take
+    values, errors = zip(*pairs, strict=True)
+    told = tried(boundary(values, errors), "boundary", expect, take=take).verdict
+    may_be = itertools.product(*(np.linspace(v - e, v + e, 4 * e + 1) for v, e in pairs))
+    exact = {tried(boundary(v, [0, 0]), "boundary", expect, take=take).verdict for v in may_be}
+    assert {told} == exact or told == UNDETERMINED
+    assert take or {told} == exact or len(exact) > 1
+
+
+def test_what_is_not_known_well_enough_says_what_lessens_the_error():
+    told = '{"b": {"settings": {"%s": 1}}}'
+    near = boundary([5.9], [0.2]).assign_attrs(analyses_json=told % "width")
+    found = tried(near, "boundary", {"less_than": 6}).found
+    assert "found 5.90 ± 0.20 N, 1 not known well enough: the error reaches past" in found
+    assert found.endswith("a smaller `width` of the analysis 'b' lessens it")
+    critical = near.assign_attrs(analyses_json=told % "system")
+    assert "no setting" in tried(critical, "boundary", {"less_than": 6}).found
+    assert (
+        "5.9 ± unknown N" in tried(boundary([5.9], [math.inf]), "boundary", {"less_than": 6}).found
+    )
+
+
+def test_a_bound_by_another_case_may_be_off_too():
+    below = {"less_than": "upper:boundary"}
+    for error, verdict in ((0.05, CONFIRMED), (0.2, UNDETERMINED), (math.inf, UNDETERMINED)):
+        upper = {"": boundary([6.0], [error])}
+        known = boundary([5.9], [0.01])
+        assert tried(known, "boundary", below, other=lambda case, u=upper: u).verdict == verdict
 
 
 def test_integers_that_were_not_computed_are_no_numbers():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor, isfinite, log10
+from math import floor, inf, isfinite, log10
 
 MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
 
@@ -34,9 +34,13 @@ def size(count: float) -> str:
 def with_error(value: float, error: float | None) -> str:
     """A number in as many digits as its error allows, and the error; without one in six digits.
 
+    An infinite error is one that was looked for and not found.
+
     >>> with_error(5.4916634121, 1.5e-8), with_error(6.83943, 2e-3), with_error(2.5, None)
     ('5.491663412 ± 1.5e-08', '6.8394 ± 0.0020', '2.5')
     """
+    if error == inf:
+        return f"{value:.6g} ± unknown"
     if error is None or not (isfinite(error) and isfinite(value)):
         return f"{value:.6g}"
     if error == 0.0:

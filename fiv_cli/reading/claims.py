@@ -1,8 +1,9 @@
 """What a publication says, held against a dataset: confirmed, contradicted or undetermined.
 
 A claim selects points, and each point is a *hit*, a *miss* or *open*. Open is what the dataset
-cannot answer: a point that was not computed, or one whose class is undecided; of what is taken and
-is an interval, one whose two ends say different things. The verdict needs a number of hits (all of
+cannot answer: a point that was not computed, or one whose class is undecided; a number that is not
+known well enough, because the two ends of its interval, or of its error, say different things. The
+verdict needs a number of hits (all of
 the points, one, or a share): it is confirmed when the hits suffice even if every open point were a
 miss, contradicted when they would not suffice even if every open point were a hit, and undetermined
 in between. Open points that are no more than `HANDFUL` of them all leave the verdict to the rest;
@@ -30,6 +31,7 @@ from fiv_cli.case.identity import default_output, is_of, output_of
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
+    analysis_of,
     class_names,
     ends_of,
     error_of,
@@ -45,6 +47,10 @@ from fiv_cli.reading.take import taken
 Analyses = Mapping[str, xr.Dataset]
 Stored = Callable[[str], Analyses | None]
 """Name of another case -> its analyses, None where it has not been run."""
+
+_Ends = tuple[np.ndarray, np.ndarray]
+_Tried = tuple[np.ndarray, np.ndarray]
+"""Hits, and what is hit by one of its two ends alone."""
 
 CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermined"
 NOT_RUN = "not run"
@@ -87,6 +93,7 @@ class _Trial:
     ----------
     hit, open : masks, shape (n,); never both
     found : what the dataset holds, in words
+    blurred : which of the open ones are open only for how far they may be off
     row : where each of the n lies, shape (n,); several may lie at the same place
     place : row -> its name
     noun : what is counted
@@ -95,35 +102,62 @@ class _Trial:
     hit: np.ndarray
     open: np.ndarray
     found: str
+    blurred: np.ndarray
     row: np.ndarray
     place: Callable[[int], str]
     noun: str = "points"
 
 
 @dataclass(frozen=True)
-class _Values:
-    """The values a claim is about, flat, with where they come from.
+class _Numbers:
+    """Numbers as far as they are known.
 
     Attributes
     ----------
-    low, high : the least and the greatest that each may be; one number where it is known
-    error : how far each may be off; NaN where that is not known
-    open : the value is not known, shape (n,)
-    row : flat index of the grid point (and start) of each value, shape (n,)
-    rows : array over the grid (and start) that `row` counts in C order
+    low, high : the least and the greatest that each was found to be; one number where it is known
+    error : how far these may be off; NaN where the dataset has no word of it
     """
 
     low: np.ndarray
     high: np.ndarray
     error: np.ndarray
+
+    @property
+    def ends(self) -> _Ends:
+        """The least and the greatest that each may be, its error counted in."""
+        error = np.where(np.isnan(self.error), 0.0, self.error)
+        return self.low - error, self.high + error
+
+    @property
+    def found(self) -> _Ends:
+        """The same, but for the error."""
+        return self.low, self.high
+
+
+@dataclass(frozen=True)
+class _Values(_Numbers):
+    """The values a claim is about, flat, with where they come from.
+
+    Attributes
+    ----------
+    open : the value is not known, shape (n,)
+    row : flat index of the grid point (and start) of each value, shape (n,)
+    rows : array over the grid (and start) that `row` counts in C order
+    """
+
     open: np.ndarray
     row: np.ndarray
     rows: xr.DataArray
 
-    def trial(self, hit: np.ndarray, unsure: np.ndarray | bool, found: str) -> _Trial:
-        """Each value a hit, a miss, or open where it is not known or `unsure`."""
+    def trial(self, tried: _Tried, found: str, as_found: _Tried | None = None) -> _Trial:
+        """Each value a hit, a miss, or open: not known, or hit by one of its ends alone.
+
+        What comes of the values `as_found` tells which are open for their error only.
+        """
+        (hit, unsure), (_, open_as_found) = tried, as_found or tried
+        blurred = unsure & ~open_as_found & ~self.open
         name = lambda row: point_name(self.rows, row)  # noqa: E731
-        return _Trial(hit & ~self.open, self.open | unsure, found, self.row, name)
+        return _Trial(hit & ~self.open, self.open | unsure, found, blurred, self.row, name)
 
 
 def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> list[Verdict]:
@@ -194,7 +228,8 @@ def evaluate(
     Verdict : never raises for what the dataset lacks; that is undetermined, and says why
     """
     try:
-        dataset = _dataset_of(claim.variable, claim.analysis, analyses)
+        name = _holder(claim.variable, claim.analysis, analyses)
+        dataset = analyses[name]
         if claim.undecided_counts and claim.variable != "attractor":  # numbers, as measured
             dataset = dataset.drop_vars("attractor", errors="ignore")
         part, variable = _asked(dataset, claim, drawn)
@@ -214,6 +249,8 @@ def evaluate(
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
     verdict = _judge(trial, claim.holds)
     hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
+    if verdict.verdict == UNDETERMINED and trial.blurred.any():
+        hint = f", {_sharpened(name, dataset)}{hint}"
     of_share = margin if margin > 0.0 else None
     return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
 
@@ -254,15 +291,23 @@ def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
     return {} if end is None else {END: select.axis_of(part, *take["over"]).values[end]}
 
 
-def _dataset_of(variable: str, analysis: str, analyses: Analyses) -> xr.Dataset:
+def _sharpened(analysis: str, dataset: xr.Dataset) -> str:
+    """What lessens the error of the numbers of an analysis."""
+    if "width" in analysis_of(dataset, analysis).get("settings", {}):
+        called = analysis or name_of_only(dataset)
+        return f"a smaller `width` of the analysis {called!r} lessens it"
+    return "no setting of the analysis lessens it; allow for it in `expect`"
+
+
+def _holder(variable: str, analysis: str, analyses: Analyses) -> str:
+    """The name of the analysis that has a variable: the one that is named, or the first."""
     if analysis and list(analyses) == [""] and analysis == name_of_only(analyses[""]):
         analysis = ""  # a file of one analysis does not say its name
     if analysis and analysis not in analyses:
         raise select.SelectionError(f"{analysis}: no analysis of the dataset")
-    candidates = [analyses[analysis]] if analysis else list(analyses.values())
-    for dataset in candidates:
-        if variable in dataset.variables:
-            return dataset
+    for name in [analysis] if analysis else analyses:
+        if variable in analyses[name].variables:
+            return name
     raise select.SelectionError(f"{variable}: no variable of the dataset")
 
 
@@ -293,8 +338,11 @@ def _needed(holds: str | float, points: int) -> int:
 
 def _finding(trial: _Trial, hits: int, points: int, unknown: int) -> str:
     parts = [f"{hits} of {points} {trial.noun}", trial.found]
-    if unknown:
-        parts.append(f"{unknown} not decided or not computed")
+    blurred = int(trial.blurred.sum())
+    if unknown > blurred:
+        parts.append(f"{unknown - blurred} not decided or not computed")
+    if blurred:
+        parts.append(f"{blurred} not known well enough: the error reaches past what is expected")
     parts.append(_where_missed(trial))
     return ", ".join(part for part in parts if part)
 
@@ -318,7 +366,8 @@ def _try_class(expect: OfClass, part: xr.Dataset, variable: str) -> _Trial:
     hit = np.isin(values.low, codes) != expect.negated
     counts = Counter(values.low[~values.open].tolist())
     named = [f"{classes.get(code, code)} {count}" for code, count in counts.most_common()]
-    return values.trial(hit, False, "found " + ", ".join(named) if named else "")
+    tried = hit, np.zeros_like(hit)
+    return values.trial(tried, "found " + ", ".join(named) if named else "")
 
 
 def _try_bounds(
@@ -327,36 +376,36 @@ def _try_bounds(
     """Each value lies between numbers, or what another case holds at the same point."""
     values = _values(part, variable)
     least, greatest = (_bound(end, at, values, other) for end in (expect.least, expect.greatest))
-    of_others = [bound for bound in (least, greatest) if bound.ndim]
-    if expect.strict:
-        least, greatest = _beside(least, math.inf), _beside(greatest, -math.inf)
-    hit = (values.low >= least) & (values.high <= greatest)
-    may_be = (values.low <= greatest) & (values.high >= least)
-    unsure = np.isnan(least) | np.isnan(greatest) | (may_be & ~hit)
-    against = [f"against {_span(bound, bound, np.full_like(bound, np.nan))}" for bound in of_others]
-    words = [_range(values, part[variable]), *against]
-    return values.trial(hit, unsure, ", ".join(words))
+    against = [f"against {_span(bound)}" for bound in (least, greatest) if bound.low.ndim]
+    tried = _within(values.ends, least.ends, greatest.ends, expect.strict)
+    as_found = _within(values.found, least.found, greatest.found, expect.strict)
+    return values.trial(tried, ", ".join([_range(values, part[variable]), *against]), as_found)
 
 
-def _beside(bound: np.ndarray, side: float) -> np.ndarray:
-    """The first double on one side of a bound that is not to be reached."""
-    return np.where(np.isfinite(bound), np.nextafter(bound, side), bound)
+def _within(value: _Ends, least: _Ends, greatest: _Ends, strict: bool) -> _Tried:
+    """Which numbers lie between bounds, and which may or may not, of each the two ends."""
+    above, below = (np.greater, np.less) if strict else (np.greater_equal, np.less_equal)
+    hit = above(value[0], least[1]) & below(value[1], greatest[0])
+    may_be = above(value[1], least[0]) & below(value[0], greatest[1])
+    return hit, np.isnan(least[0]) | np.isnan(greatest[0]) | (may_be & ~hit)
 
 
-def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, other: Stored) -> np.ndarray:
+def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, other: Stored) -> _Numbers:
     """A number, or the value of ``CASE:variable`` at the point of each value found, else NaN."""
     if not isinstance(bound, str):
-        return np.array(bound)
+        return _Numbers(np.array(bound), np.array(bound), np.array(0.0))
     case, _, variable = bound.rpartition(":")
     analyses = other(case)
     if analyses is None:
         raise select.SelectionError(f"{case} has not been run")
-    dataset = _dataset_of(variable, "", analyses)
+    dataset = analyses[_holder(variable, "", analyses)]
     axes = select.axis_names(dataset)
     shared = {name: wanted for name, wanted in at.items() if name.replace(".", "_") in axes}
     part = select.subset(dataset, shared, nearest=False)
-    array = numbers(part[variable]).where(~unknown_points(part, variable, False))
-    return np.asarray(_at_points_of(array, values.rows).values.ravel()[values.row])
+    known = ~unknown_points(part, variable, False)
+    told = (*ends_of(part, variable), _errors(part, variable))
+    arrays = (_at_points_of(one.where(known), values.rows) for one in told)
+    return _Numbers(*(np.asarray(one.values.ravel()[values.row]) for one in arrays))
 
 
 def _try_trend(expect: Trend, part: xr.Dataset, variable: str) -> _Trial:
@@ -365,21 +414,33 @@ def _try_trend(expect: Trend, part: xr.Dataset, variable: str) -> _Trial:
     if axis.dims[0] not in part[variable].dims:
         raise select.SelectionError(f"{variable}: not one value per point along {axis.dims[0]}")
     known = ~unknown_points(part, variable, False)
-    ends = (end.where(known & np.isfinite(end)) for end in ends_of(part, variable))
-    low, high = (end.transpose(..., axis.dims[0]).values for end in ends)
-    least, greatest = low[..., 1:] - high[..., :-1], high[..., 1:] - low[..., :-1]
-    if not expect.rises:
-        least, greatest = -greatest, -least
-    # a step is open where an end of it has no value, or where its ends overlap
-    unsure = np.isnan(least) | ((least <= 0.0) & (greatest > 0.0))
+    low, high = (end.where(known & np.isfinite(end)) for end in ends_of(part, variable))
+    error = _errors(part, variable).fillna(0.0)
+    (hit, unsure), (_, open_as_found) = (
+        _steps(low - by, high + by, str(axis.dims[0]), expect.rises) for by in (error, 0.0)
+    )
     return _Trial(
-        (least > 0.0).ravel(),
-        unsure.ravel(),
+        hit,
+        unsure,
         _range(_values(part, variable), part[variable]),
-        np.arange(least.size),
+        unsure & ~open_as_found,
+        np.arange(hit.size),
         lambda step: _step_name(axis, step),
         "steps",
     )
+
+
+def _steps(low: xr.DataArray, high: xr.DataArray, dim: str, rises: bool) -> _Tried:
+    """Which steps along `dim` go the right way, line after line, and which may.
+
+    These are such as have an end without a value, or ends that overlap.
+    """
+    lows, highs = (end.transpose(..., dim).values for end in (low, high))
+    least, greatest = lows[..., 1:] - highs[..., :-1], highs[..., 1:] - lows[..., :-1]
+    if not rises:
+        least, greatest = -greatest, -least
+    unsure = np.isnan(least) | ((least <= 0.0) & (greatest > 0.0))
+    return (least > 0.0).ravel(), unsure.ravel()
 
 
 def _step_name(axis: xr.DataArray, step: int) -> str:
@@ -439,8 +500,9 @@ def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _
 
 
 def _errors(part: xr.Dataset, variable: str) -> xr.DataArray:
-    """How far each value may be off; NaN where the dataset does not say it."""
-    return part.get(error_of(variable), xr.DataArray(np.nan))
+    """How far each value may be off, any distance where that was not found; NaN: nothing said."""
+    error = part.get(error_of(variable))
+    return xr.DataArray(np.nan) if error is None else error.fillna(math.inf)
 
 
 def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Values:
@@ -459,16 +521,16 @@ def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Val
 
 def _range(values: _Values, variable: xr.DataArray) -> str:
     """The values found, from least to greatest, with their unit."""
-    known, unit = ~values.open, str(variable.attrs.get("units", "1"))
-    span = _span(values.low[known], values.high[known], values.error[known])
+    unit = str(variable.attrs.get("units", "1"))
+    span = _span(values, ~values.open)
     return f"found {span}" if unit == "1" or span == NOTHING else f"found {span} {unit}"
 
 
-def _span(low: np.ndarray, high: np.ndarray, error: np.ndarray) -> str:
-    known = np.isfinite(low) & np.isfinite(high)
+def _span(numbers: _Numbers, among: np.ndarray | bool = True) -> str:
+    known = np.isfinite(numbers.low) & np.isfinite(numbers.high) & among
     if not known.any():
         return NOTHING
-    low, high, error = low[known], high[known], error[known]
+    low, high, error = (one[known] for one in (numbers.low, numbers.high, numbers.error))
     ends = ((low, low.argmin()), (high, high.argmax()))
     return " to ".join(dict.fromkeys(with_error(end[at], error[at]) for end, at in ends))
 

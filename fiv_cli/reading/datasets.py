@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -96,10 +96,10 @@ def name_of_only(dataset: xr.Dataset) -> str:
     return next(iter(json.loads(dataset.attrs.get("analyses_json", "{}"))), "")
 
 
-def kind_of(dataset: xr.Dataset, name: str) -> str:
-    """The kind of the analysis called `name` in its file; "" where the file does not say it."""
+def analysis_of(dataset: xr.Dataset, name: str) -> dict[str, Any]:
+    """Kind and settings of the analysis called `name` in its file; {} where it does not say."""
     told = json.loads(dataset.attrs.get("analyses_json", "{}"))
-    return str(told.get(name or name_of_only(dataset), {}).get("kind", ""))
+    return dict(told.get(name or name_of_only(dataset), {}))
 
 
 def variables_in(dataset: xr.Dataset, *roles: Role) -> list[Variable]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.analyses.base import Question
+from fiv_cli.flags import ATTRACTOR
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import class_names, is_class
 
@@ -22,10 +24,53 @@ BEYOND = (
     'follow = "up", "down" or "both" finds its end'
 )
 
+# Setting `follow` -> the classes along each way, which of them is the last, at which end.
+_ENDS = {
+    "up": (("scan_class", -1, "upper"),),
+    "down": (("scan_class", 0, "lower"),),
+    "both": (("scan_class", -1, "upper"), ("scan_class_back", 0, "lower")),
+}
+_GOING_ON = ("equilibrium", "periodic", "quasiperiodic", "chaotic")
+
 
 def found_from_start(dataset: xr.Dataset) -> bool:
     """Whether a `boundary` has found changes between runs that began at the start."""
     return "found_going" in dataset and bool(is_class(dataset["found_going"], ("none",)).any())
+
+
+def still_followed(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
+    """What `still` says of a dataset, by the settings that it carries."""
+    if "of" not in settings:
+        return []
+    classes = {
+        name: dataset[name].transpose(..., "scan").values.reshape(-1, dataset.sizes["scan"])
+        for name in ("scan_class", "scan_class_back")
+        if name in dataset
+    }
+    crossings = dataset["n_crossings"].values.ravel()
+    return still(Question(**settings["of"]), settings["follow"], classes, crossings)
+
+
+def still(
+    question: Question, follow: str, classes: Mapping[str, np.ndarray], crossings: np.ndarray
+) -> list[str]:
+    """Where what was followed is at an end of the bracket what it was throughout, or is asked for.
+
+    Parameters
+    ----------
+    classes : ``scan_class``, and ``scan_class_back``: codes, shape (points, scan)
+    crossings : changes that were found at each point
+    """
+    said = []
+    for way, place, end in _ENDS.get(follow, ()):
+        for name in _GOING_ON:
+            asked = question.below is None and (name == question.name) != question.negated
+            here = classes[way][:, place] == ATTRACTOR.codes[name]
+            count = int((here & (asked | (crossings == 0))).sum())
+            of = f" at {count} of {len(crossings)} points" if len(crossings) > 1 else ""
+            if count:
+                said.append(f"still {name} at the {end} end of the bracket{of}: widen it")
+    return said
 
 
 def scanned(dataset: xr.Dataset) -> dict[str, str]:

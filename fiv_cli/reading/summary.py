@@ -16,20 +16,23 @@ from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import each_point, over_laws, over_starts, select, shares
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import (
+    analysis_of,
     error_of,
     flag_names,
     is_class,
-    kind_of,
     numbers,
     variables_in,
 )
-from fiv_cli.reading.scans import BEYOND, found_from_start, scanned
+from fiv_cli.reading.scans import BEYOND, found_from_start, scanned, still_followed
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # Labels of an axis, or values at the only point, that are all listed; of more, the ends.
 MOST_NAMES = 8
+
+# Reasons of points that are no motion which went on to its end.
+WITHOUT_MOTION = (*ENDED_EARLY, "no_cycle", "no_return")
 
 OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
 
@@ -50,12 +53,17 @@ def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     return {
         **{key: str(first.attrs[key]) for key in GLOBAL if first.attrs.get(key)},
         "analyses": {
-            name: _analysis(dataset, kind_of(dataset, name)) for name, dataset in analyses.items()
+            name: _analysis(dataset, analysis_of(dataset, name))
+            for name, dataset in analyses.items()
         },
     }
 
 
-def _analysis(dataset: xr.Dataset, kind: str) -> dict[str, Any]:
+def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary of an analysis of this kind and these settings."""
+    settings = told.get("settings", {})
+    still, ends = still_followed(dataset, settings), each_point.branch_ends(dataset)
+    begin = _beginning(dataset, settings)
     return {
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
@@ -65,9 +73,11 @@ def _analysis(dataset: xr.Dataset, kind: str) -> dict[str, Any]:
         },
         "shares": shares.shares(dataset),
         "over_starts": over_starts.differing(dataset),
-        "advice": _advice(dataset, kind),
+        "advice": _advice(dataset, told.get("kind", "")),
         "ranges": _ranges(dataset),
         "each_point": each_point.each_point(dataset),
+        **({"branches_begin": begin} if begin else {}),
+        **({"branch_ends": ends} if ends else {}),
         "trust": {
             variable.name: _worst(dataset, variable)
             for variable in variables_in(dataset, Role.TRUST, Role.WORK)
@@ -75,9 +85,18 @@ def _analysis(dataset: xr.Dataset, kind: str) -> dict[str, Any]:
         },
         "over_laws": over_laws.spread(dataset),
         **({"scanned": scanned(dataset)} if "scan_class" in dataset else {}),
+        **({"still_followed": still} if still else {}),
         **({"found_from_start": True} if found_from_start(dataset) else {}),
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
+
+
+def _beginning(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
+    """The value of the parameter along which branches are followed at which they begin, if any."""
+    name = (settings.get("parameter") or {}).get("name", "")
+    if name not in dataset.coords:
+        return ""
+    return f"{name} = {dataset[name].item():g}{_unit({'units': '1', **dataset[name].attrs})}"
 
 
 def _grid_axes(dataset: xr.Dataset) -> list[str]:
@@ -169,7 +188,7 @@ def _lacking(dataset: xr.Dataset, values: xr.DataArray) -> dict[str, int]:
     status = dataset["status"]
     if not set(values.dims) <= set(status.dims):
         return {}
-    went_on = is_class(status, ("ok",)) & ~is_class(dataset.get("reason", status), ENDED_EARLY)
+    went_on = is_class(status, ("ok",)) & ~is_class(dataset.get("reason", status), WITHOUT_MOTION)
     without = int((went_on & values.isnull()).sum())
     return {"without": without, "of": int(went_on.sum())} if without else {}
 
@@ -192,6 +211,8 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *over_starts.lines(part["over_starts"]),
         *_range_lines(part["ranges"]),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
+        *([f"  branches begin at {part['branches_begin']}"] if "branches_begin" in part else []),
+        *each_point.lines_of_ends(part.get("branch_ends", ()), _units(part)),
         *_scan_lines(part),
         *over_laws.lines(part["over_laws"]),
         *_trust_lines(part["trust"]),
@@ -210,8 +231,9 @@ def _scan_lines(part: Mapping[str, Any]) -> list[str]:
     rest = prod(part["dims"].values()) - len(told)
     lines = [f"    {f'{place}: ' if place else ''}{found}" for place, found in told.items()]
     more = [f"    and {rest} more brackets"] if rest else []
-    beyond = [f"    {BEYOND}"] if part.get("found_from_start") else []
-    return ["  along the bracket:", *lines, *more, *beyond] if told else []
+    beyond = [BEYOND] if part.get("found_from_start") else []
+    remarks = [f"    {remark}" for remark in [*part.get("still_followed", ()), *beyond]]
+    return ["  along the bracket:", *lines, *more, *remarks] if told else []
 
 
 def _axis_line(axis: Mapping[str, Any]) -> str:

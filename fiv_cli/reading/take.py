@@ -6,7 +6,9 @@ contact is lost in a stretch of time, the frequency of the strongest line, the l
 a motion is not the equilibrium: all are taken alike, for figures and for claims.
 
 A point without an answer may hold anything: what is taken over such points is an interval, from
-the least to the greatest that they allow. Where that says nothing, there is no answer either.
+the least to the greatest that they allow. Where that says nothing, there is no answer either. What
+is taken of values that may be off may be off, too; one of which a condition holds only within its
+error is none that is counted for sure.
 """
 
 from __future__ import annotations
@@ -20,7 +22,13 @@ import numpy as np
 import xarray as xr
 
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, is_class, numbers, unknown_points
+from fiv_cli.reading.datasets import (
+    error_of,
+    flag_names,
+    is_class,
+    numbers,
+    unknown_points,
+)
 
 
 @dataclass(frozen=True)
@@ -51,8 +59,9 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
 
     Returns
     -------
-    xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``, and
-        ``status``. Where nothing is known they are NaN, and the status is that of some point there
+    xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``,
+        ``WHAT_error`` of what may be off, and ``status``. Where nothing is known they are NaN, and
+        the status is that of some point there
 
     Raises
     ------
@@ -64,14 +73,17 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     for axis in axes:
         if axis.dims[0] not in dataset[variable].dims:
             raise select.SelectionError(f"{variable}: not one value per {axis.name}")
-    what, of = take["what"], take.get("of", "")
+    array, what, of = dataset[variable], take["what"], take.get("of", "")
     missing = unknown_points(dataset, variable, "undecided" in of)
-    low, high, unknown = _between(_TAKINGS[what], _values(dataset[variable], of), missing, axes)
+    blurred = _blurred(dataset, variable, of)
+    low, high, unknown = _between(_TAKINGS[what], _values(array, of), missing, blurred, axes)
     ends = {f"{what}_low": low.where(~unknown), f"{what}_high": high.where(~unknown)}
     interval = xr.Dataset({**ends, "status": _status(dataset["status"], unknown, axes)})
     if take.get("relative_to"):
         interval = _relative(interval, take["relative_to"])
-    array = dataset[variable]
+    if what in _MOVED and error_of(variable) in dataset:
+        off = dataset[error_of(variable)].fillna(math.inf).where(array.notnull())
+        interval[f"{what}_error"] = _MOVED[what] * off.max(_dims(axes))
     named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take, axes[0])}
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
@@ -91,15 +103,31 @@ def _values(array: xr.DataArray, of: str) -> xr.DataArray:
     return array.copy(data=test(array.values).astype(float))
 
 
+def _blurred(dataset: xr.Dataset, variable: str, of: str) -> xr.DataArray:
+    """Where a condition holds of a value, and not of all that it may be within its error."""
+    array, error = dataset[variable], dataset.get(error_of(variable))
+    if error is None or not of:
+        return xr.DataArray(False)
+    held = _values(array, of)
+    low, high = (array + sign * error.fillna(math.inf) for sign in (-1.0, 1.0))
+    return array.notnull() & ((_values(low, of) != held) | (_values(high, of) != held))
+
+
 def _between(
-    taking: _Taking, values: xr.DataArray, missing: xr.DataArray, axes: Sequence[xr.DataArray]
+    taking: _Taking,
+    values: xr.DataArray,
+    missing: xr.DataArray,
+    blurred: xr.DataArray,
+    axes: Sequence[xr.DataArray],
 ) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
     """The least and the greatest that may be found, and where nothing is known."""
     along = [dim for dim in _dims(axes) if dim in missing.dims]
     if taking.ends is None:
         value = taking.take(values, axes)
-        return value, value, missing.any(along)
-    one, other = (taking.take(values.where(~missing, end), axes) for end in taking.ends)
+        told = ~blurred.any([dim for dim in _dims(axes) if dim in blurred.dims])
+        return value.where(told, -math.inf), value.where(told, math.inf), missing.any(along)
+    unsure = missing | blurred
+    one, other = (taking.take(values.where(~unsure, end), axes) for end in taking.ends)
     # a place that there is for one end only may be anywhere, or nowhere
     sure = one.isnull() == other.isnull()
     low, high = one.where(one <= other, other), other.where(one <= other, one)
@@ -206,6 +234,9 @@ def _peak(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
 
 
 _HELD_OR_NOT, _ANYTHING = (0.0, 1.0), (-math.inf, math.inf)
+_MOVED = {"least": 1.0, "greatest": 1.0, "mean": 1.0, "spread": 2.0}
+"""How far they may be off, in greatest errors of the values."""
+
 _TAKINGS = {
     "share": _Taking(lambda held, axes: held.mean(_dims(axes)), _HELD_OR_NOT),
     "entries": _Taking(_entries),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,21 +29,25 @@ class Answer:
     classes : class -> number of points, the most frequent first; empty where it tells none
     reasons : reason why there is no better answer -> number of points, likewise; of those behind
         the end of a chain none
+    said : reason -> what the first point that has it says of it, if it says anything
     asked, open : points that were run, and those of them that have no answer
     filled : points whose class is filled in, which are not counted
     not_reached : points behind the end of a chain
     beyond : points whose friction was not measured, in words; empty where there are none
+    still : at which end of a bracket what was followed has not ended, in words
     """
 
     name: str
     kind: str
     classes: dict[str, int]
     reasons: dict[str, int]
+    said: dict[str, str]
     asked: int
     open: int
     filled: int
     not_reached: int
     beyond: str
+    still: tuple[str, ...]
 
     def lines(self, reasons: bool = True) -> Iterator[str]:
         """For people, with what the reasons mean or without."""
@@ -54,6 +58,7 @@ class Answer:
             yield f"  {self.name}: {listed or f'{answered} answer' + 's' * (answered != 1)}{of}"
         if reasons:
             yield from self._reasons()
+            yield from (f"    {remark}" for remark in self.still)
         if 2 * self.open > self.asked:
             yield f"  WARNING: {self.open} of {self.asked} points of {self.name} have no answer"
         if self.beyond:
@@ -68,6 +73,8 @@ class Answer:
     def _reasons(self) -> Iterator[str]:
         for name, count in list(self.reasons.items())[:MOST_REASONS]:
             yield f"    {name} {count}: {advice(name, self.kind)}"
+            if name in self.said:
+                yield f"      {self.said[name]}"
         if len(self.reasons) > MOST_REASONS:
             yield f"    and {len(self.reasons) - MOST_REASONS} reasons more: fiv show"
 
@@ -88,17 +95,50 @@ def _answer(journal: Journal, index: int) -> Answer:
     classes = _counts(told[asked], table) if table else {}
     failed = asked & (status != STATUS.codes["ok"])
     undecided = asked & np.isin(told, [c for c, name in table.items() if name == "undecided"])
+    reasons = _counts(record.reason[wanted][~behind], REASON.names, but="none")
     return Answer(
         name=analysis.layout.name,
         kind=analysis.layout.kind,
         classes={name: count for name, count in classes.items() if name != "not_computed"},
-        reasons=_counts(record.reason[wanted][~behind], REASON.names, but="none"),
+        reasons=reasons,
+        said=_said(journal, index, [*reasons][:MOST_REASONS]),
         asked=int(asked.sum()),
         open=int((failed | undecided).sum()),
         filled=0 if record.stage is None else int(np.count_nonzero(record.stage.filled)),
         not_reached=int(behind.sum()),
         beyond=_beyond(journal, index),
+        still=tuple(_still(journal, index)),
     )
+
+
+def _said(journal: Journal, index: int, reasons: Sequence[str]) -> dict[str, str]:
+    """What the first point that was run and has a reason says of it; failed points say it apart."""
+    analysis, record = journal.plan.analyses[index], journal.records[index]
+    found = {}
+    for name in reasons:
+        has_it = (record.reason == REASON.codes[name]) & (record.status == STATUS.codes["ok"])
+        position = int(has_it.argmax())
+        message = journal.message_at(index, position) if has_it[position] else ""
+        if message:
+            found[name] = f"{analysis.named(position)}: {message}"
+    return found
+
+
+def _still(journal: Journal, index: int) -> list[str]:
+    """Where what a `boundary` followed has not ended at the end of its bracket."""
+    settings = journal.plan.analyses[index].layout.settings
+    if settings.get("follow", "none") == "none":
+        return []
+    from fiv_cli.reading.scans import still
+
+    names = ("scan_class", "scan_class_back", "n_crossings")
+    blocks = [(positions >= 0, block.values) for positions, block in journal.blocks(index)]
+    found = {
+        name: np.concatenate([values[name][some] for some, values in blocks])
+        for name in names
+        if blocks and name in blocks[0][1]
+    }
+    return still(settings["of"], settings["follow"], found, found["n_crossings"]) if found else []
 
 
 def _beyond(journal: Journal, index: int) -> str:
