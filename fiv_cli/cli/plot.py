@@ -183,9 +183,9 @@ def _of_files(
         raise left_out[0] if left_out else nothing_suits(read_analyses(files[0]))
     wrong = [error for error in left_out if not isinstance(error, EmptyFigureError)]
     undrawn += wrong[-1:]
-    for error in left_out:
-        if error not in undrawn:
-            click.echo(error, err=True)
+    for one in left_out:
+        if one not in undrawn:
+            click.echo(one, err=True)
     return drawn
 
 
