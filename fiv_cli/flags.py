@@ -156,8 +156,9 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_cycle",
-        "Newton's method found no periodic motion near what the start leads to: start nearer to "
-        "it, or give its multiplicity",
+        "Newton's method found no periodic motion near what the start leads to, at the case's own "
+        "value of the parameter that is followed: where it comes to rest "
+        "move that value, or the start; else start nearer to it, or give its multiplicity",
     ),
     Reason(
         "outside_bracket",

@@ -80,12 +80,31 @@ def only_problem(text: str, *overrides: str) -> Problem:
     return problem
 
 
+FLUTTER = """\
+schema = 1
+[model]
+name = "flutter-2dof"
+[friction]
+stribeck.mu_s = 0.9
+[grid]
+friction = ["coulomb", "stribeck"]
+mu_k = [0.5]
+[[analysis]]
+kind = "response"
+"""
+
+
 def belt(*lines: str) -> str:
     """The belt's case with more lines, tables behind it."""
     return BELT + "\n".join(lines) + "\n"
 
 
 class TestGoodCase:
+    def test_what_is_given_for_one_law_is_not_the_others(self) -> None:
+        case = parse(FLUTTER)
+        assert case.parameters_at("stribeck", {"mu_k": 0.5})["mu_s"] == 0.9
+        assert case.parameters_at("coulomb", {"mu_k": 0.5})["mu_s"] == 0.5
+
     def test_everything_written_arrives(self) -> None:
         case = parse(PIN)
         assert (case.title, case.reference, case.assumed) == (

@@ -53,6 +53,10 @@ def test_classes_agree_and_numbers_differ_where_every_law_knows_them() -> None:
     first = dataset.rename(L_s="critical_value").expand_dims(crossing=2, axis=-1)
     found = over_laws.spread(first.assign(status=dataset["status"]))
     assert found["critical_value"] == told["L_s"]
+    ways = first["critical_value"].isnull().astype(np.int8)
+    ways[{"friction": 0, "mu_k": 0, "crossing": 0}] = 1  # where the greatest spread was
+    found = over_laws.spread(first.assign(status=dataset["status"], crossing_direction=ways))
+    assert "critical_value" not in found  # at the other point all have the same
     assert over_laws.spread(dataset.isel(friction=[0])) == {}
     assert over_laws.spread(dataset.isel(friction=0)) == {}
 

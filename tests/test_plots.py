@@ -288,6 +288,16 @@ def test_a_figure_that_would_be_empty_says_why(kind, stored):
     assert len(result.stdout.split()) == len(list(stored.glob("*.png"))) == 1
 
 
+def test_one_figure_that_cannot_be_drawn_leaves_the_others(stored):
+    classes = FigureSpec("classes", "curve", {"variable": "attractor"})
+    figures = figure("curve", variable="gone"), classes
+    dataset = data.bifurcation().assign_attrs(data.attributes(*figures))
+    dataset.to_netcdf("wrong.nc")
+    with pytest.raises(UsageError, match=r"wrong-curve\.png: not written: gone"):
+        run(plot_command, "wrong.nc")
+    assert [path.name for path in stored.glob("wrong-*.png")] == ["wrong-classes.png"]
+
+
 def test_many_starts_do_not_print_their_labels_over_each_other():
     starts = [f"far-{number:03d}" for number in range(200)]
     dataset = data.response(

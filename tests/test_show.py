@@ -130,3 +130,39 @@ def test_what_was_followed_to_the_end_of_a_bracket_is_told(
         lines = [line.strip() for line in told.splitlines() if "    still " in line]
         assert len(lines) == len(said) and all(map(str.startswith, lines, said))
         assert all(line.endswith(": widen it") for line in lines)
+
+
+FRICTIONLESS_TO_DAMPED = {
+    "schema": 1,
+    "model": {"name": "belt-1dof"},
+    "grid": {"c": [0.0, 0.05, 0.5]},
+    "initial": [{"label": "far", "kind": "state", "state": {"x": 1.0}}],
+    "analysis": [{"kind": "cycle", "parameter": "v", "bracket": [0.5, 4.0]}],
+}
+
+
+def test_where_branches_begin_and_end_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A branch begins at the case's own speed: check says so, where nothing was found the run."""
+    case, output = tmp_path / "a.toml", tmp_path / "a.nc"
+    case.write_text(toml_text(FRICTIONLESS_TO_DAMPED))
+    assert fiv(["check", str(case)]) == 0
+    planned = capsys.readouterr().out
+    assert ", v = 1, " in planned and "both ways from the case's own 1.0\n" in planned
+    assert fiv(["run", str(case), "-o", str(output), "--workers", "1"]) == 0
+    ended = capsys.readouterr().err
+    assert "\n      c=0.5,initial=far: at v = 1 the motion returns last at t = " in ended
+    assert "; between them x rests\n" in ended
+    found = api.read(output)
+    for place in ([], ["--at", "c=0.05"]):
+        told = shown(capsys, "show", output, *place)[""]
+        assert told["branches_begin"] == "v = 1 m s-1"
+        rows = [row for row in told["branch_ends"] if row.get("c", 0.05) == 0.05]
+        ends = api.observations(found, "cycle_end", c=0.05).values.tolist()
+        assert [row["cycle_end"] for row in rows] == ends and len(ends) == 2
+        assert [row["cycle_end_direction"] for row in rows] == [-1, 1]
+        assert {row["cycle_end_goes_on"] for row in rows} == {"no"}
+        assert [row["cycle_end_kind"] for row in rows] == ["bracket", "grazing"]
+    assert fiv(["check", str(case), "--set", "model.parameters.v=9.0"]) == 0
+    assert "own 9.0, outside it: no branch is followed" in capsys.readouterr().out

@@ -69,10 +69,23 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     if figure.kind == "phase" and known:
         _check_phase(figure, known, place, report)
     key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
-    for name in _named(figure.settings.get(key, [])) if known else ():
-        if _check(name, known, (*place, key), report):
-            places = _places(case, held, analysis, name)
-            _check_drawn(figure, name, known, places, (*place, key), report)
+    names = _named(figure.settings.get(key, [])) if known else []
+    sound = [name for name in names if _check(name, known, (*place, key), report)]
+    for name in sound:
+        places = _places(case, held, analysis, name)
+        _check_drawn(figure, name, known, places, (*place, key), report)
+    if len(sound) == len(names) > 1 and analysis is None:
+        _check_of_one_analysis(names, held, (*place, key), report)
+
+
+def _check_of_one_analysis(names: Sequence[str], held: Held, place: Path, report: Report) -> None:
+    """Note variables of which no analysis has all: a figure shows one."""
+    of = {analysis: {v.name for v in variables or ()} for analysis, variables in held.items()}
+    homes = {name: [analysis for analysis, own in of.items() if name in own] for name in names}
+    if all(homes.values()) and not any(own.issuperset(names) for own in of.values()):
+        told = ", ".join(f"{name} is of {' and '.join(home)}" for name, home in homes.items())
+        message = "a figure shows variables of one analysis"
+        report.add(place, message, told, "write a figure for each")
 
 
 def _check_phase(

@@ -163,24 +163,26 @@ def _fixed_parameters(physics: Physics, axes: Sequence[Axis]) -> dict[str, float
     """
     varied = {axis.name for axis in axes}
     by_law = {law.name: _values_under(physics, law) for law in physics.laws}
-    found = _values(physics, "", physics.model.parameters)
+    found = dict(_values(physics, "", physics.model.parameters))
     for law, values in by_law.items():
         for name, value in values.items():
             agreed = all(other.get(name, value) == value for other in by_law.values())
             found[name if agreed else f"{law}.{name}"] = value
-    return {key: value for key, value in found.items() if key.split(".")[-1] not in varied}
+    return {
+        key: value
+        for key, value in found.items()
+        if value is not None and key.split(".")[-1] not in varied
+    }
 
 
-def _values_under(physics: Physics, law: Law) -> dict[str, float]:
+def _values_under(physics: Physics, law: Law) -> dict[str, float | None]:
     return _values(physics, f"{law.name}.", physics.model.adopted(law))
 
 
-def _values(physics: Physics, prefix: str, table: Sequence[Parameter]) -> dict[str, float]:
-    """The values of the parameters of one table, what is given for one law going first."""
-    found = {}
-    for parameter in table:
-        shared = physics.fixed.get(parameter.name, parameter.default)
-        value = physics.fixed.get(prefix + parameter.name, shared)
-        if value is not None:
-            found[parameter.name] = value
-    return found
+def _values(physics: Physics, prefix: str, table: Sequence[Parameter]) -> dict[str, float | None]:
+    """The values of the parameters of one table, what is given for one law going first.
+
+    None where it follows another parameter.
+    """
+    fixed = physics.fixed
+    return {p.name: fixed.get(prefix + p.name, fixed.get(p.name, p.default)) for p in table}

@@ -92,13 +92,16 @@ def command(
     from fiv_cli.plots import look_of, save
 
     look = look_of(style, width, font, titled)
+    undrawn: list[UsageError] = []
     if loop is not None:
         figures = _of_loops(laws, loop, look)
     else:
-        figures = _of_laws(laws, look, speed) if laws else _of_files(files, name, look)
+        figures = _of_laws(laws, look, speed) if laws else _of_files(files, name, look, undrawn)
     for path, figure in _with_paths(figures, output):
         save(figure, path, look)
         click.echo(path)
+    if undrawn:
+        raise undrawn[0]
 
 
 def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple[Path, Figure]]:
@@ -155,31 +158,34 @@ def _number(text: str) -> float | int | str:
     return text
 
 
-def _of_files(files: Sequence[Path], name: str | None, look: Look) -> list[tuple[Path, Figure]]:
+def _of_files(
+    files: Sequence[Path], name: str | None, look: Look, undrawn: list[UsageError]
+) -> list[tuple[Path, Figure]]:
     """(default path, figure) of every figure; those that overlay are drawn once for all files.
 
-    One that would be empty is left out and says why on stderr.
+    One that would be empty is left out and says why on stderr, and so is every other that cannot be
+    drawn but the last, which is added to `undrawn`.
 
     Raises
     ------
-    EmptyFigureError : there is no other
     UsageError : there is none at all
     """
     from fiv_cli.plots import nothing_suits
     from fiv_cli.reading.datasets import read_analyses
 
-    drawn, empty = [], []
+    drawn, left_out = [], []
     for default, sources, figure in _asked(files, name):
         try:
             drawn.append((default, _drawn(sources, figure, look)))
-        except EmptyFigureError as error:
-            empty.append(EmptyFigureError(f"{default}: not written: {error}"))
-    if empty and not drawn:
-        raise empty[0]
-    for left_out in empty:
-        click.echo(left_out, err=True)
+        except UsageError as error:
+            left_out.append(type(error)(f"{default}: not written: {error}"))
     if not drawn:
-        raise nothing_suits(read_analyses(files[0]))
+        raise left_out[0] if left_out else nothing_suits(read_analyses(files[0]))
+    wrong = [error for error in left_out if not isinstance(error, EmptyFigureError)]
+    undrawn += wrong[-1:]
+    for one in left_out:
+        if one not in undrawn:
+            click.echo(one, err=True)
     return drawn
 
 
@@ -221,7 +227,7 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
         if not kinds:
             raise nothing_suits(source) from None
         suiting = listed(kinds)
-        raise UsageError(f"{file}: {error}\nit can be drawn with --figure {suiting}") from None
+        raise UsageError(f"{error}\n{file} can be drawn with --figure {suiting}") from None
 
 
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:

@@ -1,4 +1,7 @@
-"""What was found at each point, where there are few: a row for each answer that a point has."""
+"""What was found at each point, where there are few: a row for each answer that a point has.
+
+Likewise of branches of cycles: a row for each change of one, and each end.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from fiv_cli.analyses.variables import Role
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.notation.tables import plain_table
+from fiv_cli.reading import select
 from fiv_cli.reading.datasets import error_of, flag_names, numbers
 
 if TYPE_CHECKING:
@@ -21,6 +25,11 @@ if TYPE_CHECKING:
 # range says little; else none.
 MOST_POINTS = 24
 SEVERAL = "crossing"
+
+# What is told of a change, or an end, of a branch; of more than some, the first.
+ENDS = "cycle_end"
+OF_ENDS = (ENDS, *(f"{ENDS}_{of}" for of in ("error", "kind", "direction", "goes_on")))
+MOST_ENDS = 48
 
 Row = dict[str, Any]
 
@@ -52,15 +61,33 @@ def _rows(dataset: xr.Dataset, place: int) -> Iterator[Row]:
     points = dataset["status"]
     index = dict(zip(points.dims, np.unravel_index(place, points.shape), strict=True))
     one = dataset.isel(index)
-    axes = {
-        str(name): one[name].item()
-        for name, axis in dataset.coords.items()
-        if axis.ndim == 1 and axis.size > 1 and axis.dims[0] in points.dims
-    }
+    axes = {name: one[name].item() for name in _varying(dataset)}
     values = {str(name): _told(array) for name, array in one.items()}
     count = max(sum(value is not None for value in told) for told in values.values())
     for number in range(count):
         yield axes | {name: told[min(number, len(told) - 1)] for name, told in values.items()}
+
+
+def _varying(dataset: xr.Dataset) -> list[str]:
+    """The axes of the points that have more values than one."""
+    grid = dataset["status"].dims
+    axes = dataset.coords.items()
+    return [str(n) for n, axis in axes if axis.ndim == 1 and axis.size > 1 and axis.dims[0] in grid]
+
+
+def branch_ends(dataset: xr.Dataset) -> list[Row]:
+    """The same of changes and ends of branches, in their order; [] where no branch was followed."""
+    if ENDS in dataset and dataset[ENDS].ndim > 1:  # of joined runs
+        dataset = select.contiguous(dataset)
+    sizes = select.row_sizes(dataset, ENDS) if ENDS in dataset else None
+    if sizes is None:
+        return []
+    place = np.unravel_index(select.row_of_each(sizes), sizes.shape)
+    index = dict(zip(sizes.dims, place, strict=True))
+    axes = {name: dataset[name].values[index[dataset[name].dims[0]]] for name in _varying(dataset)}
+    known = {name: _told(dataset[name]) for name in OF_ENDS if name in dataset}
+    columns = {name: values.tolist() for name, values in axes.items()} | known
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def _told(array: xr.DataArray) -> list[Any]:
@@ -77,13 +104,24 @@ def lines(rows: Sequence[Row], units: Mapping[str, str], points: int) -> list[st
     """The same for people."""
     if not rows:
         return []
+    more = points - MOST_POINTS
+    return ["  at each point:", *_table(rows, units), *[f"    and {more} more points"] * (more > 0)]
+
+
+def lines_of_ends(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
+    """The same of branches."""
+    if not rows:
+        return []
+    more = len(rows) - MOST_ENDS
+    head = "  where branches change or end, in their order (direction 1: the parameter rises):"
+    return [head, *_table(rows[:MOST_ENDS], units), *[f"    and {more} more"] * (more > 0)]
+
+
+def _table(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
     names = [name for name in rows[0] if not name.endswith("_error") and name != "reason"]
     heads = [f"{name} ({units[name]})" if units.get(name, "1") != "1" else name for name in names]
     table = plain_table(heads, [[_cell(row, name) for name in names] for row in rows])
-    more = points - MOST_POINTS
-    return ["  at each point:", *(f"    {line}" for line in table)] + [
-        f"    and {more} more points"
-    ] * (more > 0)
+    return [f"    {line}" for line in table]
 
 
 def _cell(row: Row, name: str) -> str:

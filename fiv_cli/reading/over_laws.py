@@ -43,7 +43,8 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     many ``points`` it is known under every law, the ``median`` and ``greatest`` spread there
     (greatest less least over the laws, relative to the largest magnitude among them), where the
     greatest lies (``at``), and law -> at how many points it gives the ``lowest`` and the
-    ``highest``. Of several crossings the first is meant. Numbers that differ nowhere are left out;
+    ``highest``. Of several crossings the first is meant, where it is of one direction under every
+    law. Numbers that differ nowhere are left out;
     of shares of stick and slip the laws ``without`` stick are.
     """
     if LAWS not in dataset["status"].dims or dataset.sizes[LAWS] < 2:
@@ -52,13 +53,21 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     asked = [v.name for v in variables_in(dataset, Role.CLASS, Role.ANSWER, Role.SHARE)]
     counts = {str(sizes.name) for sizes in select.ragged_dims(dataset).values()}
     held = [dataset[name] for name in asked if name in dataset.keys() - counts]
-    first = [one.isel(crossing=0) if "crossing" in one.dims else one for one in held]
+    first = [_first(one, dataset) if "crossing" in one.dims else one for one in held]
     told = {str(variable.name): _told(variable) for variable in first if variable.dims == grid}
     return {
         name: facts
         for name, facts in told.items()
         if facts["points"] and facts.get("greatest", 1.0) > ROUNDING
     }
+
+
+def _first(variable: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
+    """Of the first crossing; a number where all laws have one in the same direction."""
+    first, directions = variable.isel(crossing=0), dataset.get("crossing_direction")
+    if flag_names(variable.attrs) or directions is None:
+        return first
+    return first.where(_agrees(directions.isel(crossing=0)))
 
 
 def _told(variable: xr.DataArray) -> dict[str, Any]:

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 # Labels of an axis, or values at the only point, that are all listed; of more, the ends.
 MOST_NAMES = 8
 
+# Reasons of points that are no motion which went on to its end.
+WITHOUT_MOTION = (*ENDED_EARLY, "no_cycle", "no_return")
+
 OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
 
 GLOBAL = (
@@ -58,7 +61,9 @@ def summarise(analyses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
 
 def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
     """The summary of an analysis of this kind and these settings."""
-    still = still_followed(dataset, told.get("settings", {}))
+    settings = told.get("settings", {})
+    still, ends = still_followed(dataset, settings), each_point.branch_ends(dataset)
+    begin = _beginning(dataset, settings)
     return {
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
@@ -71,6 +76,8 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
         "advice": _advice(dataset, told.get("kind", "")),
         "ranges": _ranges(dataset),
         "each_point": each_point.each_point(dataset),
+        **({"branches_begin": begin} if begin else {}),
+        **({"branch_ends": ends} if ends else {}),
         "trust": {
             variable.name: _worst(dataset, variable)
             for variable in variables_in(dataset, Role.TRUST, Role.WORK)
@@ -82,6 +89,14 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
         **({"found_from_start": True} if found_from_start(dataset) else {}),
         **({"refined": described(dataset.attrs)} if described(dataset.attrs) else {}),
     }
+
+
+def _beginning(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
+    """The value of the parameter along which branches are followed at which they begin, if any."""
+    name = (settings.get("parameter") or {}).get("name", "")
+    if name not in dataset.coords:
+        return ""
+    return f"{name} = {dataset[name].item():g}{_unit({'units': '1', **dataset[name].attrs})}"
 
 
 def _grid_axes(dataset: xr.Dataset) -> list[str]:
@@ -173,7 +188,7 @@ def _lacking(dataset: xr.Dataset, values: xr.DataArray) -> dict[str, int]:
     status = dataset["status"]
     if not set(values.dims) <= set(status.dims):
         return {}
-    went_on = is_class(status, ("ok",)) & ~is_class(dataset.get("reason", status), ENDED_EARLY)
+    went_on = is_class(status, ("ok",)) & ~is_class(dataset.get("reason", status), WITHOUT_MOTION)
     without = int((went_on & values.isnull()).sum())
     return {"without": without, "of": int(went_on.sum())} if without else {}
 
@@ -196,6 +211,8 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *over_starts.lines(part["over_starts"]),
         *_range_lines(part["ranges"]),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
+        *([f"  branches begin at {part['branches_begin']}"] if "branches_begin" in part else []),
+        *each_point.lines_of_ends(part.get("branch_ends", ()), _units(part)),
         *_scan_lines(part),
         *over_laws.lines(part["over_laws"]),
         *_trust_lines(part["trust"]),

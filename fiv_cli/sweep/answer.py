@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,7 @@ class Answer:
     classes : class -> number of points, the most frequent first; empty where it tells none
     reasons : reason why there is no better answer -> number of points, likewise; of those behind
         the end of a chain none
+    said : reason -> what the first point that has it says of it, if it says anything
     asked, open : points that were run, and those of them that have no answer
     filled : points whose class is filled in, which are not counted
     not_reached : points behind the end of a chain
@@ -40,6 +41,7 @@ class Answer:
     kind: str
     classes: dict[str, int]
     reasons: dict[str, int]
+    said: dict[str, str]
     asked: int
     open: int
     filled: int
@@ -71,6 +73,8 @@ class Answer:
     def _reasons(self) -> Iterator[str]:
         for name, count in list(self.reasons.items())[:MOST_REASONS]:
             yield f"    {name} {count}: {advice(name, self.kind)}"
+            if name in self.said:
+                yield f"      {self.said[name]}"
         if len(self.reasons) > MOST_REASONS:
             yield f"    and {len(self.reasons) - MOST_REASONS} reasons more: fiv show"
 
@@ -91,11 +95,13 @@ def _answer(journal: Journal, index: int) -> Answer:
     classes = _counts(told[asked], table) if table else {}
     failed = asked & (status != STATUS.codes["ok"])
     undecided = asked & np.isin(told, [c for c, name in table.items() if name == "undecided"])
+    reasons = _counts(record.reason[wanted][~behind], REASON.names, but="none")
     return Answer(
         name=analysis.layout.name,
         kind=analysis.layout.kind,
         classes={name: count for name, count in classes.items() if name != "not_computed"},
-        reasons=_counts(record.reason[wanted][~behind], REASON.names, but="none"),
+        reasons=reasons,
+        said=_said(journal, index, [*reasons][:MOST_REASONS]),
         asked=int(asked.sum()),
         open=int((failed | undecided).sum()),
         filled=0 if record.stage is None else int(np.count_nonzero(record.stage.filled)),
@@ -103,6 +109,19 @@ def _answer(journal: Journal, index: int) -> Answer:
         beyond=_beyond(journal, index),
         still=tuple(_still(journal, index)),
     )
+
+
+def _said(journal: Journal, index: int, reasons: Sequence[str]) -> dict[str, str]:
+    """What the first point that was run and has a reason says of it; failed points say it apart."""
+    analysis, record = journal.plan.analyses[index], journal.records[index]
+    found = {}
+    for name in reasons:
+        has_it = (record.reason == REASON.codes[name]) & (record.status == STATUS.codes["ok"])
+        position = int(has_it.argmax())
+        message = journal.message_at(index, position) if has_it[position] else ""
+        if message:
+            found[name] = f"{analysis.named(position)}: {message}"
+    return found
 
 
 def _still(journal: Journal, index: int) -> list[str]:

@@ -366,6 +366,14 @@ class Journal:
                 self._collect(shard, record, found)
         return list(found.values())[:limit]
 
+    def message_at(self, index: int, position: int) -> str:
+        """What the point at `position` says of its answer; mostly nothing."""
+        for shard in self.records[index].shards:
+            rows = np.flatnonzero(shard.positions == position)
+            if len(rows):
+                return shard.block().messages.get(int(rows[-1]), "")
+        return ""
+
     def _collect(self, shard: Shard, record: Record, found: dict[str, tuple[int, str]]) -> None:
         block, positions = shard.block(), shard.positions
         failed = STATUS.codes["failed"]

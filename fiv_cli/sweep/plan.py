@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice, product, repeat
@@ -280,8 +280,7 @@ class Plan:
 
     def _varied(self) -> set[str]:
         """What analyses vary themselves."""
-        varied = filter(None, (one.layout.settings.get("parameter") for one in self.analyses))
-        return {name for one in varied for name in (one.name, *one.followers)}
+        return {name for one in self.analyses for name in _without_own_value(one.template)}
 
     def describe(self) -> list[str]:
         """The plan in lines for people."""
@@ -330,14 +329,19 @@ def _analysis_plan(case: Case, spec: AnalysisSpec) -> AnalysisPlan:
     return AnalysisPlan(template, layout, maps)
 
 
+def _without_own_value(template: Template) -> set[str]:
+    """Parameters that the analysis varies, and for which the case's own value says nothing."""
+    asked = get_analysis(template.analysis).settings
+    if not any(one.name == "parameter" and one.required for one in asked):
+        return set()
+    varied: Varied = template.settings["parameter"]
+    return {varied.name, *varied.followers}
+
+
 def _fixed(template: Template) -> dict[str, float]:
     """The parameters that have one value at all points, under every law."""
     first, *others = template.parameters.values()
-    varied = {*template.schedule.names}
-    asked = get_analysis(template.analysis).settings
-    if any(one.name == "parameter" and one.required for one in asked):
-        own: Varied = template.settings["parameter"]
-        varied |= {own.name, *own.followers}
+    varied = {*template.schedule.names, *_without_own_value(template)}
     laws = [get_law(law) for law in template.parameters]
     shared = {n: v for n, v in first.items() if all(other.get(n) == v for other in others)}
     varied |= {name for name in shared if is_ambiguous(laws, name)}
@@ -442,7 +446,7 @@ def _described(analysis: AnalysisPlan) -> list[str]:
     lines = [f"  {title}: {counted(layout.size)} ({grid})"]
     for dim in layout.dims:
         lines.extend(f"    {_axis_text(axis)}" for axis in dim.axes)
-    lines.extend(_varied(layout.settings))
+    lines.extend(_varied(layout))
     if analysis.maps is not None:
         lines.append(f"    {_refined_text(analysis.maps, layout)}")
     for chains in analysis.chain_sets():
@@ -462,14 +466,20 @@ def _chains_text(analysis: AnalysisPlan, chains: ChainSet, index: int) -> str:
     return f"    {entry.label}: {points} along {spec.along} {spec.direction}{begun}"
 
 
-def _varied(settings: Mapping[str, Any]) -> list[str]:
-    """The bracket of a parameter that the analysis itself varies, if it does."""
+def _varied(layout: Layout) -> list[str]:
+    """The bracket of a parameter that the analysis itself varies, and its beginning, if any."""
+    settings = layout.settings
     varied, bracket = settings.get("parameter"), settings.get("bracket")
     if varied is None or bracket is None:
         return []
     unit = "" if varied.unit == "1" else f" {varied.unit}"
     followers = f", and with it {', '.join(varied.followers)}" if varied.followers else ""
     text = f"    {varied.name} is varied from {bracket[0]!r} to {bracket[1]!r}{unit}{followers}"
+    if varied.name in layout.fixed:
+        value = layout.fixed[varied.name]
+        inside = bracket[0] <= value <= bracket[1]
+        outside = "" if inside else ", outside it: no branch is followed"
+        return [f"{text}, both ways from the case's own {value!r}{outside}"]
     if "scan" not in settings:
         return [text]
     width = f"{settings['width'] * (bracket[1] - bracket[0]):g}{unit}"

@@ -8,24 +8,29 @@ SciPy runs twice: as fast as it goes, which may step over a pair of events, and 
 most a thirtieth of the fastest oscillation, which a user needs who wants none missed (fiv bounds
 the roots of its switching functions and misses none at any step).
 
-fiv is timed twice as well: its driver alone, called with motions that were set out before (as the
-programs of `against_taylor` have their numbers written into them), and from Python, which sets each
-motion out.
+fiv is timed twice as well: its driver alone, called from C (``repeat.c``) with motions that were
+set out before, and from Python, which sets each motion out.
 """
 
 from __future__ import annotations
 
+import ctypes
+import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Section, SolverSettings
+from fiv_cli.codegen.memory import address_of
 from fiv_cli.codegen.setup import Setup, default_parameters
 from fiv_cli.dynamics.compiled import DRIVER
-from fiv_cli.dynamics.motion import Motion
+from fiv_cli.dynamics.motion import STOPS, Motion, Stop
 from fiv_cli.dynamics.system import System, build_system
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
@@ -114,6 +119,19 @@ def fiv_run(
     return motion, states
 
 
+@cache
+def repeat() -> Callable[..., int]:
+    """`repeat` of ``repeat.c``."""
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder, "repeat.so")
+        source = str(Path(__file__).with_name("repeat.c"))
+        subprocess.run(["gcc", "-O2", "-shared", "-fPIC", "-o", library, source], check=True)
+        function = ctypes.CDLL(str(library)).repeat
+    address, count = ctypes.c_void_p, ctypes.c_int64
+    function.argtypes = address, address, address, count, ctypes.c_double, count
+    return function
+
+
 class Driver:
     """The driver alone, with the motions of a sweep set out before it is called."""
 
@@ -127,11 +145,15 @@ class Driver:
             frame.max_steps = solver.max_steps
             self.begun.append((frame, frame.words.copy()))
 
-    def __call__(self) -> None:
-        """Run every motion once."""
-        for frame, words in self.begun:
-            frame.words[:] = words
-            DRIVER.function(frame.address, self.until, 0.0, False)
+    def seconds(self, times: int) -> float:
+        """Processor time of a run, over so many of every motion."""
+        return seconds(lambda: self._run(times)) / times / len(self.begun)
+
+    def _run(self, times: int) -> None:
+        for frame, begun in self.begun:
+            places = address_of(frame.words), address_of(begun), len(begun)
+            stop = repeat()(DRIVER.address, *places, self.until, times)
+            assert STOPS[stop] == Stop.REACHED
 
 
 def fiv_points(sweep: Sweep, rtol: float) -> list[Points]:
@@ -205,14 +227,14 @@ def _compare(sweep: Sweep, exact: list[Points], goal: float) -> str:
     repeats = max(1, round(FIV_SECONDS / seconds(fiv_runs)))
     times = [
         (
-            seconds(driver, repeats),
-            seconds(fiv_runs, repeats),
-            seconds(lambda: scipy_runs(np.inf)),
-            seconds(lambda: scipy_runs(sweep.guarded_step)),
+            driver.seconds(repeats),
+            seconds(fiv_runs, repeats) / len(given),
+            seconds(lambda: scipy_runs(np.inf)) / len(given),
+            seconds(lambda: scipy_runs(sweep.guarded_step)) / len(given),
         )
         for _ in range(PAIRS)
     ]
-    times = np.array(times) / len(sweep.values)
+    times = np.array(times)
     alone, whole, scipy_time, guarded = np.median(times, axis=0)
     ratios = [np.median(times[:, 2] / times[:, own]) for own in (0, 1)]
     bounded = np.median(times[:, 3] / times[:, 0])

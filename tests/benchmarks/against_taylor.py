@@ -27,7 +27,6 @@ from tests.benchmarks.against_scipy import (
     cheapest,
     error,
     fiv_points,
-    seconds,
 )
 
 FOLDER = Path(__file__).parent
@@ -103,11 +102,8 @@ def _compare(sweep: Sweep, programs: dict[int, Path], exact: list[Points], goal:
         return "fiv does not reach it"
     driver = Driver(*sweep.system(fiv[0]), sweep)
     best = _best(sweep, programs, exact, goal)
-    repeats = max(1, round(FIV_SECONDS / seconds(driver)))
-    times = [
-        (seconds(driver, repeats) / len(sweep.values), best.seconds(sweep, repeats))
-        for _ in range(PAIRS)
-    ]
+    repeats = max(1, round(FIV_SECONDS / driver.seconds(1) / len(sweep.values)))
+    times = [(driver.seconds(repeats), best.seconds(sweep, repeats)) for _ in range(PAIRS)]
     times = np.array(times)
     own, other = np.median(times, axis=0) * 1e6
     return (

@@ -20,7 +20,14 @@ from fiv_cli.analyses.base import Outcome, Request, Section, Settings
 from fiv_cli.analyses.common import rest_of, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
 from fiv_cli.analyses.cycles.end_error import end_error
-from fiv_cli.analyses.cycles.first_guess import Begin, Guess, guesses, returns
+from fiv_cli.analyses.cycles.first_guess import (
+    Begin,
+    Guess,
+    Returns,
+    guess_between,
+    guesses,
+    returns,
+)
 from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, floquet, problem_of
 from fiv_cli.dynamics.system import System
 
@@ -54,23 +61,52 @@ def _continued(problem: Problem, request: Request, carried: Mapping[str, Any]) -
     if problem.section.kind == OWN:
         problem = replace(problem, section=Section(**carried["section"]))
     cycle = _bridged(problem, _carried_guess(carried), carried["parameters"], BRIDGES)
-    return Outcome(reason="no_cycle") if cycle is None else _told(problem, cycle, request)
+    if cycle is not None:
+        return _told(problem, cycle, request)
+    period, strides = float(carried["period"]), 2**BRIDGES
+    message = f"the neighbour's cycle, of period {period:.6g} s, is lost in {strides} strides, too"
+    return Outcome(reason="no_cycle", message=message)
 
 
 def _reached(problem: Problem, request: Request, begin: Begin) -> Outcome:
     """The cycle that the motion from the start comes near, at the first section that has it."""
-    settings, outcome = request.settings, Outcome(reason="no_return")
+    settings = request.settings
     for section in _sections(problem, settings, begin):
         at = replace(problem, section=section)
         passed = returns(at, begin, settings["transient"], settings["t_max"])
         if len(passed.times) < 2:
-            outcome = stopped(passed.stop) or outcome
+            outcome = stopped(passed.stop) or _without_return(at, passed, settings)
             continue
         cycle = _closed(at, guesses(at, begin, passed, settings["multiplicity"]))
         if cycle is not None:
             return _told(at, cycle, request)
-        outcome = Outcome(reason="no_cycle")
+        message = _where_it_was(at, begin, passed, settings)
+        outcome = Outcome(reason="no_cycle", message=message)
     return outcome
+
+
+def _without_return(problem: Problem, passed: Returns, settings: Settings) -> Outcome:
+    place, count = _place(problem, settings), len(passed.times)
+    message = f"{place}the motion meets the section {count} times up to t = {settings['t_max']:g} s"
+    return Outcome(reason="no_return", message=message)
+
+
+def _where_it_was(problem: Problem, begin: Begin, passed: Returns, settings: Settings) -> str:
+    """What the start led to that is no cycle: when, and how, the motion returned last."""
+    begun, ended = passed.times[-2:]
+    last, names = guess_between(problem, begin, begun, ended), problem.system.state_names
+    name = settings["observe"] or names[0]
+    swing = "rests" if last is None else f"swings by {2.0 * last.scales[names.index(name)]:.3g}"
+    return (
+        f"{_place(problem, settings)}the motion returns last at t = {ended:.6g} s, "
+        f"{ended - begun:.6g} s after the return before; between them {name} {swing}"
+    )
+
+
+def _place(problem: Problem, settings: Settings) -> str:
+    """The value at which the cycle is looked for that a branch would begin with."""
+    varied = settings["parameter"]
+    return "" if varied is None else f"at {varied.name} = {problem.parameters[varied.name]:.6g} "
 
 
 def _sections(problem: Problem, settings: Settings, begin: Begin) -> Iterator[Section]:
