@@ -35,7 +35,7 @@ def claim(variable, expect, at=None, holds="all", analysis="", take=None):
     return ClaimSpec("7.3", "as printed", variable, expected, at or {}, holds, "", analysis, take)
 
 
-def tried(dataset, *arguments, other=lambda case: None, **keywords):
+def tried(dataset, *arguments, other=None, **keywords):
     """What becomes of a claim about a dataset; `other` gives those of other cases."""
     return evaluate(claim(*arguments, **keywords), {"": dataset}, other)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from fiv_cli.case.load import parse_case
+from fiv_cli.case.load import load_case, parse_case
+from fiv_cli.case.others import not_run
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.sweep.plan import make_plan
 
@@ -32,6 +35,13 @@ MEAN = 'take = { what = "mean", over = "v" }'
 CLASSES = 'take = { what = "classes", over = "v" }'
 
 
+LESS = "{{ less_than = {{ {} }} }}"
+THERE = "claim.0.expect.less_than"
+COMPARED = (
+    '{ value = { variable = "mode_frequency", at = { mode = 0 }, times = 2 }, tolerance = "5 %" }'
+)
+
+
 def figure(*lines: str) -> str:
     return BELT + "\n".join(["[[figure]]", *lines]) + "\n"
 
@@ -55,6 +65,10 @@ def problem(text: str) -> Problem:
         claim("L_s", "{ less_than = 1 }", TAKE),
         claim("stable", '"unstable"'),
         claim("v", '"increasing"'),
+        claim("x_min", '{ less_than = "x_max" }'),
+        claim("L_s", "{ less_than = { at = { v = 0.5 }, times = 2 } }", "at = { v = 1.0 }"),
+        claim("response_frequency", COMPARED),
+        claim("L_s", LESS.format('take = { what = "mean", over = "v" }'), TAKE),
         figure('kind = "curve"', 'variable = ["x_min", "x_max"]'),
         figure('kind = "history"', 'variable = "friction_power"'),
         figure('kind = "curve"', "log = true", "xlim = [0.1, 1]"),
@@ -87,6 +101,16 @@ def test_what_will_be_there(text: str) -> None:
         (claim("attractor", "{ less_than = 1 }", MEAN), "claim.0.take.what", "there is no mean"),
         (claim("L_s", "{ less_than = 2 }", CLASSES), "claim.0.take.what", "has no classes"),
         (figure('kind = "curve"', 'variable = "L_s"', OF_CLASS), "figure.0.take.of", "a number"),
+        (claim("L_s", LESS.format("at = { v = 2 }")), f"{THERE}.at.v", "2 is not on the axis"),
+        (claim("L_s", LESS.format("at = { u = 2 }")), f"{THERE}.at.u", "nothing called 'u'"),
+        (claim("L_s", LESS.format('variable = "L"')), f"{THERE}.variable", "computes 'L'"),
+        (claim("L_s", LESS.format('analysis = "b"')), f"{THERE}.analysis", "named 'b'"),
+        (claim("L_s", LESS.format('variable = "attractor"')), f"{THERE}.variable", "a class"),
+        (claim("L_s", LESS.format('variable = "x_max"')), THERE, "'x_max' is in m, 'L_s' in m2"),
+        (claim("L_s", LESS.format('variable = "section_value"')), THERE, "several values"),
+        (claim("growth_rate", LESS.format('variable = "eigenvalue_real"')), THERE, "several"),
+        (claim("L_s", LESS.format('take = { what = "mean" }')), f"{THERE}.take.over", "missing"),
+        (claim("L_s", '{ less_than = "belt:L_s" }'), THERE, "there is no case belt.toml"),
         (claim("stable", '"yess"'), "claim.0.expect", "no class 'yess'"),
         (figure('kind = "curve"', 'variable = "L_S"'), "figure.0.variable", "did you mean 'L_s'"),
         (figure('kind = "curve"', 'variable = ["L_s", "z"]'), "figure.0.variable", "'z'"),
@@ -120,3 +144,17 @@ def test_of_an_analysis_that_is_not_understood_any_variable_may_be_asked() -> No
         "claim.0.variable",
         "figure.0.x",
     ]
+
+
+def test_a_case_that_a_claim_compares_with_is_read_where_it_lies(tmp_path: Path) -> None:
+    """Its variables are known; that it was not run is told, and that it names this one is fine."""
+    this, other = tmp_path / "this.toml", tmp_path / "other.toml"
+    this.write_text(claim("L_s", '{ less_than = "other:L_s" }'))
+    other.write_text(claim("L_s", '{ greater_than = "this:L_s" }'))
+    (told,) = not_run(load_case(this))
+    assert told.endswith(f"not run yet: fiv run {other}")
+    rest = BELT.replace("response", "equilibrium")
+    for text, words in ((rest, "computes 'L_s'"), ("schema = 1", f"fiv check {other}")):
+        other.write_text(text)
+        with pytest.raises(CaseError, match=words):
+            load_case(this)

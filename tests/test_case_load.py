@@ -619,7 +619,6 @@ class TestClaims:
             '"decreasing"',
             "{ value = 1.0, tolerance = 0.1 }",
             "{ between = [0.1, 0.2] }",
-            '{ less_than = "fig_3_5:L_s" }',
             "{ greater_than = 3 }",
         ],
     )
@@ -636,7 +635,7 @@ class TestClaims:
             "{ between = [2, 1] }",
             "{ between = 2 }",
             "{ between = [1, 2], tolerance = 0 }",
-            '{ less_than = "L_s" }',
+            '{ less_than = "L_s + 1" }',
             "{ }",
             "3",
         ],
@@ -659,6 +658,23 @@ class TestClaims:
         ],
     )
     def test_intervals_of_before(self, expect: str, words: str) -> None:
+        assert words in only_problem(self.claim(f"expect = {expect}")).message
+
+    @pytest.mark.parametrize(
+        ("expect", "words"),
+        [
+            ('{ value = "0.9*L_s" }', 'write { variable = "L_s", times = 0.9 }'),
+            ('{ value = "0.9*L_s" }', "a value has a tolerance"),
+            ('{ less_than = "2 * a:L_s" }', 'times = 2.0, case = "a" }'),
+            ('{ value = "20 rpm", tolerance = 1 }', "20 rpm is 2.09439510239 in SI"),
+            ('{ between = [0, "3 mm"] }', "3 mm is 0.003 in SI"),
+            ('"3 rad/s"', "3 rad/s is 3 in SI"),
+            ("{ less_than = { varable = 1 } }", "has no varable: { variable, analysis, case,"),
+            ("{ less_than = { times = 0 } }", "above 0"),
+            ("{ less_than = { at = 3 } }", "at must be a table"),
+        ],
+    )
+    def test_what_to_write_instead(self, expect: str, words: str) -> None:
         assert words in only_problem(self.claim(f"expect = {expect}")).message
 
     @pytest.mark.parametrize("holds", ['"most"', "0", "1.5", "true"])

@@ -128,10 +128,13 @@ def test_the_claim_is_understood() -> None:
     up = '[[initial]]\nlabel = "up"\nkind = "continue"\nalong = "Omega"\nfrom = "far"\n'
     whole, *parts = all_explained("claim")
     others = (f'[[claim]]\nsource = "here"\ntext = "there"\n{part}' for part in parts)
-    text = "".join([case.replace("[grid]", grid), up, whole, *others])
-    expected = [said.expect for said in parse_case(text, "a.toml").claims[1:]]
+    modes = '[[analysis]]\nkind = "eigenvalues"\n'
+    text = "".join([case.replace("[grid]", grid), up, modes, whole, *others])
+    *expected, share, line = [said.expect for said in parse_case(text, "a.toml").claims[1:]]
     forms = {"less_than": 0.6}, {"between": [6.5, 7.0]}, {"greater_than": 1}
     assert expected == [parse_expect(form) for form in forms]
+    assert share.greatest.take == {"what": "share", "over": ["initial"], "of": "periodic"}
+    assert (line.least.at, line.share) == ({"mode": 1}, 0.05)
 
 
 def test_models_are_all_named() -> None:

@@ -12,7 +12,7 @@ from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
 from fiv_cli.analyses.variables import COMPUTED, Variable, derived
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
-from fiv_cli.case.grammar import OfClass, parse_condition
+from fiv_cli.case.grammar import Bounds, OfClass, Reference, parse_condition
 from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED, FigureKind
@@ -20,6 +20,7 @@ from fiv_cli.case.words import variable_meant
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed, suggest
+from fiv_cli.notation.units import parse_unit
 
 # Kinds of figures of what `fiv history` computes of a point, too.
 OF_MOTIONS = ("history", "phase", "spectrum", "spectrogram")
@@ -102,19 +103,87 @@ def _moves(variable: Variable | None) -> bool:
 
 
 def _check_claim(claim: ClaimSpec, case: Case, held: Held, place: Path, report: Report) -> None:
-    """Note what no analysis gives that a claim speaks of."""
-    known = _known(case, held, claim.analysis, with_motions=False)
-    if not known or not _check(claim.variable, known, (*place, "variable"), report):
+    """Note what no analysis gives that a claim speaks of, or compares with."""
+    known = _known_of(claim, case, held, place, report)
+    if not known:
         return
     _check_expected(claim, known, place, report)
-    places = _places(case, held, claim.analysis, claim.variable)
+    for key, reference in references_of(claim).items():
+        at = (*place, "expect", key)
+        elsewhere = {} if reference.case else _known_of(reference, case, held, at, report)
+        if elsewhere:
+            _check_compared(claim, reference, known, elsewhere, at, report)
+
+
+def references_of(claim: ClaimSpec) -> Mapping[str, Reference]:
+    """Key of the table ``expect`` of a claim -> what it compares with."""
+    return claim.expect.references if isinstance(claim.expect, Bounds) else {}
+
+
+def known_in(case: Case) -> dict[str, Variable | None]:
+    """Everything that stands in the dataset of a case without mistakes."""
+    held = {spec.name: _variables(case, spec, True) for spec in case.analyses}
+    return _known(case, held, None, with_motions=False)
+
+
+def _known_of(
+    said: ClaimSpec | Reference, case: Case, held: Held, place: Path, report: Report
+) -> Mapping[str, Variable | None]:
+    """All that stands where a claim looks; nothing, and a note, where its variable does not."""
+    known = _known(case, held, said.analysis, with_motions=False)
+    if not known or not _check(said.variable, known, (*place, "variable"), report):
+        return {}
+    if said.take:
+        _check_taken(said.take, said.variable, known, (*place, "take"), report)
+    places = _places(case, held, said.analysis, said.variable)
     if places is None:
-        return
-    places.check(claim.at, (*place, "at"), report, near=False)
-    if claim.take:
-        over, reference = claim.take["over"], claim.take.get("relative_to", {})
-        places.check_over(over, known[claim.variable], (*place, "take", "over"), report)
+        return known
+    places.check(said.at, (*place, "at"), report, near=False)
+    if said.take:
+        over, reference = said.take["over"], said.take.get("relative_to", {})
+        places.check_over(over, known[said.variable], (*place, "take", "over"), report)
         places.check(reference, (*place, "take", "relative_to"), report, near=False)
+    return known
+
+
+def _check_compared(
+    claim: ClaimSpec,
+    reference: Reference,
+    known: Mapping[str, Variable | None],
+    elsewhere: Mapping[str, Variable | None],
+    place: Path,
+    report: Report,
+) -> None:
+    """Note what cannot be compared: a class, several numbers at a point, another unit."""
+    one, other = known[claim.variable], elsewhere[reference.variable]
+    if reference.take or other is None:
+        return
+    told = {*claim.at, *reference.at}
+    several = [dim for dim in other.dims if dim not in told]
+    if other.kind == "flag":
+        message = f"{other.name!r} holds a class, with which no number is compared"
+        report.add((*place, "variable"), message)
+    elif other.ragged or several:
+        message = f"{other.name!r} has several values at a point"
+        said = f"at = {{ {several[0]} = 0 }}" if several else "one value at each point"
+        report.add(place, message, f"{said}, for example" if several else said)
+    elif one is not None and not claim.take:
+        _check_units(one, other, reference.times, place, report)
+
+
+def _check_units(one: Variable, other: Variable, times: float, place: Path, report: Report) -> None:
+    """Note numbers that do not measure the same, or do in units of which no factor makes one."""
+    if one.units == other.units:
+        return
+    message = f"{other.name!r} is in {other.units}, {one.name!r} in {one.units}"
+    try:
+        unit, of_other = parse_unit(one.units), parse_unit(other.units)
+    except ValueError:  # of a model from outside
+        return
+    if not of_other.fits(unit):
+        report.add(place, message, "a variable of the same unit")
+    elif times == 1.0:
+        report.add(place, message, f"times = {float(of_other.factor / unit.factor):.12g}")
 
 
 def _check_drawn(
@@ -229,7 +298,6 @@ def _check_expected(
     """Note a class that is expected of a number, and a number that is expected of a class."""
     name, classes, at = claim.variable, _classes(known[claim.variable]), (*place, "expect")
     if claim.take:
-        _check_taken(claim.take, name, known, (*place, "take"), report)
         name, classes = claim.take["what"], []
     if not isinstance(claim.expect, OfClass):
         if classes:

@@ -1,6 +1,6 @@
 """The grammar of figures and claims: conditions on ``.``, what is taken and what is expected.
 
-README.md, "What a figure or a claim can say", is the same for people.
+`fiv kinds claim` is the same for people.
 """
 
 from __future__ import annotations
@@ -8,17 +8,16 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from fiv_cli.case.toml import parse_toml, toml_text, toml_value
-from fiv_cli.notation.values import check_number, describe
+from fiv_cli.notation.names import listed
+from fiv_cli.notation.units import in_si
+from fiv_cli.notation.values import check_number, check_wanted, describe
 
 Test = tuple[str, float]
 """A sign of comparison and a bound: what ``.`` stands to the left of."""
-
-Bound = float | str
-"""A number, or ``CASE:variable``: what another case holds at the same point."""
 
 SAME = 1e-9
 """Two doubles nearest to the same decimal differ by less."""
@@ -30,13 +29,17 @@ _FORMS = (
     'a class, "not CLASS", "increasing", "decreasing", { value = V, tolerance = T }, '
     "{ less_than = V }, { greater_than = V } or { between = [LOW, HIGH] }"
 )
+_REFERS = "{ variable, analysis, case, at, take, times }"
+_AROUND = '{ value = V, tolerance = T }, T a number or a share such as "5 %"'
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _CONDITION = re.compile(
     rf"\s*(?:(?P<low>{_NUMBER})\s*(?P<left><=?)\s*)?\.\s*"
     rf"(?:(?P<right><=?|>=?|==)\s*(?P<high>{_NUMBER})\s*)?"
 )
 _CLASS = re.compile(r"(?P<negated>not )?(?P<name>[a-z][a-z0-9_+\->]*)")
-_OF_OTHER_CASE = re.compile(r"[^:\s]+:[A-Za-z]\w*")
+_NAME = r"(?:(?P<case>[^:\s*]+):)?(?P<variable>[A-Za-z]\w*)"
+_SCALED = re.compile(rf"\s*(?P<times>{_NUMBER})\s*\*\s*{_NAME}\s*")
+_SHARE = re.compile(rf"\s*(?P<percent>{_NUMBER})\s*%\s*")
 
 
 @dataclass(frozen=True)
@@ -55,12 +58,49 @@ class Trend:
 
 
 @dataclass(frozen=True)
+class Reference:
+    """What is compared with: a variable elsewhere, in this case or in another, at the same points.
+
+    Attributes
+    ----------
+    variable : empty: that of the claim
+    case : another case beside this one, by its name; empty: this one
+    analysis : the one that is meant; empty: the first that has the variable
+    at : where it is looked up, besides what the claim says of where
+    take : the one number that is taken of it; None: that of the claim, of the same variable
+    times : what it is multiplied by
+    """
+
+    variable: str = ""
+    case: str = ""
+    analysis: str = ""
+    at: Mapping[str, Any] = field(default_factory=dict)
+    take: Mapping[str, Any] | None = None
+    times: float = 1.0
+
+
+Bound = float | Reference
+
+
+@dataclass(frozen=True)
 class Bounds:
-    """What a number may be: from `least` to `greatest`, the two included or not (`strict`)."""
+    """What a number may be: from `least` to `greatest`, the two included or not (`strict`).
+
+    By `margin`, and by a `share` of them, it may lie outside of bounds that refer to a variable.
+    """
 
     least: Bound = -math.inf
     greatest: Bound = math.inf
     strict: bool = False
+    margin: float = 0.0
+    share: float = 0.0
+
+    @property
+    def references(self) -> dict[str, Reference]:
+        """Key of the table ``expect`` -> what it refers to."""
+        keys = ("greater_than", "less_than") if self.strict else ("value", "value")
+        bounds = zip(keys, (self.least, self.greatest), strict=True)
+        return {key: bound for key, bound in bounds if isinstance(bound, Reference)}
 
 
 Expected = OfClass | Trend | Bounds
@@ -103,26 +143,42 @@ def parse_expect(said: object) -> Expected:
             return said
         case "increasing" | "decreasing":
             return Trend(rises=said == "increasing")
+        case str() if _alone(said):
+            raise ValueError(
+                f"{said!r} is no class; a value has a tolerance: {_AROUND}; {_alone(said)}"
+            )
         case str():
             return parse_class(said)
         case {"value": value, "tolerance": tolerance, **rest} if not rest:
-            return _around(check_number(value), check_number(tolerance))
+            return _around(_bound(value), *_tolerance(tolerance))
+        case {"value": value, **rest} if not rest:
+            raise ValueError(f"{_fault(value)}a value has a tolerance: {_AROUND}")
         case {"less_than": bound, **rest} if not rest:
             return Bounds(greatest=_bound(bound), strict=True)
         case {"greater_than": bound, **rest} if not rest:
             return Bounds(least=_bound(bound), strict=True)
         case {"between": [low, high], **rest} if not rest:
-            return _between(check_number(low), check_number(high))
+            return _between(_number(low), _number(high))
         case {"interval": [low, high], "tolerance": tolerance, **rest}:
             ends = check_number(low), check_number(high), check_number(tolerance)
             raise ValueError(_in_place_of_interval(*ends, rest.get("of")))
     raise ValueError(f"must be {_FORMS}, not {_toml(said)}")
 
 
-def _around(value: float, tolerance: float) -> Bounds:
-    if tolerance < 0:
-        raise ValueError(f"the tolerance is negative: {tolerance!r}")
+def _around(value: Bound, margin: float, share: float) -> Bounds:
+    if isinstance(value, Reference):
+        return Bounds(value, value, margin=margin, share=share)
+    tolerance = margin + share * abs(value)
     return Bounds(value - tolerance, value + tolerance)
+
+
+def _tolerance(said: object) -> tuple[float, float]:
+    """A number, or a share ("5 %") of what is compared with."""
+    percent = _SHARE.fullmatch(said) if isinstance(said, str) else None
+    tolerance = float(percent["percent"]) / 100.0 if percent else _number(said)
+    if tolerance < 0:
+        raise ValueError(f"the tolerance is negative: {said!r}")
+    return (0.0, tolerance) if percent else (tolerance, 0.0)
 
 
 def _between(low: float, high: float) -> Bounds:
@@ -132,11 +188,57 @@ def _between(low: float, high: float) -> Bounds:
 
 
 def _bound(said: object) -> Bound:
-    if isinstance(said, str) and _OF_OTHER_CASE.fullmatch(said):
-        return said
-    if isinstance(said, str):
-        raise ValueError(f'a bound is a number or "CASE:variable", not {describe(said)}')
-    return check_number(said)
+    if isinstance(said, dict):
+        return _reference(said)
+    named = re.fullmatch(_NAME, said) if isinstance(said, str) else None
+    return Reference(named["variable"], named["case"] or "") if named else _number(said)
+
+
+def _reference(said: Mapping[str, Any]) -> Reference:
+    unknown = said.keys() - {one.name for one in fields(Reference)}
+    if unknown:
+        raise ValueError(f"what is compared with has no {listed(sorted(unknown))}: {_REFERS}")
+    for key in said.keys() & {"variable", "case", "analysis"}:
+        if not isinstance(said[key], str):
+            raise ValueError(f"{key} must be a name, not {describe(said[key])}")
+    for key in said.keys() & {"at", "take"}:
+        if not isinstance(said[key], dict):
+            raise ValueError(f"{key} must be a table, not {describe(said[key])}")
+    if _number(said.get("times", 1.0)) <= 0.0:
+        raise ValueError(f"times must be above 0, not {said['times']!r}")
+    at = {axis: check_wanted(value) for axis, value in said.get("at", {}).items()}
+    return Reference(**{**said, "at": at})
+
+
+def _number(said: object) -> float:
+    """A number; ValueError says what to write instead of a text."""
+    if not isinstance(said, str):
+        return check_number(said)
+    scaled = _SCALED.fullmatch(said)
+    if scaled:
+        named = {"variable": scaled["variable"], "times": float(scaled["times"])}
+        named |= {"case": scaled["case"]} if scaled["case"] else {}
+        raise ValueError(f"{said!r} is no number: write {_toml(named)}")
+    other = f'what is compared with is "VARIABLE", "CASE:VARIABLE" or {_REFERS}'
+    raise ValueError(f"{said!r} is no number; {_alone(said) or other}")
+
+
+def _alone(said: str) -> str:
+    """How to write a number that stands with its unit; nothing of another text."""
+    try:
+        value = in_si(said)
+    except ValueError:
+        return ""
+    unit = "write it alone, in the unit of the variable (`fiv variables CASE` tells it)"
+    return f"{unit}: {said} is {value:.12g} in SI"
+
+
+def _fault(said: object) -> str:
+    try:
+        _bound(said)
+    except ValueError as error:
+        return f"{error}; and "
+    return ""
 
 
 def check_holds(said: object) -> str | float:

@@ -117,8 +117,8 @@ _BY_KIND = {
 
 EXPECTS = {
     '"CLASS"': 'the class is this; "not CLASS": another',
-    "{ value = V, tolerance = T }": "it differs from V by no more than T",
-    "{ less_than = V }": 'it is below V; V may be "CASE:variable", what another case holds there',
+    "{ value = V, tolerance = T }": 'it differs from V by no more than T, or than "5 %" of V',
+    "{ less_than = V }": 'it is below V: a number, "VARIABLE", "CASE:VARIABLE" or a table',
     "{ greater_than = V }": "it is above V, likewise",
     "{ between = [LOW, HIGH] }": "it lies there; the ends count",
     '"increasing"': 'each step along the one axis that is left goes up; "decreasing": down',
@@ -168,10 +168,25 @@ where that is, and a map of it with level = 1.5 draws its border.
     take = { what = "classes", over = "initial" }
     expect = { greater_than = 1 }
 
-A point that was not computed, or whose class is undecided, may hold anything: what is taken over
-such points is an interval (share_low, share_high), and a claim about it is decided where both ends
-say the same: one about a border is not while undecided points lie beside it. A map draws the line
-at which its numbers have a `level` (one or several), of an interval that of each end; with
+In place of a number may stand what another variable is at the same points, "VARIABLE", what another
+case beside this one holds there, "CASE:VARIABLE", or a table { variable, analysis, case, at, take,
+times }. What that leaves out is as in the claim: here a sector halves the share of starts.
+
+    variable = "attractor"
+    at = { beta = "15 deg" }
+    take = { what = "share", of = "periodic", over = "initial" }
+    expect = { less_than = { at = { beta = 0 }, times = 0.5 } }
+
+To 5 % the frequency is that of mode 1, of another analysis of the case:
+
+    variable = "response_frequency"
+    expect = { value = { variable = "mode_frequency", at = { mode = 1 } }, tolerance = "5 %" }
+
+A number that may be off, as that of a `boundary`, is held against what is expected with all of its
+error. A point that was not computed, or whose class is undecided, may hold anything: what is taken
+over such points is an interval (share_low, share_high), and a claim about it is decided where both
+ends say the same: one about a border is not while undecided points lie beside it. A map draws the
+line at which its numbers have a `level` (one or several), of an interval that of each end; with
 overlay = true the lines alone, all in one panel.
 
 Examples: configs/ch7/fig_7_13.toml, fig_7_06_exists.toml (borders), fig_7_15.toml (overlaid lines),

@@ -18,6 +18,7 @@ from fiv_cli.case.fit import refuse_what_does_not_fit
 from fiv_cli.case.form import known_tables, read_form
 from fiv_cli.case.grid import read_grid, refuse_fixed_axes
 from fiv_cli.case.lines import locate
+from fiv_cli.case.others import check_others
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.physics import Physics, read_physics
 from fiv_cli.case.report import Report
@@ -149,6 +150,7 @@ def _build(
         own=physics.origins(),
     )
     check_what_is_asked(case, report)
+    check_others(case, report)
     refuse_what_does_not_fit(case, form, physics, report)
     return case
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fiv_cli.analyses.catalogue import named, own_dims
@@ -16,10 +16,11 @@ from fiv_cli.case.case import (
     StartSpec,
 )
 from fiv_cli.case.form import Form
-from fiv_cli.case.grammar import parse_condition
+from fiv_cli.case.grammar import Bounds, Expected, Reference, parse_condition
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, TakeTable
+from fiv_cli.case.tables import read_table
 from fiv_cli.notation.names import ascii_name, axis_name, can_name_a_file
 from fiv_cli.notation.units import convert
 
@@ -217,7 +218,7 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         source=table.source,
         text=table.text,
         variable=table.variable,
-        expect=table.expect,
+        expect=_expected(table, place, answers, report),
         at=_selection(table.at, answers, (*place, "at"), report, table.variable),
         holds=table.holds,
         note=table.note,
@@ -225,3 +226,32 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         take=_take(table.take, answers, (*place, "take"), report) if table.take else {},
         undecided_counts=table.undecided == "counts",
     )
+
+
+def _expected(table: ClaimTable, place: Path, answers: Answers, report: Report) -> Expected:
+    """What is expected, with all that is left out of what it is compared with."""
+    if not isinstance(table.expect, Bounds):
+        return table.expect
+    bounds, found = table.expect, {}
+    for key, one in bounds.references.items():
+        found[key] = _reference(one, table, (*place, "expect", key), answers, report)
+    least = found.get("value", found.get("greater_than", bounds.least))
+    greatest = found.get("value", found.get("less_than", bounds.greatest))
+    return replace(bounds, least=least, greatest=greatest)
+
+
+def _reference(
+    said: Reference, claim: ClaimTable, place: Path, answers: Answers, report: Report
+) -> Reference:
+    """A reference in the contract's names; axes and values of another case are its own."""
+    variable, take, at = said.variable or claim.variable, said.take, dict(said.at)
+    analysis = said.analysis or (claim.analysis or "") * (variable == claim.variable)
+    if not said.case:
+        _check_analysis(analysis or None, answers, place, report)
+        at = _selection(at, answers, (*place, "at"), report, variable)
+    if take is not None:
+        form = read_table(TakeTable, take, (*place, "take"), report)
+    else:
+        form = claim.take if variable == claim.variable else None
+    taken = _take(form, answers, (*place, "take"), report) if form else {}
+    return replace(said, variable=variable, analysis=analysis, at=at, take=taken)

@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of checking one case: its plan, its defaults and dear laws, or the error."""
+    """What came of checking one case: its plan, what is to know of a run, or the error."""
 
     source: str
     plan: tuple[str, ...] = ()
     defaults: Mapping[str, float] = field(default_factory=dict)
     stiff: tuple[str, ...] = ()
+    not_run: tuple[str, ...] = ()
     estimates: tuple[Estimate, ...] = ()
     error: FivError | None = None
 
@@ -83,12 +84,14 @@ def command(
 def check_case(source: str, overrides: Sequence[str], workers: int = 0) -> Verdict:
     """Read one case, plan it, and estimate its run on `workers`; an error is in the verdict."""
     from fiv_cli import api
+    from fiv_cli.case.others import not_run
 
     try:
         case = api.load(source, overrides)
         plan = api.check(case)
         estimates = tuple(_estimates(case, workers)) if workers else ()
-        return Verdict(source, tuple(plan.describe()), plan.defaults(), _stiff(plan), estimates)
+        told = tuple(plan.describe()), plan.defaults(), _stiff(plan), tuple(not_run(case))
+        return Verdict(source, *told, estimates)
     except FivError as error:
         return Verdict(source, error=error)
 
@@ -110,8 +113,8 @@ def _estimates(case: Case, workers: int) -> Iterator[Estimate]:
 def _print(verdicts: Iterable[Verdict]) -> None:
     for verdict in verdicts:
         if verdict.error is None:
-            stiff = (f"  {sentence}" for sentence in verdict.stiff)
-            lines = [*verdict.plan, *stiff, *(one.line() for one in verdict.estimates)]
+            more = (f"  {sentence}" for sentence in (*verdict.stiff, *verdict.not_run))
+            lines = [*verdict.plan, *more, *(one.line() for one in verdict.estimates)]
             click.echo(printable("\n".join(lines)))
         else:
             click.echo(str(verdict.error), err=True)
@@ -125,6 +128,7 @@ def _document(verdict: Verdict) -> dict[str, object]:
         "plan": verdict.plan,
         "defaults": verdict.defaults,
         "stiff": verdict.stiff,
+        "not_run": verdict.not_run,
         "estimates": [asdict(one) for one in verdict.estimates],
         "error": None if verdict.error is None else str(verdict.error).splitlines()[0],
         "problems": problems,

@@ -13,8 +13,14 @@ from fiv_cli.errors import printable
 @click.command("show")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.nc")
 @at_option("Only the points there: values, conditions ('. >= 7'), initial=LABEL. Repeatable.")
+@click.option(
+    "--csv",
+    "columns",
+    metavar="NAME,...",
+    help="Print variables as a table instead: a row for each value, its point beside it.",
+)
 @json_option
-def command(file: Path, places: tuple[str, ...], as_json: bool) -> None:
+def command(file: Path, places: tuple[str, ...], columns: str | None, as_json: bool) -> None:
     """Summarise the dataset FILE.nc.
 
     Says what was computed, how many points of each status and class there are, where starts end
@@ -26,13 +32,21 @@ def command(file: Path, places: tuple[str, ...], as_json: bool) -> None:
     Examples:
       fiv new pin-on-disc > a.toml && fiv run a.toml && fiv show runs/a.nc
       fiv show runs/a.nc --at "Omega=. >= 5"
+      fiv show runs/a.nc --csv attractor,L_s > a.csv
       fiv show runs/a.nc --json
     """
     from fiv_cli.reading.datasets import read_analyses
     from fiv_cli.reading.select import part_of_each
     from fiv_cli.reading.summary import lines, summarise
 
-    summary = summarise(part_of_each(read_analyses(file), parse_places(places)))
+    analyses, at = read_analyses(file), parse_places(places)
+    if columns is not None:
+        from fiv_cli.reading.table import as_csv
+
+        names = [name.strip() for name in columns.split(",")]
+        click.echo(as_csv(analyses, names, at), nl=False)
+        return
+    summary = summarise(part_of_each(analyses, at))
     if as_json:
         print_json(summary)
     else:

@@ -148,6 +148,12 @@ def convert(value: float | str, unit: str) -> float:
     return nearest_double(exact(value, unit))
 
 
+def in_si(text: str) -> float:
+    """The number with a unit that `text` states, in SI; ValueError when it states none."""
+    number, unit = _split(text, "1")
+    return nearest_double(number * parse_unit(unit or "1").factor)
+
+
 def nearest_double(value: Fraction) -> float:
     """The double nearest to `value`; ValueError when there is none."""
     try:

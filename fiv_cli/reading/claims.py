@@ -16,7 +16,7 @@ import json
 import math
 import shlex
 from collections import Counter
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -26,8 +26,12 @@ import xarray as xr
 
 from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import Case, ClaimSpec
-from fiv_cli.case.grammar import Bound, Bounds, OfClass, Trend
+from fiv_cli.case.grammar import Bound, Bounds, OfClass, Reference, Trend
 from fiv_cli.case.identity import default_output, is_of, output_of
+from fiv_cli.case.load import load_case
+from fiv_cli.case.others import file_of
+from fiv_cli.errors import FivError
+from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -36,6 +40,7 @@ from fiv_cli.reading.datasets import (
     ends_of,
     error_of,
     flag_names,
+    is_class,
     name_of_only,
     numbers,
     read_analyses,
@@ -45,8 +50,8 @@ from fiv_cli.reading.shares import ERROR, with_standard_error
 from fiv_cli.reading.take import taken
 
 Analyses = Mapping[str, xr.Dataset]
-Stored = Callable[[str], Analyses | None]
-"""Name of another case -> its analyses, None where it has not been run."""
+Stored = Callable[[str], Analyses]
+"""Name of another case -> its analyses; SelectionError where there are none."""
 
 _Ends = tuple[np.ndarray, np.ndarray]
 _Tried = tuple[np.ndarray, np.ndarray]
@@ -133,6 +138,11 @@ class _Numbers:
         """The same, but for the error."""
         return self.low, self.high
 
+    def further(self, margin: float, share: float) -> _Numbers:
+        """The numbers, greater by a margin and by a share of them."""
+        low, high = (end + margin + share * np.abs(end) for end in self.found)
+        return _Numbers(low, high, self.error * (1.0 + abs(share)))
+
 
 @dataclass(frozen=True)
 class _Values(_Numbers):
@@ -165,7 +175,8 @@ def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> li
     if analyses is None:
         return [Verdict(NOT_RUN, missing) for _ in case.claims]
     drawn = {start.label for start in case.starts if start.kind == "random"}
-    verdicts = [evaluate(claim, analyses, _stored, drawn) for claim in case.claims]
+    other = lambda name: _stored(name, case.source)  # noqa: E731
+    verdicts = [evaluate(claim, analyses, other, drawn) for claim in case.claims]
     partial = next(iter(analyses.values())).attrs.get("partial")
     left = f"; the run has {partial}, go on with: {_command(case)}" if partial else ""
     return [replace(v, found=v.found + left) if v.verdict == UNDETERMINED else v for v in verdicts]
@@ -205,10 +216,23 @@ def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
     )
 
 
-def _stored(case: str) -> dict[str, xr.Dataset] | None:
-    """Analyses of another case by its name (``fig_7_07`` for ``runs/fig_7_07.nc``)."""
-    path = output_of(case)
-    return read_analyses(path) if path.exists() else None
+def _stored(case: str, source: str) -> dict[str, xr.Dataset]:
+    """What another case, named in that at `source`, has found.
+
+    Raises
+    ------
+    SelectionError : it has not been run, or not as it stands now
+    """
+    file = file_of(case, source)
+    if not file.exists() and output_of(case).exists():
+        return read_analyses(output_of(case))
+    try:
+        analyses, missing = dataset_of(load_case(file))
+    except FivError as error:
+        raise select.SelectionError(str(error)) from None
+    if analyses is None:
+        raise select.SelectionError(missing)
+    return analyses
 
 
 def evaluate(
@@ -220,18 +244,18 @@ def evaluate(
     ----------
     claim : what is claimed
     analyses : name of the analysis -> dataset
-    other : name of another case -> its analyses, None where it has not been run
+    other : name of another case -> its analyses; SelectionError where there are none
     drawn : labels of the starts that are random
 
     Returns
     -------
     Verdict : never raises for what the dataset lacks; that is undetermined, and says why
     """
+    if claim.undecided_counts and claim.variable != "attractor":  # numbers, as measured
+        analyses = {n: one.drop_vars("attractor", errors="ignore") for n, one in analyses.items()}
     try:
         name = _holder(claim.variable, claim.analysis, analyses)
         dataset = analyses[name]
-        if claim.undecided_counts and claim.variable != "attractor":  # numbers, as measured
-            dataset = dataset.drop_vars("attractor", errors="ignore")
         part, variable = _asked(dataset, claim, drawn)
         match claim.expect:
             case OfClass():
@@ -239,7 +263,8 @@ def evaluate(
             case Trend():
                 trial = _try_trend(claim.expect, part, variable)
             case Bounds():
-                trial = _try_bounds(claim.expect, part, variable, claim.at, other)
+                stored = lambda case: other(case) if case else analyses  # noqa: E731
+                trial = _try_bounds(claim.expect, part, variable, claim.at, stored)
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
     if END in part.attrs and (part[variable] == part.attrs[END]).any():
@@ -247,7 +272,7 @@ def evaluate(
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
-    verdict = _judge(trial, claim.holds)
+    verdict = _judge(trial, claim.holds, _why_open(trial, part))
     hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
     if verdict.verdict == UNDETERMINED and trial.blurred.any():
         hint = f", {_sharpened(name, dataset)}{hint}"
@@ -261,6 +286,8 @@ def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
         reasons = dict.fromkeys(class_names(part.get("reason", part["status"])))
         told = ", ".join(name for name in reasons if name not in ("none", "ok"))
         return f": {told} (fiv show says what it means)" if told else ""
+    if verdict.points == verdict.open and variable != "attractor" and _has_undecided(part):
+        return ': undecided = "counts" in the claim takes what was measured of them until t_max'
     own = [dim for dim in part[variable].dims if dim not in part["status"].dims]
     several = set(own) <= set(own_dims()) and numbers(part[variable]).notnull().sum(own) > 1
     if not own or not np.any(several):
@@ -269,7 +296,13 @@ def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
     return f", several at a point: at = {{ {own[0]} = {json.dumps(*first)} }} takes the first"
 
 
-def _asked(dataset: xr.Dataset, claim: ClaimSpec, drawn: Container[str]) -> tuple[xr.Dataset, str]:
+def _has_undecided(part: xr.Dataset) -> bool:
+    return "attractor" in part and bool(is_class(part["attractor"], ("undecided",)).any())
+
+
+def _asked(
+    dataset: xr.Dataset, claim: ClaimSpec | Reference, drawn: Container[str] = ()
+) -> tuple[xr.Dataset, str]:
     """The part of the dataset that a claim is about, and the variable of it.
 
     What `at` says of axes along which something is taken says of what; the rest selects results.
@@ -311,7 +344,7 @@ def _holder(variable: str, analysis: str, analyses: Analyses) -> str:
     raise select.SelectionError(f"{variable}: no variable of the dataset")
 
 
-def _judge(trial: _Trial, holds: str | float) -> Verdict:
+def _judge(trial: _Trial, holds: str | float, why_open: str) -> Verdict:
     """From hits, misses and open points to a verdict."""
     points, hits, unknown = trial.hit.size, int(trial.hit.sum()), int(trial.open.sum())
     if points == 0:
@@ -323,7 +356,7 @@ def _judge(trial: _Trial, holds: str | float) -> Verdict:
         verdict = CONFIRMED
     elif handful or hits + unknown < needed:
         verdict = CONTRADICTED
-    return Verdict(verdict, _finding(trial, hits, points, unknown), hits, points, unknown)
+    return Verdict(verdict, _finding(trial, hits, points, why_open), hits, points, unknown)
 
 
 def _needed(holds: str | float, points: int) -> int:
@@ -336,15 +369,28 @@ def _needed(holds: str | float, points: int) -> int:
     return math.ceil(round(float(holds) * points, 9))
 
 
-def _finding(trial: _Trial, hits: int, points: int, unknown: int) -> str:
-    parts = [f"{hits} of {points} {trial.noun}", trial.found]
+def _finding(trial: _Trial, hits: int, points: int, why_open: str) -> str:
+    parts = [f"{hits} of {points} {trial.noun}", trial.found, why_open]
     blurred = int(trial.blurred.sum())
-    if unknown > blurred:
-        parts.append(f"{unknown - blurred} not decided or not computed")
     if blurred:
         parts.append(f"{blurred} not known well enough: the error reaches past what is expected")
     parts.append(_where_missed(trial))
     return ", ".join(part for part in parts if part)
+
+
+def _why_open(trial: _Trial, part: xr.Dataset) -> str:
+    """How many have no answer, and the reasons of their points, or else their status."""
+    rows = trial.row[trial.open & ~trial.blurred]
+    if not rows.size:
+        return ""
+    told, status = f"{rows.size} not decided or not computed", class_names(part["status"])
+    if trial.noun != "points":
+        return told
+    reasons = class_names(part["reason"]) if "reason" in part else status
+    named = np.where(np.isin(reasons, ("", "none", NOT_COMPUTED)), status, reasons)[rows]
+    counts = Counter(named[~np.isin(named, ("ok", ""))].tolist())
+    listed = ", ".join(f"{name} {count}" for name, count in counts.most_common())
+    return f"{told} ({listed})" if listed else told
 
 
 def _where_missed(trial: _Trial) -> str:
@@ -371,12 +417,16 @@ def _try_class(expect: OfClass, part: xr.Dataset, variable: str) -> _Trial:
 
 
 def _try_bounds(
-    expect: Bounds, part: xr.Dataset, variable: str, at: Mapping[str, Any], other: Stored
+    expect: Bounds, part: xr.Dataset, variable: str, at: Mapping[str, Any], stored: Stored
 ) -> _Trial:
-    """Each value lies between numbers, or what another case holds at the same point."""
+    """Each value lies between numbers, or beside what is found elsewhere at the same point."""
     values = _values(part, variable)
-    least, greatest = (_bound(end, at, values, other) for end in (expect.least, expect.greatest))
-    against = [f"against {_span(bound)}" for bound in (least, greatest) if bound.low.ndim]
+    least, greatest = (_bound(end, at, values, stored) for end in (expect.least, expect.greatest))
+    bounds = (least, greatest)
+    against = dict.fromkeys(f"against {_span(bound)}" for bound in bounds if bound.low.ndim)
+    if expect.margin or expect.share:
+        least = least.further(-expect.margin, -expect.share)
+        greatest = greatest.further(expect.margin, expect.share)
     tried = _within(values.ends, least.ends, greatest.ends, expect.strict)
     as_found = _within(values.found, least.found, greatest.found, expect.strict)
     return values.trial(tried, ", ".join([_range(values, part[variable]), *against]), as_found)
@@ -390,21 +440,19 @@ def _within(value: _Ends, least: _Ends, greatest: _Ends, strict: bool) -> _Tried
     return hit, np.isnan(least[0]) | np.isnan(greatest[0]) | (may_be & ~hit)
 
 
-def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, other: Stored) -> _Numbers:
-    """A number, or the value of ``CASE:variable`` at the point of each value found, else NaN."""
-    if not isinstance(bound, str):
+def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, stored: Stored) -> _Numbers:
+    """A number, or what is referred to at the point of each value found, else NaN."""
+    if not isinstance(bound, Reference):
         return _Numbers(np.array(bound), np.array(bound), np.array(0.0))
-    case, _, variable = bound.rpartition(":")
-    analyses = other(case)
-    if analyses is None:
-        raise select.SelectionError(f"{case} has not been run")
-    dataset = analyses[_holder(variable, "", analyses)]
+    analyses = stored(bound.case)
+    dataset = analyses[_holder(bound.variable, bound.analysis, analyses)]
     axes = select.axis_names(dataset)
     shared = {name: wanted for name, wanted in at.items() if name.replace(".", "_") in axes}
-    part = select.subset(dataset, shared, nearest=False)
+    part, variable = _asked(dataset, replace(bound, at={**shared, **bound.at}))
     known = ~unknown_points(part, variable, False)
     told = (*ends_of(part, variable), _errors(part, variable))
-    arrays = (_at_points_of(one.where(known), values.rows) for one in told)
+    own = [select.axis_of(dataset, name).dims[0] for name in bound.at]
+    arrays = (_at_points_of(bound.times * one.where(known), values.rows, own) for one in told)
     return _Numbers(*(np.asarray(one.values.ravel()[values.row]) for one in arrays))
 
 
@@ -465,14 +513,22 @@ def _one_axis(part: xr.Dataset) -> xr.DataArray:
     return next(iter(left.values()))
 
 
-def _at_points_of(array: xr.DataArray, points: xr.DataArray) -> xr.DataArray:
-    """`array` at the coordinates of `points`: NaN where it has no such point."""
+def _at_points_of(
+    array: xr.DataArray, points: xr.DataArray, own: Sequence[Hashable]
+) -> xr.DataArray:
+    """`array` at the coordinates of `points`: NaN where it has no such point.
+
+    Along its `own` dims it stands at one place, whatever that of the points.
+    """
     for dim in map(str, array.dims):
         axis, is_one = array.coords.get(dim), array.sizes[dim] == 1
         # the one start of the other case stands for whatever start this case has
-        if dim not in points.dims or (is_one and axis is not None and not select.is_numeric(axis)):
+        is_label = is_one and axis is not None and not select.is_numeric(axis)
+        if dim not in points.dims or dim in own or is_label:
             if not is_one:
-                message = f"{dim}: an axis of the other case only; narrow it with `at`"
+                message = (
+                    f"{dim}: an axis of what it is compared with; narrow it to one in its `at`"
+                )
                 raise select.SelectionError(message)
             array = array.isel({dim: 0}, drop=True)
         elif axis is not None and select.is_numeric(axis):

@@ -1,0 +1,66 @@
+"""Cases that the claims of a case compare with: they lie beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from fiv_cli.analyses.variables import Variable
+from fiv_cli.case.asked import known_in, references_of
+from fiv_cli.case.case import Case
+from fiv_cli.case.grammar import Reference
+from fiv_cli.case.identity import output_of
+from fiv_cli.case.report import Path as Place
+from fiv_cli.case.report import Report
+from fiv_cli.case.toml import parse_toml, toml_text
+from fiv_cli.errors import FivError
+from fiv_cli.notation.names import suggest
+
+
+def file_of(name: str, source: str) -> Path:
+    """The file of the case `name` that the case at `source` names."""
+    return Path(source).parent / f"{name}.toml"
+
+
+def not_run(case: Case) -> Iterator[str]:
+    """What to run before claims of `case` can be held against what other cases found."""
+    named = [one.case for claim in case.claims for one in references_of(claim).values()]
+    for name in dict.fromkeys(filter(None, named)):
+        if not output_of(name).exists():
+            yield f"a claim compares with {name}, not run yet: fiv run {file_of(name, case.source)}"
+
+
+def check_others(case: Case, report: Report) -> None:
+    """Note every other case that a claim names and that is not there, and variables it lacks."""
+    for index, claim in enumerate(case.claims):
+        for key, reference in references_of(claim).items():
+            if reference.case:
+                _check_other(reference, ("claim", index, "expect", key), report)
+
+
+def _check_other(reference: Reference, place: Place, report: Report) -> None:
+    name, file = reference.case, file_of(reference.case, report.source)
+    if not file.is_file():
+        beside = sorted(one.stem for one in file.parent.glob("*.toml"))
+        if not output_of(name).exists():
+            allowed = f"the name of a case beside this one, or of a dataset {output_of('NAME')}"
+            report.add(place, f"there is no case {file}", allowed, suggest(name, beside), True)
+        return
+    try:
+        known = _known(file)
+    except (FivError, OSError, ValueError):
+        report.add(place, f"{file} has mistakes", suggestion=f"fiv check {file}", of_name=True)
+        return
+    if reference.variable not in known:
+        variables = [one.name for one in known.values() if one is not None]
+        message = f"no analysis of {file} computes {reference.variable!r}"
+        report.unknown(place, message, reference.variable, variables)
+
+
+def _known(file: Path) -> dict[str, Variable | None]:
+    """What another case will hold; its own claims, which may speak of this one, are left out."""
+    from fiv_cli.case.load import parse_case
+
+    document = parse_toml(file.read_text(encoding="utf-8"))
+    rest = {key: value for key, value in document.items() if key not in ("claim", "figure")}
+    return known_in(parse_case(toml_text(rest), str(file)))

@@ -1,0 +1,51 @@
+"""Variables as a table: every value in a row, with the axes of its point."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import numpy as np
+import pytest
+import synthetic_datasets as data
+
+from fiv_cli.errors import UsageError
+from fiv_cli.reading.table import as_csv
+
+
+def rows(dataset, *names, **at):
+    return list(csv.DictReader(io.StringIO(as_csv({"response": dataset}, names, at))))
+
+
+def test_a_row_for_each_point_that_has_a_value():
+    classes = np.array(["periodic", "not_computed", "chaotic"], object)
+    found = data.response(classes, np.array([1.0, np.nan, 0.1]), {"v": [0.5, 1.0, 2.0]})
+    assert rows(found, "attractor", "L_s") == [
+        {"v": "0.5", "attractor": "periodic", "L_s": "1.0"},
+        {"v": "2.0", "attractor": "chaotic", "L_s": "0.1"},
+    ]
+    assert [row["v"] for row in rows(found, "L_s", v=". > 0.5")] == ["2.0"]
+    errors = found.assign(critical_value=found["L_s"], critical_error=found["L_s"] / 10)
+    assert rows(errors, "critical_value")[0] == {
+        "v": "0.5", "critical_value": "1.0", "critical_error": "0.1"
+    }  # fmt: skip
+
+
+def test_values_of_any_number_per_point_stand_beside_their_points():
+    found = data.bifurcation()
+    told = rows(found, "section_value")
+    assert len(told) == found.sizes["section_obs"]
+    assert [float(row["section_value"]) for row in told] == found["section_value"].values.tolist()
+    sizes = found["section_row_size"]
+    first = sizes.isel(initial=0).values
+    label = str(found["initial"].values[0])
+    counted = [
+        sum(float(row["Omega"]) == Omega and row["initial"] == label for row in told)
+        for Omega in found["Omega"].values
+    ]
+    assert counted == first.tolist()
+
+
+def test_what_is_not_there_is_told():
+    with pytest.raises(UsageError, match=r"no variable 'L_S'; did you mean 'L_s'"):
+        rows(data.bifurcation(), "L_S")
