@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from llvmlite import ir
-from numba import cfunc, types
+from numba import cfunc, config, types
 from numba.extending import (
     intrinsic,
     lower_builtin,
@@ -84,21 +84,22 @@ class Context(Protocol):
 
 # What an entry calls where a kernel raises, which none does, and numba alone provides.
 RAISING = re.compile(r"^declare (.* @(?:numba|NRT)_\w+\(.*\)).*$", re.MULTILINE)
+# Of loops that clear a few numbers LLVM would make calls of memset: a tenth of a run of the belt.
+BEGINNING = re.compile(r"^(define .*) \{$", re.MULTILINE)
 
 
 def text_of(entry: Kernel, signature: str, name: str) -> str:
     """LLVM text of an entry called `name`, as C calls it, and of all that it needs of numba.
 
-    Raises
-    ------
-    TypeError
-        a kernel may raise an exception: there is nobody to take it.
+    numba is kept from optimising it, function by function: what takes it up does that as a whole.
     """
-    made = cfunc(signature, **OPTIONS)(entry)
-    text = made.inspect_llvm()
-    if ".const.pickledata" in text:
-        raise TypeError(f"{name}: kernels raise no exceptions")
-    whole = RAISING.sub(r"define \1 { call void @llvm.trap() unreachable }", text)
+    level, config.OPT = config.OPT, type(config.OPT)(0)
+    try:
+        made = cfunc(signature, **OPTIONS)(entry)
+    finally:
+        config.OPT = level
+    text = RAISING.sub(r"define \1 { call void @llvm.trap() unreachable }", made.inspect_llvm())
+    whole = BEGINNING.sub(r'\1 "no-builtin-memset" {', text)
     return whole.replace(made.native_name, name) + "declare void @llvm.trap()\n"
 
 

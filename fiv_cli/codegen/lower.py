@@ -63,6 +63,11 @@ def compile_entry(text: str, entry: str) -> bytes:
     """Object code of LLVM text, in which one function alone is called from elsewhere.
 
     LLVM is told so: what every function returns in the same way, or hands on to nobody, goes.
+
+    Raises
+    ------
+    TypeError
+        it may raise an exception of Python: there is nobody to take it.
     """
     machine, module = target_machine(effort=3), llvm.parse_assembly(text)
     module.verify()
@@ -72,6 +77,8 @@ def compile_entry(text: str, entry: str) -> bytes:
     options = llvm.create_pipeline_tuning_options(speed_level=3)
     builder = llvm.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
+    if any(constant.name.startswith(".const.pickledata") for constant in module.global_variables):
+        raise TypeError(f"{entry}: kernels raise no exceptions")
     return bytes(machine.emit_object(module))
 
 

@@ -785,16 +785,21 @@ def decide(run: Run, trigger_kind: int, trigger_contact: int, grazing: bool) -> 
     return False
 
 
-@native
+@inlined
 def state_after(run: Run, index: int, t: float, x: float, out: Floats) -> None:
     """State a time x into the step that begins at (t, y)."""
-    n = run.n_states
     if run.is_taylor == 1:
         call_generated(run.sum_series, run.coefficients, x, run.series, out)
-        return
-    field, inner = run.outputs, run.inner
+    else:
+        runge_kutta(run, index, t, x, out)
+
+
+@native
+def runge_kutta(run: Run, index: int, t: float, x: float, out: Floats) -> None:
+    """The same by classical Runge-Kutta of order 4 (thesis 3.39, 3.40), stage by stage."""
+    n, field, inner = run.n_states, run.outputs, run.inner
     call_generated(run.field[index], run.coefficients, t, run.y, field)
-    for i in range(n):  # stage by stage: classical Runge-Kutta of order 4 (thesis 3.39, 3.40)
+    for i in range(n):
         out[i] = field[i] + x / 6.0 * field[n + i]
         inner[i] = field[i] + 0.5 * x * field[n + i]
     start = run.begun
@@ -1377,7 +1382,7 @@ def coincides(run: Run, hit: int, step: float, root: float, fraction: float) -> 
     return on_section(run, series_value(run.series, offset, run.order, fraction * step), step)
 
 
-@native
+@inlined
 def fall(
     run: Run, index: int, step: float, row: int, entry: int, zeros: int, factor: float, shift: float
 ) -> float:
