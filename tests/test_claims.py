@@ -290,7 +290,7 @@ def test_of_undecided_points_alone_the_finding_says_what_takes_their_numbers():
     dataset = sweep(["undecided", "not_computed"], status=["ok", "pending"], reason=reasons)
     found = tried(dataset, "L_s", {"less_than": 4}).found
     assert "2 not decided or not computed (time_budget 1, pending 1)" in found
-    assert 'undecided = "counts"' in found
+    assert "fiv show says what helps; undecided = \"counts\"" in found
 
 
 def test_integers_that_were_not_computed_are_no_numbers():

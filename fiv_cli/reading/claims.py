@@ -286,8 +286,9 @@ def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
         reasons = dict.fromkeys(class_names(part.get("reason", part["status"])))
         told = ", ".join(name for name in reasons if name not in ("none", "ok"))
         return f": {told} (fiv show says what it means)" if told else ""
-    if verdict.points == verdict.open and variable != "attractor" and _has_undecided(part):
-        return ': undecided = "counts" in the claim takes what was measured of them until t_max'
+    if verdict.points == verdict.open and _has_undecided(part):
+        counted = '; undecided = "counts" in the claim takes what was measured of them until t_max'
+        return f": fiv show says what helps{counted if variable != 'attractor' else ''}"
     own = [dim for dim in part[variable].dims if dim not in part["status"].dims]
     several = set(own) <= set(own_dims()) and numbers(part[variable]).notnull().sum(own) > 1
     if not own or not np.any(several):
