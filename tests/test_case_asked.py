@@ -103,6 +103,7 @@ def test_what_will_be_there(text: str) -> None:
         (figure('kind = "curve"', 'variable = "L_s"', OF_CLASS), "figure.0.take.of", "a number"),
         (claim("L_s", LESS.format("at = { v = 2 }")), f"{THERE}.at.v", "2 is not on the axis"),
         (claim("L_s", LESS.format("at = { u = 2 }")), f"{THERE}.at.u", "nothing called 'u'"),
+        (claim("L_s", '{ less_than = "L_s" }'), THERE, "is what the claim itself is about"),
         (claim("L_s", LESS.format('variable = "L"')), f"{THERE}.variable", "computes 'L'"),
         (claim("L_s", LESS.format('analysis = "b"')), f"{THERE}.analysis", "named 'b'"),
         (claim("L_s", LESS.format('variable = "attractor"')), f"{THERE}.variable", "a class"),

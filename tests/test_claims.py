@@ -290,7 +290,7 @@ def test_of_undecided_points_alone_the_finding_says_what_takes_their_numbers():
     dataset = sweep(["undecided", "not_computed"], status=["ok", "pending"], reason=reasons)
     found = tried(dataset, "L_s", {"less_than": 4}).found
     assert "2 not decided or not computed (time_budget 1, pending 1)" in found
-    assert "fiv show says what helps; undecided = \"counts\"" in found
+    assert 'fiv show says what helps; undecided = "counts"' in found
 
 
 def test_integers_that_were_not_computed_are_no_numbers():
@@ -499,6 +499,14 @@ def test_a_case_compares_its_slices_and_its_analyses(at, expect, verdict):
     at = at or {"mu_k": ". < 0.35"}
     found = evaluate(claim("L_s", expect, at), {"a": this, "b": that}, None)
     assert found.verdict == verdict, found
+
+
+def test_of_axes_that_advance_together_either_says_where():
+    along = {**data.axes(mu_k=[0.1, 0.2]), "N0": ("mu_k", [10.0, 20.0])}
+    dataset = data.response(["periodic"] * 2, [1, 2], {"mu_k": along["mu_k"]})
+    dataset = dataset.assign_coords(N0=along["N0"])
+    above = {"greater_than": own(at={"N0": 10.0}, times=1.9)}
+    assert tried(dataset, "L_s", above, {"mu_k": 0.2}).verdict == CONFIRMED
 
 
 def test_the_same_is_taken_of_both_sides():

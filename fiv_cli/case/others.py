@@ -19,7 +19,7 @@ from fiv_cli.notation.names import suggest
 
 def file_of(name: str, source: str) -> Path:
     """The file of the case `name` that the case at `source` names."""
-    return Path(source).parent / f"{name}.toml"
+    return Path(source).parent / f"{name.removesuffix('.toml')}.toml"
 
 
 def not_run(case: Case) -> Iterator[str]:

@@ -447,12 +447,12 @@ def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, stored: Stored)
         return _Numbers(np.array(bound), np.array(bound), np.array(0.0))
     analyses = stored(bound.case)
     dataset = analyses[_holder(bound.variable, bound.analysis, analyses)]
-    axes = select.axis_names(dataset)
-    shared = {name: wanted for name, wanted in at.items() if name.replace(".", "_") in axes}
+    dims = {name: select.axis_of(dataset, name).dims[0] for name in select.axis_names(dataset)}
+    own = [dims.get(name.replace(".", "_")) for name in bound.at]
+    shared = {n: at[n] for n in at if dims.get(n.replace(".", "_")) not in (None, *own)}
     part, variable = _asked(dataset, replace(bound, at={**shared, **bound.at}))
     known = ~unknown_points(part, variable, False)
     told = (*ends_of(part, variable), _errors(part, variable))
-    own = [select.axis_of(dataset, name).dims[0] for name in bound.at]
     arrays = (_at_points_of(bound.times * one.where(known), values.rows, own) for one in told)
     return _Numbers(*(np.asarray(one.values.ravel()[values.row]) for one in arrays))
 
