@@ -155,8 +155,8 @@ def _check_compared(
     report: Report,
 ) -> None:
     """Note what cannot be compared: a class, several numbers at a point, another unit."""
-    looked_up = claim.variable, claim.analysis, claim.take
-    if (reference.variable, reference.analysis, reference.take) == looked_up and not reference.at:
+    sides = ((one.variable, one.analysis, one.take) for one in (claim, reference))
+    if not reference.at and next(sides) == next(sides) and report.is_sound(place):
         report.add(place, "is what the claim itself is about", "at = { AXIS = VALUE }, elsewhere")
     one, other = known[claim.variable], elsewhere[reference.variable]
     if reference.take or other is None:
