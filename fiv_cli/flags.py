@@ -241,6 +241,11 @@ REASONS: tuple[Reason, ...] = (
         "leaves_range",
         "a parameter that varies harmonically leaves its range: lower its amplitude",
     ),
+    Reason(
+        "time_stands_still",
+        "steps are too short to move the time (a number has 16 digits), so more of them lead "
+        "nowhere: a law or a spring is too stiff; lower its stiffness (sigma, sigma_0, k, ...)",
+    ),
 )
 
 # Reasons of motions that ended: answers, without what a motion has at its end.

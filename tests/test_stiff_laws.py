@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from motions import defaults, motion
 
 from fiv_cli import api
-from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.analyses.base import Outcome, SolverSettings
 from fiv_cli.analyses.rest.stiffness import cost_of
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.sweep.stiff import DEAR, stiff_laws
@@ -97,3 +98,22 @@ def test_rate_and_state_is_as_stiff_at_rest_as_can_be_said() -> None:
     }
     (said,) = stiff_laws(api.check(api.load(case)).analyses)
     assert "up to 1,000,000,000 times" in said and "nearly rests" in said
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings"),
+    [("response", {"t_max": 50.0}), ("history", {"t_end": 2.0, "sample": 0.1})],
+)
+def test_steps_that_do_not_move_the_time_are_not_made(kind: str, settings: Any) -> None:
+    """They end a run at once with a reason of its own, as if all that are allowed were made."""
+
+    def found(most: int) -> Outcome:
+        asked = "belt-1dof", "tanh of coulomb", kind, {"x": 1.0}, settings
+        return api.analyse(*asked, solver=SolverSettings(max_steps=most), sigma=1e17)
+
+    few, all_of_them = found(2000), found(10**9)
+    assert (few.status, few.reason) == ("budget", "too_many_steps")
+    assert (all_of_them.status, all_of_them.reason) == ("budget", "time_stands_still")
+    assert all_of_them.values.pop("n_steps") == 10**9 and few.values.pop("n_steps") == 2000
+    for name, value in few.values.items():
+        np.testing.assert_array_equal(all_of_them.values[name], value)

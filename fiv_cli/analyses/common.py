@@ -125,7 +125,7 @@ def stopped(stop: Stop) -> Outcome | None:
     reason = STOP_REASONS.get(stop)
     if reason is None:
         return None
-    if stop in (Stop.STEP_BUDGET, Stop.EVENT_BUDGET):
+    if stop in (Stop.STEP_BUDGET, Stop.EVENT_BUDGET, Stop.STANDS_STILL):
         return Outcome(status="budget", reason=reason)
     if stop in (Stop.DIVERGED, Stop.CONTACT_LOST):
         return Outcome(reason=reason)

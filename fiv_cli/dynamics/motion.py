@@ -64,10 +64,12 @@ class Stop(IntEnum):
     CHATTERING = kernel.CHATTERING
     DEPENDENT = kernel.DEPENDENT
     NO_NUMBER = kernel.NO_NUMBER
+    STANDS_STILL = kernel.NO_NUMBER + 1  # which the driver does not see
 
 
 INFINITE = float("inf")
 CALL_SECONDS = 0.1  # that a call of the driver may take
+STILL = 1000  # steps in which nothing moves, many more than events at one instant may take
 STOPS = tuple(Stop)  # by their numbers
 
 # Reasons of the outcomes of motions that could not go on.
@@ -81,7 +83,15 @@ STOP_REASONS = {
     Stop.CHATTERING: "chattering",
     Stop.DEPENDENT: "dependent_contacts",
     Stop.NO_NUMBER: "no_number",
+    Stop.STANDS_STILL: "time_stands_still",
 }
+
+
+class _Here(NamedTuple):
+    """How many steps have led where: to which time and state."""
+
+    n_steps: int
+    place: tuple[float, bytes]
 
 
 class Measures(NamedTuple):
@@ -499,9 +509,13 @@ class Motion:
 
     def drive(self, going_on: Callable[..., int], *asked: float) -> Stop:
         """Call what goes on with the motion until it ends for another reason than to look up."""
-        code = going_on(*asked)
+        code, since = going_on(*asked), _Here(0, (0.0, b""))
         while code == kernel.STEP_BUDGET and self._may_go_on():
-            begun = perf_counter()
+            begun, here = perf_counter(), _Here(self.n_steps, (self.time, self.y.tobytes()))
+            since = here if here.place != since.place else since
+            if here.n_steps - since.n_steps >= STILL:
+                self.frame.n_steps = self.solver.max_steps  # the rest would be like these
+                return Stop.STANDS_STILL
             code = going_on(*asked)
             self.stride = next_stride(self.stride, perf_counter() - begun)
         return STOPS[code]

@@ -18,7 +18,7 @@ from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.memory import DTYPES, Array, address_of, call_driver
 from fiv_cli.dynamics.arrays import blank_frame, ledger_of, sample_width
 from fiv_cli.dynamics.compiled import DRIVER, FILES, run_at
-from fiv_cli.dynamics.kernel import REACHED, Run
+from fiv_cli.dynamics.kernel import NO_NUMBER, REACHED, Run
 from fiv_cli.dynamics.motion import STOPS, Ledger, Motion, Samples, Stop
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import System, Vector
@@ -29,7 +29,7 @@ AT_ONCE = 16  # motions that are run between two looks at what may ask for an en
 EVENTS, MOST_EVENTS, BOOKED = (
     Run.fields[name].place for name in ("n_events", "max_events", "n_ledger")
 )
-REASONS = len(STOPS)
+REASONS = NO_NUMBER + 1  # why the driver stops; an edit of its files has this compiled anew
 
 
 def run_each(driver: int, address: int, width: int, count: int, until: float) -> int:
