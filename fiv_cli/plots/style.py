@@ -79,7 +79,7 @@ ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
 IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 MM = 1.0 / 25.4  # inches
-LEAST_PANEL = 1.6  # inches, upright
+LEAST_PANEL = 14.4  # upright, in heights of letters
 NARROWEST, WIDEST = 20.0, 2000.0  # mm
 
 
@@ -267,7 +267,8 @@ def resize(figure: Figure, width: float, height: float, rows: int) -> None:
     look = _LOOK.get()
     if look.width is not None:
         factor = look.width * MM / width
-        width, height = look.width * MM, max(height * factor, LEAST_PANEL * rows)
+        least = LEAST_PANEL * look.size / POINTS
+        width, height = look.width * MM, max(height * factor, least * rows)
     if look.height is not None:
         height = look.height * MM
     figure.set_size_inches(width, height)
@@ -282,17 +283,33 @@ def level(ax: Axes) -> None:
 
 def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
-    if len(figure.axes) > 1:
+    words = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
+    added = 0
+    tame_texts(figure)
+    for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
         figure.draw_without_rendering()  # panels have their places then
-    for ax in figure.axes:
-        beside, upright = _room(ax)
-        locator = ax.xaxis.get_major_locator()
-        if isinstance(locator, AutoLocator):
-            locator.set_params(nbins=max(2, min(9, beside // TICK_LETTERS)))
-        ax.title.set_text("\n".join(_folded(one, beside) for one in ax.get_title().splitlines()))
-        ax.set_xlabel(_folded(ax.get_xlabel(), beside))
-        ax.set_ylabel(_folded(ax.get_ylabel(), upright))
+        lines = [_fit(ax, *own) for ax, own in zip(figure.axes, words, strict=True)]
+        make_room(figure, max(lines) - added)
+        added = max(lines)
     thicken(figure)
+
+
+def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
+    """Set words and ticks as there is room; lines that all panels above each other have more."""
+    beside, upright = _room(ax)
+    locator = ax.xaxis.get_major_locator()
+    if isinstance(locator, AutoLocator):
+        locator.set_params(nbins=max(2, min(9, beside // TICK_LETTERS)))
+    above = "\n".join(_folded(one, beside) for one in title.splitlines())
+    below = _folded(xlabel, beside)
+    ax.set(title=above, xlabel=below, ylabel=_folded(ylabel, upright))
+    return (above.count("\n") - title.count("\n") + below.count("\n")) * _rows(ax)
+
+
+def _rows(ax: Axes) -> int:
+    """How many panels stand one above the other; of what is beside panels none."""
+    place = ax.get_subplotspec()
+    return 0 if place is None else place.get_gridspec().nrows
 
 
 def _room(ax: Axes) -> tuple[int, int]:
@@ -300,7 +317,7 @@ def _room(ax: Axes) -> tuple[int, int]:
     figure, place = ax.figure.figure, ax.get_position()
     letter = LETTER * _LOOK.get().size / POINTS
     sides = place.width * figure.get_figwidth(), place.height * figure.get_figheight()
-    return int(1.1 * sides[0] / letter), int(sides[1] / letter)
+    return int(sides[0] / letter), int(sides[1] / letter)
 
 
 def _folded(words: str, most: int) -> str:
