@@ -1,10 +1,17 @@
-"""What is wrong in a case is told in three phases, form, names and values, and each is whole."""
+"""What is wrong in a case is told in three phases, and each is whole.
+
+Form, names with the values that are wrong whatever these mean, and what does not fit together.
+"""
 
 from __future__ import annotations
+
+import re
+from pathlib import Path
 
 import pytest
 
 from fiv_cli.case.load import parse_case
+from fiv_cli.case.toml import parse_toml, toml_text
 from fiv_cli.errors import CaseError
 
 # line -> how it would be right, in the order of the phases
@@ -112,14 +119,18 @@ def test_the_form_is_told_first_and_whole() -> None:
     ]
 
 
-def test_then_names() -> None:
+def test_then_names_and_values_that_are_wrong_whatever_these_mean() -> None:
     assert told(mended(CASE, FORM)) == [
         "model.parameters.d1",
+        "model.parameters.c2",
         "friction.law",
+        "grid.N0",
         "grid.Omgea",
         "sweep.zip.0",
         "initial.0.state.fi",
+        "initial.0.count",
         "analysis.0.observ",
+        "analysis.0.t_max",
         "figure.0.x",
         "figure.0.select.initial",
         "claim.0.variable",
@@ -127,7 +138,7 @@ def test_then_names() -> None:
     ]
 
 
-def test_then_values_and_the_third_look_is_the_last() -> None:
+def test_then_what_does_not_fit_and_the_third_look_is_the_last() -> None:
     text = mended(mended(CASE, FORM), NAMES)
     assert told(text) == [
         "model.parameters.c2",
@@ -170,3 +181,30 @@ def test_a_misspelt_key_hides_nothing_and_nothing_else_follows_from_it(key: str)
         )  # fmt: skip
         assert f"did you mean '{key.split('.')[-1]}'" in wrong.suggestion
         assert {problem.path for problem in others} == {*rest}
+
+
+@pytest.mark.parametrize(
+    ("case", "table", "name"),
+    [
+        ("ch3/belt_harmonic", "schedule", "v"),
+        ("ch5/fig_5_11a", "friction", "law"),
+        ("ch5/fig_5_05", "model", "A_b"),
+        ("ch6/fig_6_10", "grid", "k_nl"),
+        ("ch5/critical_speed", "friction", "law"),
+    ],
+)
+def test_from_a_misspelt_name_only_unknown_names_follow(case: str, table: str, name: str) -> None:
+    """No phase of an excitation that is not there, and no property of a law that is not meant."""
+    path = Path("configs") / f"{case}.toml"
+    document = parse_toml(path.read_text())
+    inner = document[table]["parameters"] if table == "model" else document[table]
+    if name == "law":
+        inner[name] += "zq"
+    else:
+        inner[f"{name}zq"] = inner.pop(name)
+    with pytest.raises(CaseError) as caught:
+        parse_case(toml_text(document), str(path))
+    said = [problem.message for problem in caught.value.problems]
+    assert all(
+        re.search("unknown|nothing called|no parameter|no friction law", one) for one in said
+    )

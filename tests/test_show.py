@@ -86,7 +86,7 @@ def test_values_are_taken_at_some_points(stored: Path) -> None:
 FOLLOWED = {
     "schema": 1,
     "model": {"name": "pin-on-disc", "parameters": {"N0": 30.0}},
-    "grid": {"c1": [0.001, 0.005]},
+    "grid": {"c1": [0.001, 0.005], "mu_k": [0.23, 0.9]},  # the last above mu_s: not computed
     "initial": [{"kind": "state", "state": {"phi_dot": "Omega"}}],
 }
 PERIODIC = {"variable": "attractor", "expect": "periodic"}
@@ -95,12 +95,12 @@ PERIODIC = {"variable": "attractor", "expect": "periodic"}
 @pytest.mark.parametrize(
     ("follow", "of", "said"),
     [
-        ("up", PERIODIC, ["still periodic at the upper end of the bracket at 1 of 2 points"]),
+        ("up", PERIODIC, ["still periodic at the upper end of the bracket at 1 of 4 points"]),
         (
             "both",  # stick-slip ends at one point on the way up, the other has it both ways
             PERIODIC,
             [
-                f"still periodic at the {end} end of the bracket at 1 of 2"
+                f"still periodic at the {end} end of the bracket at 1 of 4"
                 for end in ("upper", "lower")
             ],
         ),

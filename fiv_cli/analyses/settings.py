@@ -122,6 +122,7 @@ class Refusal:
     place : where in the value
     of_name : it is a name that nothing in the case has
     of_key : it is a key that its table does not have
+    relates : what else the case has does not allow it
     """
 
     message: str
@@ -130,6 +131,7 @@ class Refusal:
     place: tuple[str | int, ...] = ()
     of_name: bool = False
     of_key: bool = False
+    relates: bool = False
 
     def within(self, key: str) -> Refusal:
         """The same, seen from the table that holds the value under `key`."""
@@ -203,7 +205,8 @@ class Setting:
 
     def refusals(self, value: Any, known: Known) -> tuple[Refusal, ...]:
         """Everything that the case does not allow of a value."""
-        return () if value is None else tuple(self.check(value, known))
+        found = () if value is None else self.check(value, known)
+        return tuple(replace(one, relates=True) for one in found)
 
     def taken(self, value: object, known: Known) -> Any:
         """A TOML value as analyses take it; ValueError says what is wrong with its form."""

@@ -93,7 +93,7 @@ def _analysis(
         hint = counterpart(str(named), known.varying()) or one.suggestion
         hint = hint or _where_it_belongs(str(one.place[0]), analysis)
         at = (*place, *one.place)
-        report.add(at, one.message, one.allowed, hint, one.of_name, one.of_key)
+        report.add(at, one.message, one.allowed, hint, one.of_name, one.of_key, one.relates)
     return AnalysisSpec(name, analysis.kind, found.value)
 
 

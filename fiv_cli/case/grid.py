@@ -87,7 +87,7 @@ def _candidate(name: str, place: Path, physics: Physics, report: Report) -> Cand
     elif name in parameters:
         if physics.laws_known and is_ambiguous(physics.laws, name):
             hint = "values under [friction.LAW]; or run the laws one by one"
-            report.add(place, AMBIGUOUS.format(name), suggestion=hint)
+            report.add(place, AMBIGUOUS.format(name), suggestion=hint, relates=True)
         parameter = parameters[name]
         read, unit = parameter.checked, parameter.unit
         return Candidate(name, "parameter", place, read, unit, parameter.allowed)

@@ -1,7 +1,8 @@
 """From a TOML text to a `Case`, or to one error with all that is wrong in it.
 
-What is wrong is told in three looks, each whole (`Report`): the form of the tables (``form.py``),
-then names that nothing has, then values and what does not fit together (``fit.py``).
+What is wrong is told in three looks (`Report`): the form of the tables (``form.py``), then names
+that nothing has, with values that are wrong whatever these mean, then what does not fit together
+(``fit.py``).
 """
 
 from __future__ import annotations
@@ -125,6 +126,8 @@ def _build(
     physics = at_the_start(given, schedule)
     analyses = read_analyses(form, given, axes, report)
     starts = read_starts(form, given, axes, report)
+    solver = read_solver(form, report)
+    report.go_on_to_relations()
     answers = Answers(given, axes, starts, analyses)
     case = Case(
         source=source,
@@ -144,7 +147,7 @@ def _build(
         analyses=analyses,
         figures=read_figures(form, raw.get("figure", []), answers, report),
         claims=read_claims(form, answers, report),
-        solver=read_solver(form, report),
+        solver=solver,
         refinement=refinement,
         schedule=schedule,
         own=physics.origins(),

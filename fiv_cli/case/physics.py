@@ -136,7 +136,7 @@ def note_no_axis(
     """Note that `name` is no axis of the case, nor, perhaps, anything that could be one."""
     known = physics.what_varies()
     if name in known:
-        report.add(place, message, listed(axes), suggest(name, axes))
+        report.add(place, message, listed(axes), suggest(name, axes), relates=True)
     elif suggest(name, known) or counterpart(name, physics.table()):
         note_nothing_to_vary(name, place, physics, report)
     else:

@@ -37,10 +37,11 @@ def _part(part: str | int) -> str:
 class Report:
     """The problems found so far.
 
-    They are told by phases, each whole: first the form of the case, as soon as it is read
-    (`raise_if_broken`), then names that nothing has, then values. So a mistake is told once: what
-    only follows from a name that is not known waits for it. Keys that a table does not have are
-    told in each phase: they are read as what was meant.
+    They are told by phases: first the form of the case, as soon as it is read (`raise_if_broken`),
+    then names that nothing has, with values that are wrong whatever was meant by these; then what
+    does not fit together. So a mistake is told once: what may only follow from a name that is not
+    known waits for it. Keys that a table does not have are told in each phase: they are read as
+    what was meant.
 
     Parameters
     ----------
@@ -56,6 +57,8 @@ class Report:
         self._keys: list[Problem] = []
         self._names: list[Problem] = []
         self._values: list[Problem] = []
+        self._relations: list[Problem] = []
+        self._relates = False
         self._lines = lines
         self._overrides = overrides
         self._files: list[str] = []
@@ -68,9 +71,14 @@ class Report:
         suggestion: str = "",
         of_name: bool = False,
         of_key: bool = False,
+        relates: bool = False,
     ) -> None:
-        """Note that `message` is wrong with the value at `path`, with its name, or with the key."""
-        problems = self._keys if of_key else self._names if of_name else self._values
+        """Note that `message` is wrong with the value at `path`, with its name, or with the key.
+
+        A value may be wrong only as it `relates` to a name in another table.
+        """
+        values = self._relations if relates or self._relates else self._values
+        problems = self._keys if of_key else self._names if of_name else values
         if len(problems) <= MOST_PROBLEMS:
             override = self._override_at(path)
             line = None if override else self._line_at(path)
@@ -99,6 +107,10 @@ class Report:
         except ValueError as error:
             self.add(path, str(error), allowed)
 
+    def go_on_to_relations(self) -> None:
+        """From here on values are held against what other tables name."""
+        self._relates = True
+
     def call_for(self, file: str) -> None:
         """Note that this file of models and laws has what the case names."""
         self._files.append(file)
@@ -114,24 +126,31 @@ class Report:
     def is_sound(self, path: Path) -> bool:
         """Whether nothing is wrong at `path`, nor below it."""
         at, below = dotted(path), f"{dotted(path)}."
-        found = (problem.path for problem in (*self._names, *self._values))
+        found = (problem.path for problem in (*self._names, *self._values, *self._relations))
         return not any(place == at or place.startswith(below) for place in found)
 
     def raise_if_broken(self) -> None:
         """CaseError with every problem, unless there are none but of keys."""
         if self._names or self._values:
-            self._raise([*self._keys, *self._names, *self._sure_values()])
+            self._raise([*self._keys, *self._names, *self._sure(self._values)])
 
     def raise_by_phase(self) -> None:
-        """CaseError with every unknown key and name; where none is unknown, with every value."""
-        self._raise([*self._keys, *(self._names or self._sure_values())])
+        """CaseError with every unknown key and name, and all else that does not wait for these."""
+        values = self._whatever_meant() if self._names else [*self._values, *self._relations]
+        self._raise([*self._keys, *self._names, *self._sure(values)])
 
-    def _sure_values(self) -> list[Problem]:
+    def _whatever_meant(self) -> list[Problem]:
+        """The values that are wrong in themselves; of the parameters of an unknown law none is."""
+        if not any(problem.path.startswith("friction.") for problem in self._names):
+            return self._values
+        return [one for one in self._values if not one.path.startswith("friction.")]
+
+    def _sure(self, values: Sequence[Problem]) -> list[Problem]:
         """Those that do not only follow from an unknown key of the same table."""
         in_doubt = {problem.path.rpartition(".")[0] for problem in self._keys}
         return [
             problem
-            for problem in self._values
+            for problem in values
             if problem.path not in in_doubt
             and (problem.message != MISSING or problem.path.rpartition(".")[0] not in in_doubt)
         ]

@@ -60,8 +60,8 @@ def command(
     Prints the grid, the analyses with their numbers of points, defaults (of the law, the preload,
     the speed and the like; --json: all), and a friction law that will cost more than 100 times the
     steps of Coulomb's. Mistakes are listed in three rounds at most, first those of form, then
-    unknown names, then wrong values, each with its line, what is allowed and what may have been
-    meant; the exit code is then 3.
+    unknown names and wrong values, then what does not fit together, each with its line, what is
+    allowed and what may have been meant; the exit code is then 3.
     Nothing is computed, unless --estimate asks for time, memory and disk: it runs a sample for up
     to some twenty seconds an analysis, and keeps nothing of it.
 

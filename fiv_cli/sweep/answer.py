@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import SLIP_BEYOND
-from fiv_cli.flags import REASON, STATUS, TABLES, advice
+from fiv_cli.flags import ATTRACTOR, REASON, STATUS, TABLES, advice
 
 if TYPE_CHECKING:
     from fiv_cli.sweep.journal import Journal
@@ -131,14 +131,17 @@ def _still(journal: Journal, index: int) -> list[str]:
         return []
     from fiv_cli.reading.scans import still
 
-    names = ("scan_class", "scan_class_back", "n_crossings")
-    blocks = [(positions >= 0, block.values) for positions, block in journal.blocks(index)]
-    found = {
-        name: np.concatenate([values[name][some] for some, values in blocks])
-        for name in names
-        if blocks and name in blocks[0][1]
-    }
-    return still(settings["of"], settings["follow"], found, found["n_crossings"]) if found else []
+    each = (settings["scan"],)
+    looked = {"scan_class": each, "scan_class_back": each, "n_crossings": ()}
+    found: dict[str, list[NDArray[Any]]] = {name: [] for name in looked}
+    for positions, block in journal.blocks(index):
+        for name, shape in looked.items():  # what no point of a block has is not in it
+            nothing = np.full((len(positions), *shape), ATTRACTOR.fill_code)
+            found[name].append(block.values.get(name, nothing)[positions >= 0])
+    if not found["n_crossings"]:
+        return []
+    classes = {name: np.concatenate(codes) for name, codes in found.items()}
+    return still(settings["of"], settings["follow"], classes, classes["n_crossings"])
 
 
 def _beyond(journal: Journal, index: int) -> str:
