@@ -94,7 +94,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
 def _beginning(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
     """The value of the parameter along which branches are followed at which they begin, if any."""
     name = (settings.get("parameter") or {}).get("name", "")
-    if name not in dataset.coords:
+    if name not in dataset.coords or dataset[name].ndim:  # of joined runs each has its own
         return ""
     return f"{name} = {dataset[name].item():g}{_unit({'units': '1', **dataset[name].attrs})}"
 
