@@ -136,7 +136,9 @@ class Report:
 
     def raise_by_phase(self) -> None:
         """CaseError with every unknown key and name, and all else that does not wait for these."""
-        values = self._whatever_meant() if self._names else [*self._values, *self._relations]
+        asking = ("figure.", "claim.")  # nothing follows from what these name
+        waits = any(not problem.path.startswith(asking) for problem in self._names)
+        values = self._whatever_meant() if waits else [*self._values, *self._relations]
         self._raise([*self._keys, *self._names, *self._sure(values)])
 
     def _whatever_meant(self) -> list[Problem]:
