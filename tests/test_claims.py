@@ -588,6 +588,17 @@ def test_a_case_that_was_not_run_names_its_command(workplace):
     assert "fiv run stick.toml" in result.output
 
 
+def test_a_dataset_of_the_case_under_another_name_is_named(workplace):
+    store(["periodic"] * 3)
+    (workplace / "runs" / "stick.nc").rename(workplace / "runs" / "mine.nc")
+    command = "fiv claims stick.toml -o runs/mine.nc"
+    assert f"runs/mine.nc is of this case: {command}" in run("stick.toml").output
+    store(["periodic"] * 3, overrides=["model.parameters.N=12.0"])
+    changed = workplace / "runs" / "stick.nc"
+    next(path for path in (workplace / "runs").glob("stick*.nc")).rename(changed)
+    assert command in run("stick.toml").output
+
+
 def test_a_case_with_another_analysis_since_is_run_again_and_not_anew(workplace):
     store(["equilibrium"] * 3)
     (workplace / "stick.toml").write_text(CASE + '[[analysis]]\nkind = "equilibrium"\n')
@@ -659,7 +670,8 @@ def test_a_dataset_of_another_version_of_the_case_counts_for_nothing(workplace):
 def test_claims_are_held_against_the_dataset_that_a_run_was_told_to_write(workplace):
     store(["periodic"] * 3)
     (workplace / "runs" / "stick.nc").rename(workplace / "mine.nc")
-    assert "fiv run stick.toml -o other.nc" in run("stick.toml", "-o", "other.nc").output
+    assert "fiv claims stick.toml -o mine.nc" in run("stick.toml", "-o", "other.nc").output
+    assert "fiv run stick.toml -o runs/a.nc" in run("stick.toml", "-o", "runs/a.nc").output
     result = run("stick.toml", "-o", "mine.nc", "--strict")
     assert exit_code(result) == 0
     assert "not run" not in result.output

@@ -17,6 +17,7 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Callable, Container, Hashable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ from fiv_cli.case.grammar import Bound, Bounds, OfClass, Reference, Trend
 from fiv_cli.case.identity import default_output, is_of, output_of
 from fiv_cli.case.load import load_case
 from fiv_cli.case.others import file_of
+from fiv_cli.data.hdf5 import read_attributes
 from fiv_cli.errors import FivError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
@@ -59,6 +61,7 @@ _Tried = tuple[np.ndarray, np.ndarray]
 
 CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermined"
 NOT_RUN = "not run"
+LOOKED_AT = 8  # datasets, the newest, for one of another name
 
 # Share of the points that may be open without leaving a claim undetermined that the rest decides.
 HANDFUL = 0.005
@@ -190,10 +193,11 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
     path, advice = output or default_output(case), f"compute it with: {_command(case)}"
     advice += f" -o {output}" if output else ""
     if not path.exists():
-        return None, f"{path} is not there; {advice}"
+        return None, f"{path} is not there; {_elsewhere(case, path) or advice}"
     analyses = read_analyses(path)
     if not is_of(next(iter(analyses.values())).attrs, case):
-        return None, f"{path} was computed from another version of the case; {advice} --fresh"
+        advice = _elsewhere(case, path) or f"{advice} --fresh"
+        return None, f"{path} was computed from another version of the case; {advice}"
     if len(analyses) < len(case.analyses):
         return None, f"{path} was computed before an analysis was added; {advice}"
     if not all(_same_grid(case, dataset) for dataset in analyses.values()):
@@ -201,10 +205,20 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
     return analyses, ""
 
 
-def _command(case: Case) -> str:
-    """What to type for the dataset of a case."""
+def _elsewhere(case: Case, path: Path) -> str:
+    """What to type where a dataset beside `path` is the case's; empty where none is."""
+    others = {other: other.stat().st_mtime for other in path.parent.glob("*.nc") if other != path}
+    for other in sorted(others, key=lambda one: -others[one])[:LOOKED_AT]:
+        with suppress(FivError, OSError):
+            if is_of(read_attributes(other), case):
+                return f"{other} is of this case: {_command(case, 'claims')} -o {other}"
+    return ""
+
+
+def _command(case: Case, name: str = "run") -> str:
+    """What to type for the dataset of a case, or for what it says."""
     changed = "".join(f" --set {shlex.quote(line)}" for line in case.overrides)
-    return f"fiv run {case.source}{changed}"
+    return f"fiv {name} {case.source}{changed}"
 
 
 def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
