@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from os.path import isfile
 from pathlib import Path
 
 from fiv_cli.analyses.variables import Variable
@@ -40,9 +41,9 @@ def check_others(case: Case, report: Report) -> None:
 
 def _check_other(reference: Reference, place: Place, report: Report) -> None:
     name, file = reference.case, file_of(reference.case, report.source)
-    if not file.is_file():
+    if not isfile(file):
         beside = sorted(one.stem for one in file.parent.glob("*.toml"))
-        if not output_of(name).exists():
+        if not isfile(output_of(name)):
             allowed = f"the name of a case beside this one, or of a dataset {output_of('NAME')}"
             report.add(place, f"there is no case {file}", allowed, suggest(name, beside), True)
         return
