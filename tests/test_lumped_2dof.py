@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 from lumped_reference import excited_matrices, flutter_matrices, sliding_motion
 from motions import TIGHT, booked, defaults, motion, times, transitions
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.analyses.common import balance
+from fiv_cli.api import analyse
 from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS
 from fiv_cli.dynamics.motion import Stop, samples_at
 
@@ -141,6 +144,49 @@ def test_a_landing_costs_the_energy_of_the_gap_rate() -> None:
     assert found.impact == pytest.approx(fall**2 / 2, rel=1e-7)
     assert begun.y[2] == pytest.approx(along, abs=1e-7)
     assert begun.codes == [CODE_SLIP_PLUS]
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [("flutter-2dof", {"mu_k": 5.0, "c1": 0.1}), ("excited-2dof", {"A_b": 3.0, "R": 5.0})],
+)
+def test_without_an_impact_contact_is_a_spring_that_only_pushes(
+    model: str, changes: dict[str, float]
+) -> None:
+    """One right-hand side by SciPy, on a belt too fast to stick to; landings cost nothing."""
+    p = defaults(model, "coulomb", v=99.0, **changes)
+    start, (damping, stiffness) = {"x": 0.1, "y": 2.0}, MATRICES[model](p)
+    forced, springs = p.get("A_b", 0.0), stiffness - np.diag([0.0, p["k3"]])
+    omega = p.get("R", 0.0) * np.sqrt(p["k1"] / p["m"])
+
+    def rates(t: float, state: Any) -> np.ndarray[Any, Any]:
+        q, velocities, normal = state[:2], state[2:], max(-p["k3"] * state[1], 0.0)
+        force = [p["mu_k"] * normal + forced * np.sin(omega * t), normal - p["F"]]
+        return np.append(velocities, (force - damping @ velocities - springs @ q) / p["m"])
+
+    begun = motion(model, "coulomb", start, TIGHT, ALL | {"impact": "none"}, v=99.0, **changes)
+    taken = samples_at(begun.system, np.linspace(0.0, 12.0, 61))
+    begun.start_measuring(np.zeros(2))
+    before = begun.energy()
+    assert begun.run(12.0, samples=taken, measuring=True) == Stop.REACHED
+    expected = solve_ivp(rates, (0.0, 12.0), vector(start), "DOP853", taken.times,
+                         rtol=1e-12, atol=1e-14, max_step=1e-2).y.T  # fmt: skip
+    np.testing.assert_allclose(taken.states, expected, rtol=0.0, atol=1e-9)
+    assert {*transitions(begun)} == {"slip+->separation", "separation->slip+"}
+    found = balance(begun, before)
+    assert found.impact == 0.0 and abs(found.residual) < 1e-12
+
+
+def test_in_flutter_with_flights_dampers_take_all_that_friction_gives() -> None:
+    """Where a spring lands; a plastic impact takes its share."""
+    asked = "flutter-2dof", "coulomb", "response", {"y": -0.3}, {"powers": "each"}
+    plastic, spring = (
+        analyse(*asked, options=ALL | {"impact": impact}, mu_k=8.0, c1=0.05, c2=0.05).values
+        for impact in ("plastic", "none")
+    )
+    assert plastic["mean_impact_power"] > 0.0 == spring["mean_impact_power"]
+    assert spring["attractor"] == "periodic" and spring["separation_fraction"] > 0.3
+    assert spring["friction_work"] == pytest.approx(-spring["damping_work"], abs=1e-9)
 
 
 # --- integrators and laws ------------------------------------------------------------------------

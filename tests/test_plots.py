@@ -1462,6 +1462,23 @@ def test_show_tells_works_that_range_alike_in_one_line():
     ]
 
 
+@pytest.mark.parametrize(
+    ("lost", "given", "told"),
+    [
+        ((0.0, 3.0), (2.0, 4.0), ["0 to 0.75 of the drive's work"]),
+        ((1.0, 3.0), (0.0, 4.0), ["0.75 of the drive's work"]),
+        ((0.0, 0.0), (2.0, 4.0), []),
+    ],
+)
+def test_show_tells_the_share_that_impacts_take(lost, given, told):
+    dataset = data.stability_map().isel(Omega=slice(2), N0=0, initial=0, drop=True)
+    for names in (("mean_impact_power", "mean_drive_power"), ("impact_loss", "drive_work")):
+        terms = dict(zip(names, (lost, given), strict=True))
+        powers = {n: (dataset["status"].dims, np.array(pair)) for n, pair in terms.items()}
+        printed = summary_lines(summarise({"": dataset.assign(powers)}))
+        assert [line[25:] for line in printed if line.startswith("  into impacts")] == told
+
+
 def test_show_says_what_the_reasons_mean_that_occur():
     dataset = data.stability_map()
     codes = np.zeros(dataset["status"].shape, np.int8)

@@ -142,10 +142,13 @@ class Report:
         self._raise([*self._keys, *self._names, *self._sure(values)])
 
     def _whatever_meant(self) -> list[Problem]:
-        """The values that are wrong in themselves; of the parameters of an unknown law none is."""
-        if not any(problem.path.startswith("friction.") for problem in self._names):
-            return self._values
-        return [one for one in self._values if not one.path.startswith("friction.")]
+        """The values that are wrong in themselves.
+
+        None is of what varies in time, which is read against all else, nor of an unknown law.
+        """
+        unknown = any(problem.path.startswith("friction.") for problem in self._names)
+        waiting = ("schedule.", "forcing.", *(("friction.",) if unknown else ()))
+        return [one for one in self._values if not one.path.startswith(waiting)]
 
     def _sure(self, values: Sequence[Problem]) -> list[Problem]:
         """Those that do not only follow from an unknown key of the same table."""
