@@ -413,6 +413,7 @@ def figure(
     *,
     style: str = "screen",
     width: float | None = None,
+    height: float | None = None,
     font: str | None = None,
     title: bool | None = None,
 ) -> Figure:
@@ -424,8 +425,8 @@ def figure(
     name : a figure of the case, or a kind of figure; None: the first that suits
     axis : where to draw a figure of one panel; None: on a figure of its own
     style : what it is for: "screen", "paper" or "talk"
-    width, font, title : in place of those of the style: mm, a family that is installed, whether
-        there is one
+    width, height, font, title : in place of those of the style: mm, a family that is installed,
+        whether there is one
 
     Raises
     ------
@@ -447,7 +448,7 @@ def figure(
     chosen = possible_figures(source) if name is None else figures_called(source, name)
     if not chosen:
         raise nothing_suits(source)
-    return draw(source, chosen[0], axis, look_of(style, width, font, title))
+    return draw(source, chosen[0], axis, look_of(style, width, font, title, height))
 
 
 def claims(case: Case, data: str | Path | Results | None = None) -> list[Verdict]:

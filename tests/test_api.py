@@ -141,7 +141,8 @@ def test_every_problem_of_a_dict_is_told_without_lines() -> None:
     wrong = {**BELT, "model": {"name": "belt-1dof", "parameters": {"mas": 1.0, "k": "2 kg"}}}
     with pytest.raises(api.CaseError) as caught:
         api.load({**wrong, "grdi": {}})
-    assert [problem.path for problem in caught.value.problems] == ["model.parameters.mas", "grdi"]
+    paths = [problem.path for problem in caught.value.problems]
+    assert paths == ["model.parameters.mas", "model.parameters.k", "grdi"]
     assert all(problem.line is None for problem in caught.value.problems)
     assert "\n  <dict>: grdi:" in str(caught.value)
     assert str(caught.value).endswith("next: correct it and try again")

@@ -37,6 +37,7 @@ CLASSES = 'take = { what = "classes", over = "v" }'
 
 LESS = "{{ less_than = {{ {} }} }}"
 THERE = "claim.0.expect.less_than"
+OVER = f"{THERE}.take.over"
 COMPARED = (
     '{ value = { variable = "mode_frequency", at = { mode = 0 }, times = 2 }, tolerance = "5 %" }'
 )
@@ -103,14 +104,22 @@ def test_what_will_be_there(text: str) -> None:
         (figure('kind = "curve"', 'variable = "L_s"', OF_CLASS), "figure.0.take.of", "a number"),
         (claim("L_s", LESS.format("at = { v = 2 }")), f"{THERE}.at.v", "2 is not on the axis"),
         (claim("L_s", LESS.format("at = { u = 2 }")), f"{THERE}.at.u", "nothing called 'u'"),
+        (claim("L_s", '{ less_than = "L_s" }'), THERE, "is what the claim itself is about"),
         (claim("L_s", LESS.format('variable = "L"')), f"{THERE}.variable", "computes 'L'"),
         (claim("L_s", LESS.format('analysis = "b"')), f"{THERE}.analysis", "named 'b'"),
         (claim("L_s", LESS.format('variable = "attractor"')), f"{THERE}.variable", "a class"),
         (claim("L_s", LESS.format('variable = "x_max"')), THERE, "'x_max' is in m, 'L_s' in m2"),
         (claim("L_s", LESS.format('variable = "section_value"')), THERE, "several values"),
         (claim("growth_rate", LESS.format('variable = "eigenvalue_real"')), THERE, "several"),
-        (claim("L_s", LESS.format('take = { what = "mean" }')), f"{THERE}.take.over", "missing"),
+        (claim("L_s", LESS.format('take = { what = "mean" }')), OVER, "missing"),
         (claim("L_s", '{ less_than = "belt:L_s" }'), THERE, "there is no case belt.toml"),
+        (claim("L_s", f'{{ less_than = "{"x" * 5000}:L_s" }}'), THERE, "there is no case xx"),
+        (
+            claim("L_s", LESS.format('take = { what = "share", over = "v" }')),
+            f"{THERE}.take",
+            "of:",
+        ),
+        (claim("L_s", LESS.format('take = { what = "mean", over = "u" }')), OVER, "called 'u'"),
         (claim("stable", '"yess"'), "claim.0.expect", "no class 'yess'"),
         (figure('kind = "curve"', 'variable = "L_S"'), "figure.0.variable", "did you mean 'L_s'"),
         (figure('kind = "curve"', 'variable = ["L_s", "z"]'), "figure.0.variable", "'z'"),

@@ -82,6 +82,17 @@ class TestFingerprint:
         monkeypatch.setattr(identity, "NUMERICS_VERSION", identity.NUMERICS_VERSION + 1)
         assert fingerprint(parse()) != before
 
+    def test_an_option_that_came_later_counts_only_where_it_is_not_at_its_default(self) -> None:
+        text = TEXT.replace("belt-1dof", "flutter-2dof")
+        before, same, changed = (
+            parse(*overrides, text=text)
+            for overrides in ((), ("model.options.impact=plastic",), ("model.options.impact=none",))
+        )
+        assert document(before)["options"] == {"states": "until-separation"}
+        assert fingerprint(same) == fingerprint(before)
+        told = differences(document(before), changed)
+        assert told == ['options.impact: now "none", absent in what is stored']
+
     def test_an_axis_of_laws_may_grow(self) -> None:
         few = parse('grid.friction=["coulomb"]')
         more = parse('grid.friction=["coulomb", "hyperbolic", "stribeck"]')

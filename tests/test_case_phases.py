@@ -183,6 +183,12 @@ def test_a_misspelt_key_hides_nothing_and_nothing_else_follows_from_it(key: str)
         assert {problem.path for problem in others} == {*rest}
 
 
+def test_from_what_a_figure_or_a_claim_names_nothing_follows() -> None:
+    text = mended(mended(mended(CASE, FORM), NAMES), VALUES)
+    wrong = {"x = 'N0'": "x = 'mu'", "at = { N0 = 20 }": "at = { N0 = 21 }"}
+    assert told(mended(text, wrong)) == ["figure.0.x", "claim.0.at.N0"]
+
+
 @pytest.mark.parametrize(
     ("case", "table", "name"),
     [

@@ -290,7 +290,7 @@ def test_of_undecided_points_alone_the_finding_says_what_takes_their_numbers():
     dataset = sweep(["undecided", "not_computed"], status=["ok", "pending"], reason=reasons)
     found = tried(dataset, "L_s", {"less_than": 4}).found
     assert "2 not decided or not computed (time_budget 1, pending 1)" in found
-    assert 'undecided = "counts"' in found
+    assert 'fiv show says what helps; undecided = "counts"' in found
 
 
 def test_integers_that_were_not_computed_are_no_numbers():
@@ -501,6 +501,14 @@ def test_a_case_compares_its_slices_and_its_analyses(at, expect, verdict):
     assert found.verdict == verdict, found
 
 
+def test_of_axes_that_advance_together_either_says_where():
+    along = {**data.axes(mu_k=[0.1, 0.2]), "N0": ("mu_k", [10.0, 20.0])}
+    dataset = data.response(["periodic"] * 2, [1, 2], {"mu_k": along["mu_k"]})
+    dataset = dataset.assign_coords(N0=along["N0"])
+    above = {"greater_than": own(at={"N0": 10.0}, times=1.9)}
+    assert tried(dataset, "L_s", above, {"mu_k": 0.2}).verdict == CONFIRMED
+
+
 def test_the_same_is_taken_of_both_sides():
     greatest = {"what": "greatest", "over": ["Omega"]}
     grid = data.axes(mu_k=[0.1, 0.2], Omega=[1.0, 2.0])
@@ -580,6 +588,17 @@ def test_a_case_that_was_not_run_names_its_command(workplace):
     assert "fiv run stick.toml" in result.output
 
 
+def test_a_dataset_of_the_case_under_another_name_is_named(workplace):
+    store(["periodic"] * 3)
+    (workplace / "runs" / "stick.nc").rename(workplace / "runs" / "mine.nc")
+    command = "fiv claims stick.toml -o runs/mine.nc"
+    assert f"runs/mine.nc is of this case: {command}" in run("stick.toml").output
+    store(["periodic"] * 3, overrides=["model.parameters.N=12.0"])
+    changed = workplace / "runs" / "stick.nc"
+    next(path for path in (workplace / "runs").glob("stick*.nc")).rename(changed)
+    assert command in run("stick.toml").output
+
+
 def test_a_case_with_another_analysis_since_is_run_again_and_not_anew(workplace):
     store(["equilibrium"] * 3)
     (workplace / "stick.toml").write_text(CASE + '[[analysis]]\nkind = "equilibrium"\n')
@@ -651,7 +670,8 @@ def test_a_dataset_of_another_version_of_the_case_counts_for_nothing(workplace):
 def test_claims_are_held_against_the_dataset_that_a_run_was_told_to_write(workplace):
     store(["periodic"] * 3)
     (workplace / "runs" / "stick.nc").rename(workplace / "mine.nc")
-    assert "fiv run stick.toml -o other.nc" in run("stick.toml", "-o", "other.nc").output
+    assert "fiv claims stick.toml -o mine.nc" in run("stick.toml", "-o", "other.nc").output
+    assert "fiv run stick.toml -o runs/a.nc" in run("stick.toml", "-o", "runs/a.nc").output
     result = run("stick.toml", "-o", "mine.nc", "--strict")
     assert exit_code(result) == 0
     assert "not run" not in result.output

@@ -167,7 +167,7 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     Path("pin.toml").write_text(f"{EQUILIBRIUM}{claim}expect = {{ greater_than = 0 }}")
     assert fiv(["claims", "pin.toml"]) == 0
     told = capsys.readouterr().out
-    assert "computed; the run has 3 of 4 points, go on with: fiv run pin.toml\n" in told
+    assert "computed (pending 1); the run has 3 of 4 points, go on with: fiv run pin.toml\n" in told
     assert fiv(["status", "pin.toml", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert fiv(["status", "pin.toml", "--set", "model.parameters.k1=1", "-o", "runs/pin.nc"]) == 0

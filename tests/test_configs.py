@@ -278,7 +278,7 @@ REDUCED = [
 LONG = [
     ("ch5/fig_5_10a", (), (0, 1), ()),
     ("ch5/fig_5_10b", (), (0, 1), ()),
-    ("ch5/fig_5_11a_simulated", ("grid.R=[4.0]",), (0, 4, 5), ()),
+    ("ch5/fig_5_11a_simulated", ("grid.R=[4.0]",), (4, 5), ()),
     ("ch5/fig_5_11b_simulated", ("grid.R=[4.0]",), (0, 4, 5), ()),
     ("ch4/fig_4_03", ("grid.Omega=[10.0]", "grid.alpha=[10.0]", "grid.c_z=[10.0, 11.0]"), (0,), ()),
     (

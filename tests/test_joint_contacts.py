@@ -11,6 +11,7 @@ from motions import booked, motion, system, times, transitions
 from small_models import CLUTCH, ON_TWO_BELTS, PADS, TWO_MASSES
 
 from fiv_cli import api
+from fiv_cli.analyses.base import SolverSettings
 from fiv_cli.analyses.common import balance
 from fiv_cli.cli.equations import equation_lines
 from fiv_cli.codegen.codes import CODE_SLIP_PLUS, CODE_STICK, SLIP, STICK
@@ -126,6 +127,18 @@ def test_a_mass_that_stands_still_and_is_free_to_move_is_not_stuck() -> None:
     assert begun.kinds.tolist() == [SLIP, STICK] and not begun.rates().any()
     found = api.analyse(model, "coulomb", "response", {"x1": 2.0}, {"t_max": 40.0}, **MU)
     assert found.values["attractor"] == "undecided"
+
+
+EQUAL = {"k1": 1.0, "k2": 1.0, "k_c": 1.2, "m": 1.0, "v": 0.1}  # what moves alike from rest
+
+
+@pytest.mark.parametrize("load", [1.5, 4.0, 6.5, 9.0, 12.5, 15.5])
+def test_slips_that_end_together_are_told_from_rounding(load: float) -> None:
+    """Both end at one instant, which is known as closely as the tolerance asks for."""
+    law = {"mu_s": 0.4, "mu_k": 0.2, "v_s": 0.5}
+    loads, coarse = {"N1": load, "N2": load}, SolverSettings(rtol=1e-6)
+    begun = motion(TWO_MASSES, "stribeck", solver=coarse, **EQUAL, **loads, **law)
+    assert begun.run(300.0) == Stop.REACHED
 
 
 # --- levers: directions that differ by a factor ------------------------------------------------

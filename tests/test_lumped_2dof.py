@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import pytest
 from lumped_reference import excited_matrices, flutter_matrices, sliding_motion
 from motions import TIGHT, booked, defaults, motion, times, transitions
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.analyses.common import balance
+from fiv_cli.api import analyse
 from fiv_cli.codegen.codes import CODE_SEPARATION, CODE_SLIP_PLUS
 from fiv_cli.dynamics.motion import Stop, samples_at
 
 MATRICES = {"flutter-2dof": flutter_matrices, "excited-2dof": excited_matrices}
 STATES = ("x", "y", "x_dot", "y_dot")
 BILATERAL, ALL = {"states": "slip"}, {"states": "all"}
+SPRING = {"states": "all", "impact": "none"}
 # A start and parameters of each model; in all of them the mass only slides.
 SLIDING: list[tuple[str, dict[str, float], dict[str, float]]] = [
     ("flutter-2dof", {"x": 0.1, "y": -0.3}, {}),
@@ -141,6 +145,74 @@ def test_a_landing_costs_the_energy_of_the_gap_rate() -> None:
     assert found.impact == pytest.approx(fall**2 / 2, rel=1e-7)
     assert begun.y[2] == pytest.approx(along, abs=1e-7)
     assert begun.codes == [CODE_SLIP_PLUS]
+
+
+# --- a spring that only pushes -------------------------------------------------------------------
+def pushed(model: str, p: Mapping[str, float]) -> Callable[[float, Any], np.ndarray[Any, Any]]:
+    """One right-hand side for sliding, either way, and flight: for motions that never stick."""
+    damping, stiffness = MATRICES[model](p)
+    forced, springs = p.get("A_b", 0.0), stiffness - np.diag([0.0, p["k3"]])
+    omega = p.get("R", 0.0) * np.sqrt(p["k1"] / p["m"])
+
+    def rates(t: float, state: Any) -> np.ndarray[Any, Any]:
+        q, velocities, normal = state[:2], state[2:], max(-p["k3"] * state[1], 0.0)
+        friction = np.sign(p["v"] - velocities[0]) * p["mu_k"] * normal
+        force = [friction + forced * np.sin(omega * t), normal - p["F"]]
+        return np.append(velocities, (force - damping @ velocities - springs @ q) / p["m"])
+
+    return rates
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [("flutter-2dof", {"mu_k": 5.0, "c1": 0.1}), ("excited-2dof", {"A_b": 3.0, "R": 5.0})],
+)
+def test_without_an_impact_the_mass_moves_as_scipy_moves_it(
+    model: str, changes: dict[str, float]
+) -> None:
+    """On a belt too fast to stick to; landings cost nothing."""
+    start, changes = {"x": 0.1, "y": 2.0}, {"v": 99.0, **changes}
+    begun = motion(model, "coulomb", start, TIGHT, SPRING, **changes)
+    taken = samples_at(begun.system, np.linspace(0.0, 12.0, 61))
+    begun.start_measuring(np.zeros(2))
+    before = begun.energy()
+    assert begun.run(12.0, samples=taken, measuring=True) == Stop.REACHED
+    rates = pushed(model, defaults(model, "coulomb", **changes))
+    expected = solve_ivp(rates, (0.0, 12.0), vector(start), "DOP853", taken.times,
+                         rtol=1e-12, atol=1e-14, max_step=1e-2).y.T  # fmt: skip
+    np.testing.assert_allclose(taken.states, expected, rtol=0.0, atol=1e-9)
+    assert {*transitions(begun)} == {"slip+->separation", "separation->slip+"}
+    found = balance(begun, before)
+    assert found.impact == 0.0 and abs(found.residual) < 1e-12
+
+
+def test_flutter_with_flights_is_that_of_the_spring() -> None:
+    """Plastic impacts take most of what the belt gives; on a spring SciPy finds the same cycle."""
+    start, changes = {"y": -4.0}, {"mu_k": 0.6}
+    asked = "excited-2dof", "coulomb", "response", start, {"powers": "each"}
+    plastic, found = (analyse(*asked, options=o, **changes).values for o in (ALL, SPRING))
+    assert plastic["impact_work"] > plastic["drive_work"] / 2
+    assert found["impact_work"] == found["stick_fraction"] == 0.0
+    assert found["friction_work"] == pytest.approx(-found["damping_work"], abs=1e-9)
+
+    def height(t: float, state: Any) -> float:
+        return float(state[1])
+
+    settled = motion("excited-2dof", "coulomb", start, TIGHT, SPRING, **changes)
+    settled.run(2000.0)
+    p, period = defaults("excited-2dof", "coulomb", **changes), found["period"]
+    cycle = solve_ivp(pushed("excited-2dof", p), (0.0, period), settled.y, "DOP853",
+                      np.linspace(0.0, period, 1001), events=height,
+                      rtol=1e-12, atol=1e-14, max_step=1e-2)  # fmt: skip
+    np.testing.assert_allclose(cycle.y[:, -1], settled.y, rtol=0.0, atol=1e-8)
+    between = np.diff(cycle.t_events[0])[0] / period
+    aloft = between if cycle.y_events[0][0][3] > 0.0 else 1.0 - between
+    assert found["separation_fraction"] == pytest.approx(aloft, rel=1e-9)
+    stiffness = excited_matrices(p)[1] + [[0.0, p["mu_k"] * p["k3"]], [0.0, 0.0]]
+    rest = np.linalg.solve(stiffness, [0.0, -p["F"]])
+    away = np.sum((cycle.y[:2, :-1].T - rest) ** 2, axis=1)
+    assert found["L_s"] == pytest.approx(np.mean(away), rel=1e-6)
+    assert found["y_max"] == pytest.approx(np.max(cycle.y[1]), rel=1e-4)
 
 
 # --- integrators and laws ------------------------------------------------------------------------

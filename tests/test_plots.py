@@ -1,6 +1,7 @@
 """Figures: what is drawn is what the dataset holds, labelled, and the same bytes each time."""
 
 import re
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -1249,6 +1250,27 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     assert "A sweep" in titled.get_suptitle()
 
 
+@pytest.mark.parametrize("kind", ["bifurcation", "map"])
+def test_a_figure_has_the_height_and_the_labels_asked_for(kind):
+    dataset = data.stability_map() if kind == "map" else data.bifurcation()
+    asked = figure(kind, xlabel="speed (rad/s)", ylabel="what is seen")
+    drawn = draw(dataset, asked, look=look_of("talk", width=160.0, height=90.0))
+    assert drawn.get_size_inches() * 25.4 == pytest.approx([160.0, 90.0])
+    panels = [ax for ax in drawn.axes if ax.get_label() != "<colorbar>"]
+    labels = [ax.get_xlabel().replace("\n", " ") for ax in panels]
+    assert set(labels) == {"speed (rad/s)"}
+    assert panels[0].get_ylabel().replace("\n", " ") == "what is seen"
+
+
+def test_titles_of_panels_side_by_side_have_room():
+    starts = [f"beta = {beta} deg, mu_s = 0.4, mu_k = 0.23" for beta in (0, 15, 30)]
+    drawn = draw(data.stability_map(starts), figure("map"), look=look_of("talk", width=160.0))
+    drawn.canvas.draw()
+    boxes = [ax.title.get_window_extent() for ax in drawn.axes if ax.get_title()]
+    assert len(boxes) == 3
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
 def test_a_talk_has_larger_letters_and_thicker_lines():
     looks = [look_of("screen", width=200.0), look_of("talk", width=200.0)]
     small, large = (draw(data.bifurcation(), figure("curve"), look=look) for look in looks)
@@ -1262,7 +1284,8 @@ def test_a_talk_has_larger_letters_and_thicker_lines():
     ("arguments", "message"),
     [
         (("poster",), "there are: screen, paper, talk"),
-        (("paper", 2.0), "20 to 2000 mm"),
+        (("paper", 2.0), "--width 2: .* 20 to 2000 mm"),
+        (("paper", None, None, None, 3e3), "--height 3000: .* 20 to 2000 mm"),
         (("paper", None, "No Such Font"), "not installed"),
     ],
 )
@@ -1437,6 +1460,23 @@ def test_show_tells_works_that_range_alike_in_one_line():
         ["section_drive_work", "2", "to", "3", "J"],
         ["0", "throughout", "other_work,", "impact_work"],
     ]
+
+
+@pytest.mark.parametrize(
+    ("lost", "given", "told"),
+    [
+        ((0.0, 3.0), (2.0, 4.0), ["0 to 0.75 of the drive's work"]),
+        ((1.0, 3.0), (0.0, 4.0), ["0.75 of the drive's work"]),
+        ((0.0, 0.0), (2.0, 4.0), []),
+    ],
+)
+def test_show_tells_the_share_that_impacts_take(lost, given, told):
+    dataset = data.stability_map().isel(Omega=slice(2), N0=0, initial=0, drop=True)
+    for names in (("mean_impact_power", "mean_drive_power"), ("impact_loss", "drive_work")):
+        terms = dict(zip(names, (lost, given), strict=True))
+        powers = {n: (dataset["status"].dims, np.array(pair)) for n, pair in terms.items()}
+        printed = summary_lines(summarise({"": dataset.assign(powers)}))
+        assert [line[25:] for line in printed if line.startswith("  into impacts")] == told
 
 
 def test_show_says_what_the_reasons_mean_that_occur():

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from motions import motion
 from scipy.integrate import solve_ivp
+from small_models import TWO_MASSES
 
 from fiv_cli import api
 from fiv_cli.analyses.base import SolverSettings
+from fiv_cli.dynamics.motion import Stop
 from fiv_cli.errors import ModelFileError
 from fiv_cli.own.probe import use_files
 
@@ -34,6 +38,16 @@ LAW = Law(
 """
 POWER = '(slip.speed / p["v_0"]) ** p["q"]'
 SPEED, LOAD = 0.1, 2.0  # m/s, N; mass and stiffness are 1
+EQUAL = {"k1": 1.0, "k2": 1.0, "k_c": 1.2, "m": 1.0, "v": 0.1}  # what moves alike from rest
+
+
+def damped(symbols, options):
+    found = TWO_MASSES.equations(symbols, options)
+    free = found.accelerations.items()
+    return replace(found, accelerations={x: a - 0.05 * symbols.velocity(x) for x, a in free})
+
+
+DAMPED = replace(TWO_MASSES, name="two-damped-masses", equations=damped)
 
 
 @pytest.fixture(autouse=True)
@@ -64,6 +78,17 @@ def period_by_scipy(q: float) -> float:
     slip = solve_ivp(rates, (0.0, 50.0), (release, SPEED), "DOP853", events=caught,
                      rtol=1e-13, atol=1e-15, max_step=0.05)  # fmt: skip
     return float(slip.t[-1] + (release - slip.y[0, -1]) / SPEED)
+
+
+@pytest.mark.parametrize(("load", "tightness"), [(9.0, 7.6), (9.0, 9.2), (14.0, 7.2), (14.0, 9.2)])
+def test_contacts_that_let_go_together_do_not_take_turns(load, tightness):
+    """Friction goes on from what stick bears, without a jump: neither mass pulls the other off."""
+    use_files([wrote()])
+    rough = {"q": 1.5, "mu_0": 0.4, "mu_1": 0.2, "v_0": 0.5}
+    loads, solver = {"N1": load, "N2": load}, SolverSettings(rtol=10.0**-tightness)
+    begun = motion(DAMPED, "my-power", solver=solver, **EQUAL, **loads, **rough)
+    assert begun.run(80.0) == Stop.REACHED
+    assert begun.n_events < 40
 
 
 @pytest.mark.parametrize(("q", "error"), [(0.7, 1e-8), (1.0, 1e-10), (1.5, 1e-10), (2.5, 1e-10)])

@@ -126,6 +126,7 @@ def test_what_was_followed_to_the_end_of_a_bracket_is_told(
     ended = capsys.readouterr().err
     assert fiv(["show", str(tmp_path / "a.nc")]) == 0
     shown = capsys.readouterr().out
+    assert "  not_computed, mu_k_above_mu_s\n" in shown
     for told in (ended, shown):
         lines = [line.strip() for line in told.splitlines() if "    still " in line]
         assert len(lines) == len(said) and all(map(str.startswith, lines, said))

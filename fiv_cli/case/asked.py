@@ -155,6 +155,9 @@ def _check_compared(
     report: Report,
 ) -> None:
     """Note what cannot be compared: a class, several numbers at a point, another unit."""
+    sides = ((one.variable, one.analysis, one.take) for one in (claim, reference))
+    if not reference.at and next(sides) == next(sides) and report.is_sound(place):
+        report.add(place, "is what the claim itself is about", "at = { AXIS = VALUE }, elsewhere")
     one, other = known[claim.variable], elsewhere[reference.variable]
     if reference.take or other is None:
         return

@@ -206,8 +206,9 @@ def _reference(said: Mapping[str, Any]) -> Reference:
             raise ValueError(f"{key} must be a table, not {describe(said[key])}")
     if _number(said.get("times", 1.0)) <= 0.0:
         raise ValueError(f"times must be above 0, not {said['times']!r}")
-    at = {axis: check_wanted(value) for axis, value in said.get("at", {}).items()}
-    return Reference(**{**said, "at": at})
+    for value in said.get("at", {}).values():
+        check_wanted(value)
+    return Reference(**said)
 
 
 def _number(said: object) -> float:

@@ -40,7 +40,7 @@ def document(case: Case, analyses: Sequence[AnalysisSpec] = ()) -> dict[str, Any
     found = {
         "document": DOCUMENT_VERSION,
         "model": case.model,
-        "options": {k: v for k, v in case.options.items() if k not in varied},
+        "options": {k: v for k, v in _told_options(case).items() if k not in varied},
         "law": "an axis" if _law_varies(case) else case.law,
         "parameters": _deciding_parameters(case),
         "axes": [[axis.name, axis.kind] for axis in case.axes],
@@ -108,6 +108,12 @@ def default_output(case: Case) -> Path:
 def output_of(source: str | Path, suffix: str = "") -> Path:
     """Where the dataset of the case file `source` goes unless the user says otherwise."""
     return Path("runs") / f"{Path(source).stem}{suffix}.nc"
+
+
+def _told_options(case: Case) -> dict[str, str]:
+    """The options without those that came later and are at their default."""
+    later = {one.name: one.default for one in get_model(case.model).options if one.later}
+    return {name: value for name, value in case.options.items() if value != later.get(name)}
 
 
 def _deciding_parameters(case: Case) -> dict[str, Any]:

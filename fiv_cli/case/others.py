@@ -19,7 +19,7 @@ from fiv_cli.notation.names import suggest
 
 def file_of(name: str, source: str) -> Path:
     """The file of the case `name` that the case at `source` names."""
-    return Path(source).parent / f"{name}.toml"
+    return Path(source).parent / f"{name.removesuffix('.toml')}.toml"
 
 
 def not_run(case: Case) -> Iterator[str]:
@@ -40,9 +40,9 @@ def check_others(case: Case, report: Report) -> None:
 
 def _check_other(reference: Reference, place: Place, report: Report) -> None:
     name, file = reference.case, file_of(reference.case, report.source)
-    if not file.is_file():
+    if not _is_there(file):
         beside = sorted(one.stem for one in file.parent.glob("*.toml"))
-        if not output_of(name).exists():
+        if not _is_there(output_of(name)):
             allowed = f"the name of a case beside this one, or of a dataset {output_of('NAME')}"
             report.add(place, f"there is no case {file}", allowed, suggest(name, beside), True)
         return
@@ -55,6 +55,13 @@ def _check_other(reference: Reference, place: Place, report: Report) -> None:
         variables = [one.name for one in known.values() if one is not None]
         message = f"no analysis of {file} computes {reference.variable!r}"
         report.unknown(place, message, reference.variable, variables)
+
+
+def _is_there(file: Path) -> bool:
+    try:
+        return file.is_file()
+    except OSError:  # no name of a file
+        return False
 
 
 def _known(file: Path) -> dict[str, Variable | None]:

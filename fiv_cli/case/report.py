@@ -136,14 +136,19 @@ class Report:
 
     def raise_by_phase(self) -> None:
         """CaseError with every unknown key and name, and all else that does not wait for these."""
-        values = self._whatever_meant() if self._names else [*self._values, *self._relations]
+        asking = ("figure.", "claim.")  # nothing follows from what these name
+        waits = any(not problem.path.startswith(asking) for problem in self._names)
+        values = self._whatever_meant() if waits else [*self._values, *self._relations]
         self._raise([*self._keys, *self._names, *self._sure(values)])
 
     def _whatever_meant(self) -> list[Problem]:
-        """The values that are wrong in themselves; of the parameters of an unknown law none is."""
-        if not any(problem.path.startswith("friction.") for problem in self._names):
-            return self._values
-        return [one for one in self._values if not one.path.startswith("friction.")]
+        """The values that are wrong in themselves.
+
+        None is of what varies in time, which is read against all else, nor of an unknown law.
+        """
+        unknown = any(problem.path.startswith("friction.") for problem in self._names)
+        waiting = ("schedule.", "forcing.", *(("friction.",) if unknown else ()))
+        return [one for one in self._values if not one.path.startswith(waiting)]
 
     def _sure(self, values: Sequence[Problem]) -> list[Problem]:
         """Those that do not only follow from an unknown key of the same table."""

@@ -144,7 +144,7 @@ def _take(table: TakeTable, answers: Answers, place: Path, report: Report) -> di
     for name in [name for name in over if name not in known]:
         message = f"{name!r} is no axis of this case"
         note_no_axis(name, message, (*place, "over"), known, answers.physics, report)
-    found: dict[str, Any] = {"what": table.what, "over": over}
+    found: dict[str, Any] = {"what": table.what, "over": [name for name in over if name in known]}
     if table.of is not None:
         found["of"] = table.of
     if table.relative_to:

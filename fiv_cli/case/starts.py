@@ -187,7 +187,8 @@ def _check_next_leg(
     back = "down" if start.direction == "up" else "up"
     if (before.along, before.direction) != (start.along, back):
         message = f"{before.label!r} goes {before.direction} along {before.along}, not {back} along"
-        report.add(place, f"{message} {start.along}", "a chain begins where one the other way ends")
+        allowed = "a chain begins where one the other way ends"
+        report.add(place, f"{message} {start.along}", allowed, relates=True)
     rivals = [o.label for o in by_label.values() if o.from_label == before.label]
     if rivals[0] != start.label:
         message = f"{rivals[0]!r} begins at the end of {before.label!r} already"

@@ -62,8 +62,10 @@ def _as_meant(
 
 def _form_at(form: type[BaseModel], place: Path) -> type[BaseModel]:
     """The form of the table, in a `form`, whose key is at `place`."""
+    if len(place) < 2:
+        return form
     field = {name.alias or key: name for key, name in form.model_fields.items()}.get(str(place[0]))
-    if field is None or len(place) == 1:
+    if field is None:
         return form
     kinds = (field.annotation, *get_args(field.annotation))
     tables = (kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))

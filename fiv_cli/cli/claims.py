@@ -52,8 +52,9 @@ def command(
     """Hold every [[claim]] of the cases against their datasets.
 
     DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
-    or undetermined (points it needs are not computed or undecided); a case whose dataset is not
-    there is "not run", with the command that computes it. Nothing is computed here. With --set
+    or undetermined (points it needs are not computed or undecided, or may be off by more than what
+    is expected leaves); a case whose dataset is not there is "not run", with the command that
+    computes it. Nothing is computed here. With --set
     or -o the dataset is the one that `fiv run` writes with the same. The last line counts the
     points of the datasets that have no class, and why. The exit code is 0 whatever the verdicts,
     unless --strict is given.

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     "--style", default="screen", help="What figures are for: screen, paper (90 mm, Times), talk."
 )
 @click.option("--width", type=float, metavar="MM", help="Width of the whole figure.")
+@click.option("--height", type=float, metavar="MM", help="Its height. Default: as it needs.")
 @click.option("--font", metavar="NAME", help="Font family, one that is installed.")
 @click.option(
     "--title/--no-title", "titled", default=None, help="The title above. Default: not on paper."
@@ -65,6 +66,7 @@ def command(
     loop: str | None,
     style: str,
     width: float | None,
+    height: float | None,
     font: str | None,
     titled: bool | None,
 ) -> None:
@@ -91,7 +93,7 @@ def command(
         raise UsageError("--loop: of which law?\nnext: --law NAME --loop amplitude=A,omega=W")
     from fiv_cli.plots import look_of, save
 
-    look = look_of(style, width, font, titled)
+    look = look_of(style, width, font, titled, height)
     undrawn: list[UsageError] = []
     if loop is not None:
         figures = _of_loops(laws, loop, look)

@@ -165,6 +165,7 @@ class Option:
     read : value in a case file -> the text that stands for it; ValueError says what is wrong
     form : what `read` takes, in words
     join : several such texts -> the one under which the model has the states of each
+    later : came after results were stored: at its default it is no part of their identity
     """
 
     name: str
@@ -174,6 +175,7 @@ class Option:
     read: Callable[[object], str] | None = None
     form: str = ""
     join: Callable[[Iterable[str]], str] | None = None
+    later: bool = False
 
     @property
     def allowed(self) -> str:

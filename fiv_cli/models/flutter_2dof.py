@@ -60,7 +60,7 @@ MODEL = Model(
     equations=equations,
     default_law="coulomb",
     law_defaults={"mu_k": 0.3, "mu_s": "mu_k"},
-    options=(inclined_springs.STATES_OF_MOTION,),
+    options=inclined_springs.OPTIONS,
     base=("x",),
     example=Example("mu_k", 4.0, 6.0, {"c1": 0.1, "c2": 0.1, "states": "all"}, {"f_max": 2.0}),
 )

@@ -2,6 +2,13 @@
 
 A point mass on a belt, held by two springs at the angles alpha_1 and alpha_2 to the belt and by
 the contact stiffness k3. The normal force is F_N = -k3 y (3.24, 5.4).
+
+Where the mass may leave the belt (``states = all``), it comes back in one of two ways:
+
+- ``impact = plastic``: y' is zero after re-contact, as the thesis has it in chapters 4, 6 and 7;
+  m y'^2/2 is lost.
+- ``impact = none``: k3 is a spring that only pushes. It is unloaded at re-contact, F_N = 0, so that
+  y' goes on as it is and nothing is lost.
 """
 
 from __future__ import annotations
@@ -22,12 +29,22 @@ STATES = (
     State("y", "y", "m", "displacement away from the belt"),
 )
 
-STATES_OF_MOTION = Option(
-    "states",
-    (UNTIL_SEPARATION, SLIP, ALL),
-    UNTIL_SEPARATION,
-    "what happens at zero normal force: the run ends; nothing, for contact is bilateral and the "
-    "mass only slides; the mass leaves the belt and comes back with a plastic impact",
+OPTIONS = (
+    Option(
+        "states",
+        (UNTIL_SEPARATION, SLIP, ALL),
+        UNTIL_SEPARATION,
+        "what happens at zero normal force: the run ends; nothing, for contact is bilateral and "
+        "the mass only slides; the mass leaves the belt and comes back",
+    ),
+    Option(
+        "impact",
+        ("plastic", "none"),
+        "plastic",
+        "re-contact under states = all: y_dot is zero after it, or goes on as it is, k3 being a "
+        "spring that only pushes",
+        later=True,
+    ),
 )
 
 
@@ -46,7 +63,7 @@ def inclined(alpha_1: Expr, alpha_2: Expr, first: Expr, second: Expr) -> tuple[E
 
 
 def contact(symbols: Symbols, options: Options) -> Contact:
-    """The contact with the belt under the option ``states``."""
+    """The contact with the belt under the options."""
     chosen = options["states"]
     y = symbols.coordinate("y")
     return Contact(
@@ -55,5 +72,6 @@ def contact(symbols: Symbols, options: Options) -> Contact:
         normal_force=-symbols.parameter("k3") * y,
         gap=y if chosen == ALL else None,
         ends_at_zero_normal_force=chosen == UNTIL_SEPARATION,
+        impact=options["impact"],
         sliding_only=chosen == SLIP,
     )

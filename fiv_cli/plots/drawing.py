@@ -144,7 +144,7 @@ def nothing_suits(source: Source) -> UsageError:
 
 
 def figures_called(source: Source, name: str) -> list[FigureSpec]:
-    """The figures called `name`; a kind that the case does not ask for is drawn as it comes.
+    """The figures called `name`, or of that kind; one that the case does not ask for as it comes.
 
     Raises
     ------
@@ -152,6 +152,7 @@ def figures_called(source: Source, name: str) -> list[FigureSpec]:
     """
     figures = figures_of(source)
     named = [figure for figure in figures if figure.name == name]
+    named = named or [figure for figure in figures if figure.kind == name]
     names = [figure.name for figure in figures]
     pick(name, dict.fromkeys([*names, *KINDS]), "figure, nor kind of figure,", "fiv kinds")
     return named or [FigureSpec(name, name, {})]
@@ -192,6 +193,7 @@ def draw(
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
     with style.looks(axis, look):
         drawn = kind.draw(layers, settings)
+        points.relabel(drawn, settings)
         style.finish(drawn)
         return drawn
 

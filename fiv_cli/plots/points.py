@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from matplotlib.typing import ColorType
 
 
@@ -50,6 +51,8 @@ class Settings(TypedDict, total=False):
     log: bool | str
     xlim: tuple[float | str, float | str]
     ylim: tuple[float | str, float | str]
+    xlabel: str
+    ylabel: str
     unit: str
     resolution: float | str
 
@@ -170,6 +173,15 @@ def scale(ax: Axes, settings: Settings) -> None:
             ax.set(**{f"{which}scale": "log"})
         if limits is not None:
             ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})
+
+
+def relabel(figure: Figure, settings: Settings) -> None:
+    """The labels that the figure asks for, in place of those of its panels."""
+    panels = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
+    for key in ("xlabel", "ylabel"):
+        for ax in panels if key in settings else ():
+            if getattr(ax, f"get_{key}")():  # inner panels have none
+                ax.set(**{key: settings[key]})
 
 
 def in_si(value: float | str) -> float:

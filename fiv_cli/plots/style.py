@@ -69,7 +69,7 @@ PANEL = (6.4, 4.2)  # inches
 MANY_MARKS = 20_000
 LONGEST_TEXT = 600  # characters
 TITLE_LETTERS = 92  # in a figure of one panel on a screen
-MARKUP = re.compile(r"\\[a-z]+|[{}$_^]")
+MARKUP = re.compile(r"\\[A-Za-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
 TICK_LETTERS = 9  # that a tick and the gap beside it take
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
@@ -79,7 +79,7 @@ ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
 IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 MM = 1.0 / 25.4  # inches
-LEAST_PANEL = 1.6  # inches, upright
+LEAST_PANEL = 14.4  # upright, in heights of letters
 NARROWEST, WIDEST = 20.0, 2000.0  # mm
 
 
@@ -89,7 +89,7 @@ class Look:
 
     Attributes
     ----------
-    width : of a whole figure, mm; None: as wide as its panels ask for
+    width, height : of a whole figure, mm; None: as its panels ask for
     size : of letters, pt
     font : family of letters; empty: matplotlib's own
     titled : whether titles stand above figures
@@ -98,6 +98,7 @@ class Look:
     """
 
     width: float | None = None
+    height: float | None = None
     size: float = 9.0
     font: str = ""
     titled: bool = True
@@ -132,18 +133,25 @@ LOOKS = {
 
 
 def look_of(
-    name: str, width: float | None = None, font: str | None = None, titled: bool | None = None
+    name: str,
+    width: float | None = None,
+    font: str | None = None,
+    titled: bool | None = None,
+    height: float | None = None,
 ) -> Look:
     """One of `LOOKS`, changed in what is given.
 
     Raises
     ------
-    UsageError : there is no such look or font, or the width cannot be drawn
+    UsageError : there is no such look or font, or the size cannot be drawn
     """
     if name not in LOOKS:
         raise UsageError(f"--style {name}: no such style\nthere are: {', '.join(LOOKS)}")
-    if width is not None and not NARROWEST <= width <= WIDEST:
-        raise UsageError(f"--width {width:g}: figures are 20 to 2000 mm wide\nnext: --width 90")
+    for side, size in {"width": width, "height": height}.items():
+        if size is not None and not NARROWEST <= size <= WIDEST:
+            raise UsageError(
+                f"--{side} {size:g}: figures are 20 to 2000 mm wide and high\nnext: --{side} 90"
+            )
     if font:
         try:
             findfont(FontProperties(family=font), fallback_to_default=False)
@@ -156,6 +164,7 @@ def look_of(
     return replace(
         look,
         width=look.width if width is None else width,
+        height=height,
         font=look.font if font is None else font,
         titled=look.titled if titled is None else titled,
     )
@@ -249,7 +258,7 @@ def even_keys(legend: Legend) -> None:
 def make_room(figure: Figure, lines: int) -> None:
     """Make a small figure higher by the lines of a legend: its panels have nothing to spare."""
     look = _LOOK.get()
-    if look.width is not None:
+    if look.width is not None and look.height is None:
         figure.set_figheight(figure.get_figheight() + LINE * lines * look.size / POINTS)
 
 
@@ -258,7 +267,10 @@ def resize(figure: Figure, width: float, height: float, rows: int) -> None:
     look = _LOOK.get()
     if look.width is not None:
         factor = look.width * MM / width
-        width, height = look.width * MM, max(height * factor, LEAST_PANEL * rows)
+        least = LEAST_PANEL * look.size / POINTS
+        width, height = look.width * MM, max(height * factor, least * rows)
+    if look.height is not None:
+        height = look.height * MM
     figure.set_size_inches(width, height)
 
 
@@ -271,30 +283,47 @@ def level(ax: Axes) -> None:
 
 def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
-    for ax in figure.axes:
-        beside, upright = _room(ax)
-        locator = ax.xaxis.get_major_locator()
-        if isinstance(locator, AutoLocator):
-            locator.set_params(nbins=max(2, min(9, beside // TICK_LETTERS)))
-        ax.title.set_text("\n".join(_folded(one, beside) for one in ax.get_title().splitlines()))
-        ax.set_xlabel(_folded(ax.get_xlabel(), beside))
-        ax.set_ylabel(_folded(ax.get_ylabel(), upright))
+    words = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
+    added = 0
+    tame_texts(figure)
+    for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
+        figure.draw_without_rendering()  # panels have their places then
+        lines = [_fit(ax, *own) for ax, own in zip(figure.axes, words, strict=True)]
+        make_room(figure, max(lines) - added)
+        added = max(lines)
     thicken(figure)
+
+
+def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
+    """Set words and ticks as there is room; lines that all panels above each other have more."""
+    beside, upright = _room(ax)
+    locator = ax.xaxis.get_major_locator()
+    if isinstance(locator, AutoLocator):
+        locator.set_params(nbins=max(2, min(9, beside // TICK_LETTERS)))
+    above = "\n".join(_folded(one, beside) for one in title.splitlines())
+    below = _folded(xlabel, beside)
+    ax.set(title=above, xlabel=below, ylabel=_folded(ylabel, upright))
+    return (above.count("\n") - title.count("\n") + below.count("\n")) * _rows(ax)
+
+
+def _rows(ax: Axes) -> int:
+    """How many panels stand one above the other; of what is beside panels none."""
+    place = ax.get_subplotspec()
+    return 0 if place is None else place.get_gridspec().nrows
 
 
 def _room(ax: Axes) -> tuple[int, int]:
     """How many letters there is room for along the sides of a panel."""
-    place, figure = ax.get_subplotspec(), ax.figure.figure
-    rows, columns = place.get_gridspec().get_geometry() if place is not None else (1, 1)
+    figure, place = ax.figure.figure, ax.get_position()
     letter = LETTER * _LOOK.get().size / POINTS
-    sides = figure.get_figwidth() / columns, figure.get_figheight() / rows
-    return int(0.9 * sides[0] / letter), int(0.8 * sides[1] / letter)
+    sides = place.width * figure.get_figwidth(), place.height * figure.get_figheight()
+    return int(sides[0] / letter), int(sides[1] / letter)
 
 
 def _folded(words: str, most: int) -> str:
-    """Words in lines of at most so many letters, no formula divided."""
+    """Words in lines of at most so many letters, no formula nor equation divided."""
     lines = [""]
-    for word in re.findall(r"(?:\$[^$]*\$|\S)+", words):
+    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: = \S+)?", words):
         line = f"{lines[-1]} {word}".strip()
         if len(MARKUP.sub("", line)) <= most or not lines[-1]:
             lines[-1] = line

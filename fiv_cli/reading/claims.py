@@ -17,6 +17,7 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Callable, Container, Hashable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ from fiv_cli.case.grammar import Bound, Bounds, OfClass, Reference, Trend
 from fiv_cli.case.identity import default_output, is_of, output_of
 from fiv_cli.case.load import load_case
 from fiv_cli.case.others import file_of
+from fiv_cli.data.hdf5 import read_attributes
 from fiv_cli.errors import FivError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
@@ -59,6 +61,7 @@ _Tried = tuple[np.ndarray, np.ndarray]
 
 CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermined"
 NOT_RUN = "not run"
+LOOKED_AT = 8  # datasets, the newest, for one of another name
 
 # Share of the points that may be open without leaving a claim undetermined that the rest decides.
 HANDFUL = 0.005
@@ -190,10 +193,11 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
     path, advice = output or default_output(case), f"compute it with: {_command(case)}"
     advice += f" -o {output}" if output else ""
     if not path.exists():
-        return None, f"{path} is not there; {advice}"
+        return None, f"{path} is not there; {_elsewhere(case, path) or advice}"
     analyses = read_analyses(path)
     if not is_of(next(iter(analyses.values())).attrs, case):
-        return None, f"{path} was computed from another version of the case; {advice} --fresh"
+        advice = _elsewhere(case, path) or f"{advice} --fresh"
+        return None, f"{path} was computed from another version of the case; {advice}"
     if len(analyses) < len(case.analyses):
         return None, f"{path} was computed before an analysis was added; {advice}"
     if not all(_same_grid(case, dataset) for dataset in analyses.values()):
@@ -201,10 +205,20 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
     return analyses, ""
 
 
-def _command(case: Case) -> str:
-    """What to type for the dataset of a case."""
+def _elsewhere(case: Case, path: Path) -> str:
+    """What to type where a dataset beside `path` is the case's; empty where none is."""
+    others = {other: other.stat().st_mtime for other in path.parent.glob("*.nc") if other != path}
+    for other in sorted(others, key=lambda one: -others[one])[:LOOKED_AT]:
+        with suppress(FivError, OSError):
+            if is_of(read_attributes(other), case):
+                return f"{other} is of this case: {_command(case, 'claims')} -o {other}"
+    return ""
+
+
+def _command(case: Case, name: str = "run") -> str:
+    """What to type for the dataset of a case, or for what it says."""
     changed = "".join(f" --set {shlex.quote(line)}" for line in case.overrides)
-    return f"fiv run {case.source}{changed}"
+    return f"fiv {name} {case.source}{changed}"
 
 
 def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
@@ -286,8 +300,9 @@ def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
         reasons = dict.fromkeys(class_names(part.get("reason", part["status"])))
         told = ", ".join(name for name in reasons if name not in ("none", "ok"))
         return f": {told} (fiv show says what it means)" if told else ""
-    if verdict.points == verdict.open and variable != "attractor" and _has_undecided(part):
-        return ': undecided = "counts" in the claim takes what was measured of them until t_max'
+    if verdict.points == verdict.open and _has_undecided(part):
+        counted = '; undecided = "counts" in the claim takes what was measured of them until t_max'
+        return f": fiv show says what helps{counted if variable != 'attractor' else ''}"
     own = [dim for dim in part[variable].dims if dim not in part["status"].dims]
     several = set(own) <= set(own_dims()) and numbers(part[variable]).notnull().sum(own) > 1
     if not own or not np.any(several):
@@ -446,12 +461,12 @@ def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, stored: Stored)
         return _Numbers(np.array(bound), np.array(bound), np.array(0.0))
     analyses = stored(bound.case)
     dataset = analyses[_holder(bound.variable, bound.analysis, analyses)]
-    axes = select.axis_names(dataset)
-    shared = {name: wanted for name, wanted in at.items() if name.replace(".", "_") in axes}
+    dims = {name: select.axis_of(dataset, name).dims[0] for name in select.axis_names(dataset)}
+    own = [dims.get(name.replace(".", "_")) for name in bound.at]
+    shared = {n: at[n] for n in at if dims.get(n.replace(".", "_")) not in (None, *own)}
     part, variable = _asked(dataset, replace(bound, at={**shared, **bound.at}))
     known = ~unknown_points(part, variable, False)
     told = (*ends_of(part, variable), _errors(part, variable))
-    own = [select.axis_of(dataset, name).dims[0] for name in bound.at]
     arrays = (_at_points_of(bound.times * one.where(known), values.rows, own) for one in told)
     return _Numbers(*(np.asarray(one.values.ravel()[values.row]) for one in arrays))
 

@@ -95,7 +95,8 @@ def _told(array: xr.DataArray) -> list[Any]:
     names = flag_names(array.attrs)
     if names:
         classes = [names[code] for code in array.values.ravel().tolist()]
-        return [None if name == NOT_COMPUTED else name for name in classes]
+        missing = "" if array.name == "status" else NOT_COMPUTED
+        return [None if name == missing else name for name in classes]
     values = numbers(array).values.ravel().tolist()
     return [value if np.isfinite(value) else None for value in values]
 

@@ -34,6 +34,9 @@ MOST_NAMES = 8
 # Reasons of points that are no motion which went on to its end.
 WITHOUT_MOTION = (*ENDED_EARLY, "no_cycle", "no_return")
 
+# What impacts take, and what the drive gives, in a `response` and in a `history`.
+IMPACTS_AND_DRIVE = (("mean_impact_power", "mean_drive_power"), ("impact_loss", "drive_work"))
+
 OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
 
 GLOBAL = (
@@ -63,7 +66,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
     """The summary of an analysis of this kind and these settings."""
     settings = told.get("settings", {})
     still, ends = still_followed(dataset, settings), each_point.branch_ends(dataset)
-    begin = _beginning(dataset, settings)
+    begin, struck = _beginning(dataset, settings), _into_impacts(dataset)
     return {
         "dims": {str(dim): dataset.sizes[dim] for dim in dataset["status"].dims},
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
@@ -75,6 +78,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
         "over_starts": over_starts.differing(dataset),
         "advice": _advice(dataset, told.get("kind", "")),
         "ranges": _ranges(dataset),
+        **({"into_impacts": struck} if struck else {}),
         "each_point": each_point.each_point(dataset),
         **({"branches_begin": begin} if begin else {}),
         **({"branch_ends": ends} if ends else {}),
@@ -94,7 +98,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
 def _beginning(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:
     """The value of the parameter along which branches are followed at which they begin, if any."""
     name = (settings.get("parameter") or {}).get("name", "")
-    if name not in dataset.coords:
+    if name not in dataset.coords or dataset[name].ndim:  # of joined runs each has its own
         return ""
     return f"{name} = {dataset[name].item():g}{_unit({'units': '1', **dataset[name].attrs})}"
 
@@ -167,6 +171,15 @@ def _range(variable: xr.DataArray, only_point: bool) -> dict[str, Any]:
     }
 
 
+def _into_impacts(dataset: xr.Dataset) -> dict[str, Any]:
+    """The share of the drive's work that impacts take, if they take any."""
+    for lost, given in IMPACTS_AND_DRIVE:
+        if lost in dataset and given in dataset:
+            share = _range(dataset[lost] / dataset[given].where(dataset[given] > 0.0), False)
+            return {**share, "units": "1"} if share.get("greatest", 0.0) > 0.0 else {}
+    return {}
+
+
 def _worst(dataset: xr.Dataset, variable: Variable) -> dict[str, Any]:
     """The worst value and the point where it occurs; how many points that want it have none."""
     name = variable.name
@@ -210,6 +223,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *shares.lines(part["shares"]),
         *over_starts.lines(part["over_starts"]),
         *_range_lines(part["ranges"]),
+        *([_impact_line(part["into_impacts"])] if "into_impacts" in part else []),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
         *([f"  branches begin at {part['branches_begin']}"] if "branches_begin" in part else []),
         *each_point.lines_of_ends(part.get("branch_ends", ()), _units(part)),
@@ -293,6 +307,10 @@ def _range_line(span: Mapping[str, Any], error: float | None) -> str:
         return ", ".join(f"{value:.6g}" for value in span["each"]) + _unit(span)
     least, greatest = (with_error(span[end], error) for end in ("least", "greatest"))
     return (least if least == greatest else f"{least} to {greatest}") + _unit(span)
+
+
+def _impact_line(share: Mapping[str, Any]) -> str:
+    return f"  {'into impacts':<22} {_range_line(share, None)} of the drive's work"
 
 
 def _trust_lines(trust: Mapping[str, Mapping[str, Any]]) -> list[str]:

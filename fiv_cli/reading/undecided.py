@@ -49,5 +49,5 @@ class Undecided:
         """``undecided: 30 of 8,040 points (0.37 %): time_budget 22, tests_disagree 8``."""
         share = 100.0 * self.total / self.points if self.points else 0.0
         listed = ", ".join(f"{name} {count}" for name, count in self.reasons.most_common())
-        text = f"undecided: {self.total:,} of {self.points:,} points ({share:.2g} %)"
+        text = f"undecided: {self.total:,} of {self.points:,} points ({float(f'{share:.2g}'):g} %)"
         return f"{text}: {listed}" if listed else text
