@@ -163,8 +163,14 @@ def test_a_case_and_its_dataset_are_told_apart(capsys: pytest.CaptureFixture[str
         (["show", "pin.toml"], "next: name its dataset, runs/pin.nc\n"),
         (["run", "runs/pin.nc"], "next: fiv show runs/pin.nc, fiv plot runs/pin.nc"),
         (["plot", "pin.nc"], "did you mean 'runs/pin.nc'?"),
-        (["plot", "runs/pin.nc", "--figure", "map"], "runs/pin.nc: a map needs two axes"),
-        (["plot", "runs/pin.nc", "--figure", "map"], "it can be drawn with --figure curve"),
+        (
+            ["plot", "runs/pin.nc", "--figure", "map"],
+            "runs/pin-map.png: not written: a map needs two axes",
+        ),
+        (
+            ["plot", "runs/pin.nc", "--figure", "map"],
+            "runs/pin.nc can be drawn with --figure curve",
+        ),
     ):
         assert run(arguments) == 2
         assert said in capsys.readouterr().err
