@@ -6,6 +6,7 @@ Likewise of branches of cycles: a row for each change of one, and each end.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -131,4 +132,6 @@ def _cell(row: Row, name: str) -> str:
         return ""
     if name == "status" and row.get("reason", "none") != "none":
         return f"{value}, {row['reason']}"
+    if error is None and error_of(name) in row:
+        error = inf
     return with_error(value, error) if isinstance(value, float) else str(value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import prod
+from math import inf, prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -281,7 +281,8 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
     Terms are the powers and works of the balance of energy. The error of a single value follows it.
     """
     alone = {name: span for name, span in ranges.items() if span["values"] == 1}
-    errors = {name: alone[error_of(name)]["least"] for name in alone if error_of(name) in alone}
+    errors = {name: inf for name in alone if named(name).width}  # where none was found
+    errors |= {name: alone[error_of(name)]["least"] for name in alone if error_of(name) in alone}
     told = {name: _range_line(span, errors.get(name)) for name, span in ranges.items()}
     terms = [name for name in told if name.endswith(("_work", "_power"))]
     alike = {name for name in terms if told.get(f"section_{name}") == told[name]}
