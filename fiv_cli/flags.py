@@ -193,7 +193,8 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "slide_not_decided",
         "the motion slides, but its time was up before its level fell as that of the linearised "
-        "system does (near a border, or growing): raise t_max",
+        "system does (near a border, or growing; or it slips back and forth without ever meeting "
+        'the section): raise t_max, or choose a section that it meets, as { event = "any" }',
     ),
     Reason(
         "cycle_not_confirmed",

@@ -384,7 +384,8 @@ class ParameterName(Setting):
             yield unknown(message, value.name, table)
         if value.name in known.axes:
             message = f"{value.name!r} is an axis of the grid: the analysis finds its value itself"
-            yield Refusal(message, suggestion=f"remove {value.name} from [grid]")
+            aside = "or ask in a case of its own, whose answers claims have as CASE:VARIABLE"
+            yield Refusal(message, suggestion=f"remove {value.name} from [grid], {aside}")
 
     def sample(self, model: Model, varied: Parameter) -> str:
         return f'"{varied.name}"'

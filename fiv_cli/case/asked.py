@@ -290,6 +290,8 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
         variables = {v.name: v.long_name for v in known.values() if v is not None}
         message = f"no analysis of this case computes {name!r}"
         told = f"`fiv variables {report.source}` says what each is"
+        if ":" in name:
+            told = f'what another case found is held against: expect = {{ less_than = "{name}" }}'
         hint = variable_meant(name, variables) or suggest(name, variables) or told
         report.unknown(place, message, name, variables, hint)
     return name in known

@@ -373,6 +373,10 @@ class _Reader:
                 self.report.unknown(place, f"unknown parameter {key!r}", name, meanings, hint)
             elif name in found:
                 self.report.add(place, f"{name} is given twice")
+            elif isinstance(value, str) and ascii_name(value) in {**known, **elsewhere}:
+                together = f'[sweep] zip = [["{name}", "{value}"]], both under [grid]'
+                hint = f"to have both alike: {together}"
+                self.report.add(place, f"{value!r} is a parameter, not a value", suggestion=hint)
             else:
                 self.parameter(known[name], value, place, found)
         return found

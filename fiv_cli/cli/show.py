@@ -35,11 +35,14 @@ def command(file: Path, places: tuple[str, ...], columns: str | None, as_json: b
       fiv show runs/a.nc --csv attractor,L_s > a.csv
       fiv show runs/a.nc --json
     """
+    from fiv_cli.reading.changed import changed_since
     from fiv_cli.reading.datasets import read_analyses
     from fiv_cli.reading.select import part_of_each
     from fiv_cli.reading.summary import lines, summarise
 
     analyses, at = read_analyses(file), parse_places(places)
+    if changed := changed_since(next(iter(analyses.values())).attrs):
+        click.echo(f"WARNING: {file} is shown as it was run; {changed}", err=True)
     if columns is not None:
         from fiv_cli.reading.table import as_csv
 

@@ -168,7 +168,8 @@ def _default(parameter: Parameter, names: list[str]) -> Iterator[Fault]:
             yield none_called("Parameter", parameter.name, "default_from", "parameter", [*names],
                       str(parameter.default_from))  # fmt: skip
     elif not isinstance(value, int | float) or isinstance(value, bool) or isinf(value):
-        yield Fault(place, f"its default is {value!r}", "a number in SI")
+        allowed = "a number in SI; or None, and default_from = another parameter's name"
+        yield Fault(place, f"its default is {value!r}", allowed)
     else:
         try:
             parameter.checked(value)

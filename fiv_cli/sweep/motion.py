@@ -262,7 +262,7 @@ def _index_along(dim: Dim, at: Mapping[str, str]) -> int:
         return fitting[0]
     for axis, places in zip(given, meant, strict=True):
         if not places:
-            raise _off_the_grid(axis, at[axis.name])
+            raise _off_the_grid(axis, at[axis.name], [one.name for one in dim.axes if one != axis])
     names = ", ".join(axis.name for axis in dim.axes)
     if not fitting:
         raise UsageError(f"--at: no point fits along {names}\nnext: `fiv check` prints the axes")
@@ -301,7 +301,8 @@ def _number(text: float | str) -> float | None:
         return None
 
 
-def _off_the_grid(axis: Axis, text: str) -> UsageError:
+def _off_the_grid(axis: Axis, text: str, together: Sequence[str]) -> UsageError:
+    """What there is, and how to have the value itself; axes `together` advance with this one."""
     number, first = _number(text), axis.values[:MOST_NAMED]
     if isinstance(first[0], str) or number is None:
         hint = f"choose from {', '.join(map(str, first))}"
@@ -310,6 +311,7 @@ def _off_the_grid(axis: Axis, text: str) -> UsageError:
         hint = f"the nearest is --at {axis.name}={nearest}"
         if axis.kind == "parameter":
             hint += f"; for {text} itself add --set 'grid.{axis.name}=[{text}]'"
+            hint += "".join(f" --set 'grid.{name}=[VALUE]'" for name in together)
     return UsageError(f"--at {axis.name}={text}: off the grid\nnext: {hint}")
 
 
