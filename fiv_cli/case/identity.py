@@ -147,7 +147,7 @@ def _numerics(case: Case, analyses: Sequence[AnalysisSpec]) -> dict[str, int]:
 
 def _follows(case: Case, spec: AnalysisSpec) -> bool:
     """Whether an analysis follows a class in steps, along its bracket or along the grid."""
-    chains = any(one.kind == "continue" and one.on_loss != "go-on" for one in case.starts)
+    chains = any(one.kind == "continue" for one in case.starts)
     along_grid = chains and get_analysis(spec.kind).uses_starts
     return along_grid or spec.settings.get("follow", "none") != "none"
 

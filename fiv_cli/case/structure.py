@@ -258,8 +258,8 @@ class InitialTable(Table):
     )
     on_loss: Literal["stop", "restart", "go-on"] = Field(
         default="stop",
-        description="what follows where the class of motion is lost: nothing, the start anew, or "
-        "the motion as it then is, of whatever class",
+        description="what follows where the class of motion is lost, however short the steps: "
+        "nothing, the start anew, or the motion as it then is, of whatever class",
     )
 
 

@@ -4,7 +4,8 @@ A point is given what is stored of the one before, however the chain is cut into
 
 A step of the grid that is too long throws the motion off a branch that goes on. So where a cycle or
 an equilibrium that is followed is lost, the way from the point before is gone again in shorter
-steps, until they tell whether the branch reaches the point; only what these lose, too, is lost.
+steps, until they tell whether the branch reaches the point; only what these lose, too, is lost. A
+chain that goes on whatever its class goes on with what the step of the grid led to then.
 """
 
 from __future__ import annotations
@@ -88,7 +89,8 @@ def state_after(
     depends on that failure.
     """
     told, followed = _told(outcome), _followed(before)
-    lost = outcome.status != "ok" or outcome.carry is None or _changes(outcome, before, entry)
+    minds = entry.spec.on_loss != "go-on"
+    lost = outcome.status != "ok" or outcome.carry is None or (minds and _changes(outcome, before))
     blocked = "" if before is None else before.blocked
     if outcome.status == "failed" and is_retried(outcome.reason):
         blocked = outcome.reason
@@ -111,10 +113,10 @@ def _followed(before: ChainState | None) -> str:
     return "" if before is None or before.lost else before.attractor
 
 
-def _changes(outcome: Outcome, before: ChainState | None, entry: StartEntry) -> bool:
-    """Whether a chain that minds its class has another one at a point."""
+def _changes(outcome: Outcome, before: ChainState | None) -> bool:
+    """Whether the class at a point is another one than that of the chain."""
     classes = {_told(outcome), _followed(before)}
-    return entry.spec.on_loss != "go-on" and "" not in classes and len(classes) == 2
+    return "" not in classes and len(classes) == 2
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,7 @@ class Chain:
             start = continued_start(self.entry, begun)
         outcome = self.run(replace(request, start=start))
         state = state_after(outcome, values, before, self.entry)
-        if before is not None and _changes(outcome, before, self.entry):
+        if before is not None and _changes(outcome, before):
             way = _Way(self, before, values, request)
             if way.is_passable() and way.reaches():
                 outcome, begun = way.reached
@@ -200,9 +202,10 @@ class _Way:
         start = continued_start(entry, origin.carry)
         outcome = self.chain.run(replace(self._request(place), start=start, in_passing=True))
         state = state_after(outcome, place, self.before, entry)
-        if not state.lost and place == self.values:
+        kept = not state.lost and not _changes(outcome, self.before)
+        if kept and place == self.values:
             self.reached = outcome, origin.carry
-        return Look(value, not state.lost, "", state.carry)
+        return Look(value, kept, "", state.carry)
 
     def _request(self, place: Values) -> Request:
         """What is asked at a place on the way; what is found there for all starts is kept."""
