@@ -38,7 +38,7 @@ _KINDS = (
     "fold, flip (a multiplier passes -1), torus (a pair passes 1 in modulus), branching (a "
     "multiplier passes 1), grazing (an event enters or leaves), contact lost, equilibrium "
     "(the cycle shrinks to rest), bracket (its edge), budget (of points), mu_k above mu_s, "
-    "closed (round to its first cycle)"
+    "closed (round to its first cycle), other (no cycle was found beyond, and none of these)"
 )
 _OFF = "how far it may be off"
 _CYCLES_AGAIN = (
