@@ -399,6 +399,14 @@ class TestGrid:
         assert "also fixed" in problem.message
         assert problem.line == BELT.count("\n") + 4
 
+    def test_an_override_lets_vary_what_the_case_fixes(self) -> None:
+        text = belt("[friction]", 'law = "coulomb"', "mu_k = 0.3")
+        vary = "grid.mu_k=[0.1, 0.2]", 'grid.friction=["coulomb", "stribeck"]'
+        case = parse(text, *vary)
+        assert (case.axis("mu_k").values, case.laws) == ((0.1, 0.2), ("coulomb", "stribeck"))
+        both = only_problem(text, "friction.mu_k=0.2", vary[0])
+        assert "also fixed" in both.message
+
     def test_law_fixed_and_varied(self) -> None:
         text = belt("[friction]", 'law = "coulomb"', "[grid]", 'friction = ["coulomb", "stribeck"]')
         assert "also fixed" in only_problem(text).message

@@ -8,7 +8,7 @@ no TOML is a string.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
@@ -47,7 +47,10 @@ def parse_override(text: str) -> Override:
 def apply_overrides(
     document: dict[str, Any], overrides: Sequence[Override]
 ) -> tuple[dict[str, Any], dict[Path, str], list[Problem]]:
-    """A copy of `document` with `overrides` in it, the places written, and what has no place."""
+    """A copy of `document` with `overrides` in it, the places written, and what has no place.
+
+    A parameter that is made an axis is no longer fixed by the document.
+    """
     changed = deepcopy(document)
     places: dict[Path, str] = {}
     problems = []
@@ -59,7 +62,24 @@ def apply_overrides(
         else:
             places.pop(place, None)
             places[place] = override.text
+            _let_vary(changed, place, places)
     return changed, places, problems
+
+
+def _let_vary(document: dict[str, Any], place: Path, places: Mapping[Path, str]) -> None:
+    """Take away what fixes the parameter, or the law, that `place` makes an axis.
+
+    What another override fixes stays, and is told.
+    """
+    if len(place) != 2 or place[0] != "grid":
+        return
+    name = "law" if place[1] == "friction" else str(place[1])
+    for home in (("model", "parameters"), ("friction",)):
+        table: Any = document
+        for key in home:
+            table = table.get(key) if isinstance(table, dict) else None
+        if isinstance(table, dict) and (*home, name) not in places:
+            table.pop(name, None)
 
 
 class _NoPlace(Exception):
