@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 # Labels of an axis, or values at the only point, that are all listed; of more, the ends.
 MOST_NAMES = 8
+MANY = 50  # points, of which shares are told
 
 # Reasons of points that are no motion which went on to its end.
 WITHOUT_MOTION = (*ENDED_EARLY, "no_cycle", "no_return")
@@ -272,7 +273,11 @@ def _count_lines(part: Mapping[str, Any]) -> list[str]:
 
 
 def _count_line(counts: Mapping[str, int]) -> str:
-    return ", ".join(f"{name} {count}" for name, count in counts.items())
+    """How many points there are of each; of many, what share of them."""
+    total = sum(counts.values())
+    shares = {name: f" ({count / total:.1%})" * (total >= MANY) for name, count in counts.items()}
+    several = len(counts) > 1
+    return ", ".join(f"{name} {n}{shares[name] * several}" for name, n in counts.items())
 
 
 def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
