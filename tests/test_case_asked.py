@@ -92,6 +92,11 @@ def test_what_will_be_there(text: str) -> None:
             "'period'",
         ),
         (claim("L_s", '"periodic"'), "claim.0.expect", "no class 'periodic'"),
+        (
+            claim("L_s", '"increasing"') + '[[analysis]]\nname = "again"\nkind = "response"\n',
+            "claim.0.variable",
+            "of several analyses",
+        ),
         (claim("attractor", "{ value = 3, tolerance = 1 }"), "claim.0.expect", "not a number"),
         (claim("attractor", "{ less_than = 3 }"), "claim.0.expect", "not a number"),
         (claim("attractor", '"increasing"'), "claim.0.expect", "not a number"),

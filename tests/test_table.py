@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import synthetic_datasets as data
 
+from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import UsageError
 from fiv_cli.reading.table import as_csv
 
@@ -46,6 +47,18 @@ def test_values_of_any_number_per_point_stand_beside_their_points():
     assert counted == first.tolist()
 
 
+def test_axes_may_be_named_too_and_a_file_takes_the_table(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = data.bifurcation()
+    assert rows(found, "Omega", "section_value") == rows(found, "section_value")
+    found.to_netcdf("a.nc")
+    assert fiv(["show", "a.nc", "--csv", "attractor", "-o", "a.csv"]) == 0
+    assert (tmp_path / "a.csv").read_text() == as_csv({"": found}, ["attractor"], {})
+    assert fiv(["show", "a.nc", "-o", "a.csv"]) == 2
+
+
 def test_what_is_not_there_is_told():
     with pytest.raises(UsageError, match=r"no variable 'L_S'; did you mean 'L_s'"):
         rows(data.bifurcation(), "L_S")
+    with pytest.raises(UsageError, match=r"no variable 'rms'; here it is 'L_s'"):
+        rows(data.bifurcation(), "rms")

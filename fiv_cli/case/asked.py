@@ -107,12 +107,21 @@ def _check_claim(claim: ClaimSpec, case: Case, held: Held, place: Path, report: 
     known = _known_of(claim, case, held, place, report)
     if not known:
         return
+    _refuse_ambiguous(claim.variable, claim.analysis, held, (*place, "variable"), report)
     _check_expected(claim, known, place, report)
     for key, reference in references_of(claim).items():
         at = (*place, "expect", key)
         elsewhere = {} if reference.case else _known_of(reference, case, held, at, report)
         if elsewhere:
             _check_compared(claim, reference, known, elsewhere, at, report)
+
+
+def _refuse_ambiguous(name: str, analysis: str, held: Held, place: Path, report: Report) -> None:
+    """Note a variable that several analyses have, where none is named: it is not one thing."""
+    homes = [one for one, own in held.items() if own and name in [v.name for v in own]]
+    if not analysis and len(homes) > 1:
+        message = f"{name!r} is of several analyses"
+        report.add(place, message, " or ".join(f'analysis = "{home}"' for home in homes))
 
 
 def references_of(claim: ClaimSpec) -> Mapping[str, Reference]:

@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from fiv_cli.cli.common import at_option, json_option, parse_places, print_json
-from fiv_cli.errors import printable
+from fiv_cli.errors import UsageError, printable
+from fiv_cli.files import refuse_special, write_whole
 
 
 @click.command("show")
@@ -17,10 +18,15 @@ from fiv_cli.errors import printable
     "--csv",
     "columns",
     metavar="NAME,...",
-    help="Print variables as a table instead: a row for each value, its point beside it.",
+    help="Print variables as a table instead: a row for each value, its point beside it, in SI.",
+)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE.csv", help="Where --csv goes."
 )
 @json_option
-def command(file: Path, places: tuple[str, ...], columns: str | None, as_json: bool) -> None:
+def command(
+    file: Path, places: tuple[str, ...], columns: str | None, output: Path | None, as_json: bool
+) -> None:
     """Summarise the dataset FILE.nc.
 
     Says what was computed, how many points of each status and class there are, where starts end
@@ -32,7 +38,7 @@ def command(file: Path, places: tuple[str, ...], columns: str | None, as_json: b
     Examples:
       fiv new pin-on-disc > a.toml && fiv run a.toml && fiv show runs/a.nc
       fiv show runs/a.nc --at "Omega=. >= 5"
-      fiv show runs/a.nc --csv attractor,L_s > a.csv
+      fiv show runs/a.nc --csv attractor,L_s -o a.csv
       fiv show runs/a.nc --json
     """
     from fiv_cli.reading.changed import changed_since
@@ -47,8 +53,16 @@ def command(file: Path, places: tuple[str, ...], columns: str | None, as_json: b
         from fiv_cli.reading.table import as_csv
 
         names = [name.strip() for name in columns.split(",")]
-        click.echo(as_csv(analyses, names, at), nl=False)
+        told = as_csv(analyses, names, at)
+        if output is None:
+            click.echo(told, nl=False)
+        else:
+            refuse_special(output)
+            write_whole(output, told.encode(), durable=False)
+            click.echo(output)
         return
+    if output is not None:
+        raise UsageError("-o: of what?\nnext: name variables, --csv attractor,L_s -o FILE.csv")
     summary = summarise(part_of_each(analyses, at))
     if as_json:
         print_json(summary)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fiv_cli.case.words import variable_meant
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import pick
@@ -29,6 +30,8 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     """
     from xarray import merge
 
+    beside = {str(name) for one in analyses.values() for name in one.coords}
+    names = [name for name in names if name not in beside] or list(names)
     dataset = _holding(analyses, names)
     told = [one for name in names for one in (name, error_of(name)) if one in dataset]
     ragged = [name for name in told if select.row_sizes(dataset, name) is not None]
@@ -56,6 +59,8 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
             return dataset
     known = {str(name): None for one in analyses.values() for name in one.data_vars}
     for name in names:
+        if hint := variable_meant(name, known) if name not in known else "":
+            raise UsageError(f"there is no variable {name!r}; {hint}")
         pick(name, known, "variable", "fiv show FILE.nc")
     raise UsageError(f"{', '.join(names)}: no analysis has all of these\nnext: a table for each")
 
