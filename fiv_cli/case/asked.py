@@ -177,8 +177,13 @@ def _check_compared(
         report.add((*place, "variable"), message)
     elif other.ragged or several:
         message = f"{other.name!r} has several values at a point"
-        said = f"at = {{ {several[0]} = 0 }}" if several else "one value at each point"
-        report.add(place, message, f"{said}, for example" if several else said)
+        said = "one value at each point"
+        if several:
+            one_of_all = f'take = {{ what = "greatest", over = "{several[0]}" }}'
+            said = (
+                f"at = {{ {several[0]} = 0 }}, for example; or, of those that exist, {one_of_all}"
+            )
+        report.add(place, message, said)
     elif one is not None and not claim.take:
         _check_units(one, other, reference.times, place, report)
 
