@@ -305,7 +305,9 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
         message = f"no analysis of this case computes {name!r}"
         told = f"`fiv variables {report.source}` says what each is"
         if ":" in name:
+            case, _, of_it = name.partition(":")
             told = f'what another case found is held against: expect = {{ less_than = "{name}" }}'
+            told = f'case = "{case}", variable = "{of_it}"' if "expect" in place else told
         hint = variable_meant(name, variables) or suggest(name, variables) or told
         report.unknown(place, message, name, variables, hint)
     return name in known
