@@ -308,8 +308,8 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
             case, _, of_it = name.partition(":")
             told = f'what another case found is held against: expect = {{ less_than = "{name}" }}'
             told = f'case = "{case}", variable = "{of_it}"' if "expect" in place else told
-        hint = variable_meant(name, variables) or suggest(name, variables) or told
-        report.unknown(place, message, name, variables, hint)
+        meant = variable_meant(name, variables) or suggest(name, variables)
+        report.unknown(place, message, name, variables, told if ":" in name else meant or told)
     return name in known
 
 
