@@ -1436,8 +1436,8 @@ def test_show_counts_classes_and_ranges(stored):
     assert "Omega 46 x initial 2" in printed
     assert "0.5 to 5 rad s-1, 46 values" in printed
     assert "near, far" in printed
-    assert "ok 91, failed 1" in printed
-    assert "periodic 74, equilibrium 16, not_computed 1, undecided 1" in printed
+    assert "ok 91 (98.9%), failed 1 (1.1%)" in printed
+    assert "periodic 74 (80.4%), equilibrium 16 (17.4%), not_computed 1 (1.1%)" in printed
     assert "0 to 0.001 rad2" in printed
 
 
