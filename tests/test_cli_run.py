@@ -182,12 +182,18 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert "runs/pin.nc (complete, of another version of the case)" in capsys.readouterr().out
     longer = ["--set", "grid.N0=[10.0, 20.0, 30.0]", "-o", "runs/pin.nc"]
     assert fiv(["status", "pin.toml", *longer]) == 0
-    assert "runs/pin.nc (complete, of another grid; `fiv run` writes" in capsys.readouterr().out
+    assert (
+        "runs/pin.nc (complete, of another grid or other starts; `fiv run` writes"
+        in capsys.readouterr().out
+    )
     assert fiv(["run", "pin.toml", *longer, "--max-points", "1", "-q"]) == 8
     capsys.readouterr()
     assert fiv(["status", "pin.toml"]) == 0
     told = capsys.readouterr().out
-    assert "4 of 4 points done" in told and "runs/pin.nc (partial, of another grid; " in told
+    assert (
+        "4 of 4 points done" in told
+        and "runs/pin.nc (partial, of another grid or other starts; " in told
+    )
 
 
 def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_none(

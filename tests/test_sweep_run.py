@@ -147,8 +147,32 @@ def test_an_analysis_may_be_added_and_is_all_that_runs(tmp_path: Path, count_fil
         sweep(tmp_path / "a.nc", both, executor="sweep_fakes:counted")
         assert len(runs(count_file)) == 30
         assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
-    with pytest.raises(StoreMismatchError, match=r"analyses\.longer: stored .*, now absent"):
+    with pytest.raises(StoreMismatchError, match=r"analyses\.longer: stored, now absent"):
         sweep(tmp_path / "a.nc")
+
+
+def test_a_start_may_be_added_and_is_all_that_runs(tmp_path: Path, count_file: Path) -> None:
+    """Of random ones also more of them; none may be taken away, or changed."""
+    random = '[[initial]]\nlabel = "any"\nkind = "random"\ncount = 2\nbox = { x = [0, 1] }\n'
+    first, _ = sweep_fakes.BELT.split('[[initial]]\nlabel = "far"')
+    first += '[[analysis]]\nkind = "response"\n'
+    stages = [first, sweep_fakes.BELT, sweep_fakes.BELT + random]
+    stages.append(stages[-1].replace("count = 2", "count = 5"))
+    for text, new in zip(stages, (15, 15, 30, 45), strict=True):
+        count_file.unlink(missing_ok=True)
+        sweep(tmp_path / "a.nc", text, executor="sweep_fakes:counted")
+        assert len(runs(count_file)) == new
+    sweep(tmp_path / "b.nc", stages[-1])
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+    for text, told in (
+        (first, r"starts\.any: stored, now absent\n  starts\.far: stored, now absent\n"),
+        (
+            stages[-1].replace("1e-4", "2e-4"),
+            r"starts\.near\.offset\.x: stored 0\.0001, now 0\.0002",
+        ),
+    ):
+        with pytest.raises(StoreMismatchError, match=told):
+            sweep(tmp_path / "a.nc", text)
 
 
 def test_a_chain_goes_on_at_its_far_end(tmp_path: Path, count_file: Path) -> None:

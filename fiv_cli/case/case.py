@@ -90,6 +90,14 @@ class StartSpec:
     from_label: str = ""
     on_loss: str = "stop"
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Its values of the dim ``initial``."""
+        several = self.kind in SEVERAL
+        return (
+            tuple(f"{self.label}-{i:03d}" for i in range(self.count)) if several else (self.label,)
+        )
+
 
 @dataclass(frozen=True)
 class AnalysisSpec:

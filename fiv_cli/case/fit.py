@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import requirements
-from fiv_cli.case.case import SEVERAL, AnalysisSpec, Axis, Case, StartSpec
+from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.form import Form
 from fiv_cli.case.grid import MOST_POINTS, count_points
 from fiv_cli.case.physics import Physics
@@ -60,7 +60,7 @@ def _refuse_too_many_runs(
     report: Report,
 ) -> None:
     """Random starts, and those of a table, multiply the points of the grid."""
-    labels = sum(start.count if start.kind in SEVERAL else 1 for start in starts)
+    labels = sum(len(start.labels) for start in starts)
     points = count_points({axis.name: len(axis.values) for axis in axes}, zips)
     if labels > 1 and labels * points > MOST_POINTS:
         message = f"{labels:,} starts of {points:,} points are {labels * points:,} runs"

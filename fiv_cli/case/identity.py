@@ -1,14 +1,14 @@
 """Which results belong together: fingerprints of cases and names of outputs.
 
 A case's fingerprint hashes everything that decides its numbers but the extent of the grid, so that
-an axis may grow and finished points stay. Titles, claims and figures do not count. The keys of
-points are built on it in ``sweep/requests.py``.
+an axis may grow and finished points stay, as they do where a start or an analysis is added. Titles,
+claims and figures do not count. The keys of points are built on it in ``sweep/requests.py``.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import asdict, is_dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -26,17 +26,21 @@ DOCUMENT_VERSION = 1
 FOLLOWING_VERSION = 2  # raised whenever what is followed in steps is lost elsewhere
 
 
-def document(case: Case, analyses: Sequence[AnalysisSpec] = ()) -> dict[str, Any]:
+def document(
+    case: Case, analyses: Sequence[AnalysisSpec] = (), starts: Container[str] | None = None
+) -> dict[str, Any]:
     """What decides the numbers of a case but the extent of its grid, as plain JSON values.
 
     Parameters
     ----------
     case : the case
     analyses : only these; none: all of them
+    starts : only those with these labels; None: all of them
     """
     varied = {axis.name for axis in case.axes}
     analyses = analyses or case.analyses
     with_starts = any(get_analysis(spec.kind).uses_starts for spec in analyses)
+    told = [one for one in case.starts if with_starts and (starts is None or one.label in starts)]
     found = {
         "document": DOCUMENT_VERSION,
         "model": case.model,
@@ -45,7 +49,7 @@ def document(case: Case, analyses: Sequence[AnalysisSpec] = ()) -> dict[str, Any
         "parameters": _deciding_parameters(case),
         "axes": [[axis.name, axis.kind] for axis in case.axes],
         "zip": case.zips,
-        "starts": {start.label: _start(start) for start in case.starts} if with_starts else {},
+        "starts": {start.label: _start(start) for start in told},
         "analyses": {spec.name: replace(spec, settings=spec.told) for spec in analyses},
         "solver": case.solver,
         "numerics": _numerics(case, analyses),
@@ -59,15 +63,22 @@ def document(case: Case, analyses: Sequence[AnalysisSpec] = ()) -> dict[str, Any
 
 
 def _start(start: StartSpec) -> dict[str, Any]:
-    """A start; for the rows of a table stands their hash, and nothing where it has none."""
+    """A start; for the rows of a table stands their hash, and nothing where it has none.
+
+    How many random ones there are is no more than the extent of a grid.
+    """
     facts = asdict(start)
+    if start.kind == "random":
+        del facts["count"]
     rows = facts.pop("rows")
     return facts | ({"rows": _hash(rows)} if rows else {})
 
 
-def fingerprint(case: Case, analyses: Sequence[AnalysisSpec] = ()) -> str:
+def fingerprint(
+    case: Case, analyses: Sequence[AnalysisSpec] = (), starts: Container[str] | None = None
+) -> str:
     """Hash of `document`, 64 hexadecimal digits."""
-    return _hash(document(case, analyses))
+    return _hash(document(case, analyses, starts))
 
 
 def named_in(stored: object, case: Case) -> list[AnalysisSpec]:
@@ -76,17 +87,22 @@ def named_in(stored: object, case: Case) -> list[AnalysisSpec]:
 
 
 def is_of(attributes: Mapping[str, Any], case: Case) -> bool:
-    """Whether the dataset with these attributes is of `case`, or was before analyses were added."""
+    """Whether the dataset with these attributes is of `case`, or was before it was added to.
+
+    What may be added to a case are analyses and starts.
+    """
     stored = named_in(json.loads(attributes.get("analyses_json", "{}")), case)
-    return attributes.get("fingerprint") == fingerprint(case, stored)
+    starts = json.loads(attributes.get("starts_json", "null"))
+    return attributes.get("fingerprint") == fingerprint(case, stored, starts)
 
 
 def differences(stored: Mapping[str, Any], case: Case) -> list[str]:
     """How a stored `document` and that of `case` differ, one line each; [] when they do not.
 
-    Of the case only the analyses that are stored: what is added to them changes nothing of theirs.
+    Of the case only the analyses and starts that are stored: what is added to them changes nothing
+    of theirs.
     """
-    now = document(case, named_in(stored.get("analyses"), case))
+    now = document(case, named_in(stored.get("analyses"), case), stored.get("starts", ()))
     was, own = dict(stored.get("own", {})), now.get("own", {})
     changed = sorted(name for name in was.keys() & own.keys() if was[name] != own[name])
     was |= {name: own[name] for name in changed}
@@ -178,8 +194,13 @@ def _compare_key(
     stored: dict[str, Any], now: dict[str, Any], key: str, place: str
 ) -> Iterable[str]:
     if key not in now:
-        yield f"{place}: stored {json.dumps(stored[key])}, now absent"
+        yield f"{place}: stored{_shown(stored[key])}, now absent"
     elif key not in stored:
-        yield f"{place}: now {json.dumps(now[key])}, absent in what is stored"
+        yield f"{place}: now{_shown(now[key]) or ' there'}, absent in what is stored"
     else:
         yield from _compare(stored[key], now[key], place)
+
+
+def _shown(value: Any) -> str:
+    """A single value; of a whole table its name says enough."""
+    return "" if isinstance(value, dict) else f" {json.dumps(value)}"

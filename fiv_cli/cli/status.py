@@ -104,7 +104,7 @@ class Standing:
             return f"{whole}, of another version of the case"
         if self.dataset_partial == bool(self.counts["pending"]):
             return "partial" * self.dataset_partial
-        return f"{whole}, of another grid; `fiv run` writes this one"
+        return f"{whole}, of another grid or other starts; `fiv run` writes this one"
 
 
 @click.command("status")

@@ -46,6 +46,7 @@ def provenance(case: Case, fingerprint: str) -> dict[str, object]:
         },
         "parameters_json": case.parameters,
         "options_json": case.options,
+        "starts_json": {start.label: start.kind for start in case.starts},
         "figures_json": json.dumps([asdict(figure) for figure in case.figures]),
         "assumed": case.assumed,
         "case": case.text,

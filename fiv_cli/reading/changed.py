@@ -41,7 +41,7 @@ def changed_since(attributes: Mapping[str, Any]) -> str:
     found = list(_different(then, present))
     if not found:
         return ""
-    anew = "" if document(then) == document(present) else " --fresh, or with another -o"
+    anew = " --fresh, or with another -o" if differences(document(then), present) else ""
     said = "; ".join([*found[:SHOWN], *["..."] * (len(found) > SHOWN)])
     return f"{source} was changed since ({said}): fiv run {source}{anew}"
 
@@ -50,5 +50,7 @@ def _different(then: Case, now: Case) -> Iterator[str]:
     yield from differences(document(then), now)
     if then.axes != now.axes:
         yield "other values in the grid"
+    if [start.labels for start in then.starts] != [start.labels for start in now.starts]:
+        yield "other starts"
     if then.figures != now.figures:
         yield "other figures"

@@ -201,7 +201,7 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
     if len(analyses) < len(case.analyses):
         return None, f"{path} was computed before an analysis was added; {advice}"
     if not all(_same_grid(case, dataset) for dataset in analyses.values()):
-        return None, f"{path} was computed on another grid; {advice}"
+        return None, f"{path} was computed on another grid, or from other starts; {advice}"
     return analyses, ""
 
 
@@ -223,10 +223,12 @@ def _command(case: Case, name: str = "run") -> str:
 
 def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
     """Whether the dataset has just the points that the case asks for."""
+    asked = {axis.dim: np.asarray(axis.values) for axis in case.axes}
+    if "initial" in dataset.dims:
+        asked["initial"] = np.asarray([label for start in case.starts for label in start.labels])
     return all(
-        axis.dim in dataset.coords
-        and np.array_equal(dataset.coords[axis.dim].values, np.asarray(axis.values))
-        for axis in case.axes
+        dim in dataset.coords and np.array_equal(dataset.coords[dim].values, values)
+        for dim, values in asked.items()
     )
 
 

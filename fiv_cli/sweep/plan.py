@@ -372,7 +372,7 @@ def _template(
         settings=spec.settings,
         solver=case.solver,
         linear=get_analysis(spec.kind).linear,
-        base=bytes.fromhex(fingerprint(case, [spec])),
+        base=bytes.fromhex(fingerprint(case, [spec], starts=())),
         schedule=case.schedule,
         own=tuple(dict.fromkeys(case.own.values())),
     )

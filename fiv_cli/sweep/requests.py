@@ -27,7 +27,7 @@ from fiv_cli.analyses.base import (
     as_asked,
     broken,
 )
-from fiv_cli.case.case import SEVERAL, StartSpec
+from fiv_cli.case.case import StartSpec
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
@@ -347,9 +347,7 @@ def expand_starts(specs: Sequence[StartSpec]) -> tuple[StartEntry, ...]:
 
 
 def _expanded(spec: StartSpec) -> list[StartEntry]:
-    if spec.kind not in SEVERAL:
-        return [StartEntry(spec.label, spec)]
-    return [StartEntry(f"{spec.label}-{i:03d}", spec, number=i) for i in range(spec.count)]
+    return [StartEntry(label, spec, number=i) for i, label in enumerate(spec.labels)]
 
 
 def _of_kind(template: Template, values: Values, kind: str) -> dict[str, Any]:
