@@ -115,7 +115,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("not_converged", "the iteration did not settle: try another start or a smaller step"),
     Reason(
         "tests_disagree",
-        "section points and Lyapunov exponent say different things of the motion: raise t_max",
+        "section points and Lyapunov exponent say different things of the motion: raise t_max "
+        "(tenfold decides about a third of such points)",
     ),
     Reason(
         "chattering",
@@ -130,8 +131,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "filled_in",
-        "only the class is given, that of the points around it (sweep.refine); "
-        "take refine out to run every point",
+        "only the class is given, that of the points around it (sweep.refine); the last line of "
+        "`fiv show` runs these too",
     ),
     Reason(
         "averaging_invalid",
@@ -387,6 +388,8 @@ ADVICE_OF = {
     ("no_crossing", "boundary"): "the answer to `of` is the same wherever it was looked at in the "
     "bracket (scan_class says which class holds): widen the bracket, look at more points (scan), "
     "or ask for another class (of)",
+    ("time_budget", "response"): "the motion had not settled by half of t_max, from where on it is "
+    "measured: raise t_max",
     ("no_crossing", "critical"): "no mode changes its stability inside the bracket (unstable "
     "throughout where growth_at_low is above 0, stable where it is below): widen it, or look "
     "closer, at `eigenvalues` along it",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -299,7 +300,9 @@ def test_the_map_is_drawn_whole_and_says_how_much_was_run(tmp_path: Path) -> Non
     assert [ax.patch.get_hatch() for ax in classes.axes] == [None, None]
     numbers = maps.draw(layers, {"variable": "L_s"})
     (legend,) = numbers.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["not run, only the class filled in"]
+    (told,) = [text.get_text() for text in legend.get_texts()]
+    filled = 4290 - refined.attrs["points_run"]
+    assert told == f"{filled} not run, only the class filled in (fiv show: what runs them)"
     assert not points.gaps(refined)
 
 
@@ -328,5 +331,10 @@ def test_what_is_shown_of_a_refined_dataset(tmp_path: Path) -> None:
     run = int((dataset(tmp_path / "a.nc")["computed"] > 0).sum())
     (classes,) = [line for line in shown if line.split()[:1] == ["attractor"]]
     assert classes.endswith(f" (with the {4290 - run} filled in)")
-    assert f"halved 3 times: {run} of 4290 points run" in shown[-1]
+    assert f"halved 3 times: {run} of 4290 points run" in shown[-2]
+    command, place = "    runs the others: fiv run fake.toml ", " -o THIS.nc"
+    assert shown[-1].startswith(command) and shown[-1].endswith(place)
+    given = shlex.split(shown[-1].removeprefix(command).removesuffix(place))
+    rest = sweep_fakes.case(sweep_fakes.REFINED, *given[1::2])
+    assert run_case(rest, tmp_path / "a.nc", HERE, Lines(lambda line: None)).ran == 4290 - run
     assert any(line.split()[:1] == ["computed"] and "filled_in" in line for line in shown)

@@ -228,8 +228,8 @@ def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
         return ""
     reasons = points.gaps(dataset) | _decided(dataset)
     kinds = [kind for kind, mask in reasons.items() if bool((mask & ~known).any())]
-    if "computed" in dataset and bool(is_class(dataset["computed"], ("filled_in",)).any()):
-        kinds.append("not run, only the class filled in")
+    if filled := dataset.attrs.get("points_filled_in"):
+        kinds.append(f"{filled} not run, only the class filled in (fiv show: what runs them)")
     return ", ".join(kinds) or "no value"
 
 
