@@ -131,7 +131,7 @@ def test_a_run_ends_with_its_answer(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert fiv([*hasty, "--workers", "1"]) == 0
     told = capsys.readouterr().err
     assert "  response: undecided 7, equilibrium 3\n" in told
-    assert f"    time_budget 4: {advice('time_budget')}\n" in told
+    assert f"    time_budget 4: {advice('time_budget', 'response')}\n" in told
     assert "WARNING: 7 of 10 points of response have no answer" in told
     assert fiv([*hasty, "-q"]) == 0
     assert capsys.readouterr().err == ""
