@@ -17,7 +17,7 @@ from fiv_cli.flags import TABLES
 from fiv_cli.friction.base import Law
 from fiv_cli.friction.surface import forcings_under
 from fiv_cli.models.base import Model, Parameter
-from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
+from fiv_cli.notation.names import ascii_name, listed, suggest, surely_meant
 from fiv_cli.notation.units import convert
 from fiv_cli.notation.values import (
     INTERVAL_SCHEMA,
@@ -478,7 +478,7 @@ def read_settings(
         message = f"{whose} has no setting {key!r}"
         hint = instead.get(key) or suggest(key, names)
         refusals.append(Refusal(message, listed(names), hint, (key,), of_key=True))
-        meant = nearest(key, [name for name in names if name not in written])
+        meant = surely_meant(key, [name for name in names if name not in written])
         written |= {meant: written[key]} if meant is not None else {}
     values = {}
     for setting in settings:

@@ -17,6 +17,7 @@ from fiv_cli.case.form import Form
 from fiv_cli.case.physics import Physics, counterpart
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import AnalysisTable
+from fiv_cli.case.words import setting_meant
 from fiv_cli.models.base import leaders
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
@@ -87,10 +88,13 @@ def _analysis(
         return AnalysisSpec(name, analysis.kind, analysis.default_settings)
     given = table.model_extra or {}
     known = _surroundings(physics, axes, given.get("parameter"))
+    settings = analysis.default_settings
     found = read_settings(analysis.settings, given, known, f"the analysis {analysis.kind!r}")
     for one in found.refusals:
         named = given.get("parameter") if one.of_name and one.place == ("parameter",) else None
-        hint = counterpart(str(named), known.varying()) or one.suggestion
+        hint = counterpart(str(named), known.varying())
+        hint = hint or (setting_meant(str(one.place[0]), settings) if one.of_key else "")
+        hint = hint or one.suggestion
         hint = hint or _where_it_belongs(str(one.place[0]), analysis)
         at = (*place, *one.place)
         report.add(at, one.message, one.allowed, hint, one.of_name, one.of_key, one.relates)

@@ -91,12 +91,15 @@ class StartSpec:
     on_loss: str = "stop"
 
     @property
+    def size(self) -> int:
+        """How many starts there are."""
+        return self.count if self.kind in SEVERAL else 1
+
+    @property
     def labels(self) -> tuple[str, ...]:
         """Its values of the dim ``initial``."""
-        several = self.kind in SEVERAL
-        return (
-            tuple(f"{self.label}-{i:03d}" for i in range(self.count)) if several else (self.label,)
-        )
+        numbered = (f"{self.label}-{i:03d}" for i in range(self.size))
+        return tuple(numbered) if self.kind in SEVERAL else (self.label,)
 
 
 @dataclass(frozen=True)

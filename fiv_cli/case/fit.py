@@ -60,7 +60,7 @@ def _refuse_too_many_runs(
     report: Report,
 ) -> None:
     """Random starts, and those of a table, multiply the points of the grid."""
-    labels = sum(len(start.labels) for start in starts)
+    labels = sum(start.size for start in starts)
     points = count_points({axis.name: len(axis.values) for axis in axes}, zips)
     if labels > 1 and labels * points > MOST_POINTS:
         message = f"{labels:,} starts of {points:,} points are {labels * points:,} runs"

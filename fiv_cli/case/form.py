@@ -38,7 +38,7 @@ from fiv_cli.friction import all_laws
 from fiv_cli.friction.tabulated import FORM, SUFFIX
 from fiv_cli.models import all_models
 from fiv_cli.models.excitation import NAMES
-from fiv_cli.notation.names import axis_name, nearest, suggest
+from fiv_cli.notation.names import axis_name, suggest, surely_meant
 from fiv_cli.notation.values import describe
 from fiv_cli.own.load import file_with, know_installed, know_table, to_mend
 
@@ -137,7 +137,7 @@ def known_tables(document: Mapping[str, Any], report: Report) -> dict[str, Any]:
         hint = _element_called(key, document) or suggest(key, known) or _home_of(key)
         hint = hint or called_here(key)
         report.unknown((key,), f"unknown table or key {key!r}", key, known, hint, of_key=True)
-        value, meant = found.pop(key), nearest(key, [one for one in known if one not in found])
+        value, meant = found.pop(key), surely_meant(key, [one for one in known if one not in found])
         found |= {meant: value} if meant is not None else {}
     needed = {
         "schema": f"schema = {SCHEMA_VERSION}",

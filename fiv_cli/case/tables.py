@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from fiv_cli.case.kinds import keys_for
 from fiv_cli.case.report import MISSING, Path, Report
 from fiv_cli.case.words import called_here
-from fiv_cli.notation.names import nearest, suggest
+from fiv_cli.notation.names import suggest, surely_meant
 from fiv_cli.notation.values import describe
 
 MOST_TABLES = 2000
@@ -52,7 +52,7 @@ def _as_meant(
     found = dict(raw)
     passed = {*keys_of(form), *getattr(form, "gone", {})}
     for key in [key for key in raw if key not in passed]:
-        meant = nearest(key, sorted(known - found.keys()))
+        meant = surely_meant(key, sorted(known - found.keys()))
         if meant is not None or not is_open:
             _note_unknown(form, raw, (*path, key), report)
             value = found.pop(key)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 _MEANT = {
     "amplitude amplitudes lyapunov chaos attractor steadystate squeal stickslip": "response",
@@ -62,7 +62,26 @@ _VARIABLES = {
 
 def variable_meant(word: str, known: Collection[str]) -> str:
     """Which of the `known` variables a word of the field may mean, as a hint; "" for none."""
-    for words, names in _VARIABLES.items():
+    return _hint(_VARIABLES, word, known)
+
+
+_SETTINGS = {
+    "low high lower upper start stop from to min max begin end range interval": "bracket",
+    "condition criterion question predicate expect what": "of",
+    "tolerance tol accuracy precision": "width",
+    "tend duration time simtime maxtime": "t_max t_end",
+    "burnin settle skip discard": "transient",
+    "samples steps points num": "scan points",
+}
+
+
+def setting_meant(word: str, known: Collection[str]) -> str:
+    """Which of the `known` settings of an analysis a word may mean, as a hint; "" for none."""
+    return _hint(_SETTINGS, word, known)
+
+
+def _hint(called: Mapping[str, str], word: str, known: Collection[str]) -> str:
+    for words, names in called.items():
         here = [name for name in names.split() if name in known]
         if here and _plain(word) in words.split():
             return f"here it is {' or '.join(map(repr, here))}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Collection, Iterable, Mapping
 from typing import TypeVar
 
@@ -98,6 +99,12 @@ def nearest(name: str, known: Collection[str]) -> str | None:
     return next(iter(_candidates(name, known)), None)
 
 
+def surely_meant(name: str, known: Collection[str]) -> str | None:
+    """The name that can only be meant, so that what is given of it is read; None for none."""
+    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.75)
+    return next(iter(_same_but_for_case(name, known) or near), None)
+
+
 def listed(names: Collection[str]) -> str:
     """The names in one line, for "allowed: ..."."""
     return ", ".join(names) if names else "none"
@@ -117,5 +124,5 @@ def _similar(name: str, known: Collection[str]) -> list[str]:
 
 
 def _explained(name: str, known: Collection[str]) -> str:
-    meaning = known[name] if isinstance(known, Mapping) else ""
+    meaning = re.split(r"[;:(]", f"{known[name]}")[0].strip() if isinstance(known, Mapping) else ""
     return f"{name!r} ({meaning})" if meaning else repr(name)
