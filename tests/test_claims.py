@@ -599,6 +599,27 @@ def test_a_dataset_of_the_case_under_another_name_is_named(workplace):
     assert command in run("stick.toml").output
 
 
+def test_a_motion_or_another_grid_is_not_offered_as_the_dataset_of_a_case(workplace):
+    """Only what would be accepted; what was run with --set says so."""
+    store(["periodic"] * 3)
+    runs, usual = workplace / "runs", "runs/stick.nc is of this case"
+    sweep_of = xr.load_dataset(runs / "stick.nc")
+    sweep_of.assign_attrs(point="mu_k=0.2").to_netcdf(runs / "motion.nc")
+    told = run("stick.toml", "-o", "runs/motion.nc").output
+    assert "runs/motion.nc holds the motion at mu_k=0.2, and no sweep; " + usual in told
+    sweep_of.isel(mu_k=[0]).to_netcdf(runs / "few.nc")
+    assert usual in run("stick.toml", "-o", "runs/none.nc").output
+    (runs / "stick.nc").unlink()
+    assert "is of this case" not in run("stick.toml").output
+    store(["periodic"] * 3, overrides=["model.parameters.N=12.0"])
+    (other,) = runs.glob("stick-*.nc")
+    changed = xr.load_dataset(other).assign_attrs(overrides="model.parameters.N=12.0")
+    changed.to_netcdf(runs / "heavy.nc")
+    told = run("stick.toml", "-o", "runs/heavy.nc").output
+    command = "fiv claims stick.toml --set model.parameters.N=12.0 -o runs/heavy.nc"
+    assert f"another version of the case; it is of: {command}" in told
+
+
 def test_a_case_with_another_analysis_since_is_run_again_and_not_anew(workplace):
     store(["equilibrium"] * 3)
     (workplace / "stick.toml").write_text(CASE + '[[analysis]]\nkind = "equilibrium"\n')

@@ -23,6 +23,7 @@ from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
 DOCUMENT_VERSION = 1
+MOTION = "point"  # global attribute that only the motion of a single point has
 FOLLOWING_VERSION = 2  # raised whenever what is followed in steps is lost elsewhere
 
 
@@ -89,8 +90,10 @@ def named_in(stored: object, case: Case) -> list[AnalysisSpec]:
 def is_of(attributes: Mapping[str, Any], case: Case) -> bool:
     """Whether the dataset with these attributes is of `case`, or was before it was added to.
 
-    What may be added to a case are analyses and starts.
+    What may be added to a case are analyses and starts. A single motion of it is none of a sweep.
     """
+    if MOTION in attributes:
+        return False
     stored = named_in(json.loads(attributes.get("analyses_json", "{}")), case)
     starts = json.loads(attributes.get("starts_json", "null"))
     return attributes.get("fingerprint") == fingerprint(case, stored, starts)

@@ -28,7 +28,7 @@ import xarray as xr
 from fiv_cli.analyses.catalogue import own_dims
 from fiv_cli.case.case import Case, ClaimSpec
 from fiv_cli.case.grammar import Bound, Bounds, OfClass, Reference, Trend
-from fiv_cli.case.identity import default_output, is_of, output_of
+from fiv_cli.case.identity import MOTION, default_output, is_of, output_of
 from fiv_cli.case.load import load_case
 from fiv_cli.case.others import file_of
 from fiv_cli.data.hdf5 import read_attributes
@@ -190,27 +190,48 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
 
     `output` is the dataset of a run that was given one.
     """
-    path, advice = output or default_output(case), f"compute it with: {_command(case)}"
-    advice += f" -o {output}" if output else ""
+    path = output or default_output(case)
+    advice = f"compute it with: {_command(case)}" + (f" -o {output}" if output else "")
     if not path.exists():
         return None, f"{path} is not there; {_elsewhere(case, path) or advice}"
     analyses = read_analyses(path)
-    if not is_of(next(iter(analyses.values())).attrs, case):
-        advice = _elsewhere(case, path) or f"{advice} --fresh"
-        return None, f"{path} was computed from another version of the case; {advice}"
+    attributes = next(iter(analyses.values())).attrs
+    if MOTION in attributes:
+        said = f"{path} holds the motion at {attributes[MOTION]}, and no sweep"
+        return None, f"{said}; {_elsewhere(case, path) or advice}"
+    if not is_of(attributes, case):
+        advice = _as_it_was_run(attributes, case, path) or f"{advice} --fresh"
+        said = f"{path} was computed from another version of the case"
+        return None, f"{said}; {_elsewhere(case, path) or advice}"
+    lacking = _lacking(analyses, case)
+    return (None, f"{path} was computed {lacking}; {advice}") if lacking else (analyses, "")
+
+
+def _lacking(analyses: Analyses, case: Case) -> str:
+    """What a dataset of the case has not; empty where it has all that is asked for."""
     if len(analyses) < len(case.analyses):
-        return None, f"{path} was computed before an analysis was added; {advice}"
-    if not all(_same_grid(case, dataset) for dataset in analyses.values()):
-        return None, f"{path} was computed on another grid, or from other starts; {advice}"
-    return analyses, ""
+        return "before an analysis was added"
+    same = all(_same_grid(case, dataset) for dataset in analyses.values())
+    return "" if same else "on another grid, or from other starts"
+
+
+def _as_it_was_run(attributes: Mapping[str, Any], case: Case, path: Path) -> str:
+    """What to type where a dataset is of the case with what ``--set`` said when it was run."""
+    changes = str(attributes.get("overrides", "")).splitlines()
+    with suppress(FivError):
+        changed = load_case(case.source, changes)
+        if is_of(attributes, changed):
+            return f"it is of: {_command(changed, 'claims')} -o {path}"
+    return ""
 
 
 def _elsewhere(case: Case, path: Path) -> str:
     """What to type where a dataset beside `path` is the case's; empty where none is."""
     others = {other: other.stat().st_mtime for other in path.parent.glob("*.nc") if other != path}
-    for other in sorted(others, key=lambda one: -others[one])[:LOOKED_AT]:
+    usual = default_output(case)
+    for other in sorted(others, key=lambda one: (one != usual, -others[one]))[:LOOKED_AT]:
         with suppress(FivError, OSError):
-            if is_of(read_attributes(other), case):
+            if is_of(read_attributes(other), case) and not _lacking(read_analyses(other), case):
                 return f"{other} is of this case: {_command(case, 'claims')} -o {other}"
     return ""
 

@@ -17,7 +17,7 @@ import numpy as np
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
-from fiv_cli.case.identity import default_output, fingerprint
+from fiv_cli.case.identity import MOTION, default_output, fingerprint
 from fiv_cli.data.assemble import assemble
 from fiv_cli.data.dataset import Dataset
 from fiv_cli.data.layout import Dim
@@ -44,10 +44,6 @@ LEAST_DIGITS = 3
 
 MOST_NAMED = 12
 """Values of an axis that a message names."""
-
-MARK = "point"
-"""Global attribute that only the motion of a single point has."""
-
 
 SAMPLES_A_PERIOD = 1000
 
@@ -165,15 +161,15 @@ def write_motion(
     identity = fingerprint(point.case)
     check_output(path, None)
     stored = (global_attributes(path) or {}) if path.exists() else {}
-    if stored and MARK not in stored:
+    if stored and MOTION not in stored:
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
     if stored:
         other = "" if stored["fingerprint"] == identity else " (another case, or this one before)"
-        announce(f"{path}: the motion at {stored[MARK]}{other} that it holds is replaced")
+        announce(f"{path}: the motion at {stored[MOTION]}{other} that it holds is replaced")
     dataset, outcome = run_motion(point, settings, announce, steady=steady)
     attributes = provenance(point.case, identity)
     place = [f"{name}={value}" for name, value in point.place.items()]
-    attributes[MARK] = ", ".join([*place, *["settled"] * (steady is not None and steady.settled)])
+    attributes[MOTION] = ", ".join([*place, *["settled"] * (steady is not None and steady.settled)])
     write_datasets(path, {"history": Dataset.of(dataset)}, attributes)
     return outcome
 

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from fiv_cli.case.case import Case
-from fiv_cli.case.identity import is_of
+from fiv_cli.case.identity import MOTION, is_of
 from fiv_cli.data.hdf5 import is_hdf5
 from fiv_cli.data.log import RUN_SUFFIX
 from fiv_cli.data.netcdf import global_attributes
@@ -69,6 +69,11 @@ def _check_existing(output: Path, case: Case | None) -> None:
             f"{output}: exists and is no dataset of fiv; it is left alone\n"
             "next: choose another place with -o FILE.nc, or remove it (a damaged dataset is made "
             "again from what is stored beside it)"
+        )
+    if case is not None and MOTION in attributes:
+        raise StoreMismatchError(
+            f"{output}: holds the motion at {attributes[MOTION]}; it is left alone\n"
+            "next: choose another place with -o FILE.nc, or replace it with --fresh"
         )
     if case is not None and not is_of(attributes, case):
         raise StoreMismatchError(
