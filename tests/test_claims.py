@@ -270,6 +270,12 @@ def test_what_is_not_known_well_enough_says_what_lessens_the_error():
     found = tried(near, "boundary", {"less_than": 6}).found
     assert "found 5.90 ± 0.20 N, 1 not known well enough: the error reaches past" in found
     assert found.endswith("a smaller `width` of the analysis 'b' lessens it")
+    wide = near.assign(n_undecided=3, boundary_width=("mu_k", [0.4]))
+    of_runs = '{"b": {"settings": {"width": 0.01, "bracket": [4, 8]}}}'
+    found = tried(wide.assign_attrs(analyses_json=of_runs), "boundary", {"less_than": 6}).found
+    assert found.endswith(
+        "runs beside it are undecided: a larger `t_max` of the analysis 'b' lessens it"
+    )
     critical = near.assign_attrs(analyses_json=told % "system")
     assert "no setting" in tried(critical, "boundary", {"less_than": 6}).found
     assert (

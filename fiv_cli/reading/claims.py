@@ -312,7 +312,8 @@ def evaluate(
     verdict = _judge(trial, claim.holds, _why_open(trial, part))
     hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
     if verdict.verdict == UNDETERMINED and trial.blurred.any():
-        hint = f", {_sharpened(name, dataset)}{hint}"
+        more = _sharpened(name, dataset, part.get(f"{variable}_width"))
+        hint = f", {more}{hint}"
     of_share = margin if margin > 0.0 else None
     return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
 
@@ -362,12 +363,18 @@ def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
     return {} if end is None else {END: select.axis_of(part, *take["over"]).values[end]}
 
 
-def _sharpened(analysis: str, dataset: xr.Dataset) -> str:
-    """What lessens the error of the numbers of an analysis."""
-    if "width" in analysis_of(dataset, analysis).get("settings", {}):
-        called = analysis or name_of_only(dataset)
-        return f"a smaller `width` of the analysis {called!r} lessens it"
-    return "no setting of the analysis lessens it; allow for it in `expect`"
+def _sharpened(analysis: str, dataset: xr.Dataset, reached: xr.DataArray | None) -> str:
+    """What lessens the error of numbers of an analysis that were bisected to these widths."""
+    settings = analysis_of(dataset, analysis).get("settings", {})
+    called = analysis or name_of_only(dataset)
+    if "width" not in settings:
+        return "no setting of the analysis lessens it; allow for it in `expect`"
+    wider = 2.0 * settings["width"] * np.ptp(settings.get("bracket", ()) or 0.0)
+    if "n_undecided" in dataset and reached is not None and bool((reached > wider).any()):
+        return (
+            f"runs beside it are undecided: a larger `t_max` of the analysis {called!r} lessens it"
+        )
+    return f"a smaller `width` of the analysis {called!r} lessens it"
 
 
 def _holder(variable: str, analysis: str, analyses: Analyses) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fiv_cli.analyses.base import Question
 from fiv_cli.flags import ATTRACTOR
+from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import class_names, is_class
 
@@ -23,6 +24,8 @@ BEYOND = (
     "every run began at the start, whose answer changes here; a motion may go on beyond, to where "
     'follow = "up", "down" or "both" finds its end'
 )
+
+WIDEN, PERHAPS = ": widen it", ", and perhaps beyond; what was found inside it stands"
 
 # Setting `follow` -> the classes along each way, which of them is the last, at which end.
 _ENDS = {
@@ -66,10 +69,10 @@ def still(
         for name in _GOING_ON:
             asked = question.below is None and (name == question.name) != question.negated
             here = classes[way][:, place] == ATTRACTOR.codes[name]
-            count = int((here & (asked | (crossings == 0))).sum())
-            of = f" at {count} of {len(crossings)} points" if len(crossings) > 1 else ""
-            if count:
-                said.append(f"still {name} at the {end} end of the bracket{of}: widen it")
+            for found, what in ((crossings == 0, WIDEN), ((crossings > 0) & asked, PERHAPS)):
+                count = int((here & found).sum())
+                of = f" at {count} of {len(crossings)} points" if len(crossings) > 1 else ""
+                said += [f"still {name} at the {end} end of the bracket{of}{what}"] * (count > 0)
     return said
 
 
@@ -96,11 +99,17 @@ def _told(dataset: xr.Dataset, row: int) -> Iterator[str]:
 def _ends(dataset: xr.Dataset, name: str, row: int) -> list[str]:
     """One end of each range, and what is there where no answer changes."""
     values = _of(dataset, name, row).values
-    kind = f"{name}_kind"  # which datasets of 0.1.0 do not have
+    off = f"{name}_error"  # which, as kinds, datasets of 0.1.0 do not have
+    errors = _of(dataset, off, row).values if off in dataset else [None] * values.size
+    kind = f"{name}_kind"
     kinds = class_names(_of(dataset, kind, row)) if kind in dataset else [""] * values.size
     told = {"bracket": " (end of the bracket)", "undecided": " (undecided beyond)"}
-    ends = zip(values, kinds, strict=True)
-    return [f"{value:g}{told.get(kind, '')}" for value, kind in ends if np.isfinite(value)]
+    ends = zip(values, errors, kinds, strict=True)
+    return [
+        f"{with_error(value, error)}{told.get(kind, '')}"
+        for value, error, kind in ends
+        if np.isfinite(value)
+    ]
 
 
 def _of(dataset: xr.Dataset, name: str, row: int) -> xr.DataArray:

@@ -52,7 +52,7 @@ class Answer:
     def lines(self, reasons: bool = True) -> Iterator[str]:
         """For people, with what the reasons mean or without."""
         listed = ", ".join(f"{name} {count}" for name, count in self.classes.items())
-        if listed or self.reasons:
+        if listed or self.reasons or self.still:
             answered = self.asked - self.open
             of = f" (of {self.asked} run; fiv show counts the map)" if self.filled else ""
             yield f"  {self.name}: {listed or f'{answered} answer' + 's' * (answered != 1)}{of}"

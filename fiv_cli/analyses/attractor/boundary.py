@@ -67,10 +67,12 @@ def _end(side: str, unit: str) -> tuple[Variable, ...]:
     """One end of a range."""
     name, end = f"bistable_{side}", f"{side}er end of a range in which the way up and down differ"
     known = "width of the interval that it was bisected to; missing where nothing changes"
+    off = "that of the boundary there; missing where nothing changes"
     kind = "what is there: a change of the answer, the bracket, or runs without one (undecided)"
     return (
         Variable(name, unit, end, "range", width=f"{name}_width"),
         Variable(f"{name}_width", unit, known, "range"),
+        Variable(f"{name}_error", unit, "how far it may be off", "range", comment=off),
         detail(f"{name}_kind", kind, "range", of="range_end"),
     )
 

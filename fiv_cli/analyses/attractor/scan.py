@@ -164,8 +164,10 @@ def boundaries(system: System, request: Request) -> Outcome:
         ((change, way) for way, found in passes.items() for change in found.changes),
         key=lambda pair: pair[0].middle,
     )
-    values = _crossings(listed) | _scans(passes, settings) | _bistable(passes, settings)
-    values["boundary_error"] = _errors(runs, listed)
+    values = _crossings(listed) | _scans(passes, settings)
+    errors = values["boundary_error"] = _errors(runs, listed)
+    at_changes = {change.middle: error for (change, _), error in zip(listed, errors, strict=True)}
+    values |= _bistable(passes, settings, at_changes)
     values |= {"n_runs": runs.count, "n_undecided": runs.undecided, **runs.totals}
     return _concluded(runs, passes, values, [change for change, _ in listed])
 
@@ -242,8 +244,15 @@ def _label_at(value: float, looks: Sequence[Look]) -> str:
     return next((look.label for look in looks if look.value == value), NOTHING)
 
 
-def _bistable(passes: Mapping[str, Found], settings: Settings) -> dict[str, object]:
-    """The variables along the dim ``range``: where the two ways differ."""
+def _bistable(
+    passes: Mapping[str, Found], settings: Settings, errors: Mapping[float, float]
+) -> dict[str, object]:
+    """The variables along the dim ``range``: where the two ways differ.
+
+    Parameters
+    ----------
+    errors : value of a change -> how far it may be off
+    """
     if settings["follow"] != "both":
         return {}
     up, back = passes.get("up"), passes.get("down")
@@ -253,6 +262,8 @@ def _bistable(passes: Mapping[str, Found], settings: Settings) -> dict[str, obje
     for side, some in edges.items():
         values[f"bistable_{side}"] = np.array([edge.value for edge in some])
         values[f"bistable_{side}_width"] = np.array([edge.width for edge in some])
+        off = [errors.get(edge.value, np.nan) if edge.kind == "change" else np.nan for edge in some]
+        values[f"bistable_{side}_error"] = np.array(off)
         values[f"bistable_{side}_kind"] = _names(edge.kind for edge in some)
     return values
 
