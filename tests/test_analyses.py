@@ -355,6 +355,8 @@ def test_eigenvalues_of_the_belt(law: str, slope: float) -> None:
     side = "stable" if expected[0].real < 0.0 else "unstable"
     assert found["stable"] == ("neutral" if expected[0].real == 0.0 else side)
     assert found["growth_rate"] == pytest.approx(np.max(expected.real), abs=1e-13)
+    fastest = expected[np.argmax(expected.real)]
+    assert found["growth_frequency"] == pytest.approx(abs(fastest.imag) / (2 * pi))
 
 
 def test_the_jacobian_is_the_derivative_of_the_rates() -> None:

@@ -144,6 +144,27 @@ def test_the_dataset_of_another_case_is_left_alone(capsys: pytest.CaptureFixture
     assert fiv(["run", "belt.toml", "-q", "-o", "x.nc", "--fresh"]) == 0
 
 
+def test_of_several_cases_none_is_run_where_one_could_not_be_stored(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Nor is the motion of a point replaced by a sweep."""
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    Path("pin.toml").write_text(EQUILIBRIUM + "[solver]\nrtol = 1e-8\n")
+    assert fiv(["run", "belt.toml", "pin.toml"]) == 6
+    told = capsys.readouterr().err
+    assert told.startswith("pin.toml: of the 2 cases none is run\nruns/pin.run: holds results of")
+    assert not Path("runs/belt.nc").exists()
+    assert (
+        fiv(["history", "belt.toml", "--at", "v=0.5,initial=fast", "-o", "one.nc", "--t-end", "1"])
+        == 0
+    )
+    before = Path("one.nc").read_bytes()
+    capsys.readouterr()
+    assert fiv(["run", "belt.toml", "-o", "one.nc"]) == 6
+    assert "one.nc: holds the motion at " in capsys.readouterr().err
+    assert Path("one.nc").read_bytes() == before
+
+
 def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> None:
     assert fiv(["status", "pin.toml"]) == 0
     assert "0 of 4 points done" in capsys.readouterr().out

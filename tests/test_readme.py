@@ -134,7 +134,7 @@ def test_the_claim_is_understood() -> None:
     forms = {"less_than": 0.6}, {"between": [6.5, 7.0]}, {"greater_than": 1}
     assert expected == [parse_expect(form) for form in forms]
     assert share.greatest.take == {"what": "share", "over": ["initial"], "of": "periodic"}
-    assert (line.least.at, line.share) == ({"mode": 1}, 0.05)
+    assert (line.least.variable, line.share) == ("growth_frequency", 0.05)
 
 
 def test_models_are_all_named() -> None:

@@ -177,10 +177,10 @@ times }. What that leaves out is as in the claim: here a sector halves the share
     take = { what = "share", of = "periodic", over = "initial" }
     expect = { less_than = { at = { beta = 0 }, times = 0.5 } }
 
-To 5 % the frequency is that of mode 1, of another analysis of the case:
+To 5 % the frequency is that of the mode that grows, of `eigenvalues` in the same case:
 
     variable = "response_frequency"
-    expect = { value = { variable = "mode_frequency", at = { mode = 1 } }, tolerance = "5 %" }
+    expect = { value = "growth_frequency", tolerance = "5 %" }
 
 A number that may be off, as that of a `boundary`, is held against what is expected with all of its
 error. A point that was not computed, or whose class is undecided, may hold anything: what is taken

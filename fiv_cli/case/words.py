@@ -54,7 +54,7 @@ _VARIABLES = {
     "damping dampingratio": "damping_ratio",
     "poincare section": "section_value",
     "stability stable linearstability": "stable branch_stable",
-    "flutterfrequency onsetfrequency squealfrequency": "unstable_frequency",
+    "flutterfrequency onsetfrequency squealfrequency": "growth_frequency unstable_frequency",
     "energy mechanicalenergy energybalance balance": "energy_residual",
     "power dissipation frictionwork": "friction_power",
 }

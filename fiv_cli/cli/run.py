@@ -17,7 +17,7 @@ from fiv_cli.cli.common import (
     set_option,
     with_option,
 )
-from fiv_cli.errors import CaseError, InputError, UsageError
+from fiv_cli.errors import CaseError, FivError, InputError, UsageError
 
 if TYPE_CHECKING:
     from fiv_cli.case.case import Case
@@ -135,6 +135,7 @@ def command(
     outputs = _outputs(loaded, output)
     if not quiet and ending.how_to_end():
         click.echo(ending.how_to_end(), err=True)
+    _refuse_any(loaded, outputs, policy)
     summaries = []
     for number, (case, path) in enumerate(zip(loaded, outputs, strict=True), 1):
         title = f"{number} of {len(loaded)}, {case.source}: " if len(loaded) > 1 else ""
@@ -179,6 +180,20 @@ def _outputs(cases: Sequence[Case], output: Path | None) -> list[Path]:
                 f"to {path}\nnext: run them one by one with -o FILE.nc"
             )
     return paths
+
+
+def _refuse_any(cases: Sequence[Case], outputs: Sequence[Path], policy: Policy) -> None:
+    """Of several cases none is run where one could not be stored: it is told before hours pass."""
+    from fiv_cli.sweep.run import refuse_output
+
+    for case, output in zip(cases, outputs, strict=True):
+        try:
+            refuse_output(case, output, policy.fresh)
+        except FivError as error:
+            if len(cases) == 1:
+                raise
+            none = f"{case.source}: of the {len(cases)} cases none is run"
+            raise type(error)(f"{none}\n{error}") from error
 
 
 def _run(case: Case, output: Path, policy: Policy, progress: Progress, verbose: bool) -> Summary:

@@ -116,9 +116,7 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
     """
     begun = time.monotonic()
     plan = make_plan(case)
-    if not policy.fresh:
-        _refuse_another(run_folder(output), case)
-    check_output(output, None if policy.fresh else case)
+    refuse_output(case, output, policy.fresh)
     if policy.part is not None:
         return _run_part(plan, output, policy.part, policy, progress)
     folder = run_folder(output)
@@ -134,6 +132,13 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
             _run_all(scheduler)
         write_dataset(journal, output)
         return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+
+
+def refuse_output(case: Case, output: Path, fresh: bool) -> None:
+    """Raise what `run_case` would because of what is stored where its results go."""
+    if not fresh:
+        _refuse_another(run_folder(output), case)
+    check_output(output, None if fresh else case)
 
 
 def _run_part(plan: Plan, output: Path, part: Part, policy: Policy, progress: Progress) -> Summary:

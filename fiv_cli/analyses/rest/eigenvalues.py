@@ -15,10 +15,11 @@ from fiv_cli.analyses.variables import Subject, Variable, classes, count
 def variables(subject: Subject) -> list[Variable]:
     """What is told of each mode, and of the equilibrium."""
     mixed = "each state in its own unit; scaled to length one"
+    both = "`mode` counts eigenvalues from 0, both of a conjugate pair; mode_number pairs, from 1"
     return [
         Variable("eigenvalue_real", "rad s-1", "real part of the eigenvalue", "mode"),
         Variable("eigenvalue_imag", "rad s-1", "imaginary part of the eigenvalue", "mode"),
-        Variable("mode_frequency", "Hz", "frequency of the mode", "mode"),
+        Variable("mode_frequency", "Hz", "frequency of the mode", "mode", comment=both),
         Variable("damping_ratio", "1", "damping ratio of the mode", "mode"),
         Variable(
             "eigenvector_real", "1", "real part of the eigenvector", "mode state",
@@ -38,6 +39,7 @@ def variables(subject: Subject) -> list[Variable]:
             "frequency, and in both by less than 1 %; with more damping they pass at a distance",
         ),
         Variable("growth_rate", "rad s-1", "largest real part", headline=1),
+        Variable("growth_frequency", "Hz", "frequency of the mode that has it"),
         classes(
             "stable",
             "whether the equilibrium is stable",

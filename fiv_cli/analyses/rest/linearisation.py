@@ -70,16 +70,18 @@ def _judge(
 
 def _described(values: Complex, shapes: Complex) -> list[dict[str, object]]:
     """The variables that describe spectra and their modes, in columns; of each row."""
-    magnitude = np.abs(values)
+    magnitude, fastest = np.abs(values), values.real.argmax(axis=-1)[:, None]
+    frequency = np.abs(values.imag) / (2.0 * np.pi)
     sure = np.where(magnitude > 0.0, magnitude, 1.0)
     columns = {
         "eigenvalue_real": values.real,
         "eigenvalue_imag": values.imag,
-        "mode_frequency": np.abs(values.imag) / (2.0 * np.pi),
+        "mode_frequency": frequency,
         "damping_ratio": np.where(magnitude > 0.0, -values.real / sure, 0.0),
         "eigenvector_real": shapes.real.swapaxes(1, 2),
         "eigenvector_imag": shapes.imag.swapaxes(1, 2),
         "growth_rate": values.real.max(axis=-1).tolist(),
+        "growth_frequency": np.take_along_axis(frequency, fastest, axis=-1)[:, 0].tolist(),
         "stable": [stability(one) for one in values],
     }
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]

@@ -36,7 +36,9 @@ FREQUENCY = axis("frequency", "Hz", "middle of the bin", symbol="f")
 def variables(subject: Subject) -> list[Variable]:
     """What is told of each bin, of the modes, and of the steady state."""
     observed, unit = subject.observed
-    pair = "of the linearised system at the first sliding equilibrium, a conjugate pair once"
+    pair = (
+        "of the linearised system at the first sliding equilibrium, a conjugate pair once, from 0"
+    )
     return [
         FREQUENCY,
         ATTRACTOR,
