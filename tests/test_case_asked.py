@@ -147,6 +147,17 @@ def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
     assert words in f"{found.message} {found.suggestion}"
 
 
+def test_another_case_is_asked_for_one_number_at_each_point(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("belt.toml").write_text(BELT)
+    asked = {"attractor": "a class", "eigenvalue_real": "several values", "L_s": ""}
+    for name, told in asked.items():
+        text = claim("L_s", f'{{ less_than = "belt:{name}" }}')
+        assert told in problem(text).message if told else make_plan(parse_case(text, "a.toml"))
+
+
 def test_of_an_analysis_that_is_not_understood_any_variable_may_be_asked() -> None:
     """Which it has depends on what was misspelt; what none of its kind has is told all the same."""
     text = claim("L_s", '"increasing"') + figure('kind = "curve"', 'x = "w"').replace(BELT, "")

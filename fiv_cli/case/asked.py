@@ -168,10 +168,20 @@ def _check_compared(
     if not reference.at and next(sides) == next(sides) and report.is_sound(place):
         report.add(place, "is what the claim itself is about", "at = { AXIS = VALUE }, elsewhere")
     one, other = known[claim.variable], elsewhere[reference.variable]
-    if reference.take or other is None:
+    if other is None:
         return
-    told = {*claim.at, *reference.at}
-    several = [dim for dim in other.dims if dim not in told]
+    check_number(other, claim, reference, place, report)
+    if report.is_sound(place) and one is not None and not (claim.take or reference.take):
+        _check_units(one, other, reference.times, place, report)
+
+
+def check_number(
+    other: Variable, claim: ClaimSpec, reference: Reference, place: Path, report: Report
+) -> None:
+    """Note what is not one number at each point, with which alone a claim can compare."""
+    several = [dim for dim in other.dims if dim not in {*claim.at, *reference.at}]
+    if reference.take:
+        return
     if other.kind == "flag":
         message = f"{other.name!r} holds a class, with which no number is compared"
         report.add((*place, "variable"), message)
@@ -184,8 +194,6 @@ def _check_compared(
                 f"at = {{ {several[0]} = 0 }}, for example; or, of those that exist, {one_of_all}"
             )
         report.add(place, message, said)
-    elif one is not None and not claim.take:
-        _check_units(one, other, reference.times, place, report)
 
 
 def _check_units(one: Variable, other: Variable, times: float, place: Path, report: Report) -> None:

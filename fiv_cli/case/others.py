@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fiv_cli.analyses.variables import Variable
-from fiv_cli.case.asked import known_in, references_of
-from fiv_cli.case.case import Case
+from fiv_cli.case.asked import check_number, known_in, references_of
+from fiv_cli.case.case import Case, ClaimSpec
 from fiv_cli.case.grammar import Reference
 from fiv_cli.case.identity import output_of
 from fiv_cli.case.report import Path as Place
@@ -35,10 +35,10 @@ def check_others(case: Case, report: Report) -> None:
     for index, claim in enumerate(case.claims):
         for key, reference in references_of(claim).items():
             if reference.case:
-                _check_other(reference, ("claim", index, "expect", key), report)
+                _check_other(claim, reference, ("claim", index, "expect", key), report)
 
 
-def _check_other(reference: Reference, place: Place, report: Report) -> None:
+def _check_other(claim: ClaimSpec, reference: Reference, place: Place, report: Report) -> None:
     name, file = reference.case, file_of(reference.case, report.source)
     if not _is_there(file):
         beside = sorted(one.stem for one in file.parent.glob("*.toml"))
@@ -55,6 +55,8 @@ def _check_other(reference: Reference, place: Place, report: Report) -> None:
         variables = [one.name for one in known.values() if one is not None]
         message = f"no analysis of {file} computes {reference.variable!r}"
         report.unknown(place, message, reference.variable, variables)
+    elif (variable := known[reference.variable]) is not None:
+        check_number(variable, claim, reference, place, report)
 
 
 def _is_there(file: Path) -> bool:
