@@ -25,7 +25,8 @@ from fiv_cli.models.base import Contact, Equations, Example, Model, Parameter, S
 # name, symbol (LaTeX), unit (SI; "1" for a number), default, meaning. minimum=0.0 bounds the range,
 # exclusive=True leaves the bound out. role="preload", "speed" or "damping" says what a parameter
 # is where its unit does not (N s m-1 is damping, N m-1 stiffness): "damping" is all that takes
-# energy out, or in, and has no potential.
+# energy out, or in, and has no potential. With the default None and default_from="v" a parameter
+# has the value of v unless a case gives it one.
 PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", minimum=0.0, exclusive=True),
     Parameter("k", "k", "N m-1", 1.0, "stiffness of the spring", minimum=0.0),
