@@ -167,8 +167,9 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "undecided_in_part",
-        "runs in part of the bracket have no class, so what changes there is not known: raise "
-        "t_max, or look at `scan_class` and shorten the bracket",
+        "runs in part of the bracket have no class, or not the number that is asked for (where "
+        "contact is lost, say), so what changes there is not known: raise t_max, ask for a class, "
+        "or look at `scan_class` and shorten the bracket",
     ),
     Reason(
         "branch_ended",
