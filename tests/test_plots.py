@@ -102,9 +102,31 @@ def test_a_constant_is_drawn_as_one_and_its_ticks_hold_whole_values(kind, value)
 @pytest.mark.parametrize("kind", ["bifurcation", "curve"])
 def test_points_without_answer_are_marked(kind):
     (ax,) = draw(data.bifurcation(), figure(kind)).axes
-    assert marks(ax, "failed")[:, 0] == pytest.approx([2.5])
-    assert marks(ax, "undecided")[:, 0] == pytest.approx([1.5])
-    assert {"failed", "undecided", "near", "far"} == set(legend_texts(ax))
+    assert marks(ax, "failed: far")[:, 0] == pytest.approx([2.5])
+    assert marks(ax, "undecided: far")[:, 0] == pytest.approx([1.5])
+    assert {"failed: far", "undecided: far", "near", "far"} == set(legend_texts(ax))
+
+
+def test_marks_of_points_without_answer_have_the_colour_of_their_line_or_none():
+    """Of many lines, and of all, they are of no line."""
+    dataset = data.bifurcation()
+    (ax,) = draw(dataset, figure("curve", variable="L_s")).axes
+    colours = {line.get_label(): line.get_color() for line in ax.lines}
+    assert colours["failed: far"] == colours["far"] != colours["near"]
+    dataset["status"][30] = data.STATUS.index("failed")
+    (ax,) = draw(dataset, figure("curve", variable="L_s")).axes
+    assert {"failed: near", "failed: far"} < set(legend_texts(ax))
+    dataset["status"][:] = dataset["status"].values[:, :1]
+    (ax,) = draw(dataset, figure("curve", variable="L_s")).axes
+    (line,) = [line for line in ax.lines if line.get_label() == "failed"]
+    assert line.get_color() not in colours.values()
+
+
+def test_a_legend_hides_no_data():
+    dataset = data.bifurcation().assign(L_s=lambda d: d["L_s"] * 0.0 + np.arange(46.0)[:, None] % 7)
+    drawn = draw(dataset, figure("curve", variable="L_s"))
+    assert drawn.axes[0].get_legend() is None and len(drawn.legends) == 1
+    assert draw(data.bifurcation(), figure("curve")).axes[0].get_legend() is not None
 
 
 def test_each_reason_for_a_missing_answer_has_a_mark_of_its_own():
@@ -113,9 +135,7 @@ def test_each_reason_for_a_missing_answer_has_a_mark_of_its_own():
         dataset["status"][code, 0] = code
     (ax,) = draw(dataset, figure("curve")).axes
     kinds = [status.replace("_", " ") for status in data.STATUS[1:]]
-    looks = {
-        (line.get_marker(), line.get_color()) for line in ax.lines if line.get_label() in kinds
-    }
+    looks = {line.get_marker() for line in ax.lines if line.get_label().partition(":")[0] in kinds}
     assert len(looks) == len(kinds)
 
 
@@ -358,9 +378,15 @@ def test_a_line_stands_where_the_section_that_motions_choose_changes():
 
 def test_several_variables_of_a_curve_are_named_in_its_legend():
     dataset = data.bifurcation().isel(initial=[0])
-    dataset["x_rms"] = (("Omega", "initial"), np.ones((46, 1)), {"units": "rad"})
+    dataset["x_rms"] = (("Omega", "initial"), np.ones((46, 1)), {"units": "rad2"})
     (ax,) = draw(dataset, figure("curve", variable=["L_s", "x_rms"])).axes
-    assert legend_texts(ax)[:2] == ["$L_s$ (rad$^{2}$)", r"$x_{\mathrm{rms}}$ (rad)"]
+    assert legend_texts(ax)[:2] == ["$L_s$ (rad$^{2}$)", r"$x_{\mathrm{rms}}$ (rad$^{2}$)"]
+    dataset["x_rms"].attrs["units"] = "rad"  # each unit has a panel, the first the limits
+    wanted = {"variable": ["L_s", "x_rms"], "ylim": (0.0, 1.5), "ylabel": "mine"}
+    top, below = draw(dataset, figure("curve", **wanted)).axes
+    assert (top.get_ylabel(), below.get_ylabel()) == ("mine", r"$x_{\mathrm{rms}}$ (rad)")
+    assert (top.get_xlabel(), below.get_xlabel()) == ("", r"disc speed $\Omega$ (rad/s)")
+    assert top.get_ylim() == (0.0, 1.5) != below.get_ylim()
     with pytest.raises(UsageError, match="one variable"):
         draw(data.stability_map(), figure("map", variable=["L_s", "attractor"]))
 

@@ -357,7 +357,11 @@ class FigureTable(Table):
     y: str | None = Field(
         default=None, description="vertical: an axis (map) or a state (phase, basin)"
     )
-    variable: str | list[str] | None = Field(default=None, description="variable(s) to draw")
+    variable: str | list[str] | None = Field(
+        default=None,
+        description="variable(s) to draw; curves of several units have a panel each, and ylim and "
+        "ylabel mean the first",
+    )
     select: dict[str, Wanted] = Field(
         default={}, description="axis or initial -> value, list of values or condition to draw"
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -46,16 +46,46 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
     No line leads through these, nor from a point of one class to a neighbour of another.
     """
-    names = variables_of(layers[0].dataset, settings)
-    curves = [c for layer in layers for name in names for c in _curves(layer, name, settings)]
-    anything = any(np.isfinite(curve.y).any() for curve in curves)
-    points.refuse_empty(layers[0].dataset, anything, names[0])
-    figure, (ax,) = style.new_panels(1, 1, points.title(layers[0].dataset))
+    dataset = layers[0].dataset
+    names = variables_of(dataset, settings)
+    curves = {
+        name: [c for layer in layers for c in _curves(layer, name, settings)] for name in names
+    }
+    anything = any(np.isfinite(curve.y).any() for own in curves.values() for curve in own)
+    points.refuse_empty(dataset, anything, names[0])
+    panels = _panels(dataset, names)
+    figure, axes = style.new_panels(len(panels), 1, points.title(dataset), sharex=True)
+    for ax, together in zip(axes, panels, strict=True):
+        own = settings if ax is axes[0] else points.of_further_panels(settings)
+        _draw_panel(ax, layers, {name: curves[name] for name in together}, own)
+    for ax in axes[:-1]:
+        ax.set_xlabel("")
+    return figure
+
+
+def _panels(dataset: xr.Dataset, names: Sequence[str]) -> list[list[str]]:
+    """The variables that share a panel: numbers of one unit."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        of_class = name if flag_names(dataset[name].attrs) else ""
+        found.setdefault(of_class or str(dataset[name].attrs.get("units", "1")), []).append(name)
+    return [*found.values()]
+
+
+def _draw_panel(
+    ax: Axes,
+    layers: Sequence[points.Layer],
+    drawn: Mapping[str, Sequence[_Curve]],
+    settings: points.Settings,
+) -> None:
+    """The curves of variables that share a panel."""
+    dataset, names = layers[0].dataset, [*drawn]
+    curves = [curve for own in drawn.values() for curve in own]
     entries = points.entries(
         [points.joined(curve.name if len(names) > 1 else "", curve.label) for curve in curves]
     )
-    classes = bool(flag_names(layers[0].dataset[names[0]].attrs))
-    apart = classes or not select.is_numeric(points.abscissa(layers[0].dataset, settings))
+    classes = bool(flag_names(dataset[names[0]].attrs))
+    apart = classes or not select.is_numeric(points.abscissa(dataset, settings))
     for dash, sort in dict.fromkeys((curve.dash, curve.sort) for curve in curves if curve.sort):
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort)
     for curve, entry in zip(curves, entries, strict=True):
@@ -64,11 +94,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _plot(ax, curve, shift, entry, apart or entry.scattered)
     if not classes:
         style.level(ax)
-    _name_values(ax, [layers[0].dataset[name] for name in names])
-    if any(curve.width is not None for curve in curves) and ERROR in layers[0].dataset:
+    _name_values(ax, [dataset[name] for name in names])
+    if any(curve.width is not None for curve in curves) and ERROR in dataset:
         ax.set_ylabel(f"{ax.get_ylabel()} ± standard error")
     points.dress(ax, layers, settings, "undecided" if names == ["attractor"] else "")
-    return figure
 
 
 def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.units import parse_unit
@@ -175,12 +176,21 @@ def scale(ax: Axes, settings: Settings) -> None:
             ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})
 
 
+def of_further_panels(settings: Settings) -> Settings:
+    """The settings for panels that show another quantity than the first."""
+    kept = settings.copy()
+    kept.pop("ylim", None)
+    return kept
+
+
 def relabel(figure: Figure, settings: Settings) -> None:
-    """The labels that the figure asks for, in place of those of its panels."""
+    """The labels that the figure asks for, in place of those that its first panels have."""
     panels = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
     for key in ("xlabel", "ylabel"):
-        for ax in panels if key in settings else ():
-            if getattr(ax, f"get_{key}")():  # inner panels have none
+        words = [getattr(ax, f"get_{key}")() for ax in panels]  # inner panels have none
+        first = next(filter(None, words), "")
+        for ax, word in zip(panels, words, strict=True):
+            if key in settings and word and word == first:
                 ax.set(**{key: settings[key]})
 
 
@@ -315,7 +325,7 @@ def dress(ax: Axes, layers: Sequence[Layer], settings: Settings, told: str = "")
     dress_axis(ax, axis, "x")
     reach(ax, axis)
     for layer in layers:
-        mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings), told)
+        mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings), told, layer.label)
     scale(ax, settings)
     legend(ax)
 
@@ -323,33 +333,59 @@ def dress(ax: Axes, layers: Sequence[Layer], settings: Settings, told: str = "")
 GAP_MARKS = {
     "undecided": ("x", "#777777"),
     "failed": ("X", style.BLACK),
-    "budget": ("v", style.VERMILLION),
-    "not reached": ("|", style.PURPLE),
+    "budget": ("v", "#777777"),
+    "not reached": ("|", "#777777"),
     "not computed": ("_", style.GREY),
-    "pending": (".", style.SKY),
+    "pending": ("1", style.GREY),
 }
 
 
-def mark_gaps(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray, told: str = "") -> None:
+def mark_gaps(
+    ax: Axes, dataset: xr.Dataset, axis: xr.DataArray, told: str = "", label: str = ""
+) -> None:
     """Marks along the lower edge wherever some point of the line of points has no answer.
 
-    None of the kind that is `told` otherwise.
+    None of the kind that is `told` otherwise. Of a few among several lines each has a row, in its
+    own colour; `label` is what tells the lines of the dataset from those of others.
     """
-    dim = str(axis.dims[0])
+    dim, x = str(axis.dims[0]), positions(axis)
+    handles, names = ax.get_legend_handles_labels()
+    own = {name: handle for handle, name in zip(handles, names, strict=True)}
     kinds = {name: mask for name, mask in gaps(dataset).items() if name != told}
-    for level, (name, mask) in enumerate(kinds.items()):
-        anywhere = mask.any([d for d in mask.dims if d != dim])
-        marker, colour = GAP_MARKS[name]
-        x = positions(axis)[anywhere.values]
-        height = np.full(x.shape, 0.02 + 0.03 * level)
+    rows = [(name, *row) for name, mask in kinds.items() for row in _rows(mask, dim, label)]
+    for level, (name, whose, where) in enumerate(rows):
+        marker, grey = GAP_MARKS[name]
+        line = own.get(whose)
+        colour = line.get_color() if isinstance(line, Line2D) else grey
+        height = np.full(int(where.sum()), 0.02 + 0.03 * level)
         ax.plot(
-            x, height, marker, color=colour, ms=5, ls="none", label=name, clip_on=False,
+            x[where], height, marker, color=colour, ms=5, ls="none",
+            label=f"{name}: {whose}" if whose else name, clip_on=False,
             transform=ax.get_xaxis_transform(), zorder=5,
         )  # fmt: skip
 
 
+def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarray]]:
+    """Where points are, line by line with its label where a few of several have any; else of all.
+
+    Parameters
+    ----------
+    mask : the points
+    dim : along which a line runs
+    """
+    found: dict[str, np.ndarray] = {}
+    for line in lines(mask.to_dataset(name="status"), [dim], [str(d) for d in mask.dims]):
+        name = RANDOM_MEMBER.sub("", joined(label, line.label))
+        here = mask.isel(line.index).values
+        found[name] = found.get(name, False) | here
+    some = {name: here for name, here in found.items() if here.any()}
+    if len(found) > MOST_ENTRIES_INSIDE or len({here.tobytes() for here in found.values()}) == 1:
+        return [(label if len(found) == 1 else "", np.logical_or.reduce([*some.values()]))]
+    return [*some.items()]
+
+
 def legend(ax: Axes) -> None:
-    """A legend where it hides least, or beside the panels when it is long; below narrow ones.
+    """A legend where it hides nothing, or beside the panels when it is long; below narrow ones.
 
     None for a single line.
     """
@@ -362,7 +398,11 @@ def legend(ax: Axes) -> None:
         columns = 1 + (len(names) - 1) // MOST_ENTRIES_IN_COLUMN
         style.even_keys(ax.figure.legend(handles, names, loc="outside right center", ncols=columns))
     elif names:
-        style.even_keys(ax.legend(handles, names))
+        inside = ax.legend(handles, names)
+        style.even_keys(inside)
+        if style.hides_data(ax, inside):
+            inside.remove()
+            style.legend_below(ax.figure.figure, handles)
 
 
 def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import re
 import textwrap
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -253,6 +254,23 @@ def even_keys(legend: Legend) -> None:
             key.set_markersize(KEY)
         elif isinstance(key, PathCollection):
             key.set_sizes([(KEY * _LOOK.get().weight) ** 2])  # what is no line is not thickened
+
+
+def hides_data(ax: Axes, legend: Legend) -> bool:
+    """Whether a legend inside a panel lies on lines or marks of it."""
+    tame_texts(ax.figure.figure)
+    with warnings.catch_warnings(action="ignore"):  # of a panel that has no room inside for it
+        ax.figure.figure.draw_without_rendering()  # it has its place then
+    place = legend.get_window_extent()
+    for line in ax.lines:
+        if line.get_transform() == ax.transData:
+            path = line.get_path().transformed(line.get_transform())
+            on_line = line.get_linestyle() not in ("None", "none", "")
+            if (on_line and path.intersects_bbox(place, filled=False)) or bool(
+                place.count_contains(path.vertices)
+            ):
+                return True
+    return False
 
 
 def make_room(figure: Figure, lines: int) -> None:
