@@ -236,6 +236,8 @@ def longest(words: Sequence[str]) -> int:
 def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
     words = [str(handle.get_label()) for handle in handles]
+    if any([text.get_text() for text in one.get_texts()] == words for one in figure.legends):
+        return  # that of another panel says it all
     beside = letters(figure) // (KEY_LETTERS + longest(words))
     columns = max(1, min(beside, len(words)))
     if words:
