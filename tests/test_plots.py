@@ -1200,7 +1200,7 @@ def test_units_read_as_people_write_them(unit, text):
         ("x", "x"),
         ("mu_k", r"\mu_{k}"),
         ("phi_dot", r"\dot{\varphi}"),
-        ("x1_dot", r"\dot{x_{1}}"),
+        ("x1_dot", r"\dot{x}_{1}"),
         ("C_0_1", "C_{0,1}"),
         ("psi_a", r"\psi_{a}"),
     ],
@@ -1398,7 +1398,7 @@ def test_plot_leaves_out_figures_of_the_sweep_that_a_history_cannot_show(stored)
         data.history().assign_attrs(data.attributes(*figures)).to_netcdf(stored / "one.nc")
         result = run(plot_command, "one.nc")
         assert result.stdout.split() == drawn
-        assert "figure bifurcation is left out" in result.stderr
+        assert "figure bifurcation left out: nothing to draw" in result.stderr
     with pytest.raises(UsageError, match="no values at a section"):
         run(plot_command, "one.nc", "--figure", "bifurcation")
 

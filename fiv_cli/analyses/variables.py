@@ -13,6 +13,7 @@ from typing import TypedDict, Unpack
 
 from fiv_cli.analyses.settings import Section, Settings, Varied
 from fiv_cli.models.base import State
+from fiv_cli.notation.names import dotted_symbol
 
 INT_FILL = -2147483647
 """Stands for "not computed" in integer variables (the NetCDF default for int32)."""
@@ -227,7 +228,7 @@ def motions(states: tuple[State, ...]) -> list[tuple[str, str, str, str]]:
     """(name, unit, symbol, meaning) of every state, then of every velocity."""
     positions = [(s.name, s.unit, s.symbol, s.meaning) for s in states]
     velocities = [
-        (f"{s.name}_dot", rate_unit(s.unit), rf"\dot{{{s.symbol}}}", f"velocity: {s.meaning}")
+        (f"{s.name}_dot", rate_unit(s.unit), dotted_symbol(s.symbol), f"velocity: {s.meaning}")
         for s in states
     ]
     return positions + velocities

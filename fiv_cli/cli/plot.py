@@ -76,7 +76,7 @@ def command(
     any, a figure of each kind that suits it. Several files share one figure where that makes
     sense (curve, bifurcation, branch). Kinds: map, basin, bifurcation, curve, branch, eigenvalues,
     history, phase, spectrum, spectrogram, mode-shape. A figure that would be empty is not written,
-    and says why.
+    and says why. Of several figures -o b.png makes b-a-NAME.png of each.
 
     \b
     Examples:
@@ -241,9 +241,10 @@ def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list
 
     if name is not None:
         return figures_called(source, name)
-    for figure in figures_of(source):
-        if not can_draw(source, figure):
-            click.echo(f"{file}: figure {figure.name} is left out: nothing to draw", err=True)
+    left_out = [figure.name for figure in figures_of(source) if not can_draw(source, figure)]
+    if left_out:
+        told = f"figure{'s' * (len(left_out) > 1)} {', '.join(left_out)}"
+        click.echo(f"{file}: {told} left out: nothing to draw", err=True)
     return possible_figures(source)
 
 

@@ -99,6 +99,12 @@ def nearest(name: str, known: Collection[str]) -> str | None:
     return next(iter(_candidates(name, known)), None)
 
 
+def dotted_symbol(symbol: str) -> str:
+    r"""LaTeX of a rate of change: ``x_1`` -> ``\dot{x}_1``."""
+    letter, subscript, rest = symbol.partition("_")
+    return rf"\dot{{{letter}}}{subscript}{rest}"
+
+
 def surely_meant(name: str, known: Collection[str]) -> str | None:
     """The name that can only be meant, so that what is given of it is read; None for none."""
     near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.75)

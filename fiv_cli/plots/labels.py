@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fiv_cli.notation.names import dotted_symbol
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -87,7 +89,7 @@ def symbol(variable: xr.DataArray, name: str) -> str:
 def symbol_of_name(name: str) -> str:
     r"""LaTeX of an ASCII name: ``mu_k`` is ``\mu_{k}``, ``phi_dot`` is ``\dot{\varphi}``."""
     if name.endswith("_dot"):
-        return rf"\dot{{{symbol_of_name(name.removesuffix('_dot'))}}}"
+        return dotted_symbol(symbol_of_name(name.removesuffix("_dot")))
     if "_over_" in name:
         return "/".join(map(symbol_of_name, name.split("_over_")))
     stem, *subscripts = name.split("_")

@@ -173,7 +173,9 @@ def look_of(
 
 SETTINGS: dict[Any, Any] = {
     "axes.axisbelow": True,
-    "axes.formatter.useoffset": False,  # ticks hold the values themselves
+    "axes.formatter.useoffset": False,  # ticks hold the values themselves, but for a power of ten
+    "axes.formatter.limits": (-3, 5),
+    "axes.formatter.use_mathtext": True,
     "axes.grid": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
