@@ -1,7 +1,7 @@
 """Figures: what is drawn is what the dataset holds, labelled, and the same bytes each time."""
 
 import re
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -21,6 +21,7 @@ from fiv_cli.friction import get_law
 from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.law import force
+from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.plots.style import class_colours, dot_size, line_colours, tame_texts
 from fiv_cli.reading.summary import lines as summary_lines
@@ -43,9 +44,9 @@ def marks(ax, label):
 
 
 def legend_texts(owner):
-    """Entries of the legend of a panel or, where there are several panels, of the figure."""
-    legend = owner.legends[0] if hasattr(owner, "legends") else owner.get_legend()
-    return [text.get_text() for text in legend.get_texts()]
+    """Entries of the legend of a panel or, where it has none of its own, of the figure."""
+    own = None if hasattr(owner, "legends") else owner.get_legend()
+    return [text.get_text() for text in (own or owner.figure.legends[0]).get_texts()]
 
 
 # --- bifurcation -------------------------------------------------------------------------------
@@ -129,6 +130,29 @@ def test_a_legend_hides_no_data():
     assert draw(data.bifurcation(), figure("curve")).axes[0].get_legend() is not None
 
 
+def test_marks_of_gaps_stand_below_all_points_a_row_for_each_line_of_each_dataset():
+    dataset = data.bifurcation()
+    both = [("one", dataset), ("two", dataset.isel(initial=[1, 0]))]
+    (ax,) = draw(both, figure("curve", variable="L_s")).axes
+    rows = [line for line in ax.lines if line.get_marker() in {m for m, _ in GAP_MARKS.values()}]
+    heights = [line.get_ydata()[0] for line in rows]
+    assert len(set(heights)) == len(heights) == 4
+    low, high = ax.get_ylim()
+    assert max(heights) < (ax.dataLim.y0 - low) / (high - low)
+    limited = draw(dataset, figure("curve", variable="L_s", ylim=[0, 1]))
+    assert limited.axes[0].get_ylim() == (0, 1)
+
+
+def test_gaps_of_too_many_lines_are_nobodys():
+    dataset = data.bifurcation()
+    many = [(label, dataset) for label in ("one", "two", "three", "four")]
+    (ax,) = draw(many, figure("curve", variable="L_s")).axes
+    grey = {line.get_label(): to_hex(line.get_color()) for line in ax.lines}
+    assert grey["undecided"].upper() == GAP_MARKS["undecided"][1]
+    assert not [label for label in grey if label.startswith("undecided:")]
+    assert marks(ax, "failed")[:, 0].tolist() == pytest.approx([2.5])
+
+
 def test_each_reason_for_a_missing_answer_has_a_mark_of_its_own():
     dataset = data.bifurcation()
     for code in range(1, len(data.STATUS)):
@@ -189,6 +213,27 @@ def test_each_start_has_a_mark_that_shows_through_the_next():
     assert first.get_marker() != second.get_marker()
     assert first.get_markerfacecolor() == "none"
     assert first.get_markersize() > second.get_markersize()
+
+
+def test_marks_that_coincide_are_told_apart_and_are_those_of_the_legend():
+    dataset = data.bifurcation().isel(initial=[0])
+    dataset = dataset.isel(section_obs=slice(0, int(dataset["section_row_size"].sum())))
+    four = [(label, dataset) for label in ("one", "two", "three", "four")]
+    (ax,) = draw(four, figure("bifurcation")).axes
+    drawn = [line for line in ax.lines if line.get_label() in dict(four)]
+    assert len({line.get_marker() for line in drawn}) == 4
+    for outer, inner in pairwise(drawn):
+        assert outer.get_markerfacecolor() == "none"
+        assert drawn_size(inner) < drawn_size(outer)
+    assert drawn_size(drawn[-1]) < drawn_size(drawn[-2]) - 2 * drawn[-2].get_markeredgewidth()
+    legend = ax.get_legend() or ax.figure.legends[0]
+    keys = [key for key in legend.legend_handles if key.get_label() in dict(four)]
+    assert [key.get_marker() for key in keys] == [line.get_marker() for line in drawn]
+
+
+def drawn_size(line):
+    """Diameter of a mark; of a point it is half of what it is said to be."""
+    return line.get_markersize() * (0.5 if line.get_marker() == "." else 1.0)
 
 
 def cycles_along_the_grid():
@@ -376,11 +421,17 @@ def test_a_line_stands_where_the_section_that_motions_choose_changes():
     assert marks(ax, "another section")[:, 0].tolist() == pytest.approx([2.95, 2.95])
 
 
+def with_x_rms(unit):
+    dataset = data.bifurcation()
+    return dataset.assign(x_rms=(("Omega", "initial"), np.ones((46, 2)), {"units": unit}))
+
+
 def test_several_variables_of_a_curve_are_named_in_its_legend():
     dataset = data.bifurcation().isel(initial=[0])
     dataset["x_rms"] = (("Omega", "initial"), np.ones((46, 1)), {"units": "rad2"})
     (ax,) = draw(dataset, figure("curve", variable=["L_s", "x_rms"])).axes
     assert legend_texts(ax)[:2] == ["$L_s$ (rad$^{2}$)", r"$x_{\mathrm{rms}}$ (rad$^{2}$)"]
+    assert ax.get_ylabel() == r"$L_s$, $x_{\mathrm{rms}}$ (rad$^{2}$)"
     dataset["x_rms"].attrs["units"] = "rad"  # each unit has a panel, the first the limits
     wanted = {"variable": ["L_s", "x_rms"], "ylim": (0.0, 1.5), "ylabel": "mine"}
     top, below = draw(dataset, figure("curve", **wanted)).axes
@@ -389,6 +440,91 @@ def test_several_variables_of_a_curve_are_named_in_its_legend():
     assert top.get_ylim() == (0.0, 1.5) != below.get_ylim()
     with pytest.raises(UsageError, match="one variable"):
         draw(data.stability_map(), figure("map", variable=["L_s", "attractor"]))
+
+
+def test_variables_of_other_units_have_panels_of_their_own_above_each_other():
+    asked = {"variable": ["L_s", "x_rms", "attractor"], "xlim": [1, 2], "ylim": [0, 3], "log": "x"}
+    drawn = draw(with_x_rms("rad"), figure("curve", **asked, ylabel="mine"))
+    top, middle, bottom = drawn.axes
+    assert [ax.get_ylabel() for ax in (top, middle)] == ["mine", r"$x_{\mathrm{rms}}$ (rad)"]
+    assert [bool(ax.get_xlabel()) for ax in drawn.axes] == [False, False, True]
+    assert {ax.get_xlim() for ax in drawn.axes} == {(1, 2)}
+    assert {ax.get_xscale() for ax in drawn.axes} == {"log"}
+    assert top.get_ylim() == (0, 3) != middle.get_ylim()
+    assert "periodic" in [tick.get_text() for tick in bottom.get_yticklabels()]
+    assert legend_texts(drawn)[:2] == ["near", "far"]
+    colours = {ax.lines[0].get_color() for ax in drawn.axes}
+    assert len(colours) == 1
+    with pytest.raises(UsageError, match="needs 3 panels"):
+        draw(with_x_rms("rad"), figure("curve", **asked), axis=Figure().subplots())
+
+
+def crossing_lines(**heights):
+    """A curve for each start, a straight line from one height to another."""
+    omega = data.bifurcation()["Omega"].values
+    share = (omega - omega[0]) / np.ptp(omega)
+    lines = [begin + (end - begin) * share for begin, end in heights.values()]
+    dataset = data.bifurcation().drop_dims("section_obs").drop_vars("section_row_size")
+    dataset = dataset.isel(initial=[0] * len(lines))
+    dataset = dataset.assign_coords(initial=[*heights])
+    dataset["L_s"] = dataset["L_s"].copy(data=np.stack(lines, axis=-1))
+    return dataset.assign(attractor=dataset["attractor"] * 0 + 1, status=dataset["status"] * 0)
+
+
+@pytest.mark.parametrize("style", ["screen", "talk"])
+@pytest.mark.parametrize(
+    ("heights", "inside"),
+    [
+        ({"a": (0.0, 1.0), "b": (0.0, 0.9)}, True),
+        ({"a": (1.0, 1.0), "b": (0.0, 0.0)}, True),
+        ({"a": (0.0, 1.0), "b": (1.0, 0.0), "a level": (0.5, 0.5)}, True),
+        ({f"a start of long name {n}": (0.2 * n, 1.0 - 0.2 * n) for n in range(6)}, False),
+    ],
+)
+def test_a_legend_stands_where_nothing_is_drawn_or_below(heights, inside, style):
+    dataset = crossing_lines(**heights)
+    drawn = draw(dataset, figure("curve", variable="L_s"), look=look_of(style, width=160.0))
+    drawn.canvas.draw()
+    (ax,) = drawn.axes
+    legend = ax.get_legend()
+    assert bool(drawn.legends) == (legend is None)
+    if style == "screen":
+        assert (legend is not None) == inside
+    if legend is not None:
+        box = legend.get_window_extent()
+        for line in ax.lines:
+            path = line.get_transform().transform_path(line.get_path())
+            assert not path.intersects_bbox(box, filled=False)
+            assert not box.count_contains(path.vertices)
+    else:
+        box = drawn.legends[0].get_window_extent()
+        assert box.y1 < ax.xaxis.label.get_window_extent().y0
+
+
+def test_a_legend_on_the_axis_of_a_user_stays_in_it():
+    own = Figure()
+    axis = own.subplots()
+    draw(crossing_lines(a=(0.0, 1.0), b=(1.0, 0.0)), figure("curve", variable="L_s"), axis=axis)
+    assert axis.get_legend() is not None and not own.legends
+
+
+@pytest.mark.parametrize(
+    ("height", "power"),
+    [
+        (2e-5, "10^{−5}"),
+        (9e-4, "10^{−4}"),
+        (2e-3, "10^{−3}"),
+        (2e-2, ""),
+        (5e4, ""),
+        (3e5, "10^{5}"),
+    ],
+)
+def test_small_and_large_numbers_have_one_power_of_ten_at_the_end_of_the_axis(height, power):
+    dataset = crossing_lines(near=(0.0, height))
+    drawn = draw(dataset, figure("curve", variable="L_s"))
+    drawn.canvas.draw()
+    words = drawn.axes[0].yaxis.get_offset_text().get_text()
+    assert power in words and bool(words) == bool(power)
 
 
 def test_a_curve_of_classes_has_their_names_at_the_ticks():

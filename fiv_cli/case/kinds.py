@@ -72,7 +72,9 @@ FIGURES = {
 }
 """Kind of figure -> what it shows, and its keys besides those of every figure."""
 
-OF_EVERY_FIGURE = ("name", "title", "analysis", "select", "log", "xlim", "ylim")
+OF_EVERY_FIGURE = (
+    *("name", "title", "analysis", "select", "log", "xlim", "ylim", "xlabel", "ylabel"),
+)
 
 TAKES = {
     "share": (

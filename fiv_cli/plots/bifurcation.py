@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
-FINER = 0.5
+FINER = 0.3
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -60,7 +60,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     ax.set_ylabel(labels.axis_label(first[name]))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
-    points.dress(ax, shown, settings)
+    points.dress([ax], shown, settings)
     return figure
 
 

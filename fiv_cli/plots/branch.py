@@ -66,7 +66,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     greatest = labels.axis_label(first[EXTREMES[1]])
     ax.set_ylabel(greatest.replace("greatest", "least and greatest"))
     points.scale(ax, settings)
-    points.legend(ax)
+    points.legend([ax])
     return figure
 
 

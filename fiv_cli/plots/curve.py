@@ -1,8 +1,11 @@
-"""A variable against an axis, a line for each start and for each value of the other axes."""
+"""Variables against an axis, a line for each start and for each value of the other axes.
+
+Variables of one unit share a panel.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -48,56 +51,56 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """
     dataset = layers[0].dataset
     names = variables_of(dataset, settings)
-    curves = {
-        name: [c for layer in layers for c in _curves(layer, name, settings)] for name in names
-    }
-    anything = any(np.isfinite(curve.y).any() for own in curves.values() for curve in own)
-    points.refuse_empty(dataset, anything, names[0])
     panels = _panels(dataset, names)
+    drawn = [
+        (place, curve)
+        for layer in layers
+        for place, own in enumerate(panels)
+        for name in own
+        for curve in _curves(layer, name, len(own) > 1, settings)
+    ]
+    anything = any(np.isfinite(curve.y).any() for _, curve in drawn)
+    points.refuse_empty(dataset, anything, names[0])
     figure, axes = style.new_panels(len(panels), 1, points.title(dataset), sharex=True)
-    for ax, together in zip(axes, panels, strict=True):
-        own = settings if ax is axes[0] else points.of_further_panels(settings)
-        _draw_panel(ax, layers, {name: curves[name] for name in together}, own)
-    for ax in axes[:-1]:
-        ax.set_xlabel("")
+    entries = points.entries([curve.label for _, curve in drawn])
+    numeric = select.is_numeric(points.abscissa(dataset, settings))
+    for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
+        lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
+        _panel(ax, [dataset[name] for name in own], lines, numeric)
+        if any(curve.width is not None for curve, _ in lines) and ERROR in dataset:
+            ax.set_ylabel(f"{ax.get_ylabel()} ± standard error")
+    told = "undecided" if names == ["attractor"] else ""
+    points.dress(axes, layers, settings, told)
     return figure
 
 
 def _panels(dataset: xr.Dataset, names: Sequence[str]) -> list[list[str]]:
-    """The variables that share a panel: numbers of one unit."""
-    found: dict[str, list[str]] = {}
+    """The variables of each panel: those of one unit, and each of classes by itself."""
+    panels: dict[tuple[str, str], list[str]] = {}
     for name in names:
-        of_class = name if flag_names(dataset[name].attrs) else ""
-        found.setdefault(of_class or str(dataset[name].attrs.get("units", "1")), []).append(name)
-    return [*found.values()]
+        facts = dataset[name].attrs
+        kind = name if flag_names(facts) else ""
+        panels.setdefault((str(facts.get("units", "1")), kind), []).append(name)
+    return list(panels.values())
 
 
-def _draw_panel(
+def _panel(
     ax: Axes,
-    layers: Sequence[points.Layer],
-    drawn: Mapping[str, Sequence[_Curve]],
-    settings: points.Settings,
+    variables: Sequence[xr.DataArray],
+    lines: Sequence[tuple[_Curve, points.Entry]],
+    numeric: bool,
 ) -> None:
-    """The curves of variables that share a panel."""
-    dataset, names = layers[0].dataset, [*drawn]
-    curves = [curve for own in drawn.values() for curve in own]
-    entries = points.entries(
-        [points.joined(curve.name if len(names) > 1 else "", curve.label) for curve in curves]
-    )
-    classes = bool(flag_names(dataset[names[0]].attrs))
-    apart = classes or not select.is_numeric(points.abscissa(dataset, settings))
-    for dash, sort in dict.fromkeys((curve.dash, curve.sort) for curve in curves if curve.sort):
+    """The lines of some variables of one unit, against an axis that is `numeric` or of names."""
+    classes = bool(flag_names(variables[0].attrs))
+    for dash, sort in dict.fromkeys((curve.dash, curve.sort) for curve, _ in lines if curve.sort):
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort)
-    for curve, entry in zip(curves, entries, strict=True):
+    for curve, entry in lines:
         # lines of classes lie on one another: each is moved a little
-        shift = classes * CLASS_SHIFT * (entry.number - entries[-1].number / 2)
-        _plot(ax, curve, shift, entry, apart or entry.scattered)
+        shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
+        _plot(ax, curve, shift, entry, classes or entry.scattered or not numeric)
     if not classes:
         style.level(ax)
-    _name_values(ax, [dataset[name] for name in names])
-    if any(curve.width is not None for curve in curves) and ERROR in dataset:
-        ax.set_ylabel(f"{ax.get_ylabel()} ± standard error")
-    points.dress(ax, layers, settings, "undecided" if names == ["attractor"] else "")
+    _name_values(ax, variables)
 
 
 def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:
@@ -136,14 +139,13 @@ def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
 
 @dataclass(frozen=True)
 class _Curve:
-    """One line: the words for its variable, those for its place, its points and their width.
+    """One line: the words for its place, and for its variable if several share the panel.
 
-    `open` are the points whose class is undecided: their numbers are those of some stretch of time.
-    `jumps` are the places at which another class begins. `sort` is what a dash means, where
-    colours mean another thing.
+    Its points have a width. `open` are those whose class is undecided: their numbers are those of
+    some stretch of time. `jumps` are the places at which another class begins. `sort` is what a
+    dash means, where colours mean another thing.
     """
 
-    name: str
     label: str
     x: np.ndarray
     y: np.ndarray
@@ -154,8 +156,8 @@ class _Curve:
     sort: str = ""
 
 
-def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_Curve]:
-    """The lines of one variable of one dataset."""
+def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settings) -> list[_Curve]:
+    """The lines of one variable of one dataset; their labels have its words if it is `named`."""
     dataset = layer.dataset
     axis = points.abscissa(dataset, settings)
     array = numbers(dataset[name])
@@ -165,9 +167,9 @@ def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_
             f"{name}: not one value per point along {axis.name}\n"
             f"it varies along: {', '.join(map(str, array.dims)) or 'nothing'}"
         )
-    x, words = points.positions(axis), labels.axis_label(dataset[name])
+    x, words = points.positions(axis), labels.axis_label(dataset[name]) if named else ""
     if "crossing" in array.dims and _sorting(dataset):
-        return _by_sort(layer, array, x, dim)
+        return _by_sort(layer, array, words, x, dim)
     error = dataset.get(ERROR) if name == "share" else None
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
@@ -177,20 +179,22 @@ def _curves(layer: points.Layer, name: str, settings: points.Settings) -> list[_
             one.isel(line.index).values for one in (array, unsure & array.notnull(), classes)
         )
         jumps = (np.flatnonzero(told[1:] != told[:-1]) + 1).tolist()
-        label = points.joined(layer.label, line.label)
+        label = points.joined(words, layer.label, line.label)
         width = None if error is None else 2.0 * error.isel(line.index).values
-        curves.append(_Curve(words, label, x, y, open_, width, jumps))
+        curves.append(_Curve(label, x, y, open_, width, jumps))
     return curves
 
 
-def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) -> list[_Curve]:
+def _by_sort(
+    layer: points.Layer, array: xr.DataArray, words: str, x: np.ndarray, dim: str
+) -> list[_Curve]:
     """Lines of crossings of one sort: a colour for each or, where colours tell lines, a dash."""
-    dataset, words = layer.dataset, labels.axis_label(layer.dataset[str(array.name)])
+    dataset = layer.dataset
     sorts, widths, modes = _sorts(dataset), _widths(dataset, array), _modes(dataset, array)
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
     for line in points.lines(dataset, [dim], along):
-        label = points.joined(layer.label, line.label)
+        label = points.joined(words, layer.label, line.label)
         for number, (sort, mask) in enumerate(sorts.items() if len(sorts) > 1 else [("", True)]):
             dash = style.dash(number, len(sorts))
             kept, known, mode = (
@@ -202,7 +206,7 @@ def _by_sort(layer: points.Layer, array: xr.DataArray, x: np.ndarray, dim: str) 
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, known[at])
                 dashed = {"dash": dash, "sort": sort} if label else {}
-                curves.append(_Curve(words, label or sort, *found, **dashed))
+                curves.append(_Curve(label or sort, *found, **dashed))
     return curves
 
 
@@ -275,8 +279,8 @@ def _sort_words(first: str, second: str) -> str:
 
 def _name_values(ax: Axes, variables: Sequence[xr.DataArray]) -> None:
     """What stands beside the values: the name of one variable, the names of classes."""
-    if len(variables) == 1:
-        ax.set_ylabel(labels.axis_label(variables[0]))
+    several = len(variables) > 1
+    ax.set_ylabel(labels.shared_label(variables) if several else labels.axis_label(variables[0]))
     classes = {c: n for c, n in flag_names(variables[0].attrs).items() if n != NOT_COMPUTED}
     if classes:
         ax.set_yticks(list(classes), labels=[word.replace("_", " ") for word in classes.values()])

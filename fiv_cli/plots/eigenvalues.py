@@ -42,12 +42,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _panel(ax, dataset, name, axis)
         ax.set_ylabel(labels.axis_label(dataset[name]))
         points.reach(ax, axis)
-        points.scale(ax, settings)
+        points.scale(ax, settings if ax is axes[0] else points.of_further_panels(settings))
         _mark_mergers(ax, dataset, axis)
     axes[0].axhline(0.0, color=style.BLACK, lw=0.8)
     points.dress_axis(axes[1], axis, "x")
-    points.mark_gaps(axes[1], dataset, axis)
-    points.legend(axes[0])
+    points.mark_gaps(axes, layers, settings)
+    points.legend(axes)
     return figure
 
 

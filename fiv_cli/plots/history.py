@@ -33,7 +33,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         if row == len(names) - 1:
             ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
     contact = motion.named_contact(dataset, settings)
-    _legend(figure, motion.states_present(motions, settings), contact)
+    _legend(figure, axes, motion.states_present(motions, settings), contact)
     return figure
 
 
@@ -45,7 +45,6 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     if "point" in one.data[name].dims:
         for curve, label in zip(values, motion.places(one), strict=True):
             ax.plot(one.drawn_time, one.drawn(name, curve), lw=0.9, rasterized=many, label=label)
-        ax.legend(loc="upper right")
     else:
         shown = one.drawn(name, values)
         ax.plot(one.drawn_time, shown, color=style.BLACK, lw=0.9, rasterized=many)
@@ -54,9 +53,11 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     points.scale(ax, settings)
 
 
-def _legend(figure: Figure, states: Sequence[str], contact: str) -> None:
+def _legend(figure: Figure, axes: Sequence[Axes], states: Sequence[str], contact: str) -> None:
+    """What the lines of points are, and the shades."""
+    places, _ = style.told_in(axes)
     handles = [
         Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=motion.CONTACT_STATES[state])
         for state in states
     ]
-    style.legend_below(figure, handles, contact)
+    style.legend_below(figure, [*places, *handles], contact)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,6 +65,13 @@ def short_label(variable: xr.DataArray, name: str = "") -> str:
     r"""Symbol and unit alone, for narrow axes: ``$\dot{\varphi}$ (rad/s)``."""
     unit = unit_text(str(variable.attrs.get("units", "1")))
     words = quantity(variable, name or str(variable.name))
+    return f"{words} ({unit})" if unit else words
+
+
+def shared_label(variables: Sequence[xr.DataArray]) -> str:
+    r"""Symbols of variables of one unit, and this: ``$x_\mathrm{min}$, $x_\mathrm{max}$ (m)``."""
+    unit = unit_text(str(variables[0].attrs.get("units", "1")))
+    words = ", ".join(quantity(one, str(one.name)) for one in variables)
     return f"{words} ({unit})" if unit else words
 
 

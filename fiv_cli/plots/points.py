@@ -319,15 +319,17 @@ def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
         )
 
 
-def dress(ax: Axes, layers: Sequence[Layer], settings: Settings, told: str = "") -> None:
-    """The axis that the layers are drawn against, their gaps but for the one told, a legend."""
+def dress(
+    axes: Sequence[Axes], layers: Sequence[Layer], settings: Settings, told: str = ""
+) -> None:
+    """What panels above each other share: axis, gaps but for the one told, a legend."""
     axis = abscissa(layers[0].dataset, settings)
-    dress_axis(ax, axis, "x")
-    reach(ax, axis)
-    for layer in layers:
-        mark_gaps(ax, layer.dataset, abscissa(layer.dataset, settings), told, layer.label)
-    scale(ax, settings)
-    legend(ax)
+    dress_axis(axes[-1], axis, "x")
+    for ax in axes:
+        reach(ax, axis)
+        scale(ax, settings if ax is axes[0] else of_further_panels(settings))
+    mark_gaps(axes, layers, settings, told)
+    legend(axes)
 
 
 GAP_MARKS = {
@@ -335,34 +337,65 @@ GAP_MARKS = {
     "failed": ("X", style.BLACK),
     "budget": ("v", "#777777"),
     "not reached": ("|", "#777777"),
-    "not computed": ("_", style.GREY),
+    "not computed": ("2", style.GREY),
     "pending": ("1", style.GREY),
 }
 
 
+MOST_GAP_ROWS = 6
+LOWEST_GAP, GAP_ROW = 0.02, 0.03  # of the height of a panel
+
+
 def mark_gaps(
-    ax: Axes, dataset: xr.Dataset, axis: xr.DataArray, told: str = "", label: str = ""
+    axes: Sequence[Axes], layers: Sequence[Layer], settings: Settings, told: str = ""
 ) -> None:
-    """Marks along the lower edge wherever some point of the line of points has no answer.
+    """Marks along the lower edge of the last panel where points of a line have no answer.
 
     None of the kind that is `told` otherwise. Of a few among several lines each has a row, in its
-    own colour; `label` is what tells the lines of the dataset from those of others.
+    own colour.
     """
-    dim, x = str(axis.dims[0]), positions(axis)
-    handles, names = ax.get_legend_handles_labels()
-    own = {name: handle for handle, name in zip(handles, names, strict=True)}
-    kinds = {name: mask for name, mask in gaps(dataset).items() if name != told}
-    rows = [(name, *row) for name, mask in kinds.items() for row in _rows(mask, dim, label)]
-    for level, (name, whose, where) in enumerate(rows):
+    handles, names = style.told_in(axes)
+    own, ax = dict(zip(names, handles, strict=True)), axes[-1]
+    rows = _gap_rows(layers, settings, told)
+    for level, ((name, whose), x) in enumerate(rows.items()):
         marker, grey = GAP_MARKS[name]
         line = own.get(whose)
         colour = line.get_color() if isinstance(line, Line2D) else grey
-        height = np.full(int(where.sum()), 0.02 + 0.03 * level)
         ax.plot(
-            x[where], height, marker, color=colour, ms=5, ls="none",
-            label=f"{name}: {whose}" if whose else name, clip_on=False,
+            x, np.full(x.shape, LOWEST_GAP + GAP_ROW * level), marker, color=colour, ms=5,
+            ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
             transform=ax.get_xaxis_transform(), zorder=5,
         )  # fmt: skip
+    limited = "ylim" in settings and ax is axes[0]
+    if rows and not limited and ax.get_yscale() == "linear":
+        _make_room_below(ax, LOWEST_GAP + GAP_ROW * len(rows))
+
+
+def _gap_rows(
+    layers: Sequence[Layer], settings: Settings, told: str
+) -> dict[tuple[str, str], np.ndarray]:
+    """Kind of gap, whose it is -> where; of too many lines they are nobody's."""
+    found = [
+        (name, whose, positions(axis)[where])
+        for layer in layers
+        for axis in [abscissa(layer.dataset, settings)]
+        for name, mask in gaps(layer.dataset).items()
+        for whose, where in _rows(mask, str(axis.dims[0]), layer.label)
+        if name != told
+    ]
+    many = len({(name, whose) for name, whose, _ in found}) > MOST_GAP_ROWS
+    rows: dict[tuple[str, str], np.ndarray] = {}
+    for name, whose, x in found:
+        row = name, "" if many else whose
+        rows[row] = np.union1d(rows.get(row, []), x)
+    return rows
+
+
+def _make_room_below(ax: Axes, share: float) -> None:
+    """Let what is drawn begin above the lowest `share` of a panel."""
+    (low, high), bottom = ax.get_ylim(), ax.dataLim.y0
+    if bottom < high and bottom - low < share * (high - low):
+        ax.set_ylim((bottom - share * high) / (1.0 - share), high)
 
 
 def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarray]]:
@@ -384,25 +417,22 @@ def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarra
     return [*some.items()]
 
 
-def legend(ax: Axes) -> None:
+def legend(axes: Sequence[Axes]) -> None:
     """A legend where it hides nothing, or beside the panels when it is long; below narrow ones.
 
-    None for a single line.
+    Of several panels it is below. None for a single line.
     """
-    handles, names = _thinned(*ax.get_legend_handles_labels())
-    beside = style.letters(ax.figure.figure)
-    many = len(names) > MOST_ENTRIES_INSIDE
-    if (beside < LEAST_LETTERS and len(names) > 2) or (many and style.longest(names) > beside // 6):
-        style.legend_below(ax.figure.figure, handles)
+    figure = axes[0].figure.figure
+    handles, names = _thinned(*style.told_in(axes))
+    beside, many = style.letters(figure), len(names) > MOST_ENTRIES_INSIDE
+    narrow = beside < LEAST_LETTERS and len(names) > 2
+    if narrow or (many and style.longest(names) > beside // 6) or (names and len(axes) > 1):
+        style.legend_below(figure, handles)
     elif many:
         columns = 1 + (len(names) - 1) // MOST_ENTRIES_IN_COLUMN
-        style.even_keys(ax.figure.legend(handles, names, loc="outside right center", ncols=columns))
+        style.even_keys(figure.legend(handles, names, loc="outside right center", ncols=columns))
     elif names:
-        inside = ax.legend(handles, names)
-        style.even_keys(inside)
-        if style.hides_data(ax, inside):
-            inside.remove()
-            style.legend_below(ax.figure.figure, handles)
+        style.even_keys(axes[0].legend(handles, names))
 
 
 def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:

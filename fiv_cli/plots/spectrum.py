@@ -145,7 +145,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))
     ax.set_xlim(0.0, x[-1])
     points.scale(ax, settings)
-    points.legend(ax)
+    points.legend([ax])
     return figure
 
 
@@ -178,7 +178,7 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     )
     ax.margins(x=0)
     points.scale(ax, settings)
-    points.legend(ax)
+    points.legend([ax])
     return figure
 
 

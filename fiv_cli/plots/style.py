@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import re
 import textwrap
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -36,14 +35,16 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.legend import Legend
+    from matplotlib.path import Path as Outline
     from matplotlib.typing import ColorType
 
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
     "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
 )  # fmt: skip
 GREY = "#BBBBBB"
-# Marks and their sizes, of dots: the first are seen around those that lie on them.
-MARKS = (("o", 1.5), ("+", 1.2), ("x", 0.8), ("s", 0.5))
+# Marks and their sizes, of dots: the first are seen around those that lie on them. Two neighbours
+# are a pair that is told apart where they coincide: a cross in a circle, a dot in a square.
+MARKS = (("o", 2.4), ("+", 1.9), ("s", 1.8), (".", 2.0))
 LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 DASHES = ("-", "--", "-.", (0, (5, 1.5, 1, 1.5, 1, 1.5)))
 
@@ -75,6 +76,12 @@ POINTS = 72.0  # an inch
 TICK_LETTERS = 9  # that a tick and the gap beside it take
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
 KEY = 4.5  # size of the marks in legends, pt
+# Where a legend is looked for a place in a panel, and the sides of the compass there.
+SIDES: dict[Any, Any] = {
+    "upper right": "NE", "upper left": "NW", "lower right": "SE", "lower left": "SW",
+    "center right": "E", "center left": "W", "upper center": "N", "lower center": "S",
+    "center": "C",
+}  # fmt: skip
 KEY_LETTERS = 7  # that the key of an entry of a legend takes
 ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
 IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
@@ -238,8 +245,6 @@ def longest(words: Sequence[str]) -> int:
 def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
     words = [str(handle.get_label()) for handle in handles]
-    if any([text.get_text() for text in one.get_texts()] == words for one in figure.legends):
-        return  # that of another panel says it all
     beside = letters(figure) // (KEY_LETTERS + longest(words))
     columns = max(1, min(beside, len(words)))
     if words:
@@ -260,21 +265,66 @@ def even_keys(legend: Legend) -> None:
             key.set_sizes([(KEY * _LOOK.get().weight) ** 2])  # what is no line is not thickened
 
 
-def hides_data(ax: Axes, legend: Legend) -> bool:
-    """Whether a legend inside a panel lies on lines or marks of it."""
-    tame_texts(ax.figure.figure)
-    with warnings.catch_warnings(action="ignore"):  # of a panel that has no room inside for it
-        ax.figure.figure.draw_without_rendering()  # it has its place then
-    place = legend.get_window_extent()
-    for line in ax.lines:
-        if line.get_transform() == ax.transData:
-            path = line.get_path().transformed(line.get_transform())
-            on_line = line.get_linestyle() not in ("None", "none", "")
-            if (on_line and path.intersects_bbox(place, filled=False)) or bool(
-                place.count_contains(path.vertices)
-            ):
-                return True
+def told_in(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
+    """What the legend of some panels tells, and its words: once what several of them show."""
+    told: dict[str, Artist] = {}
+    for ax in axes:
+        for handle, word in zip(*ax.get_legend_handles_labels(), strict=True):
+            told.setdefault(word, handle)
+    return list(told.values()), list(told)
+
+
+def clear_legends(figure: Figure) -> bool:
+    """Put the legend of a panel where nothing is drawn or, where there is no such place, below.
+
+    Whether it is below now.
+    """
+    legends = [(ax, own) for ax in figure.axes if (own := ax.get_legend()) and _may_move(own)]
+    if legends:
+        figure.draw_without_rendering()  # panels and legends have their sizes then
+    hiding = [own for ax, own in legends if not _find_place(ax, own)]
+    for own in hiding:
+        own.remove()
+    if hiding:
+        legend_below(figure, told_in(figure.axes)[0])
+    return bool(hiding)
+
+
+def _may_move(legend: Legend) -> bool:
+    """Whether a legend may stand at any side of its panel: it was not given a place outside."""
+    return legend.get_bbox_to_anchor() is legend.parent.bbox
+
+
+def _find_place(ax: Axes, legend: Legend) -> bool:
+    """Put a legend at the first side of its panel where nothing is drawn; whether there is one."""
+    size = legend.get_window_extent()
+    letter = mpl.rcParams["legend.fontsize"] * ax.figure.dpi / POINTS
+    within = ax.bbox.padded(-legend.borderaxespad * letter)
+    outlines, marks = _outlines(ax), _marks(ax)
+    for place, side in SIDES.items():
+        taken = size.anchored(side, within).padded(0.5 * letter)
+        lines = any(outline.intersects_bbox(taken, filled=False) for outline in outlines)
+        if not lines and not taken.count_contains(marks):
+            legend.set_loc(place)
+            return True
     return False
+
+
+def _outlines(ax: Axes) -> list[Outline]:
+    """The lines of a panel, in pixels."""
+    drawn = [line for line in ax.lines if line.get_linestyle() != "None"]
+    own = [line.get_transform().transform_path(line.get_path()) for line in drawn]
+    return own + [
+        lines.get_transform().transform_path(path)
+        for lines in ax.collections
+        for path in lines.get_paths()
+    ]
+
+
+def _marks(ax: Axes) -> np.ndarray:
+    """The points of a panel, in pixels, shape (n, 2)."""
+    places = [line.get_transform().transform(line.get_xydata()) for line in ax.lines]
+    return np.concatenate([np.zeros((0, 2)), *places])
 
 
 def make_room(figure: Figure, lines: int) -> None:
@@ -306,14 +356,21 @@ def level(ax: Axes) -> None:
 def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
     words = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
-    added = 0
     tame_texts(figure)
+    added = _set_words(figure, words, 0)
+    if _GIVEN.get() is None and clear_legends(figure):
+        _set_words(figure, words, added)
+    thicken(figure)
+
+
+def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int) -> int:
+    """Fit title and labels of each panel; how many lines they have more, of `added` before."""
     for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
         figure.draw_without_rendering()  # panels have their places then
         lines = [_fit(ax, *own) for ax, own in zip(figure.axes, words, strict=True)]
         make_room(figure, max(lines) - added)
         added = max(lines)
-    thicken(figure)
+    return added
 
 
 def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
@@ -433,7 +490,8 @@ def mark_of(number: int, count: int, size: float) -> dict[str, Any]:
     if count == 1 or number >= len(MARKS):
         return {"marker": ".", "ms": 1.5 * size, "mew": 0.0}
     marker, wide = MARKS[number]
-    return {"marker": marker, "ms": wide * size, "mfc": "none", "mew": 0.25 * size}
+    hollow = {"mew": 0.0} if marker == "." else {"mfc": "none", "mew": 0.25 * size}
+    return {"marker": marker, "ms": wide * size, **hollow}
 
 
 def line_colours(count: int) -> list[ColorType]:
