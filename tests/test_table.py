@@ -47,6 +47,29 @@ def test_values_of_any_number_per_point_stand_beside_their_points():
     assert counted == first.tolist()
 
 
+def test_what_a_point_has_one_of_stands_beside_its_values_of_any_number():
+    """And once where it has none; values of another number have a table of their own."""
+    found = data.bifurcation()
+    told = rows(found, "attractor", "section_value", "L_s")
+    alone = rows(found, "section_value")
+    by_point = {(r["Omega"], r["initial"]): r for r in rows(found, "attractor", "L_s")}
+    for row, value in zip(told, alone, strict=False):
+        point = by_point[row["Omega"], row["initial"]]
+        assert row == {**point, "section_value": value["section_value"]}
+    rest = told[len(alone) :]
+    assert {row["section_value"] for row in rest} == {""}
+    assert len(rest) + len({(r["Omega"], r["initial"]) for r in alone}) == len(by_point)
+    with pytest.raises(UsageError, match="same number of values"):
+        as_csv({"": found.assign(other=("k", [1.0, 2.0]))}, ["section_value", "other"], {})
+
+
+def test_of_several_analyses_with_a_variable_one_is_asked_for(tmp_path, monkeypatch, capsys):
+    found = {"one": data.bifurcation(), "two": data.bifurcation()}
+    with pytest.raises(UsageError, match="next: --analysis one or --analysis two"):
+        as_csv(found, ["L_s"], {})
+    assert as_csv({"two": found["two"]}, ["L_s"], {}) == as_csv({"": found["two"]}, ["L_s"], {})
+
+
 def test_axes_may_be_named_too_and_a_file_takes_the_table(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = data.bifurcation()

@@ -9,11 +9,13 @@ import click
 from fiv_cli.cli.common import at_option, json_option, parse_places, print_json
 from fiv_cli.errors import UsageError, printable
 from fiv_cli.files import refuse_special, write_whole
+from fiv_cli.notation.names import pick
 
 
 @click.command("show")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.nc")
 @at_option("Only the points there: values, conditions ('. >= 7'), initial=LABEL. Repeatable.")
+@click.option("--analysis", "chosen", metavar="NAME", help="Only this one of several analyses.")
 @click.option(
     "--csv",
     "columns",
@@ -25,7 +27,12 @@ from fiv_cli.files import refuse_special, write_whole
 )
 @json_option
 def command(
-    file: Path, places: tuple[str, ...], columns: str | None, output: Path | None, as_json: bool
+    file: Path,
+    places: tuple[str, ...],
+    chosen: str | None,
+    columns: str | None,
+    output: Path | None,
+    as_json: bool,
 ) -> None:
     """Summarise the dataset FILE.nc.
 
@@ -49,6 +56,9 @@ def command(
     analyses, at = read_analyses(file), parse_places(places)
     if changed := changed_since(next(iter(analyses.values())).attrs):
         click.echo(f"WARNING: {file} is shown as it was run; {changed}", err=True)
+    if chosen is not None and [*analyses] != [""]:
+        following = f"fiv show {file}"
+        analyses = {chosen: pick(chosen, analyses, "analysis", following)}
     if columns is not None:
         from fiv_cli.reading.table import as_csv
 

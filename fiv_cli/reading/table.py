@@ -19,44 +19,79 @@ if TYPE_CHECKING:
 def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping[str, Any]) -> str:
     """The rows in which one of the variables has a value; classes in words, numbers with errors.
 
+    Beside values of any number at a point stand, in each row, those that a point has one of; points
+    without any of the former come last.
+
     Parameters
     ----------
-    analyses : by name; the first with all the variables is meant
+    analyses : by name; one of them has all the variables
     at : which points: axis -> value, label or condition
 
     Raises
     ------
-    UsageError : no analysis has all the variables; there is no such axis or value.
+    UsageError : no analysis has all the variables, or several have, or they share no rows; there is
+        no such axis or value.
     """
-    from xarray import merge
-
     beside = {str(name) for one in analyses.values() for name in one.coords}
     names = [name for name in names if name not in beside] or list(names)
     dataset = _holding(analyses, names)
-    told = [one for name in names for one in (name, error_of(name)) if one in dataset]
-    ragged = [name for name in told if select.row_sizes(dataset, name) is not None]
-    if ragged:
-        held = [select.observations(dataset, name, at) for name in ragged]
-    else:
-        part = select.subset(dataset, at)
-        held = [part[name] for name in dict.fromkeys(told)]
-    words = [_in_words(one) for one in held]
-    frame = merge(words, compat="no_conflicts").to_dataframe().reset_index()
-    rows = select.ragged_dims(dataset)
     axes = [str(name) for name, axis in dataset.coords.items() if axis.ndim == 1]
-    axes = [name for name in axes if name not in rows]
-    counted = [] if ragged else [str(dim) for dim in held[0].dims]
-    values = [str(one.name) for one in held]
-    columns = [name for name in dict.fromkeys([*axes, *counted, *values]) if name in frame]
-    text: str = frame[columns].dropna(subset=values, how="all").to_csv(index=False)
+    axes = [name for name in axes if name not in select.ragged_dims(dataset)]
+    told = [*dict.fromkeys(n for name in names for n in (name, error_of(name)) if n in dataset)]
+    held, alone = _rows(dataset, told, at)
+    counted = [str(dim) for dim in held[0].dims if str(dim) not in select.ragged_dims(dataset)]
+    columns = [*dict.fromkeys([*axes, *counted, *told])]
+    return _lines(held, columns, told) + _lines(alone, columns, told, header=False)
+
+
+def _lines(
+    held: Sequence[xr.DataArray], columns: Sequence[str], told: Sequence[str], header: bool = True
+) -> str:
+    """Rows of variables that share their dims; none without a value."""
+    from xarray import merge
+
+    if not held:
+        return ""
+    frame = merge(held, compat="no_conflicts").to_dataframe().reset_index()
+    frame = frame.dropna(subset=[name for name in told if name in frame], how="all")
+    columns = [name for name in columns if name in frame or name in told]
+    text: str = frame.reindex(columns=columns).to_csv(index=False, header=header)
     return text
 
 
+def _rows(
+    dataset: xr.Dataset, told: Sequence[str], at: Mapping[str, Any]
+) -> tuple[list[xr.DataArray], list[xr.DataArray]]:
+    """Variables over the points chosen, or over the values of any number that one of them holds.
+
+    Beside the latter what is told of points that hold no such value.
+    """
+    ragged = {n: rows for n in told if (rows := select.row_sizes(dataset, n)) is not None}
+    in_words = dataset.assign({name: _in_words(dataset[name]) for name in told})
+    points = [name for name in told if name not in ragged]
+    if not ragged:
+        part = select.subset(in_words, at)
+        return [part[name] for name in points], []
+    first = next(iter(ragged.values()))
+    if any(rows.name != first.name for rows in ragged.values()) or any(
+        not {*dataset[name].dims} <= {*first.dims} for name in points
+    ):
+        message = f"{', '.join(told)}: not all of these have the same number of values at a point"
+        raise UsageError(f"{message}\nnext: a table for each")
+    with_points = in_words.set_coords(points)
+    without = select.subset(in_words[points].where(first == 0), at)
+    held = [select.observations(with_points, name, at) for name in ragged]
+    return held, [without[name] for name in points]
+
+
 def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dataset:
-    """The first analysis with all the variables."""
-    for dataset in analyses.values():
-        if all(name in dataset.data_vars for name in names):
-            return dataset
+    """The analysis with all the variables."""
+    having = [one for one, held in analyses.items() if all(n in held.data_vars for n in names)]
+    if len(having) > 1:
+        which = " or ".join(f"--analysis {name}" for name in having)
+        raise UsageError(f"{', '.join(names)}: of several analyses\nnext: {which}")
+    if having:
+        return analyses[having[0]]
     known = {str(name): None for one in analyses.values() for name in one.data_vars}
     for name in names:
         if hint := variable_meant(name, known) if name not in known else "":
