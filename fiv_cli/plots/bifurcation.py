@@ -207,22 +207,30 @@ def _dash_unstable(
 def _draw_equilibria(
     ax: Axes, diagram: xr.Dataset, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
 ) -> None:
-    """Equilibria of a diagram, by what the eigenvalues of its case tell of them."""
+    """Equilibria of a diagram, by what the eigenvalues of its case tell of them.
+
+    Those at several values of other axes have the colours of these.
+    """
     told = [d for d in datasets if {"stable", "growth_rate"} <= {*d} and axis.name in d.coords]
     if not told or "L_s_reference" not in diagram or observed not in diagram["state"]:
         return
     number = _linearised_at(diagram)
     known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
     place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
-    for word, dashes in (("stable", "-"), ("unstable", ":")):
+    lines = points.lines(diagram, [str(axis.dims[0])], [str(d) for d in place.dims])
+    colours = points.colours([ax]) if len(lines) > 1 else {}
+    for word, dashes, weight in (("stable", "-", 0.7), ("unstable", ":", 1.1)):
         height = place.where(is_class(told[0]["stable"], (word,)))
-        label: str | None = f"{word} equilibrium"
-        for line in points.lines(diagram, [str(axis.dims[0])], [str(d) for d in height.dims]):
-            values = height.isel(line.index).values
-            if np.isfinite(values).any():
-                ax.plot(points.positions(axis), values, dashes, lw=1.1, color=style.BLACK,
-                        zorder=3.5 if word == "unstable" else 1.5, label=label)  # fmt: skip
-                label = None
+        drawn = [(line.label, height.isel(line.index).values) for line in lines]
+        drawn = [(label, values) for label, values in drawn if np.isfinite(values).any()]
+        called = f"{word} equilibrium" if drawn else None
+        own = None if colours else called
+        for label, values in drawn:
+            of_line = (colour for name, colour in colours.items() if name.startswith(label))
+            ax.plot(points.positions(axis), values, dashes, lw=weight, zorder=3.5,
+                    color=next(of_line, style.BLACK), label=own)  # fmt: skip
+        if colours:
+            ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
 
 
 def _linearised_at(diagram: xr.Dataset) -> int:

@@ -346,6 +346,12 @@ MOST_GAP_ROWS = 6
 LOWEST_GAP, GAP_ROW = 0.02, 0.03  # of the height of a panel
 
 
+def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:
+    """Legend entry -> colour, of the lines drawn so far."""
+    pairs = zip(*style.told_in(axes), strict=True)
+    return {name: line.get_color() for line, name in pairs if isinstance(line, Line2D)}
+
+
 def mark_gaps(
     axes: Sequence[Axes], layers: Sequence[Layer], settings: Settings, told: str = ""
 ) -> None:
@@ -354,13 +360,11 @@ def mark_gaps(
     None of the kind that is `told` otherwise. Of a few among several lines each has a row, in its
     own colour.
     """
-    handles, names = style.told_in(axes)
-    own, ax = dict(zip(names, handles, strict=True)), axes[-1]
+    own, ax = colours(axes), axes[-1]
     rows = _gap_rows(layers, settings, told)
     for level, ((name, whose), x) in enumerate(rows.items()):
         marker, grey = GAP_MARKS[name]
-        line = own.get(whose)
-        colour = line.get_color() if isinstance(line, Line2D) else grey
+        colour = own.get(whose, grey)
         ax.plot(
             x, np.full(x.shape, LOWEST_GAP + GAP_ROW * level), marker, color=colour, ms=5,
             ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
