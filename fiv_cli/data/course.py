@@ -11,6 +11,9 @@ RECENT = 60.0
 """Seconds of which a rate is taken at the least; of a long run it is the later half."""
 
 
+EARLY = 0.1  # share of the points done below which they say little of the others
+
+
 @dataclass
 class Course:
     """How far a run has come, and when.
@@ -63,7 +66,8 @@ class Course:
             return elapsed
         rate = self.rate(now)
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
-        return f"{elapsed}, {speed} points/s, some {duration(left)} to go"
+        early = ", were the others alike" * (self.done < EARLY * self.total)
+        return f"{elapsed}, {speed} points/s, some {duration(left)} to go{early}"
 
     def line(self, now: float) -> str:
         """All of it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from math import inf, prod
 from typing import TYPE_CHECKING, Any
 
@@ -244,7 +244,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *_count_lines(part),
         *shares.lines(part["shares"]),
         *over_starts.lines(part["over_starts"]),
-        *_range_lines(part["ranges"]),
+        *_range_lines(part["ranges"], _at_edges(part["counts"])),
         *([_impact_line(part["into_impacts"])] if "into_impacts" in part else []),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
         *([f"  branches begin at {part['branches_begin']}"] if "branches_begin" in part else []),
@@ -302,15 +302,25 @@ def _count_line(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {n}{shares[name] * several}" for name, n in counts.items())
 
 
-def _range_lines(ranges: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def _at_edges(counts: Mapping[str, Mapping[str, int]]) -> set[str]:
+    """Ends of branches and ranges that are no more than an edge of what was looked at."""
+    return {name.removesuffix("_kind") for name, kinds in counts.items() if {*kinds} == {"bracket"}}
+
+
+def _range_lines(ranges: Mapping[str, Mapping[str, Any]], at_edges: Container[str]) -> list[str]:
     """A line for each; one for a work that ranges alike at the section, and for terms that vanish.
 
-    Terms are the powers and works of the balance of energy. The error of a single value follows it.
+    Terms are the powers and works of the balance of energy. The error of a single value follows it;
+    so does that it is but an edge of the bracket, which `at_edges` names.
     """
     alone = {name: span for name, span in ranges.items() if span["values"] == 1}
     errors = {name: inf for name in alone if named(name).width}  # where none was found
     errors |= {name: alone[error_of(name)]["least"] for name in alone if error_of(name) in alone}
-    told = {name: _range_line(span, errors.get(name)) for name, span in ranges.items()}
+    told = {
+        name: _range_line(span, errors.get(name))
+        + " (the bracket's edge: it may go on beyond)" * (name in at_edges)
+        for name, span in ranges.items()
+    }
     terms = [name for name in told if name.endswith(("_work", "_power"))]
     alike = {name for name in terms if told.get(f"section_{name}") == told[name]}
     names = {
