@@ -494,7 +494,11 @@ def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, stored: Stored)
     dims = {name: select.axis_of(dataset, name).dims[0] for name in select.axis_names(dataset)}
     own = [dims.get(name.replace(".", "_")) for name in bound.at]
     shared = {n: at[n] for n in at if dims.get(n.replace(".", "_")) not in (None, *own)}
-    part, variable = _asked(dataset, replace(bound, at={**shared, **bound.at}))
+    try:
+        part, variable = _asked(dataset, replace(bound, at={**shared, **bound.at}))
+    except select.SelectionError as error:
+        whose = bound.case or bound.analysis or bound.variable
+        raise select.SelectionError(f"what is compared with, {whose}: {error}") from None
     known = ~unknown_points(part, variable, False)
     told = (*ends_of(part, variable), _errors(part, variable))
     arrays = (_at_points_of(bound.times * one.where(known), values.rows, own) for one in told)
