@@ -353,7 +353,9 @@ def test_a_branch_turns_at_a_grazing_and_shrinks_to_the_equilibrium(
     stable = np.array(found.ragged["branch_stable"]) == "stable"
     turned = int(np.argmax(found.ragged["branch_value"]))
     assert np.all(stable[:turned]) and not np.any(stable[turned + 1 :])
-    assert found.values["cycle_highest"] == corner
+    assert found.values["cycle_highest"] == found.values["stable_highest"] == corner
+    kinds = [found.values[f"stable_{end}_kind"] for end in ("lowest", "highest")]
+    assert kinds == ["bracket", "grazing"]
 
 
 def test_a_closed_branch_is_followed_once_round() -> None:
@@ -366,6 +368,7 @@ def test_a_closed_branch_is_followed_once_round() -> None:
     assert kinds.count("grazing") == 2
     assert found.values["cycle_lowest"] < 0.6
     assert found.values["cycle_highest"] > 1.3
+    assert "stable_highest" not in found.values  # round it there is no highest
     value, stable = found.ragged["branch_value"], np.array(found.ragged["branch_stable"])
     assert value[-2] < 1.0 <= value[-1]  # round to v_s = 1, from below as it set out
     assert {"stable", "unstable"} <= set(stable)
@@ -432,7 +435,9 @@ def test_the_pin_s_stick_slip_exists_beyond_what_starts_reach() -> None:
     )  # fmt: skip
     assert found.values["cycle_highest_kind"] == "grazing"
     assert found.values["cycle_highest"] == pytest.approx(14.82921, abs=2e-5)
+    assert found.values["stable_highest"] == found.values["cycle_highest"]
     (flip,) = [value for kind, value in ends(found) if kind == "flip"]
+    assert (found.values["stable_lowest_kind"], found.values["stable_lowest"]) == ("flip", flip)
     at_flip = cycle(
         "pin-on-disc", start={"phi_dot": 5.0}, t_max=3.0, transient=2.0, Omega=flip, multiplicity=1
     )

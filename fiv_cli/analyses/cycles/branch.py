@@ -169,6 +169,7 @@ class End:
     goes_on : whether the branch was followed beyond
     last, length : the last point before it, and the step from there within which it lies; None
         where it was not bracketed so
+    beyond : the first point after it; None where there is none
     """
 
     value: float
@@ -178,6 +179,7 @@ class End:
     goes_on: bool
     last: Point | None = None
     length: float = 0.0
+    beyond: Point | None = None
 
 
 # --- the branch's equations ----------------------------------------------------------------------
@@ -396,6 +398,13 @@ class _Walk:
     ends: list[End] = field(default_factory=list)
 
 
+def stable_until(first: Point, ends: Sequence[End]) -> End | None:
+    """Which of the ends on one way along a branch is that of its stable part; None: has none."""
+    if not first.cycle.stable:
+        return None
+    return next(end for end in ends if end.beyond is None or not end.beyond.cycle.stable)
+
+
 def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End | None:
     """Go to the next point, or to the first after a change before it; the end reached there."""
     walk.in_a_row += 1
@@ -424,7 +433,7 @@ def _turn(line: Continuation, walk: _Walk) -> End | None:
     there = _round_corner(line, walk.here, met) if corner else None
     if there is None:
         return end
-    walk.ends.append(replace(end, goes_on=True))
+    walk.ends.append(replace(end, goes_on=True, beyond=there))
     walk.to_corner = len(walk.points)
     walk.here, walk.length, walk.in_a_row = there, FIRST, 0
     walk.points.append(there)
@@ -448,7 +457,11 @@ def _one_corner(walk: _Walk, corner: End, again: End) -> End:
     del walk.ends[walk.ends.index(corner) :]
     del walk.points[walk.to_corner :]
     return replace(
-        corner, width=again.width + abs(again.value - corner.value), goes_on=False, last=None
+        corner,
+        width=again.width + abs(again.value - corner.value),
+        goes_on=False,
+        last=None,
+        beyond=None,
     )
 
 
@@ -525,7 +538,7 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
     reach = reach_of(line, here, length)
     value, kind = here.value + 0.5 * way_of(here) * reach, _kind_of_change(here, there)
     return (
-        End(value, 0.5 * reach, kind, way_of(here), True, here, length),
+        End(value, 0.5 * reach, kind, way_of(here), True, here, length, there),
         there,
         max(length, FIRST * SHRUNK),
     )

@@ -90,6 +90,8 @@ def _branch(subject: Subject) -> list[Variable]:
         *_changes(varied),
         *_end("lowest", varied),
         *_end("highest", varied),
+        *_stable_end("lowest", varied),
+        *_stable_end("highest", varied),
     ]
 
 
@@ -122,6 +124,17 @@ def _end(side: str, varied: Varied) -> list[Variable]:
         Variable(f"{name}_width", unit, "half the bracket that it was bisected to"),
         Variable(f"{name}_error", unit, _OFF, comment=_CYCLES_AGAIN),
         classes(f"{name}_kind", "what is there", of="cycle_end"),
+    ]
+
+
+def _stable_end(side: str, varied: Varied) -> list[Variable]:
+    """One end of the range in which the cycle stays stable, from where it was found."""
+    name, unit = f"stable_{side}", varied.unit
+    comment = "followed from where it was found; missing where it is not stable there"
+    return [
+        Variable(name, unit, f"{side} {varied.name} with the cycle stable", comment=comment),
+        Variable(f"{name}_error", unit, _OFF, comment=_CYCLES_AGAIN),
+        classes(f"{name}_kind", "what ends it there", of="cycle_end"),
     ]
 
 

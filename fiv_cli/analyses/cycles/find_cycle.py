@@ -18,7 +18,15 @@ from fiv_cli.analyses.attractor.own_section import (
 )
 from fiv_cli.analyses.base import Outcome, Request, Section, Settings
 from fiv_cli.analyses.common import rest_of, start_motion, stopped
-from fiv_cli.analyses.cycles.branch import CLOSED, Continuation, End, Point, first_point, follow
+from fiv_cli.analyses.cycles.branch import (
+    CLOSED,
+    Continuation,
+    End,
+    Point,
+    first_point,
+    follow,
+    stable_until,
+)
 from fiv_cli.analyses.cycles.end_error import end_error
 from fiv_cli.analyses.cycles.first_guess import (
     Begin,
@@ -229,32 +237,42 @@ def _add_branch(
         return
     width = settings["width"] * (bracket[1] - bracket[0])
     line = Continuation(problem, varied, bracket, width)
-    points, ends = _both_ways(line, cycle, value)
+    points, ends, stable_ends = _both_ways(line, cycle, value)
     errors = [end_error(line, end) for end in ends]
     outcome.ragged |= _branch_arrays(points, observed) | _end_arrays(ends, errors)
     for side, extreme in (("lowest", np.argmin), ("highest", np.argmax)) if ends else ():
         place = int(extreme([end.value for end in ends]))
         outcome.values |= {
-            f"cycle_{side}": ends[place].value,
+            **_end_values(f"cycle_{side}", ends[place], errors[place]),
             f"cycle_{side}_width": ends[place].width,
-            f"cycle_{side}_error": errors[place],
-            f"cycle_{side}_kind": ends[place].kind,
         }
+    for side, end in zip(("lowest", "highest"), stable_ends, strict=False):
+        if end is not None:
+            place = next(i for i, one in enumerate(ends) if one is end)
+            outcome.values |= _end_values(f"stable_{side}", end, errors[place])
 
 
-def _both_ways(line: Continuation, cycle: Cycle, value: float) -> tuple[list[Point], list[End]]:
+def _end_values(name: str, end: End, error: float) -> dict[str, object]:
+    return {name: end.value, f"{name}_error": error, f"{name}_kind": end.kind}
+
+
+def _both_ways(
+    line: Continuation, cycle: Cycle, value: float
+) -> tuple[list[Point], list[End], list[End | None]]:
     """The whole branch, from its end below to its end above, as it was followed.
 
-    A closed one from the first cycle up, round to it again.
+    A closed one from the first cycle up, round to it again. Last come the ends of the part that is
+    stable with the first cycle; a closed branch has none that is the lowest or the highest.
     """
     down, up = (first_point(line, cycle, value, rising) for rising in (False, True))
     if down is None or up is None:
-        return [], []
+        return [], [], []
     above, ends_above = follow(line, up)
     if ends_above[-1].kind == CLOSED:
-        return [up, *above], ends_above
+        return [up, *above], ends_above, []
     below, ends_below = follow(line, down)
-    return [*reversed(below), up, *above], [*reversed(ends_below), *ends_above]
+    stable_ends = [stable_until(down, ends_below), stable_until(up, ends_above)]
+    return [*reversed(below), up, *above], [*reversed(ends_below), *ends_above], stable_ends
 
 
 def _branch_arrays(points: list[Point], observed: int) -> dict[str, object]:
