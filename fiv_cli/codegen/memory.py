@@ -255,6 +255,64 @@ class Frame:
         return cls(words_at(address, end), parts, shown)
 
 
+class Frames:
+    """Frames of one kind side by side: copies of one, the rows of a block.
+
+    Parameters
+    ----------
+    blank : what is copied
+    count : how many
+    """
+
+    def __init__(self, blank: Frame, count: int) -> None:
+        self.blank = blank
+        self.words = np.tile(blank.words, (count, 1))
+        self._shown: dict[str, Array] = {}
+        self._shown_rows: dict[str, Array] = {}
+
+    def __len__(self) -> int:
+        return len(self.words)
+
+    def own(self, name: str) -> Array:
+        """An array of every frame's own, as a row of each; shape (frames, ...)."""
+        part = self.blank.parts[name]
+        return self.words.view(getattr(self.blank, name).dtype)[:, part]
+
+    def told(self, name: str) -> Array:
+        """A number of every frame; shape (frames,)."""
+        field = self.blank.fields[name]
+        return self.words.view(DTYPES[field.kind.element])[:, field.place]
+
+    def show(self, name: str, array: Array) -> None:
+        """Show every frame an array, and keep it alive meanwhile."""
+        self._shown[name] = array
+        self._tell_of(name, array)
+
+    def show_rows(self, name: str, rows: Array) -> None:
+        """Show each frame its row of an array."""
+        self._shown_rows[name] = rows
+        self._tell_of(name, rows[0])
+        self.words[:, self.blank.fields[name].place] += rows.strides[0] * np.arange(len(rows))
+
+    def _tell_of(self, name: str, array: Array) -> None:
+        place = self.blank.fields[name].place
+        self.words[:, place] = address_of(array)
+        self.words[:, place + 1 : place + 1 + array.ndim] = array.shape
+
+    @property
+    def addresses(self) -> list[int]:
+        """Where each begins."""
+        first, width = address_of(self.words), self.words.strides[0]
+        return list(range(first, first + width * len(self.words), width))
+
+    def frame(self, row: int) -> Any:
+        """One of the frames."""
+        frame = type(self.blank)(self.words[row], self.blank.parts, self.blank.shown)
+        vars(frame).update(self._shown)
+        vars(frame).update({name: rows[row] for name, rows in self._shown_rows.items()})
+        return frame
+
+
 def words_at(address: int, count: int) -> Ints:
     """So many words from an address on."""
     return np.ctypeslib.as_array((ctypes.c_int64 * int(count)).from_address(int(address)))

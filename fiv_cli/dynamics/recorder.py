@@ -15,7 +15,7 @@ import numpy as np
 from fiv_cli import ending
 from fiv_cli.codegen.codes import KINETIC, POTENTIAL, STICK
 from fiv_cli.codegen.compiled import Compiled
-from fiv_cli.codegen.memory import DTYPES, Array, address_of, call_driver
+from fiv_cli.codegen.memory import Array, Frames, address_of, call_driver
 from fiv_cli.dynamics.arrays import blank_frame, ledger_of, sample_width
 from fiv_cli.dynamics.compiled import DRIVER, FILES, run_at
 from fiv_cli.dynamics.kernel import NO_NUMBER, REACHED, Run
@@ -89,6 +89,28 @@ class Beginning(NamedTuple):
     sticking: tuple[bool, ...] = ()
 
 
+def set_out(system: System, solver: SolverSettings, begun: Sequence[Beginning]) -> Frames:
+    """The frames of motions at their beginnings."""
+    blank = blank_frame(system, solver)
+    frames = Frames(blank, len(begun))
+    own = [system.parameter_values(one.parameters) for one in begun]
+    frames.own("parameters")[:, : len(own[0])] = own
+    frames.own("y")[:] = [one.state for one in begun]
+    for row, one in enumerate(begun):
+        if one.sticking:
+            frames.own("kinds")[row] = np.where(one.sticking, STICK, blank.sliding_kinds)
+    return frames
+
+
+def decide(frames: Frames) -> None:
+    """Have every motion that begins at t = 0 decide its contact state."""
+    rest = frames.words
+    while len(rest):
+        place = address_of(rest), rest.strides[0], len(rest)
+        last, _ = divmod(RUN_EACH.function(DRIVER.address, *place, 0.0), REASONS)
+        rest = rest[last + 1 :]
+
+
 class Recorder:
     """Motions of a system, sampled at the same times.
 
@@ -102,46 +124,19 @@ class Recorder:
         self, system: System, solver: SolverSettings, begun: Sequence[Beginning], times: Vector
     ) -> None:
         self.system, self.solver, self.times = system, solver, times
-        self._blank, count, contacts = blank_frame(system, solver), len(begun), system.n_contacts
-        self._words = np.tile(self._blank.words, (count, 1))
+        self._frames, count, contacts = set_out(system, solver, begun), len(begun), system.n_contacts
         self.states = np.empty((count, len(system.state_names), len(times)))
         self.outputs = np.empty((count, sample_width(system), len(times)))
         self.codes = np.empty((count, contacts, len(times)), np.int64)
         self.works = np.zeros((count, len(system.setup.model.powers)))
-        at_one_instant = contacts + len(self._blank.in_piece)
+        at_one_instant = contacts + len(self._frames.blank.in_piece)
         self._page, self._booked = ledger_of(LEDGER_ROWS + at_one_instant), 0
         self._pages: list[list[Array]] = []
-        self._begin(begun)
         for name in ("states", "outputs", "codes"):
-            self._show_rows(f"sample_{name}", getattr(self, name))
-        self._show_rows("works", self.works)
+            self._frames.show_rows(f"sample_{name}", getattr(self, name))
+        self._frames.show_rows("works", self.works)
         for name, array in {"sample_times": times, **self._page}.items():
-            self._show(name, array)
-
-    def _begin(self, begun: Sequence[Beginning]) -> None:
-        """Set every motion out."""
-        own = [self.system.parameter_values(one.parameters) for one in begun]
-        self.own("parameters")[:, : len(own[0])] = own
-        self.own("y")[:] = [one.state for one in begun]
-        for row, one in enumerate(begun):
-            if one.sticking:
-                self.own("kinds")[row] = np.where(one.sticking, STICK, self._blank.sliding_kinds)
-
-    def own(self, name: str) -> Array:
-        """An array of every frame's own, as a row of each; shape (motions, ...)."""
-        part = self._blank.parts[name]
-        return self._words.view(getattr(self._blank, name).dtype)[:, part]
-
-    def _show(self, name: str, array: Array) -> None:
-        """Show every motion an array."""
-        place = Run.fields[name].place
-        self._words[:, place] = address_of(array)
-        self._words[:, place + 1 : place + 1 + array.ndim] = array.shape
-
-    def _show_rows(self, name: str, rows: Array) -> None:
-        """Show each motion its row of an array."""
-        self._show(name, rows[0])
-        self._words[:, Run.fields[name].place] += rows.strides[0] * np.arange(len(rows))
+            self._frames.show(name, array)
 
     # --- going on ---------------------------------------------------------------------------------
     def run(self) -> list[Stop]:
@@ -151,7 +146,7 @@ class Recorder:
         """
         stops: list[Stop] = []
         run = self._run_alone if self.system.setup.schedule.curves else self._run_some
-        while len(stops) < len(self._words):
+        while len(stops) < len(self._frames):
             ending.heed()
             stops += run(len(stops))
         self._turn_page()
@@ -165,7 +160,7 @@ class Recorder:
         """Run motions from this one on, to the first that stops before the end; why each did."""
         if self._booked > LEDGER_ROWS // 2:
             self._turn_page()
-        frames, until = self._words[first : first + AT_ONCE], self.times.item(-1)
+        frames, until = self._frames.words[first : first + AT_ONCE], self.times.item(-1)
         frames[0, BOOKED], room = self._booked, (LEDGER_ROWS - self._booked) // len(frames)
         frames[:, MOST_EVENTS] = min(room, self.solver.max_events)
         place = address_of(frames), frames.strides[0], len(frames)
@@ -185,7 +180,7 @@ class Recorder:
 
     def _gone_on(self, row: int, stop: Stop, motion: Motion | None = None) -> Stop:
         """Why a motion stops at last; where it lacked room in the ledger it goes on."""
-        words = self._words[row]
+        words = self._frames.words[row]
         self._booked = words.item(BOOKED)
         while stop == Stop.EVENT_BUDGET and words.item(EVENTS) < self.solver.max_events:
             self._turn_page()
@@ -197,15 +192,15 @@ class Recorder:
 
     def _open_page(self, row: int) -> None:
         """Let a motion have what is left of the page."""
-        words, room = self._words[row], LEDGER_ROWS - self._booked
+        words, room = self._frames.words[row], LEDGER_ROWS - self._booked
         words[BOOKED] = self._booked
         words[MOST_EVENTS] = min(self.solver.max_events, words.item(EVENTS) + room)
 
     def _motion(self, row: int) -> Motion:
         """A motion by itself."""
-        frame = Run(self._words[row], self._blank.parts, self._blank.shown)
         told = self.states[row].T, self.outputs[row].T, self.codes[row].T
-        return Motion.of_frame(self.system, self.solver, frame, Samples(self.times, *told))
+        samples = Samples(self.times, *told)
+        return Motion.of_frame(self.system, self.solver, self._frames.frame(row), samples)
 
     def _turn_page(self) -> None:
         """Put aside what the ledger holds."""
@@ -225,10 +220,13 @@ class Recorder:
         found = dict(zip(self._page, pages, strict=True))
         return Ledger(**{name.removeprefix("ledger_"): array for name, array in found.items()})
 
+    def own(self, name: str) -> Array:
+        """An array of every motion's own, as a row of each; shape (motions, ...)."""
+        return self._frames.own(name)
+
     def told(self, name: str) -> Array:
         """A number of every frame; shape (motions,)."""
-        field = Run.fields[name]
-        return self._words.view(DTYPES[field.kind.element])[:, field.place].copy()
+        return self._frames.told(name).copy()
 
     def energies(self) -> tuple[Vector, Vector]:
         """Kinetic and potential energy at the end, and what friction has stored in all contacts, J.
