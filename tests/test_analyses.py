@@ -585,7 +585,7 @@ def test_motions_recorded_side_by_side_are_those_recorded_alone() -> None:
         for load in loads
         for start in starts
     ]
-    together, alone = execute.execute_all(requests), map(execute.execute, requests)
+    together, alone = list(execute.execute_all(requests)), map(execute.execute, requests)
     assert len({(one.status, one.reason) for one in together}) >= 3
     for found, one in zip([outcome.whole() for outcome in together], alone, strict=True):
         assert (found.status, found.reason) == (one.status, one.reason)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Batch, Outcome, Request, Start
 from fiv_cli.analyses.rest.equilibria import (
@@ -34,6 +35,7 @@ __all__ = [
     "sliding",
     "start_motion",
     "start_state",
+    "start_states",
     "stopped",
     "trust",
 ]
@@ -83,10 +85,27 @@ def rests(system: System, requests: Sequence[Request]) -> tuple[Sliding, list[li
 
 def start_state(system: System, start: Start, equilibrium: Vector | None) -> Vector | None:
     """The state that a start describes, if no neighbour does; None without the equilibrium."""
-    given = system.state_vector(start.values)
+    return _placed(start, system.state_vector(start.values), equilibrium)
+
+
+def _placed(start: Start, given: Vector, equilibrium: Vector | None) -> Vector | None:
     if start.kind == "state":
         return given
     return None if equilibrium is None else equilibrium + given
+
+
+def start_states(
+    system: System, requests: Sequence[Request], equilibria: Sequence[Vector | None]
+) -> NDArray[np.float64]:
+    """The states that starts describe, NaN where none does; shape (requests, n_states)."""
+    starts = {id(one.start): one.start for one in requests if one.start is not None}
+    given = {place: system.state_vector(start.values) for place, start in starts.items()}
+    unknown, states = np.full(len(system.state_names), np.nan), []
+    for request, equilibrium in zip(requests, equilibria, strict=True):
+        start = request.start
+        state = None if start is None else _placed(start, given[id(start)], equilibrium)
+        states.append(unknown if state is None else state)
+    return np.array(states)
 
 
 def start_motion(system: System, request: Request, equilibrium: Vector | None) -> Motion | Outcome:
@@ -115,9 +134,9 @@ def beginning(system: System, request: Request, equilibrium: Vector | None) -> B
     return Beginning(parameters, described)
 
 
-def initial_state(motion: Motion) -> dict[str, Vector]:
+def initial_state(motion: Motion) -> Vector:
     """Displacements and velocities of a motion that has just begun."""
-    return {"initial_state": motion.y[: 2 * len(motion.system.coordinates)].copy()}
+    return motion.y[: 2 * len(motion.system.coordinates)].copy()
 
 
 def stopped(stop: Stop) -> Outcome | None:

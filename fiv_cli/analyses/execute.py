@@ -6,9 +6,9 @@ import math
 import traceback
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fiv_cli.analyses.base import Outcome, Request, Setup
+from fiv_cli.analyses.base import Analysis, Outcome, Request, Setup
 from fiv_cli.analyses.variables import SLIP_BEYOND
 from fiv_cli.errors import StorageError
 from fiv_cli.flags import ENDED_EARLY
@@ -33,20 +33,26 @@ def execute(request: Request) -> Outcome:
         )
 
 
-def execute_all(requests: Sequence[Request]) -> list[Outcome]:
-    """`execute` each of the points of one analysis: at once those that can be, as the same."""
-    outcomes: dict[int, Outcome] = {}
-    blocks: dict[Hashable, list[int]] = {}
-    for place, request in enumerate(requests):
-        blocks.setdefault(request.setup.key, []).append(place)
-    for places in blocks.values():
-        block = [requests[place] for place in places]
-        try:
-            answered = answers(block)
-        except Exception:  # of one of them: which, and what, is found alone
-            answered = [execute(request) for request in block]
-        outcomes |= zip(places, answered, strict=True)
-    return [outcomes[place] for place in range(len(requests))]
+def execute_all(requests: Sequence[Request]) -> Iterator[Outcome]:
+    """`execute` each of the points of one analysis: at once what can be, as the same.
+
+    Motions that take a time of their own are run when their outcomes are asked for.
+    """
+    blocks: dict[Hashable, list[Request]] = {}
+    for request in requests:
+        blocks.setdefault(request.setup.key, []).append(request)
+    running = {key: _executed(block) for key, block in blocks.items()}
+    return (next(running[request.setup.key]) for request in requests)
+
+
+def _executed(block: Sequence[Request]) -> Iterator[Outcome]:
+    done = 0
+    try:
+        for outcome in answers(block):
+            yield outcome
+            done += 1
+    except Exception:  # of one of them: which, and what, is found alone
+        yield from map(execute, block[done:])
 
 
 def answer(request: Request) -> Outcome:
@@ -55,33 +61,36 @@ def answer(request: Request) -> Outcome:
     return outcome.whole()
 
 
-def answers(requests: Sequence[Request]) -> list[Outcome]:
+def answers(requests: Sequence[Request]) -> Iterator[Outcome]:
     """Run points that differ in parameters and starts alone; what goes wrong is raised."""
     from fiv_cli.analyses import get_analysis
     from fiv_cli.dynamics.system import build_system
 
     analysis, setup = get_analysis(requests[0].analysis), requests[0].setup
     if not analysis.generated:
-        return [analysis.run(setup, request) for request in requests]
+        yield from (analysis.run(setup, request) for request in requests)
+        return
     system = build_system(setup)
     singular = [
         setup.model.singular(system.known(request.parameters), setup.options)
         for request in requests
     ]
     sound = [request for request, (no, _) in zip(requests, singular, strict=True) if not no]
-    found: Iterator[Outcome]
     is_limited = setup.law.reach < math.inf
-    if analysis.in_blocks:
-        blocks = [[one] for one in sound] if is_limited and analysis.recorded else [sound]
-        found = (one for block in blocks if block for one in analysis.run(system, block))
-    else:
-        found = (_sound(analysis.run(system, request)) for request in sound)
+    alone = not analysis.in_blocks or (is_limited and analysis.recorded)
+    blocks = [[one] for one in sound] if alone else [sound] if sound else []
+    found: Iterator[Outcome] = (
+        _sound(outcome) for block in blocks for outcome in _outcomes(analysis, system, block)
+    )
     if is_limited:
         found = _with_slips(system, sound, found, not analysis.recorded)
-    return [
-        Outcome(status="failed", reason=reason, message=message) if reason else next(found)
-        for reason, message in singular
-    ]
+    for reason, message in singular:
+        yield Outcome(status="failed", reason=reason, message=message) if reason else next(found)
+
+
+def _outcomes(analysis: Analysis, system: System, block: Sequence[Request]) -> Iterable[Outcome]:
+    found: Any = analysis.run(system, block if analysis.in_blocks else block[0])
+    return found if analysis.in_blocks else [found]
 
 
 def _sound(outcome: Outcome) -> Outcome:
@@ -206,13 +215,12 @@ def _load(system: System, needs: _Needs) -> None:
 
 def _load_kernels(needs: _Needs, announce: Callable[[str], None]) -> None:
     """Bring into memory what motions of every system need."""
-    from fiv_cli.analyses.attractor import steady_state  # noqa: F401
+    from fiv_cli.analyses.attractor import side_by_side  # noqa: F401
     from fiv_cli.analyses.attractor.watch import load_watch
     from fiv_cli.dynamics.compiled import load_driver
     from fiv_cli.dynamics.recorder import load_recorder
 
     load_driver(announce)
+    load_recorder(announce)
     if needs.tangents:
         load_watch(announce)
-    else:
-        load_recorder(announce)

@@ -14,7 +14,7 @@ from ctypes import addressof
 from dataclasses import dataclass
 from functools import cache
 from struct import pack_into
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -229,6 +229,11 @@ class Frame:
         place = WORD * self.parts[name].start
         pack_into(f"{len(values)}d", self.words, place, *values)  # type: ignore[arg-type]
 
+    def tell(self, **numbers: float) -> None:
+        """Set numbers."""
+        for name, value in numbers.items():
+            setattr(self, name, value)
+
     def show(self, name: str, array: Array) -> None:
         """Show kernels another array as the field `name`, and keep it alive meanwhile."""
         own = self.__dict__
@@ -255,7 +260,10 @@ class Frame:
         return cls(words_at(address, end), parts, shown)
 
 
-class Frames:
+FrameKind = TypeVar("FrameKind", bound=Frame)
+
+
+class Frames(Generic[FrameKind]):
     """Frames of one kind side by side: copies of one, the rows of a block.
 
     Parameters
@@ -264,7 +272,7 @@ class Frames:
     count : how many
     """
 
-    def __init__(self, blank: Frame, count: int) -> None:
+    def __init__(self, blank: FrameKind, count: int) -> None:
         self.blank = blank
         self.words = np.tile(blank.words, (count, 1))
         self._shown: dict[str, Array] = {}
@@ -283,6 +291,11 @@ class Frames:
         field = self.blank.fields[name]
         return self.words.view(DTYPES[field.kind.element])[:, field.place]
 
+    def tell(self, **numbers: float | Array) -> None:
+        """Numbers of every frame: one for all, or an array with that of each."""
+        for name, values in numbers.items():
+            self.told(name)[:] = values
+
     def show(self, name: str, array: Array) -> None:
         """Show every frame an array, and keep it alive meanwhile."""
         self._shown[name] = array
@@ -293,6 +306,13 @@ class Frames:
         self._shown_rows[name] = rows
         self._tell_of(name, rows[0])
         self.words[:, self.blank.fields[name].place] += rows.strides[0] * np.arange(len(rows))
+
+    def show_parts(self, name: str, array: Array, ends: Array) -> None:
+        """Show each frame a part of an array, from one of the ends to the next."""
+        self.show(name, array)
+        place = self.blank.fields[name].place
+        self.words[:, place] += array.strides[0] * ends[:-1]
+        self.words[:, place + 1] = np.diff(ends)
 
     def _tell_of(self, name: str, array: Array) -> None:
         place = self.blank.fields[name].place
@@ -305,7 +325,7 @@ class Frames:
         first, width = address_of(self.words), self.words.strides[0]
         return list(range(first, first + width * len(self.words), width))
 
-    def frame(self, row: int) -> Any:
+    def frame(self, row: int) -> FrameKind:
         """One of the frames."""
         frame = type(self.blank)(self.words[row], self.blank.parts, self.blank.shown)
         vars(frame).update(self._shown)

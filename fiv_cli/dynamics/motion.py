@@ -218,11 +218,20 @@ class Motion:
 
     @classmethod
     def of_frame(
-        cls, system: System, solver: SolverSettings, frame: kernel.Run, samples: Samples
+        cls,
+        system: System,
+        solver: SolverSettings,
+        frame: kernel.Run,
+        samples: Samples,
+        has_begun: bool = False,
     ) -> Motion:
-        """The motion of a frame that is set out at t = 0 and shows `samples` already."""
+        """The motion of a frame that was set out at t = 0 and shows `samples` already.
+
+        `has_begun` : whether its contact state is decided
+        """
         motion = cls.__new__(cls)
         motion._take(system, solver, frame, samples, 0.0)
+        motion._has_begun = has_begun
         return motion
 
     def _take(

@@ -89,7 +89,7 @@ class Beginning(NamedTuple):
     sticking: tuple[bool, ...] = ()
 
 
-def set_out(system: System, solver: SolverSettings, begun: Sequence[Beginning]) -> Frames:
+def set_out(system: System, solver: SolverSettings, begun: Sequence[Beginning]) -> Frames[Run]:
     """The frames of motions at their beginnings."""
     blank = blank_frame(system, solver)
     frames = Frames(blank, len(begun))
@@ -102,7 +102,7 @@ def set_out(system: System, solver: SolverSettings, begun: Sequence[Beginning]) 
     return frames
 
 
-def decide(frames: Frames) -> None:
+def decide(frames: Frames[Run]) -> None:
     """Have every motion that begins at t = 0 decide its contact state."""
     rest = frames.words
     while len(rest):
@@ -124,7 +124,11 @@ class Recorder:
         self, system: System, solver: SolverSettings, begun: Sequence[Beginning], times: Vector
     ) -> None:
         self.system, self.solver, self.times = system, solver, times
-        self._frames, count, contacts = set_out(system, solver, begun), len(begun), system.n_contacts
+        self._frames, count, contacts = (
+            set_out(system, solver, begun),
+            len(begun),
+            system.n_contacts,
+        )
         self.states = np.empty((count, len(system.state_names), len(times)))
         self.outputs = np.empty((count, sample_width(system), len(times)))
         self.codes = np.empty((count, contacts, len(times)), np.int64)

@@ -187,21 +187,18 @@ def _run_in_blocks(
 ) -> Iterator[Outcome]:
     """Outcomes of points that begin on their own.
 
-    Those without motions all at once, as they cost the less together; others as many as take a
-    short time.
+    Those without motions all at once, as they cost the less together; motions that end at a time
+    as many as take a short time; others are set out at once, and run one after the other.
     """
-    execute, least = imported(EXECUTOR_OF_BLOCKS), AT_ONCE if template.linear else 1
-    count = least
+    execute = imported(EXECUTOR_OF_BLOCKS)
+    ends = get_analysis(template.analysis).recorded
+    count = least = 1 if ends else AT_ONCE
     for batch in batches:
         begin = 0
         while block := batch[begin : begin + count]:
-            ending.heed()
-            pulse.beat(len(block))
             begun = time.perf_counter()
-            try:
-                yield from _outcomes_of(template, block, execute)
-            except Exception as error:
-                yield from (_internal_error(error) for _ in block)
+            together = len(block) if ends or template.linear else 1
+            yield from _outcomes_of(template, block, execute, pulse, together)
             begin += len(block)
             share = BLOCK_SECONDS / (time.perf_counter() - begun)
             count = max(least, min(AT_ONCE, int(share * len(block))))
@@ -210,17 +207,21 @@ def _run_in_blocks(
 def _outcomes_of(
     template: Template,
     requests: Sequence[Request],
-    execute: Callable[[Sequence[Request]], list[Outcome]],
+    execute: Callable[[Sequence[Request]], Iterator[Outcome]],
+    pulse: _Pulse,
+    together: int,
 ) -> list[Outcome]:
-    unmet = [exclusion(request, template.linear) for request in requests]
-    asked = [request for request, fault in zip(requests, unmet, strict=True) if fault is None]
-    found = iter(execute(asked))
-    return [
-        Outcome("not_computed", fault.reason)
-        if fault is not None
-        else _placed(next(found), request, template)
-        for request, fault in zip(requests, unmet, strict=True)
-    ]
+    """Outcomes of a block; so many are run `together`."""
+    refused = [_refusal(request, template) for request in requests]
+    asked = zip(requests, refused, strict=True)
+    found = execute([request for request, refusal in asked if refusal is None])
+    outcomes = []
+    for row, refusal in enumerate(refused):
+        if row % together == 0:
+            ending.heed()
+            pulse.beat(together)
+        outcomes.append(refusal or next(found))
+    return [_placed(*one, template) for one in zip(outcomes, requests, strict=True)]
 
 
 def _internal_error(error: Exception) -> Outcome:
@@ -300,13 +301,23 @@ def _outcome_of(
     template: Template, execute: Callable[[Request], Outcome], request: Request
 ) -> Outcome:
     """The outcome of a point; an exception is a failed point, never a lost task."""
+    refusal = _refusal(request, template)
+    if refusal is not None:
+        return refusal
     try:
-        unmet = exclusion(request, template.linear)
-        if unmet is not None:
-            return Outcome("not_computed", unmet.reason)
-        return _placed(execute(request), request, template)
+        outcome = execute(request)
     except Exception as error:
         return _internal_error(error)
+    return _placed(outcome, request, template)
+
+
+def _refusal(request: Request, template: Template) -> Outcome | None:
+    """The outcome of a point that is not to be run; an exception says so, too."""
+    try:
+        unmet = exclusion(request, template.linear)
+    except Exception as error:
+        return _internal_error(error)
+    return None if unmet is None else Outcome("not_computed", unmet.reason)
 
 
 def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
@@ -315,7 +326,10 @@ def _placed(outcome: Outcome, request: Request, template: Template) -> Outcome:
     if options == template.options:
         return outcome
     variables = variables_of(request.analysis, model, template.options, request.settings)
-    return on_all_states(outcome.whole(), model, options, template.options, variables)
+    try:
+        return on_all_states(outcome.whole(), model, options, template.options, variables)
+    except Exception as error:
+        return _internal_error(error)
 
 
 def imported(path: str) -> Callable[..., Any]:

@@ -21,6 +21,7 @@ from fiv_cli.codegen.memory import (
     Floats,
     Floats2,
     Frame,
+    Frames,
     Ints,
     address_of,
     call_generated,
@@ -32,7 +33,7 @@ from fiv_cli.dynamics.system import Vector
 # What a look at a slide says: nothing; that sliding is linear from here; that it falls as it
 # should; that there is no room for another look.
 NOTHING, IS_LINEAR, FALLS, FULL = 0, 1, 2, 3
-ROOM = 64  # looks
+ROOM = 64  # looks, at first
 
 
 class Slide(Frame):
@@ -207,7 +208,31 @@ def _blank(states: int, free: int, outputs: int) -> Slide:
         name: np.zeros((0,) * kind.depth, kind.element) for name, kind in kinds.items()
     }
     scratch = {"now": np.zeros(free), "sample": np.zeros(states), "outputs": np.zeros(outputs)}
-    return Slide.holding(none | scratch | {"amplitudes": np.zeros((0, free))}, {})
+    return Slide.holding(none | scratch, {})
+
+
+def slides_to(targets: LevelSet, bent: float = np.inf) -> Frames[Slide]:
+    """What looks at slides to several equilibria read and write.
+
+    `bent` : smallest size at which sliding is known to be nonlinear
+    """
+    (count, free), sliding = targets.eigenvalues.shape, targets.sliding
+    blank = _blank(targets.equilibrium.shape[1], free, sliding.system.outputs_width)
+    slides = Frames(blank, count)
+    slides.show("free", targets.free)
+    for name in ("equilibrium", "shares", "weights", "shapes", "shape_sizes"):
+        slides.show_rows(name, np.ascontiguousarray(getattr(targets, name)))
+    for name in ("inverse", "eigenvalues", "straight"):
+        slides.show_rows(name, np.ascontiguousarray(getattr(targets, name)).view(float))
+    slides.show_rows("coefficients", sliding.coefficients)
+    for name in ("times", "sizes"):
+        slides.show_rows(name, np.empty((count, ROOM)))
+    slides.show_rows("amplitudes", np.empty((count, ROOM, free)))
+    slides.tell(
+        field=sliding.system.tables.field[sliding.index], bent=bent, slowest=targets.slowest,
+        rounding=targets.rounding, period=targets.period, is_bounded=targets.is_bounded,
+    )  # fmt: skip
+    return slides
 
 
 class Descent:
@@ -225,19 +250,7 @@ class Descent:
     @cached_property
     def slide(self) -> Slide:
         """What a look reads and writes."""
-        target, sliding = self.target, self.target.sliding
-        sizes = len(target.equilibrium), len(target.free), sliding.system.outputs_width
-        slide = _blank(*sizes).copy()
-        for name in ("equilibrium", "free", "shares", "weights", "shapes", "shape_sizes"):
-            slide.show(name, getattr(target, name))
-        for name in ("inverse", "eigenvalues", "straight"):
-            slide.show(name, getattr(target, name).view(float))
-        slide.show("coefficients", sliding.coefficients)
-        slide.field = int(sliding.system.tables.field[sliding.index])
-        slide.rounding, slide.slowest = float(target.rounding), float(target.slowest)
-        slide.is_bounded, slide.period = int(target.is_bounded), float(target.period)
-        slide.bent = self.bent
-        return slide
+        return slides_to(self.target[None], self.bent).frame(0)
 
     def margin(self, time: float, state: Vector) -> float:
         """1 - V/c as soon as the slide is sure to end at the equilibrium; NaN before.
@@ -262,5 +275,4 @@ class Descent:
     def _make_room(self) -> None:
         for name in ("times", "sizes", "amplitudes"):
             looks = getattr(self.slide, name)
-            more = np.zeros((max(len(looks), ROOM), *looks.shape[1:]))
-            self.slide.show(name, np.concatenate([looks, more]))
+            self.slide.show(name, np.concatenate([looks, np.empty_like(looks)]))

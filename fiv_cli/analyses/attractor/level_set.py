@@ -95,9 +95,9 @@ class LevelSet:
 
     # --- the level --------------------------------------------------------------------------------
     @property
-    def is_bounded(self) -> bool:
+    def is_bounded(self) -> NDArray[np.bool_]:
         """Whether some switching function limits the level set."""
-        return bool((self.shares > 0.0).any())
+        return np.asarray((self.shares > 0.0).any(axis=(-2, -1)))
 
     def amplitudes(self, state: Vector) -> Vector:
         """Modal amplitudes of the distance from the equilibrium; shape (..., n_free)."""

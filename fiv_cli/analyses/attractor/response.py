@@ -156,7 +156,8 @@ ANALYSIS = Analysis(
     "steady-state response",
     (*SETTINGS, POWERS_TOLD),
     variables,
-    Later("fiv_cli.analyses.attractor.steady_state:steady_state"),
+    Later("fiv_cli.analyses.attractor.side_by_side:steady_states"),
+    in_blocks=True,
     figure="bifurcation",
     answer=(
         "class, period, multiplicity, vibration intensity L_s, shares of stick and slip, "

@@ -14,8 +14,8 @@ the equilibrium that was reached or, of a motion that does not rest, the first o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,13 +24,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity
 from fiv_cli.analyses.attractor.confirm import confirm
-from fiv_cli.analyses.attractor.descent import Descent
+from fiv_cli.analyses.attractor.descent import Descent, Slide
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
     CLOSER,
     EARLY,
     GROWN,
-    HURWITZ,
     NEARLY,
     REGULAR,
     RESTING,
@@ -39,7 +38,6 @@ from fiv_cli.analyses.attractor.grounds import (
 from fiv_cli.analyses.attractor.level_set import (
     LevelSet,
     holds_through,
-    level_sets,
     under_excitation,
 )
 from fiv_cli.analyses.attractor.lyapunov import Exponent
@@ -51,19 +49,17 @@ from fiv_cli.analyses.attractor.own_section import (
     recorded,
     tells_more,
 )
+from fiv_cli.analyses.attractor.rests import Rests, rests_at
 from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
 from fiv_cli.analyses.attractor.stationarity import drift, parting
 from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, Watch, watch_over
-from fiv_cli.analyses.base import EACH, Outcome, Request, Section
+from fiv_cli.analyses.base import EACH, Outcome, Request, Section, Settings
 from fiv_cli.analyses.common import (
-    Sliding,
     at_once,
     balance,
     impacts,
     initial_state,
-    rests,
     start_motion,
-    start_state,
     stopped,
     trust,
 )
@@ -75,7 +71,6 @@ from fiv_cli.analyses.cycles.periodic import (
     problem_of,
     repeats,
 )
-from fiv_cli.analyses.rest.linearisation import free_jacobian
 from fiv_cli.codegen.codes import OTHER_POWER, SEPARATION, SLIP, STICK
 from fiv_cli.dynamics.arrays import NO_WORKS
 from fiv_cli.dynamics.motion import Motion, Stop
@@ -90,149 +85,162 @@ ATTEMPT = 8000  # steps of one state that it costs beside them
 SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
 
+@dataclass(frozen=True)
+class Followed:
+    """A motion that has been followed for a while.
+
+    Attributes
+    ----------
+    motion, watch, slides : as `_Response` has them; the slides to all that is not held by springs
+    initial : where it began, displacements and velocities
+    stop : why it is looked up from
+    """
+
+    motion: Motion
+    watch: Watch
+    slides: Sequence[Slide]
+    initial: Vector
+    stop: Stop
+
+
 def steady_state(system: System, request: Request) -> Outcome:
     """The steady state that the start leads to."""
-    rests = at_once(system, request, rests_at)
-    if request.settings["section"].kind == OWN:
-        return _at_own_section(system, request, rests)
-    return _followed(system, request, rests, request.settings["section"])
+    return reached(system, request, at_once(system, request, rests_at))
 
 
-def _at_own_section(system: System, request: Request, rests: Rests) -> Outcome:
-    """The same where the motion chooses the section: what a case that names that one is told."""
-    observed = request.settings["observe"] or system.state_names[0]
-    section = first_section(system, observed)
-    response = _response(system, request, rests, section)
+def reached(
+    system: System, request: Request, rests: Rests, followed: Followed | None = None
+) -> Outcome:
+    """The same where it is known what there is to come to rest at."""
+    section = section_of(system, request.settings)
+    response = _response(system, request, rests, section, followed)
     if isinstance(response, Outcome):
         return response
     outcome = response.outcome()
+    if request.settings["section"].kind != OWN:
+        return outcome
     if is_missed(outcome):
-        other = own_section(response.motion, observed, response.patience)
-        found = _followed(system, request, rests, other)
+        other = own_section(
+            response.motion, observed_of(system, request.settings), response.patience
+        )
+        found = _response(system, request, rests, other)
+        found = found if isinstance(found, Outcome) else found.outcome()
         if tells_more(found, other, outcome):
             section, outcome = other, found
     return recorded(outcome, section)
 
 
-def _followed(system: System, request: Request, rests: Rests, section: Section) -> Outcome:
-    response = _response(system, request, rests, section)
-    return response if isinstance(response, Outcome) else response.outcome()
+def observed_of(system: System, settings: Settings) -> str:
+    """The state that is looked at."""
+    return settings["observe"] or system.state_names[0]
+
+
+def section_of(system: System, settings: Settings) -> Section:
+    """The section that is asked for, or the one that is tried first where the motion chooses."""
+    section: Section = settings["section"]
+    return first_section(system, observed_of(system, settings)) if section.kind == OWN else section
 
 
 def _response(
-    system: System, request: Request, rests: Rests, section: Section
+    system: System,
+    request: Request,
+    rests: Rests,
+    section: Section,
+    followed: Followed | None = None,
 ) -> _Response | Outcome:
     """The run from the start, judged by `section`, or the outcome that says why there is none."""
-    motion = start_motion(system, request, rests.first)
+    motion = followed.motion if followed else start_motion(system, request, rests.first)
     if isinstance(motion, Outcome):
         return motion
     if section is not request.settings["section"]:
         request = replace(request, settings={**request.settings, "section": section})
-    return _Response(system, request, rests, motion)
+    return _Response(system, request, rests, motion, followed)
 
 
-@dataclass(frozen=True)
-class Rests:
-    """The sliding equilibria of a point, and what slides to them.
+def patience_of(
+    system: System, parameters: Mapping[str, float], excitation: float | None, natural: float
+) -> float:
+    """The longest of 4 s, three revolutions of disc or excitation, three natural periods, s."""
+    turning = system.setup.model.revolution
+    spans = [PATIENCE]
+    speed = 0.0 if turning is None else abs(turning(parameters))
+    if speed > 0.0:
+        spans.append(REVOLUTIONS * 2 * np.pi / speed)
+    if excitation is not None:
+        spans.append(REVOLUTIONS * excitation)
+    if np.isfinite(natural):
+        spans.append(REVOLUTIONS * natural)
+    return max(spans)
 
-    Attributes
-    ----------
-    unexcited : the system without its excitation, in sliding
-    solutions : its equilibria, shape (n_states,) each
-    eigenvalues : of sliding at the first of them, 1/s; None without one
-    natural_period : the longest one there, s; infinite where nothing oscillates
-    level_sets : about every stable one
+
+def paced(natural: Any, patience: Any, asks_waiting: Any, n: int) -> dict[str, Any]:
+    """What a watch is told of how often a motion is looked at, of one or of several.
+
+    `n` : how many states it has
     """
-
-    unexcited: Sliding
-    solutions: list[Vector]
-    eigenvalues: NDArray[np.complex128] | None = None
-    natural_period: float = np.inf
-    level_sets: list[LevelSet] = field(default_factory=list)
-
-    @property
-    def first(self) -> Vector | None:
-        """The one that growing loads lead to."""
-        return self.solutions[0] if self.solutions else None
-
-    @property
-    def is_neutral(self) -> bool:
-        """Whether the first equilibrium neither attracts nor repels."""
-        if self.eigenvalues is None:
-            return False
-        values = self.eigenvalues.tolist()
-        slow = HURWITZ * max(map(abs, values))
-        if self.unexcited.held:
-            values = [value for value in values if abs(value) > slow]
-        return abs(max(value.real for value in values)) <= slow
+    span = np.minimum(natural, patience)
+    passages = PASSAGES * n
+    return {
+        "span": span,
+        "shortest": span,
+        "asks_waiting": asks_waiting,
+        "early_passages": passages,
+    }
 
 
-def rests_at(system: System, requests: Sequence[Request]) -> list[Rests]:
-    """What there is to come to rest at, at several points."""
-    state, solutions = rests(system, requests)
-    counts = np.array([len(some) for some in solutions])
-    owners = np.repeat(np.arange(len(counts)), counts)
-    y = np.array([one for some in solutions for one in some]).reshape(-1, len(system.state_names))
-    numbers = 1 + np.arange(len(owners)) - (np.cumsum(counts) - counts)[owners]
-    at, first = state[owners], numbers == 1
-    jacobians = free_jacobian(at, y)
-    eigenvalues = np.linalg.eigvals(jacobians[first]).astype(complex)
-    periods = _longest_periods(eigenvalues)
-    spectra = dict(zip(owners[first].tolist(), eigenvalues, strict=True))
-    spans = dict(zip(owners[first].tolist(), periods, strict=True))
-    sets = _level_sets_of(
-        system, requests, solutions, owners, level_sets(at, y, jacobians, numbers)
-    )
-    return [
-        Rests(state[row], some, spectra.get(row), spans.get(row, np.inf), sets[row])
-        for row, some in enumerate(solutions)
-    ]
+def first_look(half: float, n: int) -> dict[str, Any]:
+    """What a watch is told before the first look at a motion, beside its defaults of zero."""
+    return {"until": half, "is_paced": 1, "nearness": NEARLY, "rest_tells": 1} | early(0, n)
 
 
-def _longest_periods(eigenvalues: NDArray[np.complex128]) -> list[float]:
-    """The longest natural period of each spectrum, s; infinite where nothing oscillates."""
-    turning = np.abs(eigenvalues.imag)
-    slowest = np.min(np.where(turning > 0.0, turning, np.inf), axis=-1, initial=np.inf)
-    return [float(2 * np.pi / speed) or np.inf for speed in slowest.tolist()]
+def early(attempts: int, n: int) -> dict[str, float]:
+    """What makes an early attempt worth while, after so many."""
+    return {"early": [*EARLY, 0.0][attempts], "early_steps": ATTEMPT * (attempts + 1) / n}
 
 
-def _level_sets_of(
-    system: System,
-    requests: Sequence[Request],
-    solutions: list[list[Vector]],
-    owners: NDArray[np.intp],
-    found: tuple[NDArray[np.intp], LevelSet],
-) -> list[list[LevelSet]]:
-    """The level sets of each point, with their margins where a start is known."""
-    rows, levels = found
-    sets: list[list[LevelSet]] = [[] for _ in requests]
-    there = owners[rows].tolist()
-    starts = [(requests[point].start, solutions[point][0]) for point in there]
-    unknown = np.full(len(system.state_names), np.nan)
-    states = [
-        unknown if start is None else start_state(system, start, first) for start, first in starts
-    ]
-    if there:
-        levels = levels.asked_of(np.array(states))
-    for row, point in enumerate(there):
-        sets[point].append(levels[row])
-    return sets
+def resting(system: System, states: Vector, kinds: NDArray[np.int64], time: Any) -> dict[str, Any]:
+    """What is told of rest in a state; of several, in rows, in columns."""
+    values: dict[str, Any] = {
+        "attractor": "equilibrium",
+        "transient_used": time,
+        "energy_residual": 0.0,
+    }
+    for name, kind in (("stick", STICK), ("slip", SLIP), ("separation", SEPARATION)):
+        share = (kinds == kind).astype(float)
+        values[f"{name}_fraction"] = share if kinds.shape[-1] > 1 else share.T[0]
+    for name, value in zip(system.motions, states.T, strict=False):
+        values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": np.abs(value)}
+    return values
+
+
+def at_equilibrium(number: Any, margin: Any) -> dict[str, Any]:
+    """What is told of an equilibrium, beside what is of rest there."""
+    reached = {"equilibrium_index": number, "L_s_reference_index": number}
+    return reached | {"L_s": 0.0, "decay_margin": margin}
 
 
 class _Response:
     """One run on its way to a steady state."""
 
-    def __init__(self, system: System, request: Request, rests: Rests, motion: Motion) -> None:
+    def __init__(
+        self,
+        system: System,
+        request: Request,
+        rests: Rests,
+        motion: Motion,
+        followed: Followed | None = None,
+    ) -> None:
         self.system, self.settings, self.solver = system, request.settings, request.solver
         self.problem = problem_of(system, request)
         self.ways = rests.unexcited.parameters[system.n_own_parameters : -1]
         self.rests, self.motion = rests, motion
-        self.initial = initial_state(motion)
+        self.initial = followed.initial if followed else initial_state(motion)
         self.excitation = self.problem.excitation
-        self.patience = self._patience()
+        self.patience = patience_of(
+            system, request.parameters, self.excitation, rests.natural_period
+        )
         self.section = self.problem.section
-        names = self.system.state_names
-        self.observed = names.index(self.settings["observe"] or names[0])
+        self.observed = system.state_names.index(observed_of(system, self.settings))
         self.stop: Stop = Stop.REACHED
         self.exponent_error = 0.0
         self.nearness = NEARLY  # repetition of the section that is worth an attempt to close it
@@ -242,25 +250,19 @@ class _Response:
         self.in_passing = request.in_passing
         self.tells_works = self.settings.get("powers") == EACH
         self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
-
-    def _patience(self) -> float:
-        """The longest of 4 s, three revolutions of disc or excitation, three natural periods, s."""
-        turning = self.system.setup.model.revolution
-        spans = [PATIENCE]
-        speed = 0.0 if turning is None else abs(turning(self.problem.parameters))
-        if speed > 0.0:
-            spans.append(REVOLUTIONS * 2 * np.pi / speed)
-        if self.excitation is not None:
-            spans.append(REVOLUTIONS * self.excitation)
-        if np.isfinite(self.rests.natural_period):
-            spans.append(REVOLUTIONS * self.rests.natural_period)
-        return max(spans)
+        self.looked: Stop | None = None  # why the first look was taken, where it was taken before
+        if followed is not None:
+            self.looked, self.watch = followed.stop, followed.watch
+            for descent, slide in zip(self.descents, followed.slides, strict=True):
+                descent.slide = slide
 
     @cached_property
     def watch(self) -> Watch:
         """What the motion is followed by; few that come to rest at once need it."""
         watch = watch_over(self.motion, self.ways, self.excitation, self.patience)
-        watch.early_passages = PASSAGES * len(self.motion.y)
+        waits = int(self.excitation is not None or self.rests.is_neutral)
+        n = len(self.motion.y)
+        watch.tell(**paced(self.rests.natural_period, self.patience, waits, n))
         watch.show("works", self._room_for_works(len(watch.times)))
         return watch
 
@@ -283,7 +285,10 @@ class _Response:
             self.stop = self.motion.run(min(transient, t_max))
             self.watch.last_event = self.watch.last_point = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
-        answer = self._ended() or self._rest() or self._settle(half)
+        if self.looked is None:
+            answer = self._ended() or self._rest() or self._settle(half)
+        else:
+            answer = self._settle(half)
         if answer is None and self.in_passing:
             return Outcome(reason="time_budget", values={"attractor": "undecided"})
         answer = answer or self._window(t_max)
@@ -291,7 +296,7 @@ class _Response:
             answer.carry = self._carry("undecided")  # the motion goes on, whatever it is
         spent = trust(self.motion)
         answer.values |= spent | {name: spent[name] + n for name, n in self.spent.items()}
-        answer.values |= self.initial
+        answer.values["initial_state"] = self.initial
         self._add_reference(answer)
         return answer
 
@@ -311,12 +316,9 @@ class _Response:
 
     def _settle(self, until: float) -> Outcome | None:
         """Go on until the class is known; None when it is not by then."""
-        watch = self.watch
-        watch.span = watch.shortest = min(self.rests.natural_period, self.patience)
-        watch.asks_waiting = int(self.excitation is not None or self.rests.is_neutral)
-        while self.motion.time < until and self._goes_on:
+        while self.looked is not None or (self.motion.time < until and self._goes_on):
             answer = self._look(until, self.section, is_paced=True)
-            if answer is None and watch.has_waited:
+            if answer is None and self.watch.has_waited:
                 answer = self._neutral() if self.excitation is None else self._forced_sliding()
             if answer is not None:
                 return answer
@@ -326,19 +328,24 @@ class _Response:
         self, until: float, section: Section, measuring: bool = False, is_paced: bool = False
     ) -> Outcome | None:
         """The class, once it is known, of the motion where it may be told next."""
-        watch, steps = self.watch, ATTEMPT * (self.n_early + 1) / len(self.motion.y)
-        watch.until, watch.is_measuring, watch.is_paced = until, measuring, is_paced
-        watch.nearness, watch.waiting_until = self.nearness, self.waiting_until
-        watch.early, watch.early_steps = [*EARLY, 0.0][self.n_early], steps
-        watch.rest_tells = 1
-        watch.offset = section.phase / (2 * np.pi) * watch.interval
-        self.motion.show_section(section, watch.times, watch.points, watch.works)
-        stop = self.motion.drive(FOLLOW.function, watch.address)
+        stop, self.looked = self.looked, None
+        if stop in (None, Stop.STEP_BUDGET):
+            stop = self._go_on(until, section, measuring, is_paced)
         self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
         if self._has_stuck():
             return None
-        rests = self._rest() if watch.rest_tells or self.excitation is not None else None
-        return rests or (self._cycle(section) if watch.has_new else None)
+        rests = self._rest() if self.watch.rest_tells or self.excitation is not None else None
+        return rests or (self._cycle(section) if self.watch.has_new else None)
+
+    def _go_on(self, until: float, section: Section, measuring: bool, is_paced: bool) -> Stop:
+        """Follow the motion to where it may be told next; why that is."""
+        watch, n = self.watch, len(self.motion.y)
+        watch.tell(**first_look(until, n) | early(self.n_early, n))
+        watch.is_measuring, watch.is_paced = measuring, is_paced
+        watch.nearness, watch.waiting_until = self.nearness, self.waiting_until
+        watch.offset = section.phase / (2 * np.pi) * watch.interval
+        self.motion.show_section(section, watch.times, watch.points, watch.works)
+        return self.motion.drive(FOLLOW.function, watch.address)
 
     def _has_stuck(self) -> bool:
         """Whether a motion that is followed as long as it slides has stuck."""
@@ -415,12 +422,10 @@ class _Response:
         return None
 
     def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
-        outcome = self._resting_values(target.equilibrium)
-        number = int(target.number)
-        reached = {"equilibrium_index": number, "L_s_reference_index": number}
+        outcome = self._resting_in(target.equilibrium)
         found = target.sliding.field(target.equilibrium)
         outcome.values |= self._mean_powers([*found.energies[OTHER_POWER:], 0.0, *found.powers])
-        outcome.values |= reached | {"L_s": 0.0, "decay_margin": margin}
+        outcome.values |= at_equilibrium(int(target.number), margin)
         return outcome
 
     def _stuck(self) -> Outcome | None:
@@ -433,7 +438,7 @@ class _Response:
         all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
         if not (all_stick or self._is_held()):
             return None
-        outcome = self._resting_values(self.motion.y)
+        outcome = self._resting_in(self.motion.y)
         outcome.values["decay_margin"] = 1.0
         outcome.values |= self._mean_powers(np.zeros(self._n_works))
         outcome.reason = "stuck"
@@ -455,24 +460,9 @@ class _Response:
         moved = self.system.field(index, motion.coefficients, motion.time, pushed).rates
         return not np.any(moved[:m])
 
-    def _resting_values(self, state: Vector) -> Outcome:
-        values: dict[str, object] = {
-            "attractor": "equilibrium",
-            "stick_fraction": self._share_of(STICK),
-            "slip_fraction": self._share_of(SLIP),
-            "separation_fraction": self._share_of(SEPARATION),
-            "transient_used": self.motion.time,
-            "energy_residual": 0.0,
-        }
-        for name, value in zip(self.system.motions, state, strict=False):
-            values |= {f"{name}_min": value, f"{name}_max": value, f"{name}_rms": abs(value)}
-        carry = self._carry("equilibrium") | {"state": state.tolist()}
-        return Outcome(values=values, carry=carry)
-
-    def _share_of(self, kind: int) -> Any:
-        """Of each contact, the share of time in which it is what it is now: 1 or 0."""
-        shares = (self.motion.kinds == kind).astype(float)
-        return shares if len(shares) > 1 else float(shares[0])
+    def _resting_in(self, state: Vector) -> Outcome:
+        values = resting(self.system, state, self.motion.kinds, self.motion.time)
+        return Outcome(values=values, carry=self._carry("equilibrium") | {"state": state.tolist()})
 
     def _neutral(self) -> Outcome:
         """Undamped sliding: what is found depends on the start, so it is no attractor."""

@@ -12,11 +12,12 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fiv_cli.analyses.attractor import descent, grounds, lyapunov, settling
-from fiv_cli.analyses.attractor.descent import NOTHING, Slide, look_at_slide, slide_at
+from fiv_cli.analyses.attractor.descent import FULL, NOTHING, Slide, look_at_slide, slide_at
 from fiv_cli.analyses.attractor.lyapunov import Growth, book_growth, growth_at
 from fiv_cli.analyses.attractor.settling import (
     LEAST,
@@ -109,6 +110,7 @@ class Watch(Frame):
     last_event: float
     has_waited: int
     rest_tells: int  # whether the last look may tell of rest
+    told_by: int  # the slide that did, -1: none
     ends_in_stick: FixedInt
 
 
@@ -245,6 +247,8 @@ def comes_down(watch: Watch, run: Run) -> bool:
     tells = watch.knows_slides == 0
     for number in range(len(watch.slides)):
         found = look_at_slide(slide_at(watch.slides[number]), run.time, run.y)
+        if found != NOTHING and not tells:
+            watch.told_by = number if found != FULL else -1
         tells = tells or found != NOTHING
     return tells
 
@@ -265,6 +269,7 @@ def is_stuck(watch: Watch, run: Run) -> bool:
 @native
 def may_rest(watch: Watch, run: Run) -> bool:
     """Whether the motion may be on its way to rest."""
+    watch.told_by = -1
     if watch.may_rest == 0:
         return False
     return comes_down(watch, run) if slides(watch, run) else is_stuck(watch, run)
@@ -367,18 +372,23 @@ def watch_over(motion: Motion, ways: Vector, excitation: float | None, patience:
     excitation : its period, s; None: none
     patience : time between two looks, s, and without section points, at most
     """
-    watch = _blank(len(motion.y) + (0 if excitation is None else 2)).copy()
+    watch = blank_watch(len(motion.y) + (0 if excitation is None else 2)).copy()
     watch.show("ways", np.array(ways, dtype=float))
-    watch.driver, watch.motion = compiled.DRIVER.address, motion.frame.address
+    watch.tell(**followed(motion.frame.address, patience))
     watch.excitation, watch.interval = excitation or 0.0, excitation or patience
-    watch.longest = watch.patience = patience
     watch.may_rest = int(motion.started)
     watch.last_event = watch.last_point = motion.time
     return watch
 
 
+def followed(motions: Any, patience: Any) -> dict[str, Any]:
+    """What a watch is told of its motion: where that is, and the time between two looks, s."""
+    times = dict.fromkeys(("interval", "longest", "patience"), patience)
+    return {"driver": compiled.DRIVER.address, "motion": motions, **times}
+
+
 @cache
-def _blank(width: int) -> Watch:
+def blank_watch(width: int) -> Watch:
     """What new watches copy (their section points are shared: one motion is followed at a time)."""
     return Watch.holding(
         {

@@ -39,7 +39,7 @@ def spectrogram(system: System, request: Request) -> Outcome:
     windows = short_time(values, interval, slice_length(settings), hop(settings))
     outcome = end or Outcome()
     outcome.values |= _on_bins(windows, settings) | varying_at(system, windows.time)
-    outcome.values |= initial | trust(motion)
+    outcome.values |= {"initial_state": initial} | trust(motion)
     outcome.values["energy_residual"] = balance(motion, energy_before).residual
     return outcome
 
