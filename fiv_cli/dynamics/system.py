@@ -175,8 +175,12 @@ class System:
 
     def parameter_vector(self, parameters: Mapping[str, float]) -> Vector:
         """`parameter_values`, first pieces, slip signs +1, sector 0; shape (n_parameters,)."""
-        values = self.parameter_values(parameters)
-        return np.array([*values, *self.pieces.first_rows, *(1.0,) * self.n_contacts, 0.0])
+        return self.parameter_vectors([parameters])[0]
+
+    def parameter_vectors(self, points: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
+        """The same of several points, in rows."""
+        behind = (*self.pieces.first_rows, *(1.0,) * self.n_contacts, 0.0)
+        return np.array([(*self.parameter_values(point), *behind) for point in points])
 
     @cached_property
     def pieces(self) -> Pieces:

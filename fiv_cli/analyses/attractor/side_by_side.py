@@ -185,17 +185,20 @@ class SideBySide:
         if not len(levels.number):
             return {}
         targets, kinds = np.maximum(self.targets, 0), self.runs.own("kinds")
-        states, told = levels.equilibrium[targets], self.runs.told
-        values = resting(self.system, states, kinds, told("time"))
+        states = levels.equilibrium[targets]
+        values = resting(self.system, states, kinds, self._told("time"))
         values |= at_equilibrium(levels.number[targets], self._margins(targets))
         values |= {"attractor": np.int8(ATTRACTOR.codes["equilibrium"])}
-        values |= {name: told(name) for name in ("n_steps", "n_events")}
-        values |= {"event_residual": told("largest_residual"), "initial_state": self.initial}
+        values |= {name: self._told(name) for name in ("n_steps", "n_events")}
+        values |= {"event_residual": self._told("largest_residual"), "initial_state": self.initial}
         values["L_s_reference"] = states[:, : len(self.system.coordinates)]
         return {
             name: np.broadcast_to(value, (count, *np.shape(value)[1:]))
             for name, value in values.items()
         }
+
+    def _told(self, name: str) -> NDArray[Any]:
+        return self.runs.told(name).copy()
 
     def _margins(self, targets: NDArray[np.intp]) -> NDArray[np.float64]:
         answers = self.landscape.level_sets.answer[targets]

@@ -329,23 +329,24 @@ class _Response:
     ) -> Outcome | None:
         """The class, once it is known, of the motion where it may be told next."""
         stop, self.looked = self.looked, None
+        if stop is None:
+            self._ask(until, section, measuring, is_paced)
         if stop in (None, Stop.STEP_BUDGET):
-            stop = self._go_on(until, section, measuring, is_paced)
+            stop = self.motion.drive(FOLLOW.function, self.watch.address)
         self.stop = stop if stop == Stop.REACHED else self.motion.explained(stop)
         if self._has_stuck():
             return None
         rests = self._rest() if self.watch.rest_tells or self.excitation is not None else None
         return rests or (self._cycle(section) if self.watch.has_new else None)
 
-    def _go_on(self, until: float, section: Section, measuring: bool, is_paced: bool) -> Stop:
-        """Follow the motion to where it may be told next; why that is."""
+    def _ask(self, until: float, section: Section, measuring: bool, is_paced: bool) -> None:
+        """Say what the motion is followed for."""
         watch, n = self.watch, len(self.motion.y)
-        watch.tell(**first_look(until, n) | early(self.n_early, n))
+        watch.tell(**(first_look(until, n) | early(self.n_early, n)))
         watch.is_measuring, watch.is_paced = measuring, is_paced
         watch.nearness, watch.waiting_until = self.nearness, self.waiting_until
         watch.offset = section.phase / (2 * np.pi) * watch.interval
         self.motion.show_section(section, watch.times, watch.points, watch.works)
-        return self.motion.drive(FOLLOW.function, watch.address)
 
     def _has_stuck(self) -> bool:
         """Whether a motion that is followed as long as it slides has stuck."""

@@ -164,7 +164,7 @@ def sliding(system: System, parameters: Mapping[str, float]) -> Sliding:
 def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding:
     """The same at several points, in rows."""
     unexcited = system.setup.model.unexcited
-    vectors = np.array([system.parameter_vector(unexcited(point)) for point in points])
+    vectors = system.parameter_vectors([unexcited(point) for point in points])
     coefficients = system.coefficients(vectors)
     index = system.sliding_index
     none = np.zeros(len(points), bool)
@@ -288,9 +288,9 @@ def _held(points: Sliding, found: Sequence[Equilibria]) -> list[Equilibria]:
     states = np.array([y for one in found for y in one.states]).reshape(-1, n)
     at = points[owners]
     held, exact = _is_held(at, states), relative_residual(at, states) <= EXACT
-    ends = np.cumsum([len(one.states) for one in found])[:-1]
-    parts = zip(found, np.split(held, ends), np.split(exact, ends), strict=True)
-    left = [_without_pulling(*part) for part in parts]
+    left = list(found)
+    for row in set(owners[~(held & exact)].tolist()):
+        left[row] = _without_pulling(found[row], held[owners == row], exact[owners == row])
     several = [row for row, one in enumerate(left) if len(one.states) > 1]
     reached = _loaded_from_zero(points[several]) if several else ()
     for row, first in zip(several, reached, strict=True):
@@ -302,8 +302,6 @@ def _without_pulling(
     found: Equilibria, held: NDArray[np.bool_], exact: NDArray[np.bool_]
 ) -> Equilibria:
     """The solutions of a point in which no contact has to pull."""
-    if (held & exact).all():
-        return found
     if not exact[held].all():
         return Equilibria(reason="inexact_equilibrium")
     states = [y for y, is_held in zip(found.states, held.tolist(), strict=True) if is_held]
@@ -427,22 +425,31 @@ def _solved_for(
     at = scalars[owners, places]
     starts = _inserted(points.system, polynomial, values[owners], arguments[owners], at)
     found: list[list[Vector]] = [[] for _ in roots]
-    for owner, solution in zip(owners, _newton(points[owners], starts), strict=True):
-        _keep(found[owner], solution)
+    solutions = _newton(points[owners], starts)
+    real = np.isfinite(solutions).all(axis=1)
+    for owner, solution in zip(owners[real].tolist(), solutions[real], strict=True):
+        if not found[owner] or _is_new(solution, found[owner]):
+            found[owner].append(solution)
     missing = np.isfinite(roots).sum(axis=1) - [len(solutions) for solutions in found]
     return [
-        _counted(points[row : row + 1], polynomial, values[row], found[row], int(missing[row]))
-        for row in range(len(found))
+        _counted(points, polynomial, values, row, solutions, count)
+        for row, (solutions, count) in enumerate(zip(found, missing.tolist(), strict=True))
     ]
 
 
 def _counted(
-    point: Sliding, polynomial: _Polynomial, values: Vector, found: list[Vector], missing: int
+    points: Sliding,
+    polynomial: _Polynomial,
+    values: Vector,
+    row: int,
+    found: list[Vector],
+    missing: int,
 ) -> Equilibria:
     """The solutions of a point, and whether the missing ones are known to be complex."""
-    certified = missing % 2 == 0 and not _undetermined(polynomial, values)
+    certified = missing % 2 == 0 and not _undetermined(polynomial, values[row])
     n_complex = missing if certified else None
-    return Equilibria(found, 0, n_complex, certified, "" if found else _why_none(point))
+    reason = "" if found else _why_none(points[row : row + 1])
+    return Equilibria(found, 0, n_complex, certified, reason)
 
 
 def _why_none(point: Sliding) -> str:
