@@ -77,7 +77,8 @@ def test_what_does_not_decay_has_no_level_sets(changes: dict[str, float]) -> Non
 # --- sliding that is not linear: it must be seen to fall ------------------------------------------
 def spiral(target: LevelSet, rate: float, level: float, looks: int = 40) -> list[float]:
     """Margins of a spiral at the target's frequency that changes at `rate`, look by look."""
-    descent = Descent(target, bent=0.0)  # known to be nonlinear at any level
+    descent = Descent(target)
+    descent.slide.bent = 0.0  # known to be nonlinear at any level
     growth = complex(rate, abs(target.eigenvalues[0].imag))
     one = target.vectors[:, 0] * (target.eigenvalues[0].imag > 0) + target.vectors[:, 1] * (
         target.eigenvalues[1].imag > 0

@@ -327,9 +327,16 @@ class Frames(Generic[FrameKind]):
 
     def frame(self, row: int) -> FrameKind:
         """One of the frames."""
-        frame = type(self.blank)(self.words[row], self.blank.parts, self.blank.shown)
-        vars(frame).update(self._shown)
-        vars(frame).update({name: rows[row] for name, rows in self._shown_rows.items()})
+        return self._shown_as(self.words[row], row)
+
+    def copy(self, row: int) -> FrameKind:
+        """A copy of one of the frames, which is shown the same arrays."""
+        return self._shown_as(self.words[row].copy(), row)
+
+    def _shown_as(self, words: Ints, row: int) -> FrameKind:
+        frame = type(self.blank)(words, self.blank.parts, self.blank.shown)
+        rows = {name: array[row] for name, array in self._shown_rows.items()}
+        vars(frame).update(self._shown | rows)
         return frame
 
 

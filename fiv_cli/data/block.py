@@ -414,6 +414,9 @@ def _concatenated(
     outcomes: Sequence[Outcome], group: str, columns: Mapping[str, _Column]
 ) -> tuple[Array, dict[str, Array]]:
     """As `_Run.ragged`, of outcomes without columns."""
+    if not any(outcome.ragged for outcome in outcomes):
+        none = {name: np.empty(0, column.dtype) for name, column in columns.items()}
+        return np.zeros(len(outcomes), np.int32), none
     found = {
         name: [None if (rows := outcome.ragged.get(name)) is None else column.converted(rows)
                for outcome in outcomes]
@@ -437,7 +440,7 @@ def _end_to_end(given: Sequence[Array | None], counts: Array, column: _Column) -
         np.full(count, fill, dtype) if rows is None else rows
         for rows, count in zip(given, counts.tolist(), strict=True)
     ]
-    return np.concatenate(rows) if rows else np.empty(0, dtype)
+    return np.concatenate(rows)
 
 
 def joined(

@@ -1,4 +1,4 @@
-"""Motions of one system recorded side by side: samples, events, works.
+"""Motions of one system side by side, and recorded so: samples, events, works.
 
 The frame of each is a row of one block, and so is what is sampled of it: columns of answers are
 parts of a few arrays. The ledger is that of all, one motion behind the other.
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fiv_cli import ending
 from fiv_cli.codegen.codes import KINETIC, POTENTIAL, STICK
@@ -18,7 +19,7 @@ from fiv_cli.codegen.compiled import Compiled
 from fiv_cli.codegen.memory import Array, Frames, address_of, call_driver
 from fiv_cli.dynamics.arrays import blank_frame, ledger_of, sample_width
 from fiv_cli.dynamics.compiled import DRIVER, FILES, run_at
-from fiv_cli.dynamics.kernel import NO_NUMBER, REACHED, Run
+from fiv_cli.dynamics.kernel import ENTER, NO_NUMBER, REACHED, Run
 from fiv_cli.dynamics.motion import STOPS, Ledger, Motion, Samples, Stop
 from fiv_cli.dynamics.settings import SolverSettings
 from fiv_cli.dynamics.system import System, Vector
@@ -71,7 +72,9 @@ RUN_EACH = Compiled(
 
 def load_recorder(announce: Callable[[str], None]) -> None:
     """Have what runs motions at hand; `announce` is called if it must be compiled."""
-    RUN_EACH.load(announce, "compiling what records motions (once per user, a few seconds)")
+    RUN_EACH.load(
+        announce, "compiling what runs motions side by side (once per user, a few seconds)"
+    )
 
 
 class Beginning(NamedTuple):
@@ -102,13 +105,14 @@ def set_out(system: System, solver: SolverSettings, begun: Sequence[Beginning]) 
     return frames
 
 
-def decide(frames: Frames[Run]) -> None:
-    """Have every motion that begins at t = 0 decide its contact state."""
+def decide(frames: Frames[Run]) -> NDArray[np.bool_]:
+    """Have every motion that begins at t = 0 decide its contact state; which have found one."""
     rest = frames.words
     while len(rest):
         place = address_of(rest), rest.strides[0], len(rest)
         last, _ = divmod(RUN_EACH.function(DRIVER.address, *place, 0.0), REASONS)
         rest = rest[last + 1 :]
+    return np.asarray(frames.told("task") != ENTER)
 
 
 class Recorder:

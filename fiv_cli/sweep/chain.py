@@ -10,7 +10,6 @@ chain that goes on whatever its class goes on with what the step of the grid led
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -235,5 +234,5 @@ def _barrier(entry: StartEntry, state: ChainState | None) -> str:
 
 def _stored_form(carry: Any) -> Carry:
     """`carry` as it would come back from a shard, so that resuming changes nothing."""
-    form: Carry = from_plain(json.loads(json.dumps(to_plain(carry))))
+    form: Carry = from_plain(to_plain(carry))
     return form

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -211,11 +211,8 @@ def _blank(states: int, free: int, outputs: int) -> Slide:
     return Slide.holding(none | scratch, {})
 
 
-def slides_to(targets: LevelSet, bent: float = np.inf) -> Frames[Slide]:
-    """What looks at slides to several equilibria read and write.
-
-    `bent` : smallest size at which sliding is known to be nonlinear
-    """
+def slides_to(targets: LevelSet) -> Frames[Slide]:
+    """What looks at slides to several equilibria read and write."""
     (count, free), sliding = targets.eigenvalues.shape, targets.sliding
     blank = _blank(targets.equilibrium.shape[1], free, sliding.system.outputs_width)
     slides = Frames(blank, count)
@@ -229,7 +226,7 @@ def slides_to(targets: LevelSet, bent: float = np.inf) -> Frames[Slide]:
         slides.show_rows(name, np.empty((count, ROOM)))
     slides.show_rows("amplitudes", np.empty((count, ROOM, free)))
     slides.tell(
-        field=sliding.system.tables.field[sliding.index], bent=bent, slowest=targets.slowest,
+        field=sliding.system.tables.field[sliding.index], bent=np.inf, slowest=targets.slowest,
         rounding=targets.rounding, period=targets.period, is_bounded=targets.is_bounded,
     )  # fmt: skip
     return slides
@@ -241,16 +238,12 @@ class Descent:
     Parameters
     ----------
     target : the level sets about it
-    bent : smallest size at which sliding is known to be nonlinear
+    slide : what a look reads and writes; none given: one of its own
     """
 
-    def __init__(self, target: LevelSet, bent: float = np.inf) -> None:
-        self.target, self.bent = target, bent
-
-    @cached_property
-    def slide(self) -> Slide:
-        """What a look reads and writes."""
-        return slides_to(self.target[None], self.bent).frame(0)
+    def __init__(self, target: LevelSet, slide: Slide | None = None) -> None:
+        self.target = target
+        self.slide = slides_to(target[None]).frame(0) if slide is None else slide
 
     def margin(self, time: float, state: Vector) -> float:
         """1 - V/c as soon as the slide is sure to end at the equilibrium; NaN before.

@@ -9,11 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fiv_cli.analyses.attractor.descent import Descent, Slide, slides_to
 from fiv_cli.analyses.attractor.grounds import HURWITZ
 from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets
 from fiv_cli.analyses.base import Request
 from fiv_cli.analyses.common import Sliding, rests, start_states
 from fiv_cli.analyses.rest.linearisation import free_jacobian
+from fiv_cli.codegen.memory import Frames
 from fiv_cli.dynamics.system import System, Vector
 
 
@@ -57,6 +59,11 @@ class Landscape:
         periods = [float(2 * np.pi / speed) or np.inf for speed in slowest.tolist()]
         return dict(zip(self.owners.tolist(), periods, strict=True))
 
+    @cached_property
+    def slides(self) -> Frames[Slide]:
+        """What looks at slides to the equilibria with level sets read and write."""
+        return slides_to(self.level_sets)
+
 
 @dataclass(frozen=True, eq=False)
 class Rests:
@@ -85,11 +92,25 @@ class Rests:
         """The longest one there, s; infinite where nothing oscillates."""
         return self.landscape.natural_periods.get(self.row, np.inf)
 
+    @property
+    def _numbers(self) -> range:
+        return range(*self.landscape.ends[self.row : self.row + 2].tolist())
+
     @cached_property
     def level_sets(self) -> list[LevelSet]:
         """About every stable one."""
-        first, end = self.landscape.ends[self.row : self.row + 2].tolist()
-        return [self.landscape.level_sets[number] for number in range(first, end)]
+        return [self.landscape.level_sets[number] for number in self._numbers]
+
+    def descents(self, anew: bool) -> list[Descent]:
+        """Slides down to them, but for those that springs hold; looked at anew, or further on."""
+        found = []
+        for number, target in zip(self._numbers, self.level_sets, strict=True):
+            if not target.keeps:
+                slide = self.landscape.slides.copy(number)
+                if anew:
+                    slide.bent, slide.count = np.inf, 0
+                found.append(Descent(target, slide))
+        return found
 
     @property
     def is_neutral(self) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.attractor.descent import LOOK, NOTHING, Slide, slides_to
+from fiv_cli.analyses.attractor.descent import LOOK, NOTHING
 from fiv_cli.analyses.attractor.rests import Rests, landscape_at
 from fiv_cli.analyses.attractor.steady_state import (
     Followed,
@@ -30,8 +30,7 @@ from fiv_cli.analyses.attractor.steady_state import (
 from fiv_cli.analyses.attractor.watch import FOLLOW, Watch, blank_watch, followed
 from fiv_cli.analyses.base import Columns, Outcome, Request
 from fiv_cli.codegen.memory import WORD, Frames
-from fiv_cli.dynamics.kernel import ENTER, SECTION_FULL
-from fiv_cli.dynamics.motion import SECTION_WORDS, STOPS, Motion, no_samples, section_words
+from fiv_cli.dynamics.motion import SECTION_WORDS, STOPS, Motion, Stop, no_samples, section_words
 from fiv_cli.dynamics.recorder import Beginning, decide, set_out
 from fiv_cli.dynamics.system import System
 from fiv_cli.flags import ATTRACTOR
@@ -45,7 +44,7 @@ def steady_states(system: System, requests: Sequence[Request]) -> Iterator[Outco
     Columns are filled when the last one has been.
     """
     settings = requests[0].settings
-    if len(requests) > 1 and settings["transient"] == 0.0 and settings["powers"] == "none":
+    if len(requests) > 1 and settings["transient"] == 0.0 and settings.get("powers") == "none":
         yield from SideBySide(system, requests).outcomes()
     else:
         yield from (steady_state(system, request) for request in requests)
@@ -57,29 +56,27 @@ class SideBySide:
     def __init__(self, system: System, requests: Sequence[Request]) -> None:
         self.system, self.requests, self.settings = system, requests, requests[0].settings
         self.landscape = landscape_at(system, requests)
-        begun = zip(requests, self.landscape.begun, strict=True)
-        points = [Beginning(request.parameters, state) for request, state in begun]
+        pairs = zip(requests, self.landscape.begun, strict=True)
+        points = [Beginning(request.parameters, state) for request, state in pairs]
         self.runs = set_out(system, requests[0].solver, points)
-        decide(self.runs)
+        begun = decide(self.runs)
         self.initial = self.runs.own("y")[:, : len(system.motions)].copy()
         self.ways = self.landscape.unexcited.parameters[:, system.n_own_parameters : -1].copy()
         self.slides_now = self._slide()
-        self.is_followed = self._are_plain()
+        self.is_plain = begun & self._are_plain()
         # Of each that rests, the number of the level set that it is in.
         self.targets = np.where(self._rest_at_once(), self.landscape.ends[:-1], -1)
         self.has_moved = np.zeros(len(requests), bool)
 
     # --- what is known at the beginning -----------------------------------------------------------
     def _are_plain(self) -> NDArray[np.bool_]:
-        """Which have begun at a state, are not excited, nor held by springs."""
-        plain = (self.runs.told("task") != ENTER) & ~self.landscape.unexcited.held
-        plain &= np.isfinite(self.landscape.begun).all(axis=1)
-        plain &= [request.start is not None and request.start.carried is None
-                  for request in self.requests]  # fmt: skip
+        """Which begin at a state of their own, and are neither excited nor held by springs."""
         names = self.system.generated.parameter_names
         excitations = [names.index(f.amplitude) for f in self.system.setup.model.forcings]
         own: NDArray[np.bool_] = (self.runs.own("parameters")[:, excitations] == 0.0).all(axis=1)
-        return plain & own
+        own &= np.isfinite(self.landscape.begun).all(axis=1) & ~self.landscape.unexcited.held
+        starts = (request.start for request in self.requests)
+        return own & [start is not None and start.carried is None for start in starts]
 
     def _slide(self) -> NDArray[np.bool_]:
         """Which slide the way they do at an equilibrium."""
@@ -90,7 +87,7 @@ class SideBySide:
     def _rest_at_once(self) -> NDArray[np.bool_]:
         """Which begin in the first level set of theirs."""
         ends, levels = self.landscape.ends, self.landscape.level_sets
-        rest = self.is_followed & self.slides_now & (np.diff(ends) > 0)
+        rest = self.is_plain & self.slides_now & (np.diff(ends) > 0)
         first = ends[:-1][rest]
         there = (self.runs.own("y")[rest] == levels.asked[first]).all(axis=1)
         rest[rest] = there & ~np.isnan(levels.answer[first])
@@ -102,7 +99,7 @@ class SideBySide:
         columns = Columns({}, {}, np.zeros(len(self.requests), np.int64))
         try:
             for row, target in enumerate(self.targets.tolist()):
-                stop = self._first_look(row) if target < 0 and self.is_followed[row] else None
+                stop = self._first_look(row) if target < 0 and self.is_plain[row] else None
                 if self.targets[row] >= 0:
                     yield Outcome(columns=columns, row=row)
                 else:
@@ -119,7 +116,7 @@ class SideBySide:
                     return None
         code: int = FOLLOW.function(self._watches_at[row])
         told_by = self.watches.words.item((row, TOLD_BY))
-        if code <= SECTION_FULL and told_by >= 0:
+        if code <= Stop.SECTION_FULL and told_by >= 0:
             self.targets[row], self.has_moved[row] = first + told_by, True
         return code
 
@@ -130,16 +127,8 @@ class SideBySide:
             return reached(self.system, request, rests)
         frame, samples = self.runs.frame(row), no_samples(self.system)
         motion = Motion.of_frame(self.system, request.solver, frame, samples, has_begun=True)
-        ends = range(*self.landscape.ends[row : row + 2].tolist())
-        slides = [self.slides.frame(number) for number in ends]
-        watch, initial = self.watches.frame(row), self.initial[row]
-        so_far = Followed(motion, watch, slides, initial, STOPS[code])
+        so_far = Followed(motion, self.watches.frame(row), self.initial[row], STOPS[code])
         return reached(self.system, request, rests, so_far)
-
-    @cached_property
-    def slides(self) -> Frames[Slide]:
-        """What looks at slides to all equilibria."""
-        return slides_to(self.landscape.level_sets)
 
     @cached_property
     def watches(self) -> Frames[Watch]:
@@ -166,7 +155,7 @@ class SideBySide:
 
     @cached_property
     def _slides_at(self) -> list[int]:
-        return self.slides.addresses if len(self.landscape.level_sets.number) else []
+        return self.landscape.slides.addresses if len(self.landscape.level_sets.number) else []
 
     @cached_property
     def _watches_at(self) -> list[int]:
@@ -201,7 +190,9 @@ class SideBySide:
         return self.runs.told(name).copy()
 
     def _margins(self, targets: NDArray[np.intp]) -> NDArray[np.float64]:
+        """1 - V/c where each was told to rest: at its beginning, or when it was looked at."""
         answers = self.landscape.level_sets.answer[targets]
-        if "slides" not in vars(self):
+        if not self.has_moved.any():
             return answers
-        return np.where(self.has_moved, 1.0 - self.slides.told("level")[targets], answers)
+        levels = self.landscape.slides.told("level")[targets]
+        return np.where(self.has_moved, 1.0 - levels, answers)

@@ -14,7 +14,7 @@ the equilibrium that was reached or, of a motion that does not rest, the first o
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity
 from fiv_cli.analyses.attractor.confirm import confirm
-from fiv_cli.analyses.attractor.descent import Descent, Slide
+from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
     CLOSER,
@@ -91,14 +91,13 @@ class Followed:
 
     Attributes
     ----------
-    motion, watch, slides : as `_Response` has them; the slides to all that is not held by springs
+    motion, watch : as `_Response` has them
     initial : where it began, displacements and velocities
     stop : why it is looked up from
     """
 
     motion: Motion
     watch: Watch
-    slides: Sequence[Slide]
     initial: Vector
     stop: Stop
 
@@ -248,13 +247,13 @@ class _Response:
         self.n_early = 0  # attempts before that
         self.is_unconfirmed = False  # the section repeated, and no cycle was found
         self.in_passing = request.in_passing
+        self.tells_powers = self.settings.get("powers") != "none"
         self.tells_works = self.settings.get("powers") == EACH
         self.spent = {"n_steps": 0, "n_events": 0}  # before the motion was put on its cycle
         self.looked: Stop | None = None  # why the first look was taken, where it was taken before
         if followed is not None:
             self.looked, self.watch = followed.stop, followed.watch
-            for descent, slide in zip(self.descents, followed.slides, strict=True):
-                descent.slide = slide
+            self._show_slides()
 
     @cached_property
     def watch(self) -> Watch:
@@ -270,12 +269,12 @@ class _Response:
     def descents(self) -> list[Descent]:
         """Slides down to the stable equilibria, of which an excitation leaves nothing but those
         that do not feel it."""
+        found = self.rests.descents(anew=self.looked is None)
+        if self.excitation is None:
+            return found
         parameters = self.problem.parameters
-        targets = [target for target in self.rests.level_sets if not target.keeps]
-        if self.excitation is not None:
-            felt = [under_excitation(self.system, parameters, target) for target in targets]
-            targets = [target for target in felt if target is not None]
-        return [Descent(target) for target in targets]
+        felt = (under_excitation(self.system, parameters, one.target) for one in found)
+        return [Descent(target) for target in felt if target is not None]
 
     # --- the course of a run ----------------------------------------------------------------------
     def outcome(self) -> Outcome:
@@ -400,10 +399,14 @@ class _Response:
             if self.springs:
                 return self._held_by_springs()
             if not self.watch.knows_slides:
-                slides = [descent.slide.address for descent in self.descents]
-                self.watch.show("slides", np.array(slides, np.int64))
-                self.watch.knows_slides = 1
+                self._show_slides()
         return self._stuck()
+
+    def _show_slides(self) -> None:
+        """Let machine code look at the slides."""
+        slides = [descent.slide.address for descent in self.descents]
+        self.watch.show("slides", np.array(slides, np.int64))
+        self.watch.knows_slides = 1
 
     @cached_property
     def springs(self) -> list[LevelSet]:
@@ -424,8 +427,10 @@ class _Response:
 
     def _at_equilibrium(self, target: LevelSet, margin: float) -> Outcome:
         outcome = self._resting_in(target.equilibrium)
-        found = target.sliding.field(target.equilibrium)
-        outcome.values |= self._mean_powers([*found.energies[OTHER_POWER:], 0.0, *found.powers])
+        if self.tells_powers:
+            found = target.sliding.field(target.equilibrium)
+            powers = self._mean_powers([*found.energies[OTHER_POWER:], 0.0, *found.powers])
+            outcome.values |= powers
         outcome.values |= at_equilibrium(int(target.number), margin)
         return outcome
 
@@ -660,7 +665,7 @@ class _Response:
 
     def _mean_powers(self, powers: ArrayLike) -> dict[str, float]:
         """Mean powers, where they may be asked for."""
-        if self.settings.get("powers") == "none":
+        if not self.tells_powers:
             return {}
         return {f"mean_{name}_power": float(p) for name, p in self._named(powers).items()}
 
