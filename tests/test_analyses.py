@@ -34,6 +34,7 @@ from fiv_cli.codegen.generate import FLOW, JACOBIAN, TANGENT
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.dynamics import recorder
 from fiv_cli.dynamics import system as systems
+from fiv_cli.flags import ATTRACTOR
 
 FORCED = {"u0": 0.5, "omega": 1.2}
 RELEASE = Section("event", "stick->slip")
@@ -556,6 +557,60 @@ def test_motions_recorded_by_one_call_are_those_recorded_alone(
         assert (found.status, found.reason) == (one.status, one.reason)
         np.testing.assert_equal(found.whole().values, one.values)
         np.testing.assert_equal(found.whole().ragged, one.ragged)
+
+
+REST = {"section": Section("own"), "observe": None, "t_max": 60.0, "transient": 0.0,
+        "lyapunov": "auto", "powers": "none"}  # fmt: skip
+TOGETHER = (
+    ("belt-1dof", "coulomb", {"c": 0.5, "mu_k": 0.2}, {"v": [0.3, 2.0], "u0": [0.0, 0.1]}, "x", {}),
+    ("belt-1dof", "coulomb", {"c": 0.0}, {"v": [0.0, 1.0, -1.0]}, "x", {}),
+    ("belt-1dof", "lugre", {"c": 0.5}, {"v": [0.0, 0.1, 1.0]}, "x", {}),
+    ("belt-1dof", "coulomb", {"c": 0.5}, {"v": [0.1, 2.0]}, "x", {"transient": 3.0}),
+    ("belt-5dof", "coulomb", {"F": 200.0, "k_nl": 1e4, "mu_s": 3.0}, {"mu_k": [0.3, 1.4]}, "x1",
+     {"section": Section("event")}),
+    ("pin-on-disc", "coulomb", {"Omega": 2.0}, {"N0": [0.0, 10.0, 30.0]}, "phi", {}),
+    ("belt-2mass", "stribeck", {"N2": 5.0}, {"v": [0.0, 0.5, 2.0], "D": [0.0, 0.3]}, "x1", {}),
+    ("disc-nonlinear-contact", "coulomb", {}, {"mu_k": [0.0, 0.3]}, "u", {"t_max": 2.0}),
+    ("pin-on-disc", "coulomb", {"Omega": 2.0}, {"N0": [10.0]}, "phi", {"powers": "mean"}),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "law", "given", "grid", "state", "settings"), TOGETHER)
+def test_steady_states_told_side_by_side_are_those_told_alone(
+    model: str,
+    law: str,
+    given: dict[str, float],
+    grid: dict[str, list[float]],
+    state: str,
+    settings: dict[str, Any],
+) -> None:
+    """At rest at once, on the way there, not at all, nowhere to begin; whatever is beside them."""
+    setup, known = Setup.of(model, law), {**defaults(model, law), **given}
+    points = [
+        {**known, **dict(zip(grid, values, strict=True))} for values in product(*grid.values())
+    ]
+    starts = [Start("a", "equilibrium", {state: offset}) for offset in (0.0, 1e-4)]
+    starts += [Start("a", "state", {state: value}) for value in (0.0, 0.1, np.nan)]
+    starts.append(Start("a", "state", {f"{state}_dot": 2.0}))
+    solver = SolverSettings(max_steps=20_000)
+    requests = [
+        Request(setup, point, "response", REST | settings, solver, start)
+        for point in points
+        for start in starts
+    ]
+    alone = [execute.execute(request) for request in requests]
+    broken = [*requests[:2], replace(requests[0], parameters={}), *requests[2:]]
+    for given_requests, expected in (
+        (requests, alone),
+        (requests[::-1], alone[::-1]),
+        (broken, [*alone[:2], execute.execute(broken[2]), *alone[2:]]),
+    ):
+        together = list(execute.execute_all(given_requests))
+        for found, one in zip([outcome.whole() for outcome in together], expected, strict=True):
+            assert (found.status, found.reason) == (one.status, one.reason)
+            if "attractor" in found.values and found.values["attractor"] in ATTRACTOR.names:
+                found.values["attractor"] = ATTRACTOR.names[found.values["attractor"]]  # its code
+            np.testing.assert_equal((found.values, found.ragged), (one.values, one.ragged))
 
 
 def test_points_run_one_after_the_other_are_answered_as_alone() -> None:

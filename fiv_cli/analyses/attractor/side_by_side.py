@@ -63,7 +63,7 @@ class SideBySide:
         self.initial = self.runs.own("y")[:, : len(system.motions)].copy()
         self.ways = self.landscape.unexcited.parameters[:, system.n_own_parameters : -1].copy()
         self.slides_now = self._slide()
-        self.is_plain = begun & self._are_plain()
+        self.is_plain = begun & self._are_plain() & (self.slides_now | self._move())
         # Of each that rests, the number of the level set that it is in.
         self.targets = np.where(self._rest_at_once(), self.landscape.ends[:-1], -1)
         self.has_moved = np.zeros(len(requests), bool)
@@ -83,6 +83,17 @@ class SideBySide:
         own = self.runs.own("parameters")[:, self.system.n_own_parameters : -1]
         sliding = self.runs.own("kinds") == self.runs.blank.sliding_kinds
         return np.asarray(sliding.all(axis=1) & (own == self.ways).all(axis=1))
+
+    def _move(self) -> NDArray[np.bool_]:
+        """Which do not stand still: what does may be stuck."""
+        kinds, moving = self.runs.own("kinds"), ~self.slides_now
+        states = kinds @ 3 ** np.arange(kinds.shape[1])
+        for index in set(states[moving].tolist()):
+            rows = np.flatnonzero(moving & (states == index))
+            if self.system.tables.field[index]:
+                there = self.runs.own("coefficients")[rows], 0.0, self.runs.own("y")[rows]
+                moving[rows] = self.system.field(index, *there).rates.any(axis=1)
+        return moving
 
     def _rest_at_once(self) -> NDArray[np.bool_]:
         """Which begin in the first level set of theirs."""
