@@ -268,7 +268,7 @@ class Analysis:
     counterpart : the kind that is meant where they vary, or do not; "" where there is none
     unsuited : model -> why it cannot be analysed so; empty where it can
     in_blocks : whether `run` takes requests that differ in parameters and starts alone, and answers
-        in a list
+        one after the other, with columns that may be filled when it has answered the last
     generated : whether `run` takes a compiled system; otherwise its `Setup` is enough
     chains : whether a point may continue from its neighbour along an axis
     recorded : whether `run` follows a motion and no more, so that tangents are not needed nor,
