@@ -93,9 +93,11 @@ def _analysis(
     for one in found.refusals:
         named = given.get("parameter") if one.of_name and one.place == ("parameter",) else None
         hint = counterpart(str(named), known.varying())
-        hint = hint or (setting_meant(str(one.place[0]), settings) if one.of_key else "")
+        key = str(one.place[0])
+        elsewhere = any(key in other.default_settings for other in analyses.values())
+        hint = hint or (setting_meant(key, settings) if one.of_key and not elsewhere else "")
         hint = hint or one.suggestion
-        hint = hint or _where_it_belongs(str(one.place[0]), analysis)
+        hint = hint or _where_it_belongs(key, analysis)
         at = (*place, *one.place)
         report.add(at, one.message, one.allowed, hint, one.of_name, one.of_key, one.relates)
     return AnalysisSpec(name, analysis.kind, found.value)
