@@ -288,3 +288,17 @@ def test_about_steady_sliding_the_sign_of_the_acceleration_is_a_mass() -> None:
     rates = [one["growth_rate"] for one in found]
     assert np.max(found[1]["eigenvalue_imag"]) == pytest.approx(heavier**-0.5, rel=1e-6)
     assert rates[0] < 0.0 and rates[0] / rates[1] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_a_bristle_that_hardly_moves_ends_its_run() -> None:
+    """At 1e-21 m/s Newton's steps to an event follow rounding, which once led 1000 steps too far."""
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"c": 0.5, "v": 0.0}},
+        "friction": {"law": "lugre"},
+        "initial": [{"label": "near", "kind": "equilibrium", "offset": {"x": 1e-4}}],
+        "analysis": [{"kind": "response", "transient": 3.0, "t_max": 60.0}],
+        "solver": {"max_steps": 20000},
+    }
+    found = api.run(api.load(case), workers=1)
+    assert found["status"].item() == 0 and found["n_steps"].item() < 20000

@@ -102,6 +102,7 @@ FEWEST_NODES = 3  # of a quadrature
 MANTISSA, BIAS = 2**52, 1023  # of a float's bits: the exponent counts these, from there
 SHORTER = 0.75  # a part of a step that does not suit tangents is cut to this share of it
 NEGLIGIBLE = 1e-200  # a scale this small is none: quotients by it overflow
+ASTRAY = 2.0  # of a step: a Newton step from an event to behind this follows rounding
 POLISHES = 4  # looks at a switching function at an event, Newton steps between them
 ROUNDING = 1e-16  # a residual, relative to the scale, that no further step improves
 EXACT = 1e-6  # ... and that a motion of this share of the tolerance does not notice
@@ -1520,7 +1521,10 @@ def polished(
         residual = abs(value) / scale if scale > 0.0 else 0.0
         if grazing or residual <= enough or polish == POLISHES - 1:
             break
-        tau += max(-value / fall, -tau)
+        change = max(-value / fall, -tau)
+        if tau + change > ASTRAY * step:  # by rounding alone: what is found is as good
+            break
+        tau += change
         call_generated(run.sum_series, run.coefficients, tau, run.series, out)
     if grazing and scale > 0.0:
         tau = touched(run, index, hit, tau, step, scale, out)
