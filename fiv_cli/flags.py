@@ -116,7 +116,7 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "tests_disagree",
         "section points and Lyapunov exponent say different things of the motion: raise t_max "
-        "(tenfold decides about a third of such points)",
+        "(tenfold decides about a third of such points), or choose a section at another contact",
     ),
     Reason(
         "chattering",

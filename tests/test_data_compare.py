@@ -96,6 +96,14 @@ def test_the_worst_offender_is_shown() -> None:
     assert "3 against 4 at mu_k=0.2, initial=near" in found.text
 
 
+def test_axes_in_another_order_are_one_difference() -> None:
+    """By place every point would be another."""
+    other = dataset()
+    dims = [str(dim) for dim in other["status"].dims]
+    (told,) = differences(other.transpose(*reversed(dims), ...))
+    assert "in another order, " in told.text and ", ".join(dims) in told.text
+
+
 def test_two_ulp_are_no_difference() -> None:
     right = dataset()
     right["L_s"] = right["L_s"].copy(data=np.nextafter(np.nextafter(right["L_s"], 9.0), 9.0))

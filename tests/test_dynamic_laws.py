@@ -291,7 +291,7 @@ def test_about_steady_sliding_the_sign_of_the_acceleration_is_a_mass() -> None:
 
 
 def test_a_bristle_that_hardly_moves_ends_its_run() -> None:
-    """At 1e-21 m/s Newton's steps to an event follow rounding, which once led 1000 steps too far."""
+    """At 1e-21 m/s Newton's steps to an event follow rounding, which led 1000 steps too far."""
     case = {
         "schema": 1,
         "model": {"name": "belt-1dof", "parameters": {"c": 0.5, "v": 0.0}},

@@ -17,6 +17,7 @@ import pytest
 import sweep_fakes
 
 from fiv_cli import files
+from fiv_cli.data.course import Course
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
 from fiv_cli.sweep import journal
@@ -634,6 +635,16 @@ def test_a_line_tells_time_rate_and_what_is_left() -> None:
         "2 of 3, a.toml: 70 of 100 points done, 2 failed; "
         "18 min elapsed, 0.01 points/s, some 50 min to go; slowest 5 min at v=1.0,initial=far",
     ]
+
+
+def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
+    """Counts are numpy's."""
+    course = Course(1000, [0.0, 10.0], [0, np.int64(50)])
+    assert (
+        course.pace(10.0) == "10 s elapsed, 5 points/s, some 3.2 min to go, were the others alike"
+    )
+    course.note(20.0, np.int64(50))
+    assert course.pace(20.0) == "20 s elapsed, 5 points/s, some 3 min to go"
 
 
 def test_lines_come_whether_anything_happens_or_not(monkeypatch: pytest.MonkeyPatch) -> None:

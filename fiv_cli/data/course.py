@@ -66,7 +66,7 @@ class Course:
             return elapsed
         rate = self.rate(now)
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
-        early = ", were the others alike" * (self.done < EARLY * self.total)
+        early = ", were the others alike" if self.done < EARLY * self.total else ""
         return f"{elapsed}, {speed} points/s, some {duration(left)} to go{early}"
 
     def line(self, now: float) -> str:

@@ -199,6 +199,9 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
     if MOTION in attributes:
         said = f"{path} holds the motion at {attributes[MOTION]}, and no sweep"
         return None, f"{said}; {_elsewhere(case, path) or advice}"
+    if "\n" in str(attributes.get("history", "")):
+        said = f"{path} joins several runs (api.join)"
+        return None, f"{said}; from Python: api.claims(case, api.read({str(path)!r}))"
     if not is_of(attributes, case):
         advice = _as_it_was_run(attributes, case, path) or f"{advice} --fresh"
         said = f"{path} was computed from another version of the case"

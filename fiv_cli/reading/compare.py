@@ -154,9 +154,21 @@ def compare(
             differences.append(Difference(name, f"only in the {side} dataset"))
         else:
             one, other = (_found(side[name]) for side in (left, right))
+            if another := _another_order(one, other):
+                differences.append(Difference(name or "axes", another))
+                continue
             pair = _Pair(one, other, tolerances, f"{name}/" if name else "")
             differences.extend(pair.differences())
     return sorted(differences, key=_rank)
+
+
+def _another_order(one: xr.Dataset, other: xr.Dataset) -> str:
+    """That two datasets have the same axes, in another order, by which points are compared."""
+    dims = [tuple(map(str, side["status"].dims)) for side in (one, other) if "status" in side]
+    if len(dims) < 2 or dims[0] == dims[1] or {*dims[0]} != {*dims[1]}:
+        return ""
+    orders = " against ".join(", ".join(order) for order in dims)
+    return f"the axes of [grid] in another order, {orders}: run one of them in that of the other"
 
 
 def _rank(one: Difference) -> int:

@@ -63,7 +63,8 @@ def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:
     if name in dataset.dims:
         return xr.DataArray(np.arange(dataset.sizes[name]), dims=name, name=name)
     known = ", ".join(str(axis) for axis in axis_names(dataset)) or "none"
-    raise SelectionError(f"{name}: no axis of this dataset\nits axes: {known}")
+    hint = f"; fiv show FILE.nc --csv {name} lists the variable" * (name in dataset)
+    raise SelectionError(f"{name}: no axis of this dataset\nits axes: {known}{hint}")
 
 
 def axis_names(dataset: xr.Dataset) -> list[str]:

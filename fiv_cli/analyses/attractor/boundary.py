@@ -67,7 +67,7 @@ def _end(side: str, unit: str) -> tuple[Variable, ...]:
     """One end of a range."""
     name, end = f"bistable_{side}", f"{side}er end of a range in which the way up and down differ"
     known = "width of the interval that it was bisected to; missing where nothing changes"
-    off = "that of the boundary there; missing where nothing changes"
+    off = "that of the boundary there; 0 at an edge of the bracket, missing at undecided runs"
     kind = "what is there: a change of the answer, the bracket, or runs without one (undecided)"
     return (
         Variable(name, unit, end, "range", width=f"{name}_width"),

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.bisection import (
     Change,
+    Edge,
     Found,
     Look,
     confirmed_within,
@@ -262,10 +263,16 @@ def _bistable(
     for side, some in edges.items():
         values[f"bistable_{side}"] = np.array([edge.value for edge in some])
         values[f"bistable_{side}_width"] = np.array([edge.width for edge in some])
-        off = [errors.get(edge.value, np.nan) if edge.kind == "change" else np.nan for edge in some]
-        values[f"bistable_{side}_error"] = np.array(off)
+        values[f"bistable_{side}_error"] = np.array([_off(edge, errors) for edge in some])
         values[f"bistable_{side}_kind"] = _names(edge.kind for edge in some)
     return values
+
+
+def _off(edge: Edge, errors: Mapping[float, float]) -> float:
+    """How far an end of a range may be off; an edge of the bracket is what it is."""
+    if edge.kind == "bracket":
+        return 0.0
+    return errors[edge.value] if edge.kind == "change" else float("nan")
 
 
 def _concluded(
