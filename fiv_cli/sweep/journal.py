@@ -45,7 +45,7 @@ _PROVISIONAL = [STATUS.codes["failed"], STATUS.codes["not_reached"]]
 DECISIVE = 16
 """Bytes of a key by which a point is known: of 1e9 points no two share them by chance."""
 
-KEPT = 64 * 2**20
+KEPT = 16 * 2**20
 """Bytes of results that stay in memory until the dataset is made; the rest is read again."""
 
 AGES = (2**19, 2**23)
