@@ -65,6 +65,14 @@ class TestFingerprint:
     def test_no_differences_from_itself(self) -> None:
         assert differences(document(parse()), parse("grid.v=[7.0]")) == []
 
+    def test_a_section_is_told_as_a_case_writes_it(self) -> None:
+        named = parse("analysis.response.section.zero=x_dot")
+        (told,) = differences(document(named), parse())
+        assert told == (
+            'analyses.response.settings.section: stored { zero = "x_dot", direction = "both" }, '
+            'now { event = "any" }, as where a case names none'
+        )
+
     def test_an_analysis_may_be_added_and_none_taken_away_or_changed(self) -> None:
         case = parse()
         assert differences(document(case, case.analyses[1:]), case) == []

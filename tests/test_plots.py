@@ -1555,6 +1555,27 @@ def test_plot_overlays_files_where_a_figure_can(stored):
     assert result.stdout.split() == ["bifurcation-curve.png"]
 
 
+@pytest.mark.parametrize(
+    ("changes", "called"),
+    [
+        ({}, ["one", "two"]),
+        ({"N0": 20.0}, ["$N_{0}$ = 30 N", "$N_{0}$ = 20 N"]),
+        ({"N0": 20.0, "c": 1.0}, ["$c$ = 0, $N_{0}$ = 30 N", "$c$ = 1, $N_{0}$ = 20 N"]),
+        ({"N0": 30.0 + 1e-9}, ["one", "two"]),
+        ({"N0": 20.0, "c": 1.0, "k": 1.0}, ["one", "two"]),
+        ({"N0": 20.0, "law": "stribeck"}, ["coulomb", "stribeck"]),
+    ],
+)
+def test_datasets_of_one_figure_are_called_by_what_they_differ_in(changes, called):
+    one = data.bifurcation().assign_attrs(law="coulomb").assign_coords(c=0.0, k=0.0)
+    one["N0"] = ((), 30.0, {"units": "N"})
+    one = one.set_coords("N0")
+    law = {"law": changes.pop("law", "coulomb")}
+    fixed = {name: ((), value, one[name].attrs) for name, value in changes.items()}
+    other = one.assign_coords(fixed).assign_attrs(law)
+    assert words.told_apart([("one", one), ("two", other)]) == called
+
+
 def test_plot_draws_laws_without_a_dataset(stored):
     result = run(plot_command, "--law", "coulomb", "--law", "tanh of coulomb")
     assert result.stdout == "runs/law-coulomb-tanh-of-coulomb.png\n"

@@ -186,7 +186,9 @@ def _plain(value: Any) -> Any:
 
 
 def _compare(stored: Any, now: Any, place: str) -> Iterable[str]:
-    if isinstance(stored, dict) and isinstance(now, dict):
+    if place.endswith(".section") and stored != now:
+        yield f"{place}: stored {_as_written(stored)}, now {_as_written(now)}"
+    elif isinstance(stored, dict) and isinstance(now, dict):
         for key in sorted(stored.keys() | now.keys()):
             yield from _compare_key(stored, now, key, f"{place}.{key}" if place else key)
     elif stored != now:
@@ -202,6 +204,16 @@ def _compare_key(
         yield f"{place}: now{_shown(now[key]) or ' there'}, absent in what is stored"
     else:
         yield from _compare(stored[key], now[key], place)
+
+
+def _as_written(section: Mapping[str, Any]) -> str:
+    """A stored section as a case writes it; one that names none has that of any event."""
+    if section["kind"] == "own":
+        return '{ event = "any" }, as where a case names none'
+    told = {"event": ("event", "contact"), "zero": ("state", "direction"), "phase": ("phase",)}
+    names = {"state": "zero"}
+    pairs = [(names.get(key, key), section[key]) for key in told[section["kind"]]]
+    return f"{{ {', '.join(f'{name} = {json.dumps(value)}' for name, value in pairs)} }}"
 
 
 def _shown(value: Any) -> str:

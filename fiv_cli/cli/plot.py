@@ -220,7 +220,7 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
 
     (file, source), *others = sources
     try:
-        every = [(f.stem, s) for f, s in sources] if others else source
+        every = _named(sources) if others else source
         return draw(every, figure, look=look)
     except EmptyFigureError:
         raise
@@ -230,6 +230,13 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
             raise nothing_suits(source) from None
         suiting = listed(kinds)
         raise UsageError(f"{error}\n{file} can be drawn with --figure {suiting}") from None
+
+
+def _named(sources: Sources) -> list[tuple[str, dict[str, xr.Dataset]]]:
+    from fiv_cli.plots.labels import told_apart
+
+    names = told_apart([(file.stem, next(iter(source.values()))) for file, source in sources])
+    return [(name, source) for name, (_, source) in zip(names, sources, strict=True)]
 
 
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:

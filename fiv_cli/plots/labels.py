@@ -30,6 +30,7 @@ VARIANTS = {"phi": r"\varphi"}
 
 LONGEST_MEANING = 40
 LONGEST_SUBSCRIPT = 3  # x_rms is a symbol, n_solutions is words
+MOST_PARAMETERS = 2  # that tell datasets of one figure apart
 
 
 def axis_label(variable: xr.DataArray, name: str = "") -> str:
@@ -142,6 +143,31 @@ def value_label(axis: xr.DataArray, value: float | str) -> str:
     if unit == "rad" and _whole_degrees(axis.values):
         number, unit = round(np.degrees(number)), "deg"
     return f"{quantity(axis, str(axis.name))} = {number:.6g} {unit}".rstrip()
+
+
+def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
+    r"""What to call each of several datasets in one figure: what they differ in, else their files.
+
+    That is the law, or one or two fixed parameters: ``stribeck``; ``$N_0$ = 30 N``.
+    """
+    datasets = [dataset for _, dataset in files]
+    laws = [str(one.attrs.get("law", "")) for one in datasets]
+    found = (
+        laws if len(set(laws)) > 1 else [*map(", ".join, zip(*_differing(datasets), strict=True))]
+    )
+    return found if len(set(found)) == len(files) else [name for name, _ in files]
+
+
+def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
+    """Fixed parameter that differs -> its value in each dataset; none where more than two do."""
+    fixed = [
+        [one[name] for one in datasets]
+        for name, value in datasets[0].coords.items()
+        if all(name in one.coords and not one[name].ndim for one in datasets)
+    ]
+    differ = [values for values in fixed if len({one.item() for one in values}) > 1]
+    few = differ if len(differ) <= MOST_PARAMETERS else []
+    return [[value_label(one, one.item()) for one in values] for values in few]
 
 
 def _whole_degrees(angles: np.ndarray) -> bool:
