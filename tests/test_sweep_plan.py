@@ -307,3 +307,19 @@ def test_a_law_that_falls_with_speed_only_by_its_name_is_told(friction: str, tol
     text = f'schema = 1\n[model]\nname = "flutter-2dof"\n[friction]\n{friction}\n{RESPONSE}'
     lines = make_plan(sweep_fakes.case(text)).describe()
     assert sum("friction does not fall with speed" in line for line in lines) == told
+
+
+@pytest.mark.parametrize(
+    ("friction", "told"),
+    [
+        ('law = "stribeck"\nmu_s = 0.4', 1),
+        ('law = "stribeck"\nmu_s = 0.9', 0),
+        ('law = "stribeck"', 0),  # it follows mu_k
+        ('law = "coulomb"\nmu_s = 0.4', 0),  # of steady sliding it has no part
+    ],
+)
+def test_a_law_that_rises_within_the_bracket_is_told(friction: str, told: int) -> None:
+    critical = '[[analysis]]\nkind = "critical"\nparameter = "mu_k"\nbracket = [0.1, 0.9]\n'
+    text = f'schema = 1\n[model]\nname = "flutter-2dof"\n[friction]\n{friction}\n{critical}'
+    lines = make_plan(sweep_fakes.case(text)).describe()
+    assert sum("mu_k = 0.9 is above mu_s = 0.4" in line for line in lines) == told

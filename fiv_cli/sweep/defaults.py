@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 
+from fiv_cli.analyses import get_analysis
 from fiv_cli.case.assumed import assumed_of_contacts
 from fiv_cli.case.case import Case
 from fiv_cli.friction import get_law
@@ -52,7 +53,7 @@ def unequal_defaults(case: Case) -> list[str]:
 def remarks(case: Case) -> list[str]:
     """What is assumed where contacts stick at once, and what may be meant so in a law."""
     own = [law for law in map(get_law, case.laws) if law.origin is not None]
-    assumed = [*assumed_of_contacts(case), *_level(case)]
+    assumed = [*assumed_of_contacts(case), *_level(case), *_rising(case)]
     return [*assumed, *(_asymmetries(own) if own else [])]
 
 
@@ -68,6 +69,31 @@ def _level(case: Case) -> Iterator[str]:
                 f"mu_s = mu_k by default on {case.model}: under {law.name} friction does not fall "
                 "with speed; write mu_s = VALUE under [friction]"
             )
+
+
+def _rising(case: Case) -> Iterator[str]:
+    """Laws that rise with speed somewhere in the case, for which no motion may be followed."""
+    linear = any(get_analysis(spec.kind).linear for spec in case.analyses)
+    for law in case.laws if linear else ():
+        static, kinetic = (_values(case, law, name) for name in ("mu_s", "mu_k"))
+        if law != "coulomb" and static and kinetic and max(kinetic) > min(static):
+            yield (
+                f"mu_k = {max(kinetic):.12g} is above mu_s = {min(static):.12g}: under {law} "
+                "friction rises with speed there; write a greater mu_s, or none where it follows "
+                "mu_k, under [friction]"
+            )
+
+
+def _values(case: Case, law: str, name: str) -> list[float]:
+    """The values of a law's parameter: of its axis, its bracket, or the one; none if it follows."""
+    for axis in case.axes:
+        if axis.name in (name, f"{law}.{name}"):
+            return [*axis.values]
+    for settings in (spec.settings for spec in case.analyses):
+        varied = settings.get("parameter")
+        if varied is not None and name in (varied.name, *varied.followers):
+            return [] if name in varied.followers else [*settings["bracket"]]
+    return [value for key, value in case.parameters.items() if key in (name, f"{law}.{name}")]
 
 
 def _asymmetries(laws: Sequence[Law]) -> Iterator[str]:
