@@ -225,7 +225,8 @@ def _print_law_parameters(model: Model, law: str) -> None:
     click.echo()
     _print_parameters(f"Parameters of {law}, under [friction]", parameters)
     those = "every law" if model.origin else "every law of fiv"
-    click.echo(f"\nOn this model, under {those}: {_assigned(model.law_defaults)}")
+    if model.law_defaults:
+        click.echo(f"\nOn this model, under {those}: {_assigned(model.law_defaults)}")
 
 
 def _print_law(law: Law) -> None:
