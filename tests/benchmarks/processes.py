@@ -55,8 +55,8 @@ schema = 1
 [model]
 name = "pin-on-disc"
 [grid]
-Omega = { start = 0.5, stop = 12.0, num = 139 }
-N0 = { start = 1.0, stop = 40.0, num = 40 }
+Omega = { start = 0.5, stop = 12.0, num = 389 }
+N0 = { start = 1.0, stop = 40.0, num = 100 }
 [[initial]]
 label = "disc-speed"
 kind = "state"
