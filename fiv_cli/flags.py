@@ -196,7 +196,7 @@ REASONS: tuple[Reason, ...] = (
         "slide_not_decided",
         "the motion slides, but its time was up before its level fell as that of the linearised "
         "system does (near a border, or growing; or it slips back and forth without ever meeting "
-        'the section): raise t_max, or choose a section that it meets, as { event = "any" }',
+        "the section): raise t_max, or leave out a section that the case names",
     ),
     Reason(
         "cycle_not_confirmed",

@@ -205,7 +205,7 @@ def test_the_coulomb_cycle() -> None:
     assert found["x_dot_max"] == 1.0
     assert found["x_dot_min"] == pytest.approx(-sqrt(1 + 1.7**2), abs=1e-12)
     np.testing.assert_allclose(found["floquet_multiplier"], [1.0, 0.0], atol=1e-12)
-    assert "lyapunov" not in found or -np.inf < found["lyapunov"] < -3.0
+    assert "lyapunov" not in found  # stick forgets all: what is left of the multiplier is rounding
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from fiv_cli.own import load
 from fiv_cli.own.check import asymmetry, problems_of
 from fiv_cli.own.probe import examine, use_files
 from fiv_cli.own.template import law_template, model_template
+from fiv_cli.reading.changed import changed_since
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import for_stderr
 from fiv_cli.sweep.run import run_case
@@ -106,6 +107,16 @@ def test_a_folder_stands_for_its_files_and_the_environment_for_the_option(monkey
     assert {"my-belt", "your-belt"} <= {*names}
 
 
+def test_a_law_in_a_file_of_its_own_is_told_to_be_named_too(monkeypatch, capsys):
+    text = Path("my.py").read_text().replace('default_law="coulomb"', 'default_law="hill"')
+    Path("my.py").write_text(text)
+    Path("hill.py").write_text(law_template("hill"))
+    monkeypatch.setenv("FIV_WITH", "hill.py")
+    assert run(["models", "my-belt", "--with", "my.py"]) == 3
+    assert "named with a further --with FILE.py (FIV_WITH counts" in capsys.readouterr().err
+    assert run(["models", "my-belt", "--with", "my.py", "--with", "hill.py"]) == 0
+
+
 def test_workers_load_the_text_that_was_read_not_the_file():
     case = api.load("case.toml", using="my.py")
     Path("my.py").unlink()
@@ -156,6 +167,9 @@ def test_an_edited_model_meets_neither_old_results_nor_old_code():
         api.run(edited, "a.nc", workers=1)
     after = api.run(edited, "a.nc", workers=1, fresh=True)
     assert (after["x_max"] < before["x_max"]).all()
+    assert not changed_since(after.attrs)
+    Path("my.py").write_text(MODEL)
+    assert changed_since(after.attrs).startswith("my.py was changed since: fiv run case.toml")
     again = api.run(case, workers=1)  # a case is what it was loaded as
     assert again["x_max"].equals(before["x_max"])
 

@@ -708,8 +708,22 @@ def test_cells_without_a_number_are_named_by_what_is_there():
     moves = dataset["attractor"] == data.codes(data.ATTRACTORS, "periodic")
     dataset["period"] = dataset["L_s"].where(moves)
     assert legend_texts(draw(dataset, figure("map", variable="period"))) == [
-        "not reached, undecided, equilibrium"
+        "no value: not reached, undecided, equilibrium"
     ]
+
+
+def test_numbers_of_motions_that_had_not_settled_are_marked_on_a_map():
+    dataset = data.stability_map()
+    drawn = draw(dataset, figure("map", variable="L_s"))
+    undecided = dataset["attractor"] == data.codes(data.ATTRACTORS, "undecided")
+    (x,), (y,) = (dataset[name].values[:1] for name in ("Omega", "N0"))
+    assert int(undecided.sum()) == 2  # the same point from both starts
+    for ax in drawn.axes[:2]:
+        assert marks(ax, "undecided").tolist() == [[x, y]]
+    assert "undecided" in legend_texts(drawn)
+    assert "undecided" in legend_texts(draw(dataset, figure("map")))  # there a class of its own
+    decided = draw(dataset.isel(Omega=slice(1, None)), figure("map", variable="L_s"))
+    assert not any(ax.lines for ax in decided.axes)
 
 
 def test_the_axes_of_a_map_can_be_exchanged():

@@ -63,7 +63,8 @@ with_option: Callable[[F], F] = click.option(
     envvar="FIV_WITH",
     expose_value=False,
     callback=_use,
-    help="Models and laws of your own: a file, or a folder of them. Repeatable.",
+    help="Models and laws of your own: a file, or a folder of them. Repeatable; where it is given, "
+    "FIV_WITH=FILE.py does not count.",
 )
 
 output_option: Callable[[F], F] = click.option(

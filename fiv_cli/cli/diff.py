@@ -71,7 +71,7 @@ def _print(difference: Difference) -> None:
         rows = [(c.first, c.second, str(c.count), _places(c)) for c in difference.changes]
         print_table(title, ("from", "to", "how many", "where"), rows)
     else:
-        count = f" ({difference.count})" if difference.count > 1 else ""
+        count = f" (worst of {difference.count})" if difference.count > 1 else ""
         click.echo(printable(f"{difference.what}: {difference.text}{count}"))
 
 

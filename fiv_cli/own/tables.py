@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from math import isinf
 from typing import Any
 
@@ -90,12 +91,19 @@ def tables_of_model(model: Model) -> Iterator[Fault]:
     yield from _law_of(model)
 
 
+_ELSEWHERE = (
+    "one in a file of its own is named with a further --with FILE.py (FIV_WITH counts only where "
+    "there is no --with)"
+)
+
+
 def _law_of(model: Model) -> Iterator[Fault]:
     laws = all_laws()
     if not model.contacts:
         return
     if model.default_law not in laws:
-        yield none_called("Model", model.name, "default_law", "law", laws, model.default_law)
+        fault = none_called("Model", model.name, "default_law", "law", laws, model.default_law)
+        yield replace(fault, message=f"{fault.message}; {_ELSEWHERE}")
         return
     unfit = why_unfit(model, laws[model.default_law])
     if unfit and model.contacts:

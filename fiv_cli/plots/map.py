@@ -230,7 +230,7 @@ def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     kinds = [kind for kind, mask in reasons.items() if bool((mask & ~known).any())]
     if filled := dataset.attrs.get("points_filled_in"):
         kinds.append(f"{filled} not run, only the class filled in (fiv show: what runs them)")
-    return ", ".join(kinds) or "no value"
+    return ", ".join(kinds)
 
 
 def _decided(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -263,6 +263,24 @@ def _paint_numbers(
         image = planes.mesh(ax, plane, cmap="cividis", vmin=low, vmax=high)
         hatch(ax, np.isnan(plane))
     figure.colorbar(image, ax=list(axes), label=labels.axis_label(planes.array))
-    missing = why_missing(planes.dataset, values.notnull())
-    if missing or handles:
-        legend_below(figure, handles, missing)
+    why = why_missing(planes.dataset, values.notnull())
+    missing = "" if bool(values.notnull().all()) else f"no value{': ' * bool(why)}{why}"
+    told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
+    if missing or told:
+        legend_below(figure, told, missing)
+
+
+def _mark_undecided(axes: Sequence[Axes], planes: _Planes, known: xr.DataArray) -> Sequence[Artist]:
+    """Dots on numbers of motions that had not settled, and the entry of a legend for them."""
+    undecided = points.gaps(planes.dataset).get("undecided")
+    if undecided is None or undecided.dims != known.dims or not bool((undecided & known).any()):
+        return []
+    marked: Sequence[Artist] = ()
+    for ax, panel in zip(axes, planes.panels, strict=False):
+        rows, columns = np.nonzero(planes.of(undecided & known, panel))
+        x, y = planes.places
+        marked = ax.plot(
+            x[columns], y[rows], "o", color="white", mec=style.BLACK, mew=0.5, ms=2.5,
+            ls="none", label="undecided",
+        )  # fmt: skip
+    return marked

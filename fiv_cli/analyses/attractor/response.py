@@ -85,7 +85,13 @@ def variables(subject: Subject) -> list[Variable]:
         share("slip_fraction", "share of time in slip", contact),
         share("separation_fraction", "share of time in separation", contact),
         *extremes(states, rms=True),
-        Variable("lyapunov", "s-1", "largest nontrivial Lyapunov exponent"),
+        Variable(
+            "lyapunov",
+            "s-1",
+            "largest nontrivial Lyapunov exponent",
+            comment="none of a cycle whose multipliers are zero within rounding, as where stick "
+            "forgets what was before",
+        ),
         *MULTIPLIERS,
         *impacts(subject, "over a period, or over L_s_window"),
         *_powers(subject),

@@ -64,6 +64,7 @@ from fiv_cli.analyses.common import (
     trust,
 )
 from fiv_cli.analyses.cycles.periodic import (
+    ROUNDING,
     Orbit,
     begin,
     extents,
@@ -670,11 +671,11 @@ class _Response:
         return {f"mean_{name}_power": float(p) for name, p in self._named(powers).items()}
 
     def _floquet(self, cycle: Orbit) -> dict[str, object]:
-        """Multipliers, and the exponent of the largest nontrivial one where there is one."""
+        """Multipliers, and the exponent of the largest nontrivial one where it is not rounding."""
         if self.settings["lyapunov"] == "never":
             return {}
         values: dict[str, object] = {**floquet(cycle.multipliers)}
-        if cycle.largest > 0.0:
+        if cycle.largest > ROUNDING:
             values["lyapunov"] = float(np.log(cycle.largest) / cycle.period)
         return values
 

@@ -43,6 +43,7 @@ RANK = 1e-12  # singular values below this share of the largest count as zero
 AT_REST = 1e-7  # a motion of this extent, relative to its distance from zero, is an equilibrium
 SAME_POINT = 1e-6  # section points of one cycle lie further apart than this share of its extent
 MOST_EVENTS = 4096  # events, and section points, per period that are told apart
+ROUNDING = 1e-12  # a multiplier below this is zero: stick forgets, and eigenvalues are rounded
 PRESSED = 1e-3  # m, taken up at once
 NONE = np.zeros(0)
 
