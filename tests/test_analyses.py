@@ -360,6 +360,15 @@ def test_eigenvalues_of_the_belt(law: str, slope: float) -> None:
     assert found["growth_frequency"] == pytest.approx(abs(fastest.imag) / (2 * pi))
 
 
+@pytest.mark.parametrize("mu_k", [0.05, 0.1, 0.15, 0.2])
+def test_of_modes_that_grow_alike_the_frequency_told_is_the_lowest(mu_k: float) -> None:
+    """Not that of whichever rounding lets grow faster."""
+    changes = {"c1": 0.1, "c2": 0.1, "mu_k": mu_k}
+    found = analyse("flutter-2dof", "coulomb", "eigenvalues", **changes).values
+    assert found["eigenvalue_real"] == pytest.approx(-0.05, abs=1e-12)
+    assert found["growth_frequency"] == min(found["mode_frequency"])
+
+
 def test_the_jacobian_is_the_derivative_of_the_rates() -> None:
     state = sliding(system("pin-on-disc"), defaults("pin-on-disc", "coulomb"))
     at = np.array([0.03, -0.02, 0.5, -0.3])

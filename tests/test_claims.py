@@ -59,6 +59,14 @@ def test_a_finding_counts_classes_and_names_the_misses():
     assert "not at mu_k = 0.3" in verdict.found
 
 
+def test_points_that_have_no_such_value_are_told_apart_from_wrong_ones():
+    between = {"between": [1, 2]}
+    verdict = tried(sweep(THREE, L_s=[1.0, 2.0, np.nan]), "L_s", between)
+    assert (verdict.verdict, verdict.hits, verdict.points) == (CONTRADICTED, 2, 3)
+    assert "1 have none (equilibrium 1): narrow `at`" in verdict.found
+    assert "have none" not in tried(sweep(THREE, L_s=[1.0, 2.0, 3.0]), "L_s", between).found
+
+
 def test_many_misses_are_counted_not_listed():
     found = tried(sweep(["chaotic"] * 10), "attractor", "periodic").found
     assert found.count("mu_k =") == 3

@@ -1163,6 +1163,12 @@ def test_a_line_stands_where_modes_merge():
     dataset["coupling_point"].attrs["along"] = "F"
     top, _ = draw(dataset, figure("eigenvalues")).axes
     assert "modes merge" not in [line.get_label() for line in top.lines]
+    dataset["coupling_point"].attrs["along"] = "mu_k"
+    apart = dataset.assign(coupling_point=dataset["coupling_point"] * np.nan)
+    laws = xr.Variable("friction", ["coulomb", "stribeck"])
+    top, _ = draw(xr.concat([dataset, apart], laws), figure("eigenvalues")).axes
+    assert marks(top, "modes merge, coulomb")[:, 0].tolist() == [0.5, 0.5]
+    assert "modes merge" not in [line.get_label() for line in top.lines]
 
 
 def test_eigenvalues_mark_every_unstable_point():
@@ -1548,7 +1554,7 @@ def test_plot_leaves_out_figures_of_the_sweep_that_a_history_cannot_show(stored)
         data.history().assign_attrs(data.attributes(*figures)).to_netcdf(stored / "one.nc")
         result = run(plot_command, "one.nc")
         assert result.stdout.split() == drawn
-        assert "figure bifurcation left out: nothing to draw" in result.stderr
+        assert "figure bifurcation left out: section_value: no values at a section" in result.stderr
     with pytest.raises(UsageError, match="no values at a section"):
         run(plot_command, "one.nc", "--figure", "bifurcation")
 

@@ -309,6 +309,16 @@ def test_a_law_that_falls_with_speed_only_by_its_name_is_told(friction: str, tol
     assert sum("friction does not fall with speed" in line for line in lines) == told
 
 
+@pytest.mark.parametrize(("kinds", "told"), [(["response"], 1), (["response", "history"], 0)])
+def test_a_figure_that_only_a_motion_has_is_told(kinds: list[str], told: int) -> None:
+    keys = {"history": "t_end = 1.0"}
+    analyses = "".join(f'[[analysis]]\nkind = "{one}"\n{keys.get(one, "")}\n' for one in kinds)
+    figure = '[[figure]]\nname = "portrait"\nkind = "phase"\n'
+    text = f'schema = 1\n[model]\nname = "belt-1dof"\n{analyses}{figure}'
+    lines = make_plan(sweep_fakes.case(text)).describe()
+    assert sum("figure portrait: of a motion" in line for line in lines) == told
+
+
 @pytest.mark.parametrize(
     ("friction", "told"),
     [

@@ -57,6 +57,14 @@ def check_what_is_asked(case: Case, report: Report) -> None:
     _check_refined(case, held, report)
 
 
+def drawn_of_motions(case: Case) -> list[str]:
+    """Names of the figures that show a motion, where no analysis of the case keeps one."""
+    held = (_variables(case, spec, True) or () for spec in case.analyses)
+    if any(variable.name == "contact_state" for variables in held for variable in variables):
+        return []
+    return [figure.name for figure in case.figures if figure.kind in ("history", "phase")]
+
+
 def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, report: Report) -> None:
     """Note what no analysis gives that a figure shows."""
     _check_scale(figure, place, report)

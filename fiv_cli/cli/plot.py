@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from fiv_cli.case.identity import MOTION
 from fiv_cli.cli.common import provide_cache, with_option
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.names import listed
@@ -242,17 +243,30 @@ def _named(sources: Sources) -> list[tuple[str, dict[str, xr.Dataset]]]:
 def _chosen(file: Path, source: dict[str, xr.Dataset], name: str | None) -> list[FigureSpec]:
     """The figures to draw: those called `name`, or all that the dataset can show.
 
-    What it cannot show is named on stderr.
+    What it cannot show is named on stderr, with the reason.
     """
     from fiv_cli.plots import can_draw, figures_called, figures_of, possible_figures
 
     if name is not None:
         return figures_called(source, name)
-    left_out = [figure.name for figure in figures_of(source) if not can_draw(source, figure)]
-    if left_out:
-        told = f"figure{'s' * (len(left_out) > 1)} {', '.join(left_out)}"
-        click.echo(f"{file}: {told} left out: nothing to draw", err=True)
+    for figure in figures_of(source):
+        if not can_draw(source, figure):
+            why = _why_not(source, figure)
+            click.echo(f"{file}: figure {figure.name} left out: {why}", err=True)
     return possible_figures(source)
+
+
+def _why_not(source: dict[str, xr.Dataset], figure: FigureSpec) -> str:
+    """Why a dataset cannot be drawn so, in a line."""
+    from fiv_cli.plots import draw
+
+    if MOTION in next(iter(source.values())).attrs:
+        return "of a sweep, and this is one motion of it"
+    try:
+        draw(source, figure)
+    except UsageError as error:
+        return str(error).replace("\n", "; ")
+    return "nothing to draw"
 
 
 def _with_paths(

@@ -78,10 +78,17 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
     """A line across where two modes merge or part, found between the points along `axis`."""
     if dataset.get("coupling_point", axis).attrs.get("along") != axis.name:
         return
-    places = np.unique(dataset["coupling_point"].values)
-    for number, place in enumerate(places[np.isfinite(places)]):
-        label = "modes merge" if number == 0 else None
-        ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
+    lines = points.lines(dataset, [str(axis.dims[0])], points.grid_dims(dataset))
+    found = {one.label: _places(dataset["coupling_point"].isel(one.index)) for one in lines}
+    alike = len({*map(tuple, found.values())}) == 1
+    for whose, places in [("", found[lines[0].label])] if alike else found.items():
+        for number, place in enumerate(places):
+            label = points.joined("modes merge", whose) if number == 0 else None
+            ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
+
+
+def _places(merging: xr.DataArray) -> list[float]:
+    return np.unique(merging.values[np.isfinite(merging.values)]).tolist()
 
 
 def _modes(dataset: xr.Dataset) -> dict[int, str]:

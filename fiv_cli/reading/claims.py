@@ -105,6 +105,7 @@ class _Trial:
     row : where each of the n lies, shape (n,); several may lie at the same place
     place : row -> its name
     noun : what is counted
+    empty : which of those missed have no value to try it on, their rows
     """
 
     hit: np.ndarray
@@ -114,6 +115,7 @@ class _Trial:
     row: np.ndarray
     place: Callable[[int], str]
     noun: str = "points"
+    empty: Sequence[int] = ()
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,9 @@ class _Values(_Numbers):
         (hit, unsure), (_, open_as_found) = tried, as_found or tried
         blurred = unsure & ~open_as_found & ~self.open
         name = lambda row: point_name(self.rows, row)  # noqa: E731
-        return _Trial(hit & ~self.open, self.open | unsure, found, blurred, self.row, name)
+        empty = self.row[np.isnan(self.low) & ~(hit | self.open | unsure)].tolist()
+        found_at = _Trial(hit & ~self.open, self.open | unsure, found, blurred, self.row, name)
+        return replace(found_at, empty=empty)
 
 
 def held_against(case: Case, analyses: Analyses | None, missing: str = "") -> list[Verdict]:
@@ -312,7 +316,8 @@ def evaluate(
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
-    verdict = _judge(trial, claim.holds, _why_open(trial, part))
+    why = ", ".join(filter(None, (_why_empty(trial, part), _why_open(trial, part))))
+    verdict = _judge(trial, claim.holds, why)
     hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
     if verdict.verdict == UNDETERMINED and trial.blurred.any():
         more = _sharpened(name, dataset, part.get(f"{variable}_width"))
@@ -439,6 +444,15 @@ def _why_open(trial: _Trial, part: xr.Dataset) -> str:
     counts = Counter(named[~np.isin(named, ("ok", ""))].tolist())
     listed = ", ".join(f"{name} {count}" for name, count in counts.most_common())
     return f"{told} ({listed})" if listed else told
+
+
+def _why_empty(trial: _Trial, part: xr.Dataset) -> str:
+    """How many of those missed have no value, and their classes."""
+    if not trial.empty:
+        return ""
+    classes = Counter(class_names(part.get("attractor", part["status"]))[trial.empty].tolist())
+    listed = ", ".join(f"{name} {count}" for name, count in classes.most_common())
+    return f"{len(trial.empty)} have none ({listed}): narrow `at` to those that have one"
 
 
 def _where_missed(trial: _Trial) -> str:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Points, Request, Start, Varied, requirements
+from fiv_cli.case.asked import drawn_of_motions
 from fiv_cli.case.case import SEVERAL, AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.physics import is_ambiguous
@@ -296,6 +297,11 @@ class Plan:
             *(f"  {said}" for said in (*unequal_defaults(case), *remarks(case))),
         ]
         lines = [line for analysis in self.analyses for line in _described(analysis)]
+        lines += [
+            f"  figure {name}: of a motion, which no analysis here keeps: fiv history computes one "
+            "(--at PLACE -o FILE.nc), fiv plot FILE.nc draws it"
+            for name in drawn_of_motions(case)
+        ]
         return [*head, *lines, *([_cost_of(self.size)] if self.size >= MANY else [])]
 
 

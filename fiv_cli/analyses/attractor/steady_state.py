@@ -698,6 +698,8 @@ class _Response:
             return answer
         told, outcome.reason = self._class_of(outcome)
         outcome.values["attractor"] = told
+        if outcome.reason == "slide_not_decided":  # of a slide so short it is that of the start
+            outcome.values.pop("lyapunov", None)
         if told != "undecided":
             outcome.carry = self._carry(told)
         return outcome

@@ -7,6 +7,7 @@ it is generated from the equations, not differenced (``linearisation.py``).
 from __future__ import annotations
 
 from fiv_cli.analyses.base import Analysis, Later
+from fiv_cli.analyses.rest.modes import COUPLED
 from fiv_cli.analyses.rest.system_choice import SYSTEM, averaging
 from fiv_cli.analyses.settings import Integer
 from fiv_cli.analyses.variables import Subject, Variable, classes, count
@@ -29,7 +30,12 @@ def variables(subject: Subject) -> list[Variable]:
             "eigenvector_imag", "1", "imaginary part of the mode", "mode state",
             comment=mixed, velocities=True,
         ),
-        count("coupled_with", "mode_number of the mode of equal frequency; -1: none", "mode"),
+        count(
+            "coupled_with",
+            f"mode_number of the mode of equal frequency, to {COUPLED:.1%}, and another growth; "
+            "-1: none",
+            "mode",
+        ),
         Variable(
             "coupling_point",
             "1",
@@ -39,7 +45,7 @@ def variables(subject: Subject) -> list[Variable]:
             "frequency, and in both by less than 1 %; with more damping they pass at a distance",
         ),
         Variable("growth_rate", "rad s-1", "largest real part", headline=1),
-        Variable("growth_frequency", "Hz", "frequency of the mode that has it"),
+        Variable("growth_frequency", "Hz", "frequency of the mode (the lowest) that has it"),
         classes(
             "stable",
             "whether the equilibrium is stable",

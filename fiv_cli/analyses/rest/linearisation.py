@@ -18,6 +18,7 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 NEUTRAL = 1e-14  # growth rates below this share of the largest eigenvalue are rounding
+SAME_GROWTH = 1e-9  # modes grow alike where they differ by less than this share of it
 SURE = 1e-6  # a correction of an eigenvalue beyond this share of it is not one
 
 
@@ -70,7 +71,9 @@ def _judge(
 
 def _described(values: Complex, shapes: Complex) -> list[dict[str, object]]:
     """The variables that describe spectra and their modes, in columns; of each row."""
-    magnitude, fastest = np.abs(values), values.real.argmax(axis=-1)[:, None]
+    magnitude, growth = np.abs(values), values.real
+    as_fast = growth.max(axis=-1) - SAME_GROWTH * magnitude.max(axis=-1)
+    fastest = (growth >= as_fast[:, None]).argmax(axis=-1)[:, None]
     frequency = np.abs(values.imag) / (2.0 * np.pi)
     sure = np.where(magnitude > 0.0, magnitude, 1.0)
     columns = {
