@@ -314,6 +314,11 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
         there = drawn[np.isfinite(drawn[:, 1])]
         np.testing.assert_array_equal(there[:, 0], omega[words == word])
         np.testing.assert_allclose(there[:, 1], 0.01 * there[:, 0])
+    (equilibrium,) = [line for line in ax.lines if line.get_label() == "stable equilibrium"]
+    marked = [line for line in ax.lines if line.get_zorder() > equilibrium.get_zorder()]
+    resting_x = np.concatenate([line.get_xdata() for line in marked])
+    assert {*omega[30:]} <= {*resting_x}  # what came to rest lies upon the line, in its own mark
+    assert "_" not in {line.get_marker() for line in marked}
 
 
 def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():
@@ -324,6 +329,18 @@ def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():
     np.testing.assert_array_equal(low[:, 1], 0.0)
     other = [("", response), ("branch", branch_along_the_speed("N0"))]
     assert not dashed(draw(other, figure("bifurcation")).axes[0])
+
+
+def test_a_diagram_of_an_analysis_takes_branches_from_datasets_that_have_no_such():
+    asked = figure("bifurcation", analysis="response")
+    ends = {"critical": data.eigenvalues(), "cycle": branch_along_the_speed()}
+    (ax,) = draw([("sweep", {"response": data.bifurcation()}), ("ends", ends)], asked).axes
+    assert len(dashed(ax)) == 2 and {"near", "far"} <= {*legend_texts(ax)}
+    with pytest.raises(UsageError, match="response: no analysis of this dataset"):
+        draw([("ends", ends), ("again", ends)], asked)
+    with pytest.raises(UsageError, match="response: no analysis of this dataset"):
+        draw([("sweep", {"response": data.bifurcation()}), ("ends", ends)],
+             figure("curve", analysis="response", variable="L_s"))  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -879,8 +896,8 @@ def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind,
         rest, moving = re.findall(r" (?:equilibrium|periodic) ([^,;]*)", printed[0])
         one, error = map(float, rest.split(" to ")[0].split(" ± "))
         assert abs(one - np.pi / 36.0) < 3 * error and rest.endswith(" to 1")
-        assert error == pytest.approx(np.sqrt(one * (1 - one) / 200), abs=6e-4)
-        assert moving == f"0 to {1 - one:.3f} ± {error:.3f}"
+        assert error == pytest.approx(np.sqrt(one * (1 - one) / 200), rel=0.05)
+        assert moving == f"0 to {1 - one:.3f} ± {error:.3f}"  # in as many digits as it is known
 
 
 def test_basins_need_starts_that_differ_in_two_states():
@@ -1594,6 +1611,14 @@ def test_datasets_of_one_figure_are_called_by_what_they_differ_in(changes, calle
     fixed = {name: ((), value, one[name].attrs) for name, value in changes.items()}
     other = one.assign_coords(fixed).assign_attrs(law)
     assert words.told_apart([("one", one), ("two", other)]) == called
+
+
+def test_of_several_files_the_one_that_cannot_be_drawn_is_named(stored):
+    asked = ["bifurcation.nc", "stability_map.nc", "--figure", "branch"]
+    with pytest.raises(
+        UsageError, match=r"branch of all files: not written: bifurcation\.nc: no br"
+    ):
+        run(plot_command, *asked, "-o", "both.png")
 
 
 def test_plot_draws_laws_without_a_dataset(stored):

@@ -75,7 +75,8 @@ def command(
 
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
-    sense (curve, bifurcation, branch). Kinds: map, basin, bifurcation, curve, branch, eigenvalues,
+    sense (curve, bifurcation, branch), each called by what it differs in; a bifurcation diagram
+    takes the unstable cycles of files that hold a branch. Kinds: map, basin, bifurcation, curve, branch, eigenvalues,
     history, phase, spectrum, spectrogram, mode-shape. A figure that would be empty is not written,
     and says why. Of several figures -o b.png makes b-a-NAME.png of each.
 
@@ -181,7 +182,8 @@ def _of_files(
         try:
             drawn.append((default, _drawn(sources, figure, look)))
         except UsageError as error:
-            left_out.append(type(error)(f"{default}: not written: {error}"))
+            which = default if len(sources) == 1 else f"figure {figure.name} of all files"
+            left_out.append(type(error)(f"{which}: not written: {error}"))
     if not drawn:
         raise left_out[0] if left_out else nothing_suits(read_analyses(files[0]))
     wrong = [error for error in left_out if not isinstance(error, EmptyFigureError)]
@@ -205,17 +207,21 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
             click.echo(f"{file}: partial, {attributes['partial']}", err=True)
         if changed := changed_since(attributes):
             click.echo(f"WARNING: {file} is drawn as it was run; {changed}", err=True)
-    for number, (file, source) in enumerate(sources):
+    shared: list[str] = []
+    for file, source in sources:
+        if name in shared:  # the figure of the first file, in which the others have their part
+            return
         for figure in _chosen(file, source, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if not KINDS[figure.kind].overlays or len(files) == 1:
                 yield default, [(file, source)], figure
-            elif number == 0:
+            elif file == files[0]:
+                shared += [figure.name, figure.kind]
                 yield default, sources, figure
 
 
 def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
-    """One figure of all files; UsageError names the first, and what it can be drawn as."""
+    """One figure of all files; UsageError names the one it fails for, and what that can be."""
     from fiv_cli.plots import draw, nothing_suits
     from fiv_cli.plots.drawing import kinds_that_suit
 
@@ -226,6 +232,11 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
     except EmptyFigureError:
         raise
     except UsageError as error:
+        for one in sources if others else ():
+            try:
+                _drawn([one], figure, look)
+            except UsageError as its:
+                raise UsageError(f"{one[0]}: {its}") from None
         kinds = kinds_that_suit(source)
         if not kinds:
             raise nothing_suits(source) from None

@@ -15,6 +15,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.notation.amounts import with_error
 from fiv_cli.plots import labels, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
@@ -134,8 +135,8 @@ def _name_shares(ax: Axes) -> None:
 
 
 def _share(count: int, total: int) -> str:
-    """A share with its standard error: ``0.62 ± 0.03``; where all are one class, of how many."""
+    """A share with its standard error: ``0.621 ± 0.034``; where all are one class, of how many."""
     if count == total:
         return f"(all {total})"
     share = count / total
-    return f"{share:.3f} ± {np.sqrt(share * (1.0 - share) / total):.3f}"
+    return with_error(share, np.sqrt(share * (1.0 - share) / total))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,6 +42,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     name = points.one_variable(settings, DEFAULT)
     holding = [layer for layer in layers if name in layer.dataset]
     shown = [layer for layer in holding if not branch.suits(layer.dataset)] or holding
+    shown = shown if len(shown) > 1 else [replace(one, label="") for one in shown]
     clouds = [cloud for layer in shown for cloud in _clouds(layer, name, settings)]
     if not shown:
         raise UsageError(
@@ -51,12 +52,15 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     first = shown[0].dataset
     points.refuse_empty(first, any(cloud.y.size or cloud.rest_y.size for cloud in clouds), name)
     figure, (ax,) = style.new_panels(1, 1, points.title(first))
-    resting = _resting_words([layer.dataset for layer in shown])
-    _mark(ax, clouds, style.dot_size(points.abscissa(first, settings).size), resting)
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     fitting = [part for one in others if (part := _of_the_same(one, first)) is not None]
-    _dash_unstable(ax, fitting, points.abscissa(first, settings), _observed(first[name]))
-    _draw_equilibria(ax, first, fitting, points.abscissa(first, settings), _observed(first[name]))
+    axis, observed = points.abscissa(first, settings), _observed(first[name])
+    judged = _judged(first, fitting, axis, observed)
+    resting = "" if judged else _resting_words([layer.dataset for layer in shown])
+    _mark(ax, clouds, style.dot_size(axis.size), resting)
+    _dash_unstable(ax, fitting, axis, observed)
+    if judged:
+        _draw_equilibria(ax, first, judged[0], axis, observed)
     ax.set_ylabel(labels.axis_label(first[name]))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
@@ -127,7 +131,11 @@ def _resting_words(datasets: Sequence[xr.Dataset]) -> str:
 
 
 def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None:
-    """Marks that show through one another: what comes first is the widest."""
+    """Marks that show through one another: what comes first is the widest.
+
+    Points at rest are dashes, called `resting`; without a name they lie on lines of equilibria that
+    say so, as marks like the others.
+    """
     entries = points.entries([cloud.label for cloud in clouds])
     many = sum(cloud.y.size for cloud in clouds) > style.MANY_MARKS
     sorts = 1 + max(entry.number for entry in entries)
@@ -139,11 +147,11 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
         ):
             look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
             ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
-        ax.plot(
-            cloud.rest_x, cloud.rest_y, "_", ms=size * (1.5 + 0.4 * later), mew=0.9 + 0.25 * later,
-            color=entry.colour,
-        )  # fmt: skip
-    if any(cloud.rest_x.size for cloud in clouds):
+        dash = {"marker": "_", "ms": size * (1.5 + 0.4 * later), "mew": 0.9 + 0.25 * later}
+        mark = dash if resting else style.mark_of(entry.number, sorts, size)
+        own = mark | {"color": entry.colour, "zorder": 2.0 if resting else 4.0}
+        ax.plot(cloud.rest_x, cloud.rest_y, ls="none", **own)
+    if resting and any(cloud.rest_x.size for cloud in clouds):
         ax.plot([], [], "_", mew=1.2, color=style.BLACK, label=resting)
 
 
@@ -204,23 +212,29 @@ def _dash_unstable(
                 label = None
 
 
+def _judged(
+    diagram: xr.Dataset, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+) -> list[xr.Dataset]:
+    """Those that tell, along `axis`, whether the equilibria of a diagram are stable."""
+    if "L_s_reference" not in diagram or observed not in diagram["state"]:
+        return []
+    return [d for d in datasets if {"stable", "growth_rate"} <= {*d} and axis.name in d.coords]
+
+
 def _draw_equilibria(
-    ax: Axes, diagram: xr.Dataset, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+    ax: Axes, diagram: xr.Dataset, judged: xr.Dataset, axis: xr.DataArray, observed: str
 ) -> None:
     """Equilibria of a diagram, by what the eigenvalues of its case tell of them.
 
     Those at several values of other axes have the colours of these.
     """
-    told = [d for d in datasets if {"stable", "growth_rate"} <= {*d} and axis.name in d.coords]
-    if not told or "L_s_reference" not in diagram or observed not in diagram["state"]:
-        return
     number = _linearised_at(diagram)
     known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
     place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
     lines = points.lines(diagram, [str(axis.dims[0])], [str(d) for d in place.dims])
     colours = points.colours([ax]) if len(lines) > 1 else {}
     for word, dashes, weight in (("stable", "-", 0.7), ("unstable", ":", 1.1)):
-        height = place.where(is_class(told[0]["stable"], (word,)))
+        height = place.where(is_class(judged["stable"], (word,)))
         drawn = [(line.label, height.isel(line.index).values) for line in lines]
         drawn = [(label, values) for label, values in drawn if np.isfinite(values).any()]
         called = f"{word} equilibrium" if drawn else None

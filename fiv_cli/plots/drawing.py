@@ -46,12 +46,14 @@ class Kind:
     suits : whether a dataset can be drawn so
     draw : ``(layers, settings) -> Figure``
     overlays : whether several datasets share one figure
+    completed : whether it takes more from datasets that have nothing of what it shows itself
     unasked : whether one that suits is drawn so where its case asks for no figures
     """
 
     suits: Callable[[xr.Dataset], bool]
     draw: Callable[[Sequence[Layer], Settings], Figure]
     overlays: bool = False
+    completed: bool = False
     unasked: Callable[[xr.Dataset], bool] = lambda dataset: True
 
 
@@ -59,7 +61,7 @@ class Kind:
 KINDS: dict[str, Kind] = {
     "map": Kind(map_.suits, map_.draw, unasked=map_.spans_plane),
     "basin": Kind(basin.suits, basin.draw),
-    "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True),
+    "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True, completed=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True),
     "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
     "history": Kind(history.suits, history.draw),
@@ -182,7 +184,11 @@ def draw(
     named: Sequence[tuple[str, Any]] = (
         source if isinstance(source, list | tuple) else [("", source)]
     )
-    layers = [_layer(label, one, figure, kind) for label, one in named]
+    analyses = [(label, _analyses(one)) for label, one in named]
+    if not (kind.completed and any(_has_asked(one, figure) for _, one in analyses)):
+        for _, one in analyses:
+            _refuse_other_analysis(one, figure)
+    layers = [_layer(label, one, figure, kind) for label, one in analyses]
     if len(layers) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
     settings = _checked(figure)
@@ -221,12 +227,21 @@ def _kind(name: str) -> Kind:
     return KINDS[name]
 
 
-def _layer(label: str, source: Source, figure: FigureSpec, kind: Kind) -> Layer:
-    """The analysis that the figure is about, narrowed to what it selects."""
-    analyses = _analyses(source)
+def _has_asked(analyses: dict[str, xr.Dataset], figure: FigureSpec) -> bool:
+    """Whether there is the analysis that a figure names, if any; a single one has no name."""
     wanted = figure.settings.get("analysis")
-    if wanted is not None and wanted not in analyses and list(analyses) != [""]:
+    return wanted is None or wanted in analyses or list(analyses) == [""]
+
+
+def _refuse_other_analysis(analyses: dict[str, xr.Dataset], figure: FigureSpec) -> None:
+    if not _has_asked(analyses, figure):
+        wanted = figure.settings["analysis"]
         raise UsageError(f"{wanted}: no analysis of this dataset\nit has: {', '.join(analyses)}")
+
+
+def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind: Kind) -> Layer:
+    """The analysis that the figure is about, narrowed to what it selects."""
+    wanted = figure.settings.get("analysis")
     named = [analyses[wanted]] if wanted in analyses else list(analyses.values())
     # a dataset that no figure of the kind suits is drawn anyway: the kind says what it lacks
     dataset = next((d for d in named if _holds(d, figure) and kind.suits(d)), named[0])

@@ -10,6 +10,7 @@ import numpy as np
 from fiv_cli.case.overrides import apply_overrides, parse_override
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading.datasets import flag_names, is_class
 
 if TYPE_CHECKING:
@@ -89,5 +90,5 @@ def _span(least: Share, greatest: Share) -> str:
 
 
 def _shown(share: Share) -> str:
-    """``0.62 ± 0.03``; a sample that is all alike has no error to tell."""
-    return f"{share[0]:.3f} ± {share[1]:.3f}" if share[1] > 0.0 else f"{share[0]:g}"
+    """``0.6215 ± 0.0034``; a sample that is all alike has no error to tell."""
+    return with_error(*share) if share[1] > 0.0 else f"{share[0]:g}"
