@@ -88,8 +88,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "contact_lost",
-        "the normal force reached zero, where this model ends (`fiv models NAME`: an option may "
-        "let it go on in separation)",
+        "the normal force reached zero, where this model ends (where `fiv models NAME` has an "
+        "option `states`, that lets it go on in separation)",
     ),
     Reason(
         "no_consistent_state",

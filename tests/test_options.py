@@ -10,9 +10,9 @@ from fiv_cli.analyses.base import Outcome
 from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.api import analyse
 from fiv_cli.case.load import parse_case
-from fiv_cli.cli.common import parse_places
+from fiv_cli.cli.common import parse_places, parse_selection
 from fiv_cli.data.states import on_all_states
-from fiv_cli.errors import CaseError
+from fiv_cli.errors import CaseError, UsageError
 from fiv_cli.models import get_model
 from fiv_cli.models.disc import read_modes
 from fiv_cli.notation.names import ascii_name
@@ -127,6 +127,17 @@ def test_a_point_is_found_by_its_modes(written: str) -> None:
     at = parse_places((f"modes={written},initial=rest",))
     point = find_point(parse_case(text, "a.toml"), at)
     assert point.place == {"modes": "0,0 0,1", "initial": "rest"}
+
+
+def test_several_values_of_an_axis_are_selected_in_a_list_or_one_by_one() -> None:
+    both = {"initial": ["up", "down"], "Omega": ["2"]}
+    assert parse_selection(("initial=[up, 'down'],Omega=2",)) == both
+    assert parse_selection(("initial=up", "Omega=2,initial=down")) == both
+    assert parse_selection(("modes=[[0,1], [0,0]]",)) == {"modes": ["[[0,1], [0,0]]"]}
+    with pytest.raises(UsageError, match=r"one condition, --at 'Omega=5 <= \. < 7'"):
+        parse_selection(("Omega=. > 5", "Omega=. < 7"))
+    with pytest.raises(UsageError, match=r"--at down: malformed\nnext: .*'AXIS=\[ONE,OTHER\]'"):
+        parse_selection(("initial=up,down",))
 
 
 # --- displacement of a disc -----------------------------------------------------------------------

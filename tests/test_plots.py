@@ -319,6 +319,25 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     resting_x = np.concatenate([line.get_xdata() for line in marked])
     assert {*omega[30:]} <= {*resting_x}  # what came to rest lies upon the line, in its own mark
     assert "_" not in {line.get_marker() for line in marked}
+    later = {"response": response, "eigenvalues": later_stable(eigenvalues)}
+    (ax,) = draw([("one", analyses), ("two", later)], figure("bifurcation")).axes
+    drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
+    begin = sorted(line.get_xdata()[np.isfinite(line.get_ydata())].min() for line in drawn)
+    assert begin == [omega[words == "stable"][0], omega[omega >= 4.0][0]]
+    assert len({to_hex(line.get_color()) for line in drawn}) == 2
+
+
+def later_stable(eigenvalues):
+    """Of another damping: stable from 4 rad/s on."""
+    words = np.where(eigenvalues["Omega"].values < 4.0, "unstable", "stable")
+    return eigenvalues.assign(stable=data.flags(("Omega",), words, ("unstable", "stable")))
+
+
+def test_datasets_of_different_titles_have_none_in_one_figure():
+    one, other = (data.bifurcation().assign_attrs(title=title) for title in ("one", "other"))
+    for second, told in ((one, True), (other, False)):
+        drawn = draw([("a", one), ("b", second)], figure("bifurcation"))
+        assert ("one" in drawn.get_suptitle()) == told
 
 
 def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():

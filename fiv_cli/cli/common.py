@@ -6,7 +6,7 @@ import json
 import math
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -104,6 +104,7 @@ def at_option(meaning: str) -> Callable[[F], F]:
     return click.option("--at", "places", multiple=True, metavar="AXIS=VALUE,...", help=meaning)
 
 
+_FLAT = re.compile(r"\[([^\[\]]*)\]")
 _WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
 """What no comma divides: a quoted text, a list."""
 
@@ -117,14 +118,39 @@ def parse_places(places: tuple[str, ...]) -> dict[str, str]:
         a part has no ``=``, or an axis stands twice.
     """
     found: dict[str, str] = {}
-    for part in (part.strip() for place in places for part in _parts(place)):
-        name, equals, value = part.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise UsageError(f"--at {part}: malformed\nnext: --at AXIS=VALUE,initial=LABEL")
-        if name.strip() in found:
-            raise UsageError(f"--at: {name.strip()} is given twice\nnext: give it once")
-        found[name.strip()] = value.strip()
+    for name, value in _assigned(places, "--at AXIS=VALUE,initial=LABEL"):
+        if name in found:
+            raise UsageError(f"--at: {name} is given twice\nnext: give it once")
+        found[name] = value
     return found
+
+
+def parse_selection(places: tuple[str, ...]) -> dict[str, list[str]]:
+    """``--at`` as axis -> texts, of an axis that stands several times, or with a list, all.
+
+    Raises
+    ------
+    UsageError
+        a part has no ``=``, or of several conditions it is not clear which are to hold.
+    """
+    found: dict[str, list[str]] = {}
+    for name, value in _assigned(places, "--at AXIS=VALUE, or of several --at 'AXIS=[ONE,OTHER]'"):
+        several = _FLAT.fullmatch(value)
+        texts = several[1].split(",") if several else [value]
+        found.setdefault(name, []).extend(text.strip().strip("\"'") for text in texts)
+        if len(found[name]) > 1 and any(sign in text for text in found[name] for sign in "<>"):
+            raise UsageError(
+                f"--at: {name} is given twice\nnext: one condition, --at '{name}=5 <= . < 7'"
+            )
+    return found
+
+
+def _assigned(places: tuple[str, ...], form: str) -> Iterator[tuple[str, str]]:
+    for part in (part.strip() for place in places for part in _parts(place)):
+        name, equals, value = (text.strip() for text in part.partition("="))
+        if not equals or not name or not value:
+            raise UsageError(f"--at {part}: malformed\nnext: {form}")
+        yield name, value
 
 
 def _parts(place: str) -> list[str]:

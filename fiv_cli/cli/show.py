@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from fiv_cli.cli.common import at_option, json_option, parse_places, print_json
+from fiv_cli.cli.common import at_option, json_option, parse_selection, print_json
 from fiv_cli.errors import UsageError, printable
 from fiv_cli.files import refuse_special, write_whole
 from fiv_cli.notation.names import pick
@@ -14,7 +14,10 @@ from fiv_cli.notation.names import pick
 
 @click.command("show")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.nc")
-@at_option("Only the points there: values, conditions ('. >= 7'), initial=LABEL. Repeatable.")
+@at_option(
+    "Only the points there: values, conditions ('. >= 7'), initial=LABEL, "
+    "'initial=[ONE,OTHER]'. Repeatable."
+)
 @click.option("--analysis", "chosen", metavar="NAME", help="Only this one of several analyses.")
 @click.option(
     "--csv",
@@ -53,7 +56,7 @@ def command(
     from fiv_cli.reading.select import part_of_each
     from fiv_cli.reading.summary import lines, summarise
 
-    analyses, at = read_analyses(file), parse_places(places)
+    analyses, at = read_analyses(file), parse_selection(places)
     if changed := changed_since(next(iter(analyses.values())).attrs, drawn=False):
         click.echo(f"WARNING: {file} is shown as it was run; {changed}", err=True)
     if chosen is not None and [*analyses] != [""]:

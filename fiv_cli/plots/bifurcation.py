@@ -55,12 +55,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     fitting = [part for one in others if (part := _of_the_same(one, first)) is not None]
     axis, observed = points.abscissa(first, settings), _observed(first[name])
-    judged = _judged(first, fitting, axis, observed)
-    resting = "" if judged else _resting_words([layer.dataset for layer in shown])
+    judged = [(layer, told) for layer in shown for told in _judged(layer, fitting, axis, observed)]
+    untold = len(judged) < len(shown)
+    resting = _resting_words([layer.dataset for layer in shown]) if untold else ""
     _mark(ax, clouds, style.dot_size(axis.size), resting)
     _dash_unstable(ax, fitting, axis, observed)
-    if judged:
-        _draw_equilibria(ax, first, judged[0], axis, observed)
+    for layer, told in judged:
+        _draw_equilibria(ax, layer, told, axis, observed)
     ax.set_ylabel(labels.axis_label(first[name]))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
@@ -213,29 +214,38 @@ def _dash_unstable(
 
 
 def _judged(
-    diagram: xr.Dataset, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+    layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
 ) -> list[xr.Dataset]:
-    """Those that tell, along `axis`, whether the equilibria of a diagram are stable."""
+    """What tells, along `axis`, whether the equilibria of a diagram are stable: its own, or one."""
+    diagram = layer.dataset
     if "L_s_reference" not in diagram or observed not in diagram["state"]:
         return []
-    return [d for d in datasets if {"stable", "growth_rate"} <= {*d} and axis.name in d.coords]
+    beside = [_of_the_same(one, diagram) for one in (*layer.beside, *others)]
+    told = [d for d in beside if d is not None and {"stable", "growth_rate"} <= {*d}]
+    return [d for d in told if axis.name in d.coords][:1]
 
 
 def _draw_equilibria(
-    ax: Axes, diagram: xr.Dataset, judged: xr.Dataset, axis: xr.DataArray, observed: str
+    ax: Axes, layer: points.Layer, judged: xr.Dataset, axis: xr.DataArray, observed: str
 ) -> None:
     """Equilibria of a diagram, by what the eigenvalues of its case tell of them.
 
-    Those at several values of other axes have the colours of these.
+    Those of several diagrams, or at several values of other axes, have the colours of these.
     """
+    diagram = layer.dataset
+    axis = select.axis_of(diagram, str(axis.name))
     number = _linearised_at(diagram)
     known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
     place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
     lines = points.lines(diagram, [str(axis.dims[0])], [str(d) for d in place.dims])
-    colours = points.colours([ax]) if len(lines) > 1 else {}
+    colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
+    known_words = {str(line.get_label()) for line in ax.lines}
     for word, dashes, weight in (("stable", "-", 0.7), ("unstable", ":", 1.1)):
         height = place.where(is_class(judged["stable"], (word,)))
-        drawn = [(line.label, height.isel(line.index).values) for line in lines]
+        drawn = [
+            (points.joined(layer.label, line.label), height.isel(line.index).values)
+            for line in lines
+        ]
         drawn = [(label, values) for label, values in drawn if np.isfinite(values).any()]
         called = f"{word} equilibrium" if drawn else None
         own = None if colours else called
@@ -243,7 +253,7 @@ def _draw_equilibria(
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             ax.plot(points.positions(axis), values, dashes, lw=weight, zorder=3.5,
                     color=next(of_line, style.BLACK), label=own)  # fmt: skip
-        if colours:
+        if colours and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
 
 

@@ -25,6 +25,7 @@ from fiv_cli.plots import (
     style,
 )
 from fiv_cli.plots import map as map_
+from fiv_cli.plots.labels import title_of
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
 from fiv_cli.reading.datasets import figures_in, read_analyses
@@ -195,7 +196,10 @@ def draw(
     if "take" in settings:
         layers = [replace(one, dataset=_taken(one.dataset, settings)) for one in layers]
         settings = {**settings, "variable": settings["take"]["what"]}
-    if "title" in settings:
+    asked = [
+        one for one, (_, held) in zip(layers, analyses, strict=True) if _has_asked(held, figure)
+    ]
+    if "title" in settings or len({title_of(one.dataset.attrs) for one in asked}) > 1:
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
     with style.looks(axis, look):
         drawn = kind.draw(layers, settings)
@@ -218,7 +222,8 @@ def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:
 
 
 def _retitled(dataset: xr.Dataset, figure: FigureSpec) -> xr.Dataset:
-    return dataset.assign_attrs(title=figure.settings["title"], reference="")
+    """Under the figure's own title; several datasets of different titles have none in common."""
+    return dataset.assign_attrs(title=figure.settings.get("title", ""), reference="")
 
 
 def _kind(name: str) -> Kind:

@@ -343,7 +343,7 @@ GAP_MARKS = {
 
 
 MOST_GAP_ROWS = 6
-LOWEST_GAP, GAP_ROW = 0.02, 0.03  # of the height of a panel
+LOWEST_GAP, GAP_ROW = 0.0, 0.03  # of the height of a panel: upon the axis, no mark is a value
 
 
 def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:

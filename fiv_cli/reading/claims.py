@@ -377,12 +377,20 @@ def _sharpened(analysis: str, dataset: xr.Dataset, reached: xr.DataArray | None)
     called = analysis or name_of_only(dataset)
     if "width" not in settings:
         return "no setting of the analysis lessens it; allow for it in `expect`"
-    wider = 2.0 * settings["width"] * np.ptp(settings.get("bracket", ()) or 0.0)
-    if "n_undecided" in dataset and reached is not None and bool((reached > wider).any()):
-        return (
-            f"runs beside it are undecided: a larger `t_max` of the analysis {called!r} lessens it"
-        )
+    if reached is not None and wider_than_asked(dataset, settings, reached):
+        return f"{BESIDE} of the analysis {called!r} lessens it"
     return f"a smaller `width` of the analysis {called!r} lessens it"
+
+
+BESIDE = "runs beside it are undecided: a larger `t_max`"
+
+
+def wider_than_asked(
+    dataset: xr.Dataset, settings: Mapping[str, Any], reached: xr.DataArray
+) -> bool:
+    """Whether undecided runs kept a `boundary` from the width that was asked for."""
+    asked = settings["width"] * np.ptp(settings.get("bracket", ()) or 0.0)
+    return "n_undecided" in dataset and bool((reached > 2.0 * asked).any())
 
 
 def _holder(variable: str, analysis: str, analyses: Analyses) -> str:

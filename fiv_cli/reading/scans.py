@@ -11,7 +11,7 @@ import numpy as np
 from fiv_cli.analyses.base import Question
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.notation.amounts import with_error
-from fiv_cli.reading.claims import point_name
+from fiv_cli.reading.claims import BESIDE, point_name, wider_than_asked
 from fiv_cli.reading.datasets import class_names, is_class
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def found_from_start(dataset: xr.Dataset) -> bool:
 
 
 def still_followed(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str]:
-    """What `still` says of a dataset, by the settings that it carries."""
+    """What `still` says of a dataset, by its settings, and whether a change is found coarsely."""
     if "of" not in settings:
         return []
     classes = {
@@ -51,7 +51,11 @@ def still_followed(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str
         if name in dataset
     }
     crossings = dataset["n_crossings"].values.ravel()
-    return still(Question(**settings["of"]), settings["follow"], classes, crossings)
+    coarse = wider_than_asked(dataset, settings, dataset["boundary_width"])
+    return [
+        *still(Question(**settings["of"]), settings["follow"], classes, crossings),
+        *([f"boundary_width is more than was asked for, {BESIDE} lessens it"] if coarse else []),
+    ]
 
 
 def still(
