@@ -116,7 +116,8 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "tests_disagree",
         "section points and Lyapunov exponent say different things of the motion: raise t_max "
-        "(tenfold decides about a third of such points), or choose a section at another contact",
+        "(tenfold decides some, seldom most, of such points), or choose a section at another "
+        "contact, where there is one",
     ),
     Reason(
         "chattering",

@@ -377,6 +377,16 @@ def test_a_border_is_told_with_its_error_and_with_what_it_is_no_border_of() -> N
     assert "nothing to try it on: no_crossing" in found
 
 
+def test_a_border_of_what_is_undecided_in_its_time_is_told_to_be_of_that_time() -> None:
+    one = PIN.partition('[[analysis]]\nname = "exists"')[0] + CLAIM
+    told = "where t_max = 3 s puts it; more time moves it further than its error says"
+    short = one.replace("scan = 4", "scan = 4\nt_max = 3.0")
+    assert told not in shown_and_claimed(short)[0]
+    counts = re.sub(r"of = \{(.*?)\}", r'of = {\1, undecided = "counts" }', short)
+    assert counts != short
+    assert ("undecided" in shown_and_claimed(counts)[0]) and told in shown_and_claimed(counts)[0]
+
+
 def shown_and_claimed(text: str) -> tuple[str, str]:
     """What `show` prints of a case of one analysis, and what its claim finds."""
     case = parse_case(text, "pin.toml", ())

@@ -99,6 +99,11 @@ def test_what_will_be_there(text: str) -> None:
         ),
         (claim("attractor", "{ value = 3, tolerance = 1 }"), "claim.0.expect", "not a number"),
         (claim("attractor", "{ less_than = 3 }"), "claim.0.expect", "not a number"),
+        (
+            claim("attractor", '"periodic"', 'undecided = "counts"'),
+            "claim.0.undecided",
+            "they have no class",
+        ),
         (claim("attractor", '"increasing"'), "claim.0.expect", "not a number"),
         (claim("attractor", '"not perodic"'), "claim.0.expect", "did you mean 'periodic'"),
         (claim("L_s", '"periodic"', TAKE), "claim.0.expect", "'share' is a number"),

@@ -333,6 +333,16 @@ def later_stable(eigenvalues):
     return eigenvalues.assign(stable=data.flags(("Omega",), words, ("unstable", "stable")))
 
 
+def test_panels_of_a_joined_dataset_name_all_that_differs():
+    one = data.stability_map(initial=("reached",))
+    both = xr.concat([one, one], xr.Variable("c1", [0.1, 1.0], {"units": "N s m-1"}))
+    both = both.assign_coords(c2=("c1", [0.2, 2.0], {"units": "N s m-1"}))
+    titles = [ax.get_title() for ax in draw(both, figure("map", x="Omega", y="N0")).axes[:2]]
+    assert titles == [
+        f"$c_{{1}}$ = {a} N s/m, $c_{{2}}$ = {b} N s/m" for a, b in ((0.1, 0.2), (1, 2))
+    ]
+
+
 def test_datasets_of_different_titles_have_none_in_one_figure():
     one, other = (data.bifurcation().assign_attrs(title=title) for title in ("one", "other"))
     for second, told in ((one, True), (other, False)):

@@ -309,6 +309,13 @@ def test_a_law_that_falls_with_speed_only_by_its_name_is_told(friction: str, tol
     assert sum("friction does not fall with speed" in line for line in lines) == told
 
 
+def test_a_zipped_axis_in_no_order_is_told_by_its_least_and_greatest() -> None:
+    grid = "[grid]\nv = [0.5, 3.0, 0.1, 1.0, 2.0]\nN = [1.0, 2.0, 3.0, 4.0, 5.0]\n"
+    text = f'schema = 1\n[model]\nname = "belt-1dof"\n{grid}[sweep]\nzip = [["v", "N"]]\n'
+    told = "\n".join(make_plan(sweep_fakes.case(text + RESPONSE)).describe())
+    assert "v = 0.1 to 3.0 (5 values)" in told and "N = 1.0 ... 5.0 (5 values)" in told
+
+
 @pytest.mark.parametrize(("kinds", "told"), [(["response"], 1), (["response", "history"], 0)])
 def test_a_figure_that_only_a_motion_has_is_told(kinds: list[str], told: int) -> None:
     keys = {"history": "t_end = 1.0"}

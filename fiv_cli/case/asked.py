@@ -116,6 +116,12 @@ def _check_claim(claim: ClaimSpec, case: Case, held: Held, place: Path, report: 
     if not known:
         return
     _refuse_ambiguous(claim.variable, claim.analysis, held, (*place, "variable"), report)
+    if claim.undecided_counts and claim.variable == "attractor":
+        message = (
+            "what counts of undecided motions are numbers measured of them; they have no class"
+        )
+        allowed = 'it left out; or of = { undecided = "counts", ... } in an analysis `boundary`'
+        report.add((*place, "undecided"), message, allowed)
     _check_expected(claim, known, place, report)
     for key, reference in references_of(claim).items():
         at = (*place, "expect", key)

@@ -98,6 +98,9 @@ def _axes_along(dataset: xr.Dataset, dim: str) -> list[xr.DataArray]:
     """The axis of `dim`, or the axes that advance along it together."""
     along = [str(name) for name, coord in dataset.coords.items() if coord.dims == (dim,)]
     names = [dim] if dim in along or not along else along
+    beside = [name for name in along if name not in names]  # of joined runs, which differ in more
+    if names == [dim] and select.axis_of(dataset, dim).dtype.kind == "f":
+        names = [dim, *(name for name in beside if dataset.coords[name].dtype.kind == "f")]
     return [select.axis_of(dataset, name) for name in names]
 
 

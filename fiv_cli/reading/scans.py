@@ -52,10 +52,24 @@ def still_followed(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str
     }
     crossings = dataset["n_crossings"].values.ravel()
     coarse = wider_than_asked(dataset, settings, dataset["boundary_width"])
+    question = Question(**settings["of"])
     return [
-        *still(Question(**settings["of"]), settings["follow"], classes, crossings),
+        *still(question, settings["follow"], classes, crossings),
+        *_of_its_time(dataset, question, settings["t_max"]),
         *([f"boundary_width is more than was asked for, {BESIDE} lessens it"] if coarse else []),
     ]
+
+
+def _of_its_time(dataset: xr.Dataset, question: Question, t_max: float) -> Iterator[str]:
+    """That a border of what was undecided in its time is one of that time."""
+    sides = [is_class(dataset[f"class_{side}"], ("undecided",)) for side in ("below", "above")]
+    count = int((sides[0] | sides[1]).sum())
+    if question.counts and count:
+        number = f"{count} changes are" if count > 1 else "a change is"
+        yield (
+            f"{number} between a class and undecided, which counts: where t_max = {t_max:g} s puts "
+            "it; more time moves it further than its error says"
+        )
 
 
 def still(

@@ -528,8 +528,14 @@ def _curve_text(name: str, points: Points) -> str:
 def _axis_text(axis: Axis) -> str:
     values = axis.values
     if axis.kind in ("parameter", "start") and len(values) > 4:
-        return f"{axis.name} = {values[0]!r} ... {values[-1]!r} ({len(values)} values)"
+        ends = (values[0], values[-1]) if _is_sorted(values) else (min(values), max(values))
+        between = "..." if _is_sorted(values) else "to"
+        return f"{axis.name} = {ends[0]!r} {between} {ends[1]!r} ({len(values)} values)"
     return f"{axis.name} = " + ", ".join(map(_value_text, values))
+
+
+def _is_sorted(values: tuple[float, ...]) -> bool:
+    return list(values) in (sorted(values), sorted(values, reverse=True))
 
 
 def _value_text(value: Any) -> str:

@@ -24,8 +24,11 @@ def variables(subject: Subject) -> list[Variable]:
     """What is told of each change, of the scan, and of all runs."""
     varied, sides = subject.varied, "class of the steady state"
     way = "direction in which it was met; none: every run begins at the start"
-    confirmed = "distance within which runs in shorter steps and with more time find it; missing "
-    confirmed += "where a side is open or they do not find it"
+    confirmed = "distance within which runs in shorter steps and with more time find it (where "
+    confirmed += (
+        'undecided = "counts", in the same time: that of what is undecided is t_max\'s own)'
+    )
+    confirmed += "; missing where a side is open or they do not find it"
     return [
         Variable(
             "boundary", varied.unit, f"{varied.name} at which the answer changes", "crossing",
