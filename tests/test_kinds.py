@@ -166,4 +166,5 @@ def test_words_of_the_field_lead_to_the_variables_they_mean_here() -> None:
     assert variable_meant("dominant_frequency", known) == "here it is 'response_frequency'"
     assert variable_meant("Lyapunov exponent", known) == "here it is 'lyapunov'"
     assert variable_meant("stability", ["branch_stable"]) == "here it is 'branch_stable'"
+    assert variable_meant("equilibrium", ["L_s_reference"]) == "here it is 'L_s_reference'"
     assert variable_meant("RMS", ["period"]) == variable_meant("period", known) == ""

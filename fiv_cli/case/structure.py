@@ -242,7 +242,7 @@ class InitialTable(Table):
     seed: int = Field(default=0, ge=0, description="seed of random starts")
     box: dict[str, Interval] = Field(default={}, description="state -> [low, high]")
     states: list[dict[str, Quantity]] = Field(
-        default=[], description="table: each start, as `state` is given; the rest is 0"
+        default=[], description="table: each start, its numbers in SI or with a unit; the rest is 0"
     )
     file: str | None = Field(
         default=None, description="table: a CSV file beside the case, a column for each state"
