@@ -18,6 +18,7 @@ from fiv_cli.errors import CaseError
 from fiv_cli.flags import advice
 from fiv_cli.models.base import Equations, Options
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
+from fiv_cli.sweep.answer import Answer
 
 
 # --- a balance without a number ------------------------------------------------------------------
@@ -126,7 +127,7 @@ def test_a_run_ends_with_its_answer(tmp_path: Path, capsys: pytest.CaptureFixtur
     told = capsys.readouterr().err
     assert "  response: periodic 4, equilibrium 4\n" in told
     assert "WARNING: 2 points of response lie behind the end of what was followed" in told
-    assert 'on_loss = "restart"' in told
+    assert 'on_loss = "restart"' in told and 'on_loss = "go-on"' in told
     hasty = [*("run", str(case), "--set", "analysis.0.t_max=2.0"), "-o", f"{output}2.nc"]
     assert fiv([*hasty, "--workers", "1"]) == 0
     told = capsys.readouterr().err
@@ -218,3 +219,13 @@ def test_how_a_motion_sticks_on_its_way_is_not_how_it_ends(reason: str, verdict:
     share = {"what": "share", "of": ". > 0", "over": ["Omega"]}
     found = data.tried(points, "stick_fraction", {"greater_than": 0.9}, take=share)
     assert found.verdict == verdict
+
+
+@pytest.mark.parametrize(("going_on", "told"), [(True, "itself ended there"), (False, "go-on")])
+def test_a_chain_that_goes_on_in_any_case_is_not_told_to(going_on: bool, told: str) -> None:
+    found = {"classes": {"periodic": 1}, "reasons": {"contact_lost": 1}, "said": {}, "still": ()}
+    counted = {"asked": 2, "open": 0, "filled": 0, "not_reached": 3, "beyond": ""}
+    answer = Answer("a", "response", **found, **counted, going_on=going_on)
+    warning = list(answer.lines())[-1]
+    assert warning.startswith("  WARNING: 3 points of a lie behind") and told in warning
+    assert ("go-on" in warning) != going_on

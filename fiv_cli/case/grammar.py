@@ -175,6 +175,11 @@ def _around(value: Bound, margin: float, share: float) -> Bounds:
 def _tolerance(said: object) -> tuple[float, float]:
     """A number, or a share ("5 %") of what is compared with."""
     percent = _SHARE.fullmatch(said) if isinstance(said, str) else None
+    if isinstance(said, str) and not percent and not _alone(said):
+        raise ValueError(
+            f'the tolerance {said!r} is neither a number nor a share such as "5 %"; of a value '
+            "that has an error (`fiv show` tells it) it must be greater than that"
+        )
     tolerance = float(percent["percent"]) / 100.0 if percent else _number(said)
     if tolerance < 0:
         raise ValueError(f"the tolerance is negative: {said!r}")

@@ -13,10 +13,21 @@ from fiv_cli.analyses.variables import SLIP_BEYOND
 from fiv_cli.flags import ATTRACTOR, REASON, STATUS, TABLES, advice
 
 if TYPE_CHECKING:
+    from fiv_cli.case.case import StartSpec
     from fiv_cli.sweep.journal import Journal
 
 # Reasons that are told with what they mean; the rest is for `fiv show`.
 MOST_REASONS = 3
+
+
+LOST = (
+    'in its [[initial]], on_loss = "go-on" carries any motion on (of a cycle that has ended there '
+    'is none), on_loss = "restart" begins anew'
+)
+ENDED = (
+    "the motion itself ended there, for a reason above, and what begins at the end of that chain "
+    'has no beginning; let the axis end before it, or on_loss = "restart" begin anew'
+)
 
 
 @dataclass(frozen=True)
@@ -33,6 +44,7 @@ class Answer:
     asked, open : points that were run, and those of them that have no answer
     filled : points whose class is filled in, which are not counted
     not_reached : points behind the end of a chain
+    going_on : whether every chain carries any motion on
     beyond : points whose friction was not measured, in words; empty where there are none
     still : at which end of a bracket what was followed has not ended, in words
     """
@@ -46,6 +58,7 @@ class Answer:
     open: int
     filled: int
     not_reached: int
+    going_on: bool
     beyond: str
     still: tuple[str, ...]
 
@@ -66,8 +79,7 @@ class Answer:
         if self.not_reached:
             yield (
                 f"  WARNING: {self.not_reached} points of {self.name} lie behind the end of what "
-                'was followed; in its [[initial]], on_loss = "go-on" carries any motion on (of a '
-                'cycle that has ended there is none), on_loss = "restart" begins anew'
+                f"was followed; {ENDED if self.going_on else LOST}"
             )
 
     def _reasons(self) -> Iterator[str]:
@@ -106,9 +118,14 @@ def _answer(journal: Journal, index: int) -> Answer:
         open=int((failed | undecided).sum()),
         filled=0 if record.stage is None else int(np.count_nonzero(record.stage.filled)),
         not_reached=int(behind.sum()),
+        going_on=all(start.on_loss == "go-on" for start in _followed(journal)),
         beyond=_beyond(journal, index),
         still=tuple(_still(journal, index)),
     )
+
+
+def _followed(journal: Journal) -> list[StartSpec]:
+    return [start for start in journal.plan.case.starts if start.kind == "continue"]
 
 
 def _said(journal: Journal, index: int, reasons: Sequence[str]) -> dict[str, str]:
