@@ -16,6 +16,7 @@ from pydantic.fields import FieldInfo
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import Setting, TableSetting
 from fiv_cli.case.structure import (
+    AnalysisTable,
     ClaimTable,
     CurveTable,
     FigureTable,
@@ -304,6 +305,7 @@ TABLES: dict[str, tuple[str, type[BaseModel]]] = {
     "schedule": (SCHEDULE, CurveTable),
     "forcing": (FORCING, ForceTable),
     "initial": (INITIAL, InitialTable),
+    "analysis": ("", AnalysisTable),
     "solver": ("", SolverTable),
     "figure": (FIGURE, FigureTable),
     "claim": (CLAIMS, ClaimTable),

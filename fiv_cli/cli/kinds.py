@@ -61,7 +61,8 @@ def command(name: str | None, as_json: bool) -> None:
         else:
             click.echo(f"{text}\n" if text else "", nl=False)
             _print_one(found, keys)
-            _print_table(kinds, {"take": "claim.take", "claim": "claim.expect"}.get(name))
+            of = {"analysis": name, "take": "claim.take", "claim": "claim.expect"}
+            _print_table(kinds, of.get(name))
     elif as_json:
         print_json({"kinds": kinds})
     else:

@@ -226,8 +226,11 @@ def _explain(error: Exception, arguments: Sequence[str]) -> int:
         click.echo("interrupted", err=True)
         return INTERRUPTED
     if isinstance(error, click.ClickException):
+        instead = _instead(error) if isinstance(error, click.NoSuchOption) else ""
+        if isinstance(error, click.NoSuchOption) and instead:
+            error = click.NoSuchOption(error.option_name, ctx=error.ctx)
         error.show()
-        _show_use(error)
+        _show_use(error, instead)
         return USAGE
     if isinstance(error, FivError):
         click.echo(str(error), err=True)
@@ -237,17 +240,31 @@ def _explain(error: Exception, arguments: Sequence[str]) -> int:
     return _explain_internal(error, arguments)
 
 
-def _show_use(error: click.ClickException) -> None:
+def _instead(error: click.NoSuchOption) -> str:
+    """What does what an unknown option asks for; "" where only its spelling helps."""
+    from fiv_cli.cli.options import instead_of
+
+    if error.ctx is None or error.ctx.command is cli:
+        return ""
+    commands = {name: cli.get_command(error.ctx, name) for name in COMMANDS}
+    others = {name: command for name, command in commands.items() if command is not None}
+    return instead_of(error.option_name.lstrip("-"), error.ctx.command, others)
+
+
+def _show_use(error: click.ClickException, instead: str) -> None:
     """What would have been right: the options there are, an example of the command's help."""
+    from fiv_cli.cli.options import flags
+
     context = error.ctx if isinstance(error, click.UsageError) else None
     if context is None or context.command is cli:
         return
     if isinstance(error, click.NoSuchOption):
-        flags = [max(one.opts, key=len) for one in context.command.params if one.opts[0][0] == "-"]
-        click.echo(f"options: {', '.join(flags)}", err=True)
+        click.echo(f"options: {', '.join(flags(context.command))}", err=True)
     lines = map(str.strip, (context.command.help or "").splitlines())
     example = next((line for line in lines if line.startswith("fiv ")), "")
-    if example:
+    if instead:
+        click.echo(f"next: {instead}", err=True)
+    elif example:
         click.echo(f"example: {example}", err=True)
 
 

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     Sources = list[tuple[Path, dict[str, xr.Dataset]]]
 
 
+SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
+
+
 @click.command("plot")
 @click.argument("files", nargs=-1, type=click.Path(path_type=Path), metavar="[FILE.nc...]")
 @click.option(
@@ -93,6 +96,8 @@ def command(
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
     if loop is not None and not laws:
         raise UsageError("--loop: of which law?\nnext: --law NAME --loop amplitude=A,omega=W")
+    if titled and any(file.name.lower() in SAID_OF_A_FLAG and not file.exists() for file in files):
+        raise UsageError("--title takes no value\nnext: --title, or --no-title")
     from fiv_cli.plots import look_of, save
 
     look = look_of(style, width, font, titled, height)
