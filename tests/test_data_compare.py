@@ -12,6 +12,7 @@ import xarray as xr
 
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR, STATUS
+from fiv_cli.reading import select
 from fiv_cli.reading.causes import causes
 from fiv_cli.reading.compare import Difference, Tolerance, Tolerances, compare, read_tolerances
 
@@ -84,8 +85,30 @@ def test_a_coordinate_that_differs_hides_nothing_that_lies_elsewhere() -> None:
     right = changed("L_s", (0, 1), 2.001).assign(reference=("state", [2.0, np.nan]))
     left, right = left.assign_coords(state=["x"]), right.assign_coords(state=["x", "x_dot"])
     assert [one.what for one in differences(right, left=left)] == ["state", "L_s"]
-    longer = changed("L_s", (0, 1), 2.001).assign_coords(mu_k=[0.1, 0.3])
-    assert [one.what for one in differences(longer)] == ["mu_k"]
+    elsewhere = changed("L_s", (0, 1), 2.001).assign_coords(mu_k=[0.3, 0.4])
+    (found,) = differences(elsewhere)
+    assert (found.what, found.count) == ("mu_k", 2)
+    assert "what lies along it is not compared" in found.text
+
+
+def test_points_that_both_have_are_compared() -> None:
+    """By the values of axes, not by the places of points; values at a section follow them."""
+    part = select.subset(dataset(), {"mu_k": 0.1})
+    axes = "2 against 1 values, 1 of them in both and compared"
+    assert [(one.what, one.text) for one in differences(part)] == [("mu_k", axes)]
+    part["L_s"].values[0, 1] += 1.0
+    part["section_value"].values[2] = 2.5
+    told = [one.text for one in differences(part)]
+    assert told == [axes, "2 against 3 at initial=far", "2 against 2.5 at initial=far"]
+
+
+def test_an_axis_from_another_formula_is_the_same() -> None:
+    """0.3 and 3 * 0.1 are neighbouring numbers."""
+    left, right = (dataset().assign_coords(mu_k=[0.1, end]) for end in (0.3, 3 * 0.1))
+    right["L_s"].values[1, 0] = 4.0
+    axis, number = differences(right, left=left)
+    assert axis.text == "2 against 2 values, 2 of them in both and compared"
+    assert "3 against 4 at mu_k=0.3" in number.text
 
 
 def test_the_worst_offender_is_shown() -> None:

@@ -23,9 +23,11 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import Role
+from fiv_cli.case.grammar import SAME
 from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
+from fiv_cli.reading import select
 from fiv_cli.reading.datasets import error_of, flag_names
 from fiv_cli.reading.over_laws import stretches
 from fiv_cli.reading.select import ragged_dims, row_sizes
@@ -67,6 +69,7 @@ class Tolerances:
         return self.variables.get(name, self.default)
 
 
+ALONG = "; what lies along it is not compared"
 PLACES = 100
 """How many stretches of points that have come into another class are named."""
 
@@ -145,9 +148,10 @@ def compare(
 ) -> list[Difference]:
     """Every difference between two sets of datasets, by name of the analysis.
 
-    First which class became which, that of the steady state before others: numbers follow it.
+    First of which axes a part alone can be compared; then which class became which, that of the
+    steady state before others: numbers follow it.
     """
-    differences = []
+    axes, differences = [], []
     for name in sorted(left.keys() | right.keys()):
         if name not in left or name not in right:
             side = "first" if name in left else "second"
@@ -157,9 +161,11 @@ def compare(
             if another := _another_order(one, other):
                 differences.append(Difference(name or "axes", another))
                 continue
-            pair = _Pair(one, other, tolerances, f"{name}/" if name else "")
-            differences.extend(pair.differences())
-    return sorted(differences, key=_rank)
+            prefix = f"{name}/" if name else ""
+            one, other, cut = _at_common_points(one, other)
+            axes += [Difference(prefix + axis, text) for axis, text in cut.items()]
+            differences.extend(_Pair(one, other, {*cut}, tolerances, prefix).differences())
+    return [*axes, *sorted(differences, key=_rank)]
 
 
 def _another_order(one: xr.Dataset, other: xr.Dataset) -> str:
@@ -176,9 +182,54 @@ def _rank(one: Difference) -> int:
 
 
 def _found(dataset: xr.Dataset) -> xr.Dataset:
-    """What was found, without the fixed parameters that it was found under, and as it is stored."""
+    """What was found, without the fixed parameters that it was found under, and as it is stored.
+
+    Nor what leads observations back to their points, by the number of these in the file.
+    """
     parameters = [name for name, coord in dataset.coords.items() if coord.ndim == 0]
-    return dataset.drop_vars([*parameters, *(n for n in dataset if named(str(n)).derived)])
+    derived = [name for name in dataset if named(str(name)).derived]
+    back = [f"{dim.removesuffix('_obs')}_point" for dim in ragged_dims(dataset)]
+    return dataset.drop_vars([*parameters, *derived, *back], errors="ignore")
+
+
+def _at_common_points(
+    one: xr.Dataset, other: xr.Dataset
+) -> tuple[xr.Dataset, xr.Dataset, dict[str, str]]:
+    """Both at those values of the grid's axes that both have, and axis -> in what it differs.
+
+    An axis without a value in common stays as it is.
+    """
+    masks: list[dict[str, Mask]] = [{}, {}]
+    told: dict[str, str] = {}
+    for dim in map(str, one["status"].dims if "status" in one and "status" in other else ()):
+        names = [name for name in _axes_along(one, dim) if name in _axes_along(other, dim)]
+        pairs = [(one[name].values, other[name].values) for name in names]
+        if all(np.array_equal(a, b) for a, b in pairs):
+            continue
+        of_both = [
+            np.logical_and.reduce([_is_among(*pair[::way]) for pair in pairs]) for way in (1, -1)
+        ]
+        count = int(of_both[0].sum())
+        if count and count == of_both[1].sum():
+            masks[0][dim], masks[1][dim] = of_both
+            sizes = f"{of_both[0].size} against {of_both[1].size} values"
+            told |= dict.fromkeys(names, f"{sizes}, {count} of them in both and compared")
+    one, other = (select.masked(side, mask) for side, mask in zip((one, other), masks, strict=True))
+    return one, other.assign_coords({name: one[name] for name in told}), told
+
+
+def _axes_along(dataset: xr.Dataset, dim: str) -> list[str]:
+    return [str(name) for name, coord in dataset.coords.items() if coord.dims == (dim,)]
+
+
+def _is_among(values: Array, others: Array) -> Mask:
+    """Which values are others, too: the same label, or number within what counts as the same."""
+    if values.dtype.kind not in "fiu":
+        return np.isin(values.astype(str), others.astype(str))
+    ordered = np.sort(others)
+    place = np.searchsorted(ordered, values)
+    beside = ordered[np.clip([place - 1, place], 0, ordered.size - 1)]
+    return np.asarray(np.isclose(beside, values, rtol=SAME, atol=0.0).any(axis=0))
 
 
 @dataclass(frozen=True)
@@ -187,6 +238,7 @@ class _Pair:
 
     left: xr.Dataset
     right: xr.Dataset
+    cut: set[str]  # axes that differ beyond what is compared
     tolerances: Tolerances
     prefix: str
 
@@ -219,14 +271,15 @@ class _Pair:
         """What differs, and the dims along which nothing can be compared then."""
         counted = {*ragged_dims(self.left), *ragged_dims(self.right)}
         for name in map(str, self.left.coords):
-            if name not in self.right.coords or counted & {*self.left[name].dims}:
+            known = name in self.right.coords and name not in self.cut
+            if not known or counted & {*self.left[name].dims}:
                 continue
             a, b, dims = self.left[name].values, self.right[name].values, self.left[name].dims
             if a.shape != b.shape:
-                yield self._told(name, f"{a.size} against {b.size} values"), dims
+                yield self._told(name, f"{a.size} against {b.size} values{ALONG}"), dims
             elif not np.array_equal(a, b):
                 index = int(np.flatnonzero(a != b)[0])
-                text = f"value {index}: {a.ravel()[index]!r} against {b.ravel()[index]!r}"
+                text = f"value {index}: {a.ravel()[index]!r} against {b.ravel()[index]!r}{ALONG}"
                 yield self._told(name, text, int(np.count_nonzero(a != b))), dims
 
     def _of_variable(self, name: str) -> Iterator[Difference]:

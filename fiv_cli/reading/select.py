@@ -162,6 +162,11 @@ def subset(
         dim = str(axis.dims[0])
         mask = matching(axis, wanted, nearest=nearest)
         masks[dim] = mask & masks.get(dim, True)
+    return masked(dataset, masks)
+
+
+def masked(dataset: xr.Dataset, masks: Mapping[str, np.ndarray]) -> xr.Dataset:
+    """The part of `dataset` that a mask for each of some dims leaves; ragged rows follow."""
     indices = {dim: np.flatnonzero(mask) for dim, mask in masks.items()}
     return dataset.isel({**indices, **_observations(dataset, masks)})
 
